@@ -1,10 +1,12 @@
-"""Text files that appear whole or not at all, and why one could not be written."""
+"""Files that appear whole or not at all, and why one could not be written."""
 
 from __future__ import annotations
 
 import errno
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile
 
 from labrig.errors import BadInputError, LabrigError
 
@@ -20,6 +22,19 @@ def write_text(path: Path, text: str) -> None:
     part = path.with_name(path.name + ".part")
     try:
         part.write_text(text, encoding="utf-8")
+        part.replace(path)
+    except OSError as error:
+        discard(part)
+        raise not_written(path, error) from None
+
+
+def write_zip(path: Path, files: Sequence[Path]) -> None:
+    """Pack files by their names, beside the archive's place, and rename it. Raises likewise."""
+    part = path.with_name(path.name + ".part")
+    try:
+        with ZipFile(part, "w", ZIP_DEFLATED) as archive:
+            for file in files:
+                archive.write(file, file.name)
         part.replace(path)
     except OSError as error:
         discard(part)

@@ -146,7 +146,8 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     from labrig.vision import compare_with_frames, contact_from_image
 
     run = session.run(job.run)
-    label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {job.voltage_V:+g} V"
+    volts = f"{job.voltage_V:+g} V" if job.voltage_V else "0 V"
+    label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {volts}"
     warnings: list[str] = []
     mean = contact = None
     if job.in_mean:

@@ -143,8 +143,7 @@ class _ReadingMaker:
     ) -> Iterator[str]:
         if edge is not None and edge.why:
             yield edge.why
-        ranges_V = [self._run.ranges_V[name] for name in self._run.channels]
-        yield from bad_samples(self._volts[:, first : last + 1], ranges_V, self._run.channels)
+        yield from bad_samples(self._volts[:, first : last + 1], self._run.signals)
         yield from wrong_drive(drive_V, self._written_V.get(planned.step, 0.0), self._rules)
 
 

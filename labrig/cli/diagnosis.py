@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.cli.screen import print_table, progress, say, warn
-from labrig.errors import LabrigError
+from labrig.errors import BadInputError, LabrigError
 
 if TYPE_CHECKING:
     from labrig.report.parts.table import Table
     from model import Measurements, SheetModel
-    from model.discrepancy import DiagnoseOptions, Diagnosis
+    from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 
 
 def diagnosed(measurements: Measurements, options: DiagnoseOptions) -> Diagnosis:
@@ -33,6 +33,20 @@ def known_model(path: Path | None) -> SheetModel | None:
     return load_model(path)
 
 
+def promises_kept_in(sessions: list[Path]) -> tuple[Next, ...]:
+    """Return the proposals kept in the first session that the further ones have measured."""
+    from labrig.experiment.next_measurement.promises import promised
+    from labrig.report.data.kept_diagnosis import kept_diagnosis
+
+    if len(sessions) < 2:
+        return ()
+    try:
+        return promised(kept_diagnosis(sessions[0]), sessions)
+    except BadInputError as error:
+        warn(f"promises of earlier proposals are not compared: {error}")
+        return ()
+
+
 def keep(session: Path, found: Diagnosis) -> None:
     """Store a diagnosis in the session; warn where the session cannot be written."""
     from labrig.report.data.kept_diagnosis import keep_diagnosis
@@ -43,11 +57,15 @@ def keep(session: Path, found: Diagnosis) -> None:
         warn(f"the diagnosis is not stored in the session: {error}")
 
 
-def print_diagnosis(found: Diagnosis) -> None:
-    """Print the whole diagnosis in the order in which it was made."""
+def print_diagnosis(found: Diagnosis, session: Path | None) -> None:
+    """Print the whole diagnosis in the order in which it was made; `session` keeps it."""
     from labrig.report.diagnosis import tables as made
     from labrig.report.diagnosis.parameters import choice_table, parameter_table
 
+    if not found.searched:
+        for text in made.verdict_sentences(found) + made.further_sentences(found):
+            say(text)
+        return
     say(made.gap_sentence(found))
     print_noted_table(made.where_table(found))
     for text in made.visibility(found):
@@ -64,7 +82,7 @@ def print_diagnosis(found: Diagnosis) -> None:
     scatter = made.scatter_sentence(found)
     for text in [scatter] * bool(scatter) + made.further_sentences(found):
         say(text)
-    for text in made.next_sentences(found):
+    for text in made.next_sentences(found, None if session is None else str(session)):
         say(text)
 
 

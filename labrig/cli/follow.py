@@ -15,7 +15,8 @@ from labrig.cli.screen import Advance, progress, say, warn
 from labrig.config import read_text
 from labrig.config.about import FILE as ABOUT
 from labrig.errors import ExitCode
-from labrig.experiment.hooks import Hooks, NotifyingOperator, hooks_of
+from labrig.experiment.hook_watch import hooks_of
+from labrig.experiment.hooks import Hooks, NotifyingOperator
 from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations
@@ -122,7 +123,8 @@ def _hooks(plan: Plan, output: Path) -> Iterator[Hooks]:
     """Yield the rig's hooks; what is still told when the session is over is waited for."""
     hooks: Hooks | None = None
     try:
-        with hooks_of(plan.rig.hooks, output.name, warn) as hooks:
+        is_guarded = not plan.rig.is_simulated
+        with hooks_of(plan.rig.hooks, output, warn, is_guarded=is_guarded) as hooks:
             yield hooks
     finally:
         if hooks is not None:
@@ -263,9 +265,9 @@ class RunDisplay:
         where = f"{len(self._runs)} runs done" if completed else event.outcome.value
         if not completed and self._run is not None:
             where += f" in {_which(self._run, len(self._runs))}"
-        if len(self._lost) > 1:  # of one run it has just been said
+        if self._lost:
             warn("warning: readings were lost:")
-        for line in self._lost if len(self._lost) > 1 else ():
+        for line in self._lost:
             warn(f"  {line}")
         safe = event.output is OutputState.SAFE
         output = "output safe, read back" if safe else f"OUTPUT {event.output.value.upper()}"

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import typer
 
-from labrig.cli.diagnosis import diagnosed, keep, print_diagnosis
+from labrig.cli.diagnosis import diagnosed, keep, print_diagnosis, promises_kept_in
 from labrig.cli.follow import run_and_follow
 from labrig.cli.measurements import of_sessions
 from labrig.cli.screen import say, warn
 from labrig.errors import ExitCode
 from labrig.experiment.next_measurement.closed_loop import closed_loop
-from labrig.experiment.next_measurement.next_protocol import protocol_text
+from labrig.experiment.next_measurement.next_protocol import protocol_text, with_protocol
 from labrig.files import write_text
 from labrig.report.diagnosis.tables import next_sentence
 from labrig.session import open_session
@@ -40,9 +40,12 @@ class _AtTheRig:
     about: Path | None
 
     def diagnose(self, sessions: list[Path]) -> Diagnosis:
-        found = diagnosed(of_sessions(sessions), DiagnoseOptions())
+        found = diagnosed(
+            of_sessions(sessions), DiagnoseOptions(promised=promises_kept_in(sessions))
+        )
+        found = with_protocol(found, of_sessions(sessions[:1]), sessions[0])
         keep(sessions[0], found)
-        print_diagnosis(found)
+        print_diagnosis(found, sessions[0])
         return found
 
     def agree(self, proposed: Next) -> bool:

@@ -10,6 +10,7 @@ from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
     from model import Fit, FitOptions, Measurements
+    from model.discrepancy import Suspicion
 
 
 def of_sessions(sessions: list[Path]) -> Measurements:
@@ -42,6 +43,16 @@ def of_sessions_or_tables(
     found = read_tables(load_sheet(sheet), forces, curves, signals)
     for text in found.warnings:
         warn(text)
+    return found
+
+
+def warn_of_suspicions(measurements: Measurements) -> tuple[Suspicion, ...]:
+    """Warn of what is suspicious about measurements as they are stated, and return it."""
+    from labrig.report.data.suspicions import suspicions
+
+    found = suspicions(measurements)
+    for one in found:
+        warn(f"check the data: {one.sentence}.")
     return found
 
 

@@ -9,10 +9,7 @@ from typing import TextIO
 
 from labrig.cli.screen import warn
 from labrig.errors import RenamedKeyWarning
-
-# Of a part that is left out. `drivers`, `model` and `sim_hardware` have a class of this name each.
-# Comparing the classes would import all three, which takes longer than the start of the program.
-_PART_LEFT_OUT = "PluginWarning"
+from labrig.left_out import is_left_out, note
 
 
 @contextmanager
@@ -34,9 +31,12 @@ def shown_as_sentences() -> Iterator[None]:
             file: TextIO | None = None,
             line: str | None = None,
         ) -> None:
-            if category.__name__ != _PART_LEFT_OUT and category is not RenamedKeyWarning:
+            if is_left_out(category):
+                note(str(message))
+            elif category is not RenamedKeyWarning:
                 as_python_does(message, category, filename, lineno, file, line)
-            elif str(message) not in printed:
+                return
+            if str(message) not in printed:
                 printed.add(str(message))
                 warn(f"labrig: {message}")
 

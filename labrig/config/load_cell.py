@@ -45,13 +45,18 @@ def parse_load_cell(text: str, name: str) -> LoadCellCalibration:
     return validate(LoadCellConfig, parse_toml(text, name), name).calibration()
 
 
+def raw_force_unit(resolved: Mapping[str, Any]) -> str:
+    """Return the unit of a session's raw samples of the force: V, or N where a meter read it."""
+    return "N" if resolved.get(FORCE_UNIT) == "N" else "V"
+
+
 def recorded_calibration(text: str, name: str, resolved: Mapping[str, Any]) -> LoadCellCalibration:
     """Return what a session's channel `force` means: volts of the cell, or a meter's newtons.
 
     `text` is the session's load_cell.toml, `resolved` its configuration as understood.
     """
     calibration = parse_load_cell(text, name)
-    return calibration.in_newtons() if resolved.get(FORCE_UNIT) == "N" else calibration
+    return calibration.in_newtons() if raw_force_unit(resolved) == "N" else calibration
 
 
 def load_load_cell(path: Path) -> LoadCellCalibration:

@@ -13,6 +13,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from drivers.boards import BOARD_FAMILIES, DEFAULT, BoardFamily, BoardInput
 from drivers.boards.contract import CURRENT, DRIVE, FORCE
+from drivers.force_sensors import FORCE_SENSORS
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.config.channels import Channels, require_distinct
 from labrig.config.derived import SIMULATED, raising_value_errors
@@ -160,6 +161,11 @@ class RigConfig(ClosedModel):
     def is_simulated(self) -> bool:
         """Whether the boards are the ones simulated in this process, on the virtual clock."""
         return self.boards.address == SIMULATED
+
+    @property
+    def raw_force_unit(self) -> str:
+        """Unit in which the force arrives: V of the load cell, or N where a meter reads it."""
+        return "V" if FORCE_SENSORS.get(self.force_sensor.kind).make is None else "N"
 
     def changed(self, **tables: Mapping[str, Any] | None) -> Self:
         """Return the configuration with other values of some keys, by table and key.

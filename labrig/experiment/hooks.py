@@ -12,14 +12,14 @@ import re
 import subprocess
 import threading
 import urllib.request
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from enum import StrEnum
 
 from drivers.interfaces import Operator, Prompt
 from labrig.config.hooks import HooksConfig
 
 Log = Callable[[str], None]
+_END_S = 2.0  # to end a command whose time is over: else it would outlive the program
 
 
 class Notice(StrEnum):
@@ -80,7 +80,7 @@ class Hooks:
         """Wait until the hooks are over, at most their time."""
         self.answered()
         for thread in self._threads:
-            thread.join(0.0 if self._config is None else self._config.timeout_s)
+            thread.join(0.0 if self._config is None else self._config.timeout_s + _END_S)
 
     def _start(self, name: str, work: Callable[[], None]) -> None:
         def guarded() -> None:
@@ -133,23 +133,17 @@ def _why(error: Exception) -> str:
     return f"{error}" if isinstance(error, RuntimeError) else f"{type(error).__name__}: {error}"
 
 
-@contextmanager
-def hooks_of(config: HooksConfig | None, session: str, log: Log) -> Iterator[Hooks]:
-    """Yield the hooks of a session; an exception that ends the block is told as 'stopped'."""
-    hooks = Hooks(config, session, log)
-    try:
-        yield hooks
-    except BaseException as error:
-        hooks.ended(completed=False, text=str(error) or type(error).__name__)
-        raise
-
-
 class NotifyingOperator:
     """An operator who is told of questions that stand for long."""
 
     def __init__(self, operator: Operator, hooks: Hooks) -> None:
         self._operator = operator
         self._hooks = hooks
+
+    @property
+    def expired(self) -> bool:
+        """Whether nobody has answered the last question in its time."""
+        return getattr(self._operator, "expired", False)
 
     def ask(self, prompt: Prompt) -> bool:
         """See `drivers.interfaces.Operator`."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from drivers.force_sensors import FORCE_SENSORS
 from drivers.load_cell import LoadCellCalibration
 from labrig.config import (
     About,
@@ -57,7 +56,7 @@ class Plan:
             "protocol": self.protocol.model_dump(mode="json"),
             "sheet": {name: to_plain(sheet) for name, sheet in self.sheets.items()},
             "load_cell": to_plain(self.calibration),
-            FORCE_UNIT: "N" if _reads_newtons(self.rig) else "V",
+            FORCE_UNIT: self.rig.raw_force_unit,
             "optics": None if self.optics is None else self.optics.model_dump(mode="json"),
             **({} if self.about.is_empty else {"about": self.about.model_dump(mode="json")}),
         }
@@ -112,14 +111,9 @@ def make_plan(
     return plan
 
 
-def _reads_newtons(rig: RigConfig) -> bool:
-    """Whether a meter reads the load cell, whose values are newtons already."""
-    return FORCE_SENSORS.get(rig.force_sensor.kind).make is not None
-
-
 def _calibration(rig: RigConfig, text: str, name: str) -> LoadCellCalibration:
     calibration = parse_load_cell(text, name)
-    return calibration.in_newtons() if _reads_newtons(rig) else calibration
+    return calibration.in_newtons() if rig.raw_force_unit == "N" else calibration
 
 
 def _check_against_rig(plan: Plan, called: Mapping[str, str]) -> None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivers.interfaces import DeviceError
+from drivers.interfaces import DeviceError, RealClock
+from drivers.real_time import EDGES, punctual
 from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.pause import PauseFile
@@ -69,13 +70,15 @@ def run_session(
     resumption: Resumption | None = None,
     on_scheduler: Callable[[Scheduler], None] | None = None,
     on_step: Step = no_step,
+    on_simulated: Callable[[bool], None] = lambda _: None,
 ) -> Result:
     """Open the rig, check that it is ready, run the whole schedule, record it at `path`.
 
     `hub` is the one that the rig was wired with; the session file joins its subscribers. Without
     `check_first` the devices are taken as they are: a recording shows nothing between its runs.
     The complete runs of a `resumption` are copied instead of run.
-    `on_step` is called with each step of the beginning, in words.
+    `on_step` is called with each step of the beginning, in words, `on_simulated` with what the
+    file says of the rig: boards that are simulated elsewhere report it once they are open.
     Raises NotReadyError before the first voltage, BadInputError when `path` cannot be written.
     """
     result: Result | None = None
@@ -84,7 +87,15 @@ def run_session(
             if check_first:
                 on_step("checking boards, load cell and camera")
                 _require_ready(rig, plan)
-            job = _Job(rig=rig, plan=plan, stop=stop, hub=hub, shutdown=shutdown, on_step=on_step)
+            job = _Job(
+                rig=rig,
+                plan=plan,
+                stop=stop,
+                hub=hub,
+                shutdown=shutdown,
+                on_step=on_step,
+                on_simulated=on_simulated,
+            )
             result = _record(job, path, resumption, on_scheduler)
     except OutputUnknownError:
         # Of closing the devices. How the session ended says more, and what is known of the output.
@@ -117,6 +128,7 @@ class _Job:
     hub: EventBus
     shutdown: SafeShutdown
     on_step: Step
+    on_simulated: Callable[[bool], None]
 
 
 def _record(
@@ -129,7 +141,7 @@ def _record(
     if resumption is not None:
         resumption.check_rig(rig)
     job.on_step("making the session file")
-    writer = _writer(rig, job.plan, path)
+    writer = _writer(job, path)
     pause = PauseFile(path)
     pause.forget()
     hub.add_required("the session file", writer.handle)
@@ -144,7 +156,8 @@ def _record(
             scheduler = _scheduler(job, pause)
             if on_scheduler is not None:
                 on_scheduler(scheduler)
-            outcome = scheduler.run(job.plan.schedule, resumption.done if resumption else ())
+            with punctual(EDGES) if isinstance(rig.clock, RealClock) else nullcontext():
+                outcome = scheduler.run(job.plan.schedule, resumption.done if resumption else ())
     finally:
         hub.close()
         writer.close()
@@ -173,7 +186,8 @@ def _require_ready(rig: Rig, plan: Plan) -> None:
         raise NotReadyError(f"The rig is not ready: {faults}.")
 
 
-def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
+def _writer(job: _Job, path: Path) -> SessionWriter:
+    rig, plan = job.rig, job.plan
     camera, replayed = rig.camera, rig.replayed
     if replayed is None:
         devices = recorded_devices(rig, plan)
@@ -182,6 +196,7 @@ def _writer(rig: Rig, plan: Plan, path: Path) -> SessionWriter:
     else:  # what was measured comes from the devices of that session
         devices, simulated = replayed.devices, replayed.simulated
         parts = {REPLAY_OF: replayed.identifier}
+    job.on_simulated(simulated)
     return SessionWriter(
         path,
         schedule=plan.schedule,

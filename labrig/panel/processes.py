@@ -13,6 +13,7 @@ from typing import TypedDict
 _ROOT = Path(__file__).resolve().parents[2]
 LOWER_BY = 10  # nice steps of what must not slow a run down
 LOWEST_PRIORITY = 19
+CAN_STEP_BACK = sys.platform == "linux"  # elsewhere a low priority is for good
 
 
 class Detached(TypedDict):
@@ -53,7 +54,32 @@ def lower_priority(leader: int) -> None:
     if sys.platform != "win32":
         with suppress(OSError):  # it has just ended
             now = os.getpriority(os.PRIO_PGRP, leader)
-            os.setpriority(os.PRIO_PGRP, leader, min(LOWEST_PRIORITY, now + LOWER_BY))
+            lower = min(LOWEST_PRIORITY, now + LOWER_BY)
+            os.setpriority(os.PRIO_PGRP, leader, lower)
+            # Where Linux groups processes by session, their own priority counts within it only.
+            Path(f"/proc/{leader}/autogroup").write_text(str(lower), encoding="ascii")
+
+
+def step_back(pid: int) -> None:
+    """Let a detached process compute only when nobody else does, until `step_forward`."""
+    if sys.platform == "linux":
+        _schedule(pid, os.SCHED_IDLE, LOWEST_PRIORITY)
+
+
+def step_forward(pid: int) -> None:
+    """Let a process compute as any other again."""
+    if sys.platform == "linux":
+        _schedule(pid, os.SCHED_OTHER, 0)
+
+
+if sys.platform == "linux":
+
+    def _schedule(pid: int, policy: int, session_priority: int) -> None:
+        with suppress(OSError):  # it has just ended, or sessions have no priority here
+            Path(f"/proc/{pid}/autogroup").write_text(str(session_priority), encoding="ascii")
+        with suppress(OSError):
+            for thread in Path(f"/proc/{pid}/task").iterdir():
+                os.sched_setscheduler(int(thread.name), policy, os.sched_param(0))
 
 
 def end_with_children(leader: int) -> None:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import connection_faults as connection_faults
     from labrig.testing.conformance import curve_extractor_faults as curve_extractor_faults
     from labrig.testing.conformance import curve_faults as curve_faults
+    from labrig.testing.conformance import data_check_faults as data_check_faults
     from labrig.testing.conformance import effect_faults as effect_faults
     from labrig.testing.conformance import family_faults as family_faults
     from labrig.testing.conformance import force_sensor_faults as force_sensor_faults
@@ -50,6 +51,7 @@ _HOMES = {
         "command_faults",
         "connection_faults",
         "curve_faults",
+        "data_check_faults",
         "effect_faults",
         "curve_extractor_faults",
         "force_sensor_faults",

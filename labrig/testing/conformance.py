@@ -27,6 +27,7 @@ from labrig.extractors.conformance import faults_of_curve as curve_faults
 from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
 from labrig.report.sections.conformance import faults as section_faults
+from model.discrepancy.data_checks.conformance import faults as data_check_faults
 from model.effects.conformance import faults as effect_faults
 from model.locations.conformance import faults as location_faults
 from protocols.kinds.conformance import faults as protocol_faults
@@ -41,6 +42,7 @@ __all__ = [
     "connection_faults",
     "curve_extractor_faults",
     "curve_faults",
+    "data_check_faults",
     "effect_faults",
     "family_faults",
     "force_sensor_faults",

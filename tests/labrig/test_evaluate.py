@@ -50,7 +50,7 @@ def test_fit_writes_a_model_that_predicts_like_the_sheet(recorded, tmp_path, cap
 def test_fit_json_is_one_object_of_the_documented_shape(recorded, capsys):
     assert run(["fit", str(recorded), "--json", "--q", "0"]) == 0
     found = json.loads(printed(capsys)[0])
-    assert set(found) == {"configurations", "rmse"}
+    assert set(found) == {"configurations", "data_checks", "rmse"}
     assert set(found["rmse"]) == {"force_mN", "curve_mm"}
     for name, B in STIFFNESS.items():
         one = found["configurations"][name]

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
 import sys
 import threading
 import time
+from contextlib import suppress
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 
@@ -15,9 +18,11 @@ from drivers.interfaces import Prompt
 from labrig.config import parse_rig
 from labrig.config.hooks import HooksConfig
 from labrig.errors import BadInputError
-from labrig.experiment.hooks import Hooks, Notice, NotifyingOperator, hooks_of
+from labrig.experiment.hook_watch import hooks_of
+from labrig.experiment.hooks import Hooks, Notice, NotifyingOperator
 from labrig.experiment.resume import resumed_plan
 from labrig.session import open_session
+from tests.end_to_end.real_rig import children
 from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig
 
 KEEP = "import sys, os; open(sys.argv[1], 'a').write(sys.stdin.read() + '\\n')"
@@ -109,7 +114,9 @@ def test_the_address_of_a_webhook_may_stand_in_the_environment(webhook, log, mon
     ],
 )
 def test_a_hook_that_fails_is_logged_and_nothing_else(config, why, log):
-    with hooks_of(HooksConfig.model_validate(config), "a.h5", log.append) as hooks:
+    with hooks_of(
+        HooksConfig.model_validate(config), Path("a.h5"), log.append, is_guarded=False
+    ) as hooks:
         hooks.tell(Notice.DONE, "")
         hooks.close()
     assert len(log) == 1
@@ -124,6 +131,47 @@ def test_a_hook_that_hangs_is_ended_after_its_time(log):
     assert time.monotonic() - began < 0.4  # it is not waited for
     hooks._threads[0].join(20)
     assert "was ended after 0.5 s" in log[0]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="asks for a process by a signal")
+def test_a_command_that_hangs_does_not_outlive_the_program(tmp_path, log):
+    file = tmp_path / "pid"
+    code = "import os, sys, time; open(sys.argv[1], 'w').write(str(os.getpid())); time.sleep(60)"
+    hooks = Hooks(
+        HooksConfig(command=(sys.executable, "-c", code, str(file)), timeout_s=1.0),
+        "a.h5",
+        log.append,
+    )
+    hooks.tell(Notice.DONE, "")
+    hooks.close()
+    assert "was ended" in log[0]  # before the program itself ends
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(file.read_text()), 0)
+
+
+@pytest.mark.slow
+def test_what_stands_by_for_a_program_that_is_killed_while_starting_it_ends_without_a_word():
+    module = [sys.executable, "-m", "labrig.experiment.hook_watch"]
+    done = subprocess.run(module, input=b"", capture_output=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="needs /proc")
+@pytest.mark.parametrize("fails", [False, True])
+def test_nothing_stands_by_after_the_session(tmp_path, log, fails):
+    before = set(children(os.getpid()))
+    with (
+        suppress(BadInputError),
+        hooks_of(keeping(tmp_path / "told"), tmp_path / "a.h5", log.append, is_guarded=True),
+    ):
+        (pid,) = set(children(os.getpid())) - before
+        if fails:
+            raise BadInputError("the rig is not ready.")
+    assert pid not in children(os.getpid())
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)
 
 
 class Answers:
@@ -149,7 +197,7 @@ def test_the_operator_is_told_of_a_question_that_stands_for_long(tmp_path, log, 
 def test_an_error_before_the_first_voltage_is_told_as_stopped(tmp_path, log):
     with (
         pytest.raises(BadInputError),
-        hooks_of(keeping(tmp_path / "told"), "a.h5", log.append) as hooks,
+        hooks_of(keeping(tmp_path / "told"), Path("a.h5"), log.append, is_guarded=False) as hooks,
     ):
         raise BadInputError("the rig is not ready.")
     hooks.close()

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import re
 import zlib
+from dataclasses import replace
 
 import pytest
 
 from labrig.cli.main import run
+from labrig.report.figures.shapes import curves_figure
+from labrig.report.parts.style import figure, legend_below
 from tests.labrig.report_data import measure, session
 
 
@@ -60,3 +63,24 @@ def test_an_unknown_format_is_refused_before_anything_is_drawn(recorded, tmp_pat
     assert run(["report", str(recorded), "-o", str(tmp_path / "out"), "--format", "jpg"]) == 2
     assert "--format jpg: give png, svg or pdf." in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_figure_7_is_no_higher_than_its_curves_need():
+    measured = measure("long")
+    low = replace(measured, conditions=tuple(c for c in measured.conditions if not c.position_m))
+    fig = curves_figure(low, ["long"])
+    fig.draw_without_rendering()
+    (panel,) = fig.axes
+    assert panel.get_window_extent().height / fig.bbox.height > 0.3
+    assert panel.get_tightbbox().y1 <= fig.bbox.y1 + 1
+
+
+def test_a_legend_of_two_rows_is_read_row_by_row():
+    with figure(2.8, 2.0) as fig:
+        axes = fig.subplots()
+        legend_below(fig, [axes.plot([0, 1], label=name)[0] for name in "abc"])
+        fig.draw_without_rendering()
+    places = {text.get_text(): text.get_window_extent() for text in fig.legends[0].get_texts()}
+    assert places["a"].y0 == pytest.approx(places["b"].y0, abs=2)
+    assert places["a"].x0 < places["b"].x0
+    assert places["c"].y0 < places["a"].y0 - 5

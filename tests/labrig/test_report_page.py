@@ -97,6 +97,26 @@ def test_the_page_has_the_papers_tables_and_figures(whole):
 
 
 @pytest.mark.slow
+def test_each_error_of_constant_eibm_says_what_was_held_or_refitted(whole):
+    """Three errors of one name once stood in the report, each of another fit."""
+    text = re.sub(r"<svg.*?</svg>", "", read(whole), flags=re.DOTALL)
+    blocks = re.findall(
+        r'<figure.*?</figure>|<div class="scroll".*?</div>|<div class="card">.*?</div>',
+        text,
+        flags=re.DOTALL,
+    )
+    of_errors = [
+        block
+        for block in blocks
+        if "constant eibm" in block.lower() and re.search(r"RMSE|Root mean|error|simulated", block)
+    ]
+    assert len(of_errors) >= 7  # 2 cards, tables 5 and 6, 2 figures, errors of each condition
+    for block in of_errors:
+        rows = re.findall(r"<dt>([^<]*constant EIBM[^<]*)</dt>", block) or [block]
+        assert all("B held" in row or "refitted" in row for row in rows), block[:300]
+
+
+@pytest.mark.slow
 def test_the_page_holds_what_the_session_was_made_with(whole):
     text = read(whole)
     assert "free_length_mm = 50.0" in text
@@ -134,6 +154,7 @@ def test_one_configuration_alone_is_reported_and_said(long_alone):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_a_session_without_valid_readings_gets_a_page_that_says_why(tmp_path):
     stuck = invalid(measure("long"), "long", "the sheet <stuck> in the rolls")
     text = read(write_report(session(tmp_path / "made.h5", stuck)))
@@ -145,6 +166,7 @@ def test_a_session_without_valid_readings_gets_a_page_that_says_why(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_a_session_stopped_half_way_is_analysed_and_reported(tmp_path):
     path = stopped_session(tmp_path / "half.h5", after_runs=1)
     told = []
@@ -155,6 +177,7 @@ def test_a_session_stopped_half_way_is_analysed_and_reported(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_a_session_in_which_nothing_was_run_gets_a_page_all_the_same(tmp_path):
     text = read(write_report(stopped_session(tmp_path / "none.h5", after_runs=0)))
     assert "Nothing could be measured" in text
@@ -162,6 +185,7 @@ def test_a_session_in_which_nothing_was_run_gets_a_page_all_the_same(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_texts_of_a_session_cannot_put_markup_into_the_page(tmp_path):
     evil = "# </pre><script>alert(1)</script>\n" + TEXTS["sheet.toml"]
     path = session(tmp_path / "evil.h5", None, texts=TEXTS | {"sheet.toml": evil})
@@ -203,6 +227,7 @@ def test_an_inline_figure_has_names_of_its_own_and_no_metadata():
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_imported_tables_are_reported_without_what_only_a_recording_has(tmp_path):
     path = session(tmp_path / "made.h5", measure("long"))
     forces, curves, _ = export_session(path, tmp_path / "csv")
@@ -230,6 +255,7 @@ def test_many_warnings_are_counted_at_the_top(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_the_page_says_of_the_boards_what_they_reported_and_nothing_else(tmp_path):
     def device(simulated: bool) -> RecordedDevice:
         identity = DeviceIdentity(name="PCI6703", product="PCI-6703", is_simulated=simulated)
@@ -249,6 +275,7 @@ def test_the_page_says_of_the_boards_what_they_reported_and_nothing_else(tmp_pat
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_the_experiments_title_stands_above_the_page_where_one_is_stated(tmp_path):
     about = 'title = "Water and back relaxation"\n[[people]]\nname = "Ada Example"\n'
     text = read(

@@ -22,7 +22,7 @@ from labrig.report.parts.style import figure
 from labrig.report.parts.table import Table
 from labrig.report.sections.conformance import content_faults, faults
 from labrig.report.sections.interface import SECTIONS, ReportSection, ordered
-from labrig.session import open_session
+from labrig.session import Mark, add_mark, open_session
 from tests.labrig.report_data import measure, session, stopped_session
 
 DOCS = Path(__file__).parents[2] / "docs" / "report.md"
@@ -51,6 +51,32 @@ def made(title: str, make, order: float = 1.0, figures: tuple[str, ...] = ()) ->
 def content(findings: Findings, folder: Path, *sections: ReportSection) -> ReportContent:
     known = {f"part{i}": section for i, section in enumerate(sections)}
     return report_content(findings, FigureFolder(folder / "figures"), known)
+
+
+def test_marks_stand_in_the_report_with_who_when_and_why(tmp_path):
+    path = session(tmp_path / "marked.h5", None)
+    add_mark(path, Mark(run=1, reading=None, why="a bubble", who="A. P."))
+    add_mark(path, Mark(run=1, reading=None, why="it had gone", who="B. Q.", invalid=False))
+    with open_session(path) as opened:
+        found = Findings(
+            session=opened, measurements=None, fitted=FittedSheets(None), why_not="it was not tried"
+        )
+        sections = {name: SECTIONS.get(name) for name in ("marks", "record")}
+        assert sections["marks"].applies(found)
+        figures = FigureFolder(tmp_path / "figures")
+        made, record = (one.make(found, figures) for one in sections.values())
+        when = opened.marks_after_end[0].when[:16].replace("T", " ")
+    (table,) = made.items
+    assert table.rows == (
+        ("2", "whole run", "invalid", "a bubble", "A. P.", when),
+        ("2", "whole run", "mark taken back", "it had gone", "B. Q.", when),
+    )
+    assert "2 after its end" in made.sentences[0]
+    assert not any("Marks" in getattr(item, "title", "") for item in record.items)
+
+
+def test_a_report_without_marks_has_no_section_of_them(findings):
+    assert not SECTIONS.get("marks").applies(findings)
 
 
 @pytest.mark.parametrize("name", SECTIONS.parts())
@@ -196,6 +222,7 @@ def test_the_section_of_the_docs_stands_where_its_order_puts_it(distribution, tm
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_a_section_does_not_appear_where_it_does_not_apply(distribution, tmp_path):
     path = stopped_session(tmp_path / "none.h5", after_runs=0)
     with pytest.warns(PluginWarning):

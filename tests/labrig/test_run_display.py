@@ -111,6 +111,29 @@ def test_the_progress_line_ends_with_the_output_as_it_was_read_back() -> None:
     assert lines[-1].endswith("output safe, read back")
 
 
+@pytest.mark.parametrize("runs", [1, 2])
+def test_the_end_of_a_session_says_which_runs_have_lost_readings(
+    capsys: pytest.CaptureFixture[str], runs: int
+) -> None:
+    """Of the first run it was said long before, and a person looks at the last lines."""
+    rig = FakeRig()
+    schedule = short_schedule(0.0, 0.01)
+    began_s = rig.clock.now()
+    rig.camera.lost = lambda time_s: runs == 2 or time_s - began_s < 10.0
+    lines: list[str] = []
+
+    def advance(_fraction: float, _text: str, *, last: bool = False) -> None:
+        if last:
+            lines.extend(capsys.readouterr().err.splitlines())
+
+    display = RunDisplay(schedule, advance, rig.stop)
+    rig.scheduler(emit=display).run(schedule)
+    *_, heading = (i for i, line in enumerate(lines) if line == "warning: readings were lost:")
+    told = lines[heading + 1 :]
+    assert [line.split(":")[0] for line in told] == [f"  run {i + 1}" for i in range(runs)]
+    assert all("readings do not count" in line for line in told)
+
+
 def test_a_pipe_gets_the_end_of_a_session_as_a_line_of_its_own(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

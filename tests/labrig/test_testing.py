@@ -25,6 +25,7 @@ KINDS = [
     "effect_faults",
     "curve_extractor_faults",
     "force_sensor_kind_faults",
+    "data_check_faults",
     "location_faults",
     "page_faults",
     "positioner_kind_faults",

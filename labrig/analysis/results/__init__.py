@@ -7,8 +7,8 @@ The steps of a fit cost more than reading does, so that they are separate:
     result = result_of(measurements, fitted=fitted, convergence=points)
 """
 
-from labrig.analysis.results.convergence import Convergence, converging
+from labrig.analysis.results.convergence import Convergence, converging, converging_steps
 from labrig.analysis.results.measured import reading_curve
 from labrig.analysis.results.result import result_of
 
-__all__ = ["Convergence", "converging", "reading_curve", "result_of"]
+__all__ = ["Convergence", "converging", "converging_steps", "reading_curve", "result_of"]

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Any
 
 from labrig.analysis.results.parameters import plain_parameter
-from model import FitOptions, Measurements, ModelError
+from model import Fit, FitOptions, Measurements, ModelError
 from model.identification.joint import Joint, joint_fit
 from model.identification.observations import observe
 
@@ -20,25 +20,39 @@ def converging(
     known: Convergence | None = None,
     options: FitOptions | None = None,
     cancelled: Cancelled = lambda: False,
+    whole: Fit | None = None,
 ) -> Convergence:
-    """Fit what was measured up to each position, in the order in which they were measured.
+    """Fit what was measured up to each position; returns all steps of `converging_steps`.
+
+    `cancelled` is asked before each fit.
+    """
+    found: Convergence = {}
+    steps = converging_steps(measurements, known, options, whole)
+    while not cancelled() and (step := next(steps, None)) is not None:
+        found.setdefault(step[0], []).append(step[1])
+    return found
+
+
+def converging_steps(
+    measurements: Measurements,
+    known: Convergence | None = None,
+    options: FitOptions | None = None,
+    whole: Fit | None = None,
+) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield configuration and fit of each step, in the order in which positions were measured.
 
     Steps that `known` has are not computed again: during a run that is all but the last. A step
-    that allows no fit says why. `cancelled` is asked before each fit.
+    that allows no fit says why. `whole` is the fit of all these measurements, where there is one.
     """
     earlier = {
         (name, one["positions"], one["conditions"]): one
         for name, points in (known or {}).items()
         for one in points
     }
-    found: Convergence = {}
+    fits = _Fits(measurements, options or FitOptions(), None if whole is None else whole.joint)
     for name, count, end in _steps(measurements):
-        if cancelled():
-            break
-        points = found.setdefault(name, [])
         step = earlier.get((name, count, end))
-        points.append(step or _step(measurements, name, count, end, options or FitOptions()))
-    return found
+        yield name, step or _step(measurements, name, count, end, fits)
 
 
 def _steps(measurements: Measurements) -> list[tuple[str, int, int]]:
@@ -55,7 +69,7 @@ def _steps(measurements: Measurements) -> list[tuple[str, int, int]]:
 
 
 def _step(
-    measurements: Measurements, name: str, count: int, end: int, options: FitOptions
+    measurements: Measurements, name: str, count: int, end: int, fits: _Fits
 ) -> dict[str, Any]:
     so_far = replace(measurements, conditions=measurements.conditions[:end])
     newest = measurements.conditions[end - 1].position_m
@@ -68,7 +82,7 @@ def _step(
         "why": "",
     }
     try:
-        joint, n = _fitted(so_far, name, options)
+        joint, n = fits.fitted(so_far, name)
     except ModelError as error:
         return {**point, "why": f"{error}."}
     voltages = sorted({c.voltage_V for c in so_far.conditions if c.configuration == name} - {0.0})
@@ -81,17 +95,32 @@ def _step(
     }
 
 
-def _fitted(measurements: Measurements, name: str, options: FitOptions) -> tuple[Joint, int]:
-    """Fit all configurations together, or the one alone while the others do not allow it."""
-    present = dict.fromkeys(c.configuration for c in measurements.conditions)
-    names = [one for one in measurements.sheets if one in present]
-    try:
-        return _joint(measurements, names, options), names.index(name)
-    except ModelError:
-        if len(names) == 1:
-            raise
-        return _joint(measurements, [name], options), 0
+class _Fits:
+    """Fits of more and more data; each begins with what the one before has found."""
 
+    def __init__(
+        self, measurements: Measurements, options: FitOptions, whole: Joint | None
+    ) -> None:
+        self._all = len(measurements.conditions)
+        self._options = options
+        self._whole = whole
+        self._last: Joint | None = None
 
-def _joint(measurements: Measurements, names: list[str], options: FitOptions) -> Joint:
-    return joint_fit(measurements, [observe(measurements, name) for name in names], options)
+    def fitted(self, measurements: Measurements, name: str) -> tuple[Joint, int]:
+        """Fit all configurations together, or one alone while the others do not allow it."""
+        present = dict.fromkeys(c.configuration for c in measurements.conditions)
+        names = [one for one in measurements.sheets if one in present]
+        try:
+            return self._joint(measurements, names), names.index(name)
+        except ModelError:
+            if len(names) == 1:
+                raise
+            return self._joint(measurements, [name]), 0
+
+    def _joint(self, measurements: Measurements, names: list[str]) -> Joint:
+        whole = self._whole
+        if whole and len(measurements.conditions) == self._all and whole.forward.names == names:
+            return whole
+        observed = [observe(measurements, name) for name in names]
+        self._last = joint_fit(measurements, observed, self._options, self._last)
+        return self._last

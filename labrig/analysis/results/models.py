@@ -10,6 +10,7 @@ import numpy as np
 from model import Along, ConfiguredSheet, Fit, Parameter, SheetModel
 from model.identification.fit import NODES
 from model.identification.joint import Joint
+from model.identification.set_up_scatter import ConditionScatter, Place, scatter_of
 from model.measurements import FloatArray
 from model.sheet.beam_problem import ActiveEffect
 
@@ -26,6 +27,8 @@ class CandidateModel:
     # By configuration, models one standard deviation away in independent directions: by how much
     # their predictions differ from this model's is to be added in squares.
     displaced: Mapping[str, Sequence[SheetModel]]
+    # By configuration and place: how a new measurement would scatter about the model
+    scatter: Mapping[str, Mapping[Place, ConditionScatter]] = field(default_factory=dict)
     # By configuration and voltage; of an EIBM that varies along the sheet its mean over [0, l]
     eibm: Mapping[str, Mapping[float, Parameter]] = field(default_factory=dict)
     why: str = ""  # what a reader must know of it
@@ -38,7 +41,9 @@ def models_of(fitted: Fit | None, with_effects: SheetModel | None) -> list[Candi
     found = [_constant(fitted), _along(fitted)]
     if with_effects is not None:
         found.append(_with_effects(fitted, with_effects))
-    return found
+    names = fitted.joint.forward.names
+    scatter = {name: scatter_of(fitted.joint, n) for n, name in enumerate(names)}
+    return [replace(one, scatter=scatter) for one in found]
 
 
 # -- constant EIBM
@@ -49,8 +54,13 @@ def _constant(fitted: Fit) -> CandidateModel:
         id="constant",
         name="constant EIBM",
         model=fitted.model,
+        # A constant EIBM is a simplification: by how much it misses the model along the sheet
+        # counts like an uncertainty, or measurements would not lie in the band.
         displaced={
-            name: [_moved(fitted.model, name, step) for step in _steps(fitted, name, sheet)]
+            name: [
+                *(_moved(fitted.model, name, step) for step in _steps(fitted, name, sheet)),
+                fitted.varying_model,
+            ]
             for name, sheet in fitted.model.sheets.items()
         },
         eibm={name: one.eibm for name, one in fitted.configurations.items()},

@@ -1,4 +1,8 @@
-"""What models predict at the conditions of a session, with the 90 % band of their parameters."""
+"""What models predict at the conditions of a session, with bands that hold 90 % of measurements.
+
+A band is about what a new set-up would measure: the uncertainty of the parameters, the scatter from
+one set-up to the next and the noise of a condition are added in squares.
+"""
 
 from __future__ import annotations
 
@@ -9,16 +13,16 @@ from typing import Any
 import numpy as np
 from scipy.special import stdtrit
 
-from labrig.analysis.results.measured import in_mm, known, plain_curve, rounded
+from labrig.analysis.results.measured import NORMAL_90, in_mm, known, plain_curve, rounded
 from labrig.analysis.results.models import CandidateModel
 from model import Measurements, ModelError, SheetModel, predict, predict_free
+from model.identification.set_up_scatter import ConditionScatter, Place
 from model.measurements import FloatArray
 from model.mechanics.equilibrium import SolverStatus
 from model.sheet.solution import sampled_s, solved
 
 BEYOND_M = 1e-3  # lines go on beyond the outer positions
 STEP_M = 1e-3
-Place = tuple[float | None, float]  # position in m, None: free; voltage in V
 
 
 @dataclass(frozen=True)
@@ -77,16 +81,31 @@ def _with_bands(
     others = [_answers(one, name, places) for one in model.displaced[name]]
     reach = float(stdtrit(model.model.sheets[name].B.freedom, 0.95))
     beside = list(zip(*others, strict=True)) or [()] * len(best)
-    return [(one, _band(one, near, reach)) for one, near in zip(best, beside, strict=True)]
+    scatter = model.scatter.get(name, {})
+    return [
+        (one, _band(one, near, scatter.get(place), reach))
+        for one, near, place in zip(best, beside, places, strict=True)
+    ]
 
 
-def _band(best: _PlacePrediction, displaced: Sequence[_PlacePrediction], reach: float) -> _Band:
-    force = np.array([one.force_N - best.force_N for one in displaced])
-    force = force[np.isfinite(force)]
-    off = [_off(best, one) for one in displaced if len(one.x_m) == len(best.x_m) > 0]
+def _band(
+    best: _PlacePrediction,
+    displaced: Sequence[_PlacePrediction],
+    scatter: ConditionScatter | None,
+    reach: float,
+) -> _Band:
+    force = [reach * (one.force_N - best.force_N) for one in displaced]
+    off = [reach * _off(best, one) for one in displaced if len(one.x_m) == len(best.x_m) > 0]
+    if scatter is not None:
+        force.append(NORMAL_90 * scatter.force_N)
+    if scatter is not None and len(scatter.s_m) and off:
+        along = np.hypot(np.diff(best.x_m), np.diff(best.y_m))
+        s_m = np.concatenate([[0.0], np.cumsum(along)])
+        off.append(NORMAL_90 * np.interp(s_m, scatter.s_m, scatter.curve_m))
+    known = np.array([one for one in force if np.isfinite(one)])
     return _Band(
-        reach * float(np.sqrt(np.sum(force**2))) if np.isfinite(best.force_N) else np.nan,
-        reach * np.sqrt(np.sum(np.square(off), axis=0)) if off else None,
+        float(np.sqrt(np.sum(known**2))) if np.isfinite(best.force_N) else np.nan,
+        np.sqrt(np.sum(np.square(off), axis=0)) if off else None,
     )
 
 

@@ -61,7 +61,8 @@ def result_of(
         }
 
     CURVE: {"x_mm": [], "y_mm": [], "half90_mm": []|null}, the half width of the 90 % band along the
-    normal. "curve" of a reading says whether there is one; see `reading_curve`.
+    normal. A measured curve's band is its own uncertainty. Bands of models hold 90 % of what new
+    set-ups would measure. "curve" of a reading says whether there is one; see `reading_curve`.
     PARAMETER: {"value", "sigma", "interval90": [low, high]}.
     """
     models = models_of(fitted, with_effects)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from labrig.cli.command import Command
-from labrig.cli.diagnosis import diagnosed, keep, known_model, print_diagnosis
+from labrig.cli.diagnosis import diagnosed, keep, known_model, print_diagnosis, promises_kept_in
 from labrig.cli.measurements import of_sessions_or_tables
 from labrig.cli.options import (
     CurvesFile,
@@ -20,7 +20,7 @@ from labrig.cli.options import (
     SignalsFile,
     Symmetric,
 )
-from labrig.cli.screen import print_json, say
+from labrig.cli.screen import print_json, say, warn
 from labrig.errors import BadInputError
 
 
@@ -75,13 +75,16 @@ def diagnose(
         model=known_model(model),
         exclude=tuple(without or ()),
         hold_out=held_out(hold_out or [], measurements),
+        promised=promises_kept_in(sessions or []),
     )
     found = diagnosed(measurements, options)
     found = with_protocol(found, measurements, sessions[0] if sessions else None)
     if sessions:
         keep(sessions[0], found)
     written = []
-    if output is not None:
+    if output is not None and not found.searched:
+        warn(f"{output} is not written: there is no model of data that contradict what is stated.")
+    elif output is not None:
         from labrig.model_file import save_model
 
         save_model(found.model, output)
@@ -93,7 +96,7 @@ def diagnose(
     if as_json:
         print_json(found.to_json())
         return
-    print_diagnosis(found)
+    print_diagnosis(found, sessions[0] if sessions else None)
     for path in written:
         say(f"wrote {path}")
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from labrig.cli.command import Command
-from labrig.cli.measurements import fitted_of
+from labrig.cli.measurements import fitted_of, warn_of_suspicions
 from labrig.cli.options import FigureFormats, Json
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
@@ -106,6 +106,7 @@ def fit(
     measurements = only(measured.measurements, configuration or [])
     options = replace(options, held_out=_held_out(hold_out or [], measurements))
     found = fitted_of(", ".join(map(str, sessions)), measurements, options)
+    suspicious = warn_of_suspicions(measurements)
     written = []
     if output is not None:
         save_model(found.varying_model if varying else found.model, output)
@@ -113,7 +114,7 @@ def fit(
     if figures is not None:
         written += write_fit_figures(figures, found, measurements, wanted)
     if as_json:
-        print_json(found.to_json())
+        print_json({**found.to_json(), "data_checks": [one.to_json() for one in suspicious]})
         return
     _print(found, measurements, measured.sessions if by_run else None)
     for path in written:

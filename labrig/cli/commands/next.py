@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from labrig.cli.command import Command
-from labrig.cli.diagnosis import known_model
+from labrig.cli.diagnosis import diagnosed, keep, known_model
 from labrig.cli.measurements import of_sessions_or_tables
 from labrig.cli.options import (
     CurvesFile,
@@ -20,7 +20,7 @@ from labrig.cli.options import (
     SignalsFile,
     Symmetric,
 )
-from labrig.cli.screen import print_json, say
+from labrig.cli.screen import print_json, say, warn
 from labrig.errors import BadInputError
 from labrig.files import write_text
 
@@ -45,7 +45,8 @@ def next_measurement(
 ) -> None:
     """Say which further measurement tells two effects apart, and write its protocol.
 
-    Without --between, those that the diagnosis of the (first) session could not tell apart.
+    Without --between, what the diagnosis of the (first) session proposes; a session that holds none
+    is diagnosed first.
     """
     from labrig.experiment.next_measurement.next_protocol import protocol_text
     from labrig.experiment.next_measurement.proposal import proposal
@@ -59,7 +60,13 @@ def next_measurement(
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
     measurements = of_sessions_or_tables(sessions, sheet, forces, curves, signals)
     options = DiagnoseOptions(symmetric=symmetric, model=known_model(model))
-    diagnosis = kept_diagnosis(sessions[0]) if sessions and between is None else None
+    diagnosis = None
+    if sessions and (between is None or (model is None and not symmetric)):
+        diagnosis = kept_diagnosis(sessions[0])
+        if diagnosis is None and between is None:
+            warn(f"{sessions[0]} holds no diagnosis yet, so it is diagnosed first")
+            diagnosis = diagnosed(measurements, options)
+            keep(sessions[0], diagnosis)
     found = proposal(measurements, diagnosis, between, options)
     text = protocol_text(found, measurements, sessions[0] if sessions else None)
     if output is not None:

@@ -49,25 +49,27 @@ def with_protocol(
 def protocol_text(found: Next, measurements: Measurements, session: Path | None = None) -> str:
     """Return the text of protocol.toml; it has passed the loader's own checks.
 
-    The protocol is that of `session`, where one is given and holds its protocol.
+    It is the protocol stored with the proposal. Where none is, it is a variation of the one of
+    `session`, where one is given and holds its protocol.
     """
-    base = _base(session, measurements)
-    places = _places(measurements)
-    extras: dict[str, Any] = {"mode": "default", **_NO_EXTRAS}
-    tables = _MAKERS.get(found.extra, _same)(base, places, extras).as_tables()
     document = tomlkit.document()
     for line in textwrap.wrap(f"To tell effects apart: {found.why}", 96):
         document.add(tomlkit.comment(line))
-    for key, value in tables.items():
-        document.add(key, value)
-    array = tomlkit.aot()
-    for name, positions_mm in places.items():
-        array.append(tomlkit.item({"configuration": name, "positions_mm": positions_mm}))
-    document.add("places", array)
-    document.add("extras", extras)
+    stored = found.protocol if "places" in found.protocol else None
+    for key, value in (stored or _tables(found, measurements, session)).items():
+        document.add(key, tomlkit.item(value))
     text = tomlkit.dumps(document)
     parse_protocol(text, "protocol.toml").schedule("protocol.toml")
     return text
+
+
+def _tables(found: Next, measurements: Measurements, session: Path | None) -> Tables:
+    """Return the tables of protocol.toml for an entry of the menu."""
+    base, places = _base(session, measurements), _places(measurements)
+    extras: Tables = {"mode": "default", **_NO_EXTRAS}
+    tables = _MAKERS.get(found.extra, _same)(base, places, extras).as_tables()
+    positions = [{"configuration": name, "positions_mm": mm} for name, mm in places.items()]
+    return {**tables, "places": positions, "extras": extras}
 
 
 @dataclass(frozen=True)

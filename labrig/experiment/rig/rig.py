@@ -61,7 +61,7 @@ class Rig:
     def load_cell(self) -> LoadCell:
         """The load cell on the input range that it really has (once it is open)."""
         row = list(self.signals.channels).index(FORCE)
-        return LoadCell(self.calibration, self.signals.ranges_V[row])
+        return LoadCell(self.calibration, self.signals.ranges_V[row], self.config.raw_force_unit)
 
     def devices(self) -> Devices:
         """As the scheduler takes them; the rig must be open."""

@@ -12,6 +12,7 @@ import threading
 from typing import TextIO
 
 from labrig.errors import LabrigError
+from labrig.left_out import listen, told_of
 from labrig.panel.analysis.order import AnalysisOrder
 from labrig.panel.analysis.work import WORK
 from labrig.panel.processes import be_ended_first, end_with_children
@@ -42,8 +43,10 @@ def main() -> None:
     be_ended_first()
     messages = Messages(_own_output())
     text = sys.stdin.readline()
+    listen()
     try:
-        _do(AnalysisOrder.from_json(text), messages)
+        with told_of(lambda said: messages.send("left_out", text=said)):
+            _do(AnalysisOrder.from_json(text), messages)
     except BaseException as error:  # noqa: BLE001 - the panel must learn of it
         messages.send("failed", message=sentence_of(error))
 

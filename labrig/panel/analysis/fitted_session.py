@@ -11,6 +11,7 @@ from pathlib import Path
 from labrig.errors import LabrigError
 from labrig.panel.analysis.order import AnalysisOrder
 from labrig.panel.analysis.process import AnalysisProcess, Message
+from labrig.panel.processes import CAN_STEP_BACK
 
 WAIT_S = 5.0
 MOST_STARTS = 3
@@ -28,6 +29,7 @@ class FittedSession:
         self._publish = publish
         self._process: AnalysisProcess | None = None
         self._starts = 0
+        self._held = False
         self._ended = False
         self._start()
 
@@ -38,17 +40,28 @@ class FittedSession:
         self._say("fit")
 
     def run_stopped(self) -> None:
-        """Fit, and work at full speed until the next run is disturbed."""
-        self._say("continue")
+        """Fit, until the next run begins."""
+        self._held = False
+        process = self._process
+        if process is not None:
+            process.step_forward()
+            process.say("continue")
         self.fit()
 
     def hold(self) -> None:
-        """Wait until the present run is over."""
-        self._say("hold")
+        """Wait until the present run is over; what has begun computes after all others."""
+        self._held = True
+        process = self._process
+        if process is not None:
+            process.say("hold")
+            process.step_back()
 
     def session_ended(self) -> None:
         """Fit what is left; then the process ends."""
         self._ended = True
+        process = self._process
+        if process is not None:
+            process.step_forward()
         self._say("end")
 
     def end(self) -> None:
@@ -70,7 +83,10 @@ class FittedSession:
         order = AnalysisOrder(kind="live", session=str(self.session))
         with suppress(LabrigError):  # no result then; the run is what counts
             self._process = process = AnalysisProcess(order, self._hidden)
-            process.lower()
+            if not CAN_STEP_BACK:
+                process.lower()
+            if self._held:
+                self.hold()
             threading.Thread(
                 target=self._hear, args=(process,), name="panel-live-results", daemon=True
             ).start()

@@ -56,8 +56,11 @@ class AnalysisJobs:
         hidden: Path,
         publish: Callable[[Message], None],
         run_is_on: Callable[[], bool],
+        left_out: Callable[[str], None] = lambda _: None,
     ) -> None:
+        """`left_out` is told of parts that a process could not use."""
         self._hidden = hidden
+        self._left_out = left_out
         self._publish = publish
         self._run_is_on = run_is_on
         self._jobs: list[AnalysisJob] = []
@@ -165,7 +168,10 @@ class AnalysisJobs:
                 continue
             if message is None:
                 break
-            self._note(job, message)
+            if message["type"] == "left_out":
+                self._left_out(message["text"])
+            else:
+                self._note(job, message)
         self._finish(job, process)
         self._tell()
 

@@ -1,7 +1,7 @@
 """The live fit of a running session: follows the run's messages and publishes result after result.
 
-The fit works in a process of its own with low priority, and not at all while the run's edges come
-late.
+The fit works in a process of its own with low priority. On the real clock it works only between
+runs: what computes beside the pulses makes them late.
 """
 
 from __future__ import annotations
@@ -12,9 +12,8 @@ from typing import Any
 
 from labrig.panel.analysis.fitted_session import FittedSession
 from labrig.panel.live.event_stream import EventStream, Mailbox, Message, Picture
+from labrig.panel.live.run_phase import RunPhase
 from labrig.panel.live.strip_chart import StripChart
-
-HOLD_MS = 2.5  # half of the lateness that spoils a reading
 
 
 class LiveFit:
@@ -28,6 +27,7 @@ class LiveFit:
         self._box = RunMailbox(self._news.set)
         self._closed = False
         self._fitted: FittedSession | None = None
+        self._phase = RunPhase()
         self._result: dict[str, Any] | None = None
         self._thread = threading.Thread(target=self._follow, name="panel-live-fit", daemon=True)
         self._thread.start()
@@ -52,21 +52,24 @@ class LiveFit:
             self._news.wait()
             self._news.clear()
             while (mail := self._box.take()) is not None:
+                if mail.story is not None:
+                    self._phase = RunPhase()
                 for message in [*(mail.story or ()), *mail.messages]:
                     self._take(message)
         self._stream.leave(self._box)
 
     def _take(self, message: Message) -> None:
         kind = message["type"]
+        self._phase.take(message)
         if kind == "job":
             self._take_job(message)
         elif self._fitted is not None:
-            if kind == "run_stopped":
+            if kind == "run_started" and self._phase.pulses:
+                self._fitted.hold()
+            elif kind == "run_stopped":
                 self._fitted.run_stopped()
             elif kind == "marked":
                 self._fitted.fit()
-            elif kind == "voltage" and message["late_ms"] > HOLD_MS:
-                self._fitted.hold()
 
     def _take_job(self, job: Message) -> None:
         fitted = self._fitted

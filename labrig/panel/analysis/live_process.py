@@ -1,7 +1,8 @@
 """The live fit's process: after each position of a running session, B and EIBM so far.
 
-Its input says `fit` when a run is over, `hold` and `continue` around what it must not disturb, and
-`end` after the last run. It stays for the whole session, so that what a fit needs is loaded once.
+Its input says `fit` when a run is over, `hold` and `continue` around a run that it must not
+disturb, and `end` after the last run. It stays for the whole session, so that what a fit needs is
+loaded once.
 """
 
 from __future__ import annotations
@@ -40,17 +41,19 @@ def follow(order: AnalysisOrder, source: TextIO, sink: Sink) -> None:
     live_fit = LiveResult(path.name)
     while words.wait_for_fit():
         for _ in range(TRIES):
-            found = _send_all(analysis, live_fit, sink)
+            found = _send_all(analysis, live_fit, words, sink)
             if found or words.ended.wait(AGAIN_S):
                 break
-    _send_all(analysis, live_fit, sink)  # the last run may have ended with the session
+    _send_all(analysis, live_fit, words, sink)  # the last run may have ended with the session
 
 
-def _send_all(analysis: RunningAnalysis, live_fit: LiveResult, sink: Sink) -> int:
+def _send_all(analysis: RunningAnalysis, live_fit: LiveResult, words: Words, sink: Sink) -> int:
     """Send a result for each run that is new, and return their number."""
     count = 0
     try:
+        words.wait_while_held()  # a session is not even read while a run is on
         while (measurements := analysis.measure_next()) is not None:
+            words.wait_while_held()
             sink.send("result", **live_fit.of(measurements))
             count += 1
     except BadInputError:  # the file is being closed at this moment; the next try shows more
@@ -72,7 +75,7 @@ class LiveResult:
         if len(measurements.conditions) == self._conditions:  # a run that is marked now
             self._convergence = {}
         self._conditions = len(measurements.conditions)
-        self._convergence = converging(measurements, self._convergence)
+        self._convergence = converging(measurements, self._convergence, whole=fitted)
         return result_of(
             measurements, session=self._session, fitted=fitted, convergence=self._convergence
         )

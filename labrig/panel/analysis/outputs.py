@@ -12,6 +12,7 @@ ENDINGS = {
     "completed_model": ".model+.toml",  # of diagnose: with the effects that it found
     "diagnosis": ".diagnosis.json",
     "report": ".report.html",
+    "figures": ".figures.zip",  # of report: as PDF and SVG
     "next": ".next.toml",  # a protocol.toml
 }
 

@@ -20,6 +20,8 @@ from labrig.panel.processes import (
     in_background,
     lower_priority,
     module_environment,
+    step_back,
+    step_forward,
 )
 
 Message = dict[str, Any]
@@ -58,6 +60,14 @@ class AnalysisProcess:
         """Give it and its children the low priority, for good."""
         self.is_low = True
         lower_priority(self.pid)
+
+    def step_back(self) -> None:
+        """Let it compute only when nobody else does (Linux)."""
+        step_back(self.pid)
+
+    def step_forward(self) -> None:
+        """Let it compute as any other again."""
+        step_forward(self.pid)
 
     def end(self) -> int:
         """End it with all its children, remove what is unfinished, and return its exit code.

@@ -10,16 +10,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError, LabrigError
-from labrig.files import write_text
+from labrig.files import write_text, write_zip
 from labrig.panel.analysis.order import AnalysisKind, AnalysisOrder
 from labrig.panel.analysis.outputs import output_path
 
 if TYPE_CHECKING:
     from model import ConfigurationFit, Measurements
+    from model.discrepancy import Diagnosis
 
 Progress = Callable[[float, str], None]
 Work = Callable[[AnalysisOrder, Progress], "Done"]
+FIGURE_FORMATS = ("pdf", "svg")
 ANALYZE_SHARE = 0.5  # of the progress of a job that may have to analyse first
+DIAGNOSE_SHARE = 0.9  # of the progress of a proposal that has to diagnose first
+DIAGNOSED = ("completed_model", "diagnosis")  # what a diagnosis writes beside its session
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,10 +49,13 @@ def fit(order: AnalysisOrder, progress: Progress) -> Done:
     """Fit all configurations that allow it and write the model with constant EIBM."""
     from labrig.model_file import save_model
     from labrig.report.data.fitted import fit_what_can_be
+    from labrig.report.data.suspicions import suspicions
+    from labrig.report.diagnosis.tables import suspicion_sentence
 
     notes: list[str] = []
     measurements, rest = _measured(order, progress, notes)
     rest(0.0, "fit")
+    notes += [suspicion_sentence(one) for one in suspicions(measurements)]
     fitted = fit_what_can_be(measurements)
     if fitted.fit is None:
         why = "; ".join(dict.fromkeys(why.rstrip(".") for why in fitted.missing.values()))
@@ -62,33 +69,48 @@ def fit(order: AnalysisOrder, progress: Progress) -> Done:
 
 def diagnose(order: AnalysisOrder, progress: Progress) -> Done:
     """Find what the model is missing; the session keeps the diagnosis."""
+    notes = list[str]()
+    measurements, rest = _measured(order, progress, notes)
+    found = _diagnosed(order, measurements, rest, notes)
+    return Done(message=found.sentence, files=_written(found), notes=[*notes, *found.notes])
+
+
+def _written(found: Diagnosis) -> tuple[str, ...]:
+    """Return what a diagnosis wrote beside its session: no model where nothing was searched."""
+    return DIAGNOSED if found.searched else DIAGNOSED[1:]
+
+
+def _diagnosed(
+    order: AnalysisOrder, measurements: Measurements, progress: Progress, notes: list[str]
+) -> Diagnosis:
+    """Diagnose a session and write what came out, in the session and beside it."""
     from labrig.analysis.driven import require_driven
     from labrig.experiment.next_measurement.next_protocol import with_protocol
     from labrig.model_file import save_model
     from labrig.report.data.kept_diagnosis import keep_diagnosis
+    from labrig.report.diagnosis.tables import data_check_sentences
     from labrig.serialise import finite
     from model.discrepancy import DiagnoseOptions
     from model.discrepancy import diagnose as find
 
-    session, notes = Path(order.session), list[str]()
-    measurements, rest = _measured(order, progress, notes)
+    session = Path(order.session)
     require_driven(measurements)
-    found = find(measurements, DiagnoseOptions(), lambda step, fraction: rest(fraction, step))
+    found = find(measurements, DiagnoseOptions(), lambda step, fraction: progress(fraction, step))
     found = with_protocol(found, measurements, session)
     try:
         keep_diagnosis(session, found)
     except LabrigError as error:
         notes.append(f"not kept in the session: {error}")
-    save_model(found.model, output_path(session, "completed_model"))
+    if found.searched:
+        save_model(found.model, output_path(session, "completed_model"))
+    notes += data_check_sentences(found)
     text = json.dumps(finite(found.to_json()), indent=2) + "\n"
     write_text(output_path(session, "diagnosis"), text)
-    return Done(
-        message=found.sentence, files=("completed_model", "diagnosis"), notes=[*notes, *found.notes]
-    )
+    return found
 
 
 def report(order: AnalysisOrder, progress: Progress) -> Done:
-    """Write the report as one self-contained page."""
+    """Write the report as one self-contained page, and its figures for a paper as one archive."""
     from labrig.report.page.write import write_report
 
     session, notes = Path(order.session), list[str]()
@@ -98,32 +120,57 @@ def report(order: AnalysisOrder, progress: Progress) -> Done:
         notes.append(str(error))
         rest = progress
     rest(0.0, "fit")
+    archive = output_path(session, "figures")
     with tempfile.TemporaryDirectory() as folder:
-        page = write_report(session, Path(folder), progress=rest, tell=notes.append)
+        page = write_report(
+            session,
+            Path(folder),
+            formats=FIGURE_FORMATS,
+            figures_named=archive.name,
+            progress=rest,
+            tell=notes.append,
+        )
         text = page.read_text(encoding="utf-8")
+        write_zip(archive, sorted((Path(folder) / "figures").iterdir()))
     write_text(output_path(session, "report"), text)
-    return Done(message="The report is written.", files=("report",), notes=notes)
+    return Done(message="The report is written.", files=("report", "figures"), notes=notes)
 
 
 def next_measurement(order: AnalysisOrder, progress: Progress) -> Done:
-    """Find the measurement that separates two effects and write its protocol."""
+    """Find the measurement that separates two effects and write its protocol.
+
+    Without two effects named, those that the diagnosis leaves open; it is made where there is none.
+    """
     from labrig.experiment.next_measurement.next_protocol import protocol_text
     from labrig.experiment.next_measurement.proposal import pair_of, proposal
     from labrig.report.data.kept_diagnosis import kept_diagnosis
     from labrig.report.diagnosis.tables import next_sentence
 
-    session, notes = Path(order.session), list[str]()
+    session, notes, files = Path(order.session), list[str](), tuple[str, ...]()
     measurements, rest = _measured(order, progress, notes)
     diagnosis = kept_diagnosis(session)
-    if order.between is None and diagnosis is None:
-        raise BadInputError("this session has no diagnosis yet; diagnose it first.")
-    if order.between is None and diagnosis is not None and pair_of(diagnosis) is None:
-        return Done(message=f"There are no two effects to tell apart: {diagnosis.sentence}")
+    if order.between is None:
+        if diagnosis is None:
+            diagnosis = _diagnosed(order, measurements, _first(rest), notes)
+            notes.append(f"It was diagnosed first: {diagnosis.sentence}")
+            rest, files = _then(rest), _written(diagnosis)
+        if pair_of(diagnosis) is None:
+            message = f"There are no two effects to tell apart: {diagnosis.sentence}"
+            return Done(message=message, files=files, notes=notes)
     rest(0.0, "comparing candidate measurements")
     found = proposal(measurements, diagnosis, order.between)
     text = protocol_text(found, measurements, session)
     write_text(output_path(session, "next"), text)
-    return Done(message=next_sentence(found), files=("next",), notes=notes)
+    return Done(message=next_sentence(found), files=(*files, "next"), notes=notes)
+
+
+def _first(progress: Progress) -> Progress:
+    """Progress of a diagnosis that another job needs."""
+    return lambda fraction, text: progress(DIAGNOSE_SHARE * fraction, f"diagnose: {text}")
+
+
+def _then(progress: Progress) -> Progress:
+    return lambda fraction, text: progress(DIAGNOSE_SHARE + (1 - DIAGNOSE_SHARE) * fraction, text)
 
 
 WORK: dict[AnalysisKind, Work] = {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import secrets
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
@@ -49,11 +50,15 @@ class Panel:
         self.frame_pipeline = FramePipeline(self.stream)
         self.jobs = Jobs(settings.data, self.stream, self.frame_pipeline, settings.rig)
         self.analysis_jobs = AnalysisJobs(
-            hidden_folder(settings.data), self.stream.publish_newest, lambda: self.jobs.going
+            hidden_folder(settings.data),
+            self.stream.publish_newest,
+            lambda: self.jobs.going,
+            self.tell_left_out,
         )
         self.live_fit = LiveFit(settings.data, hidden_folder(settings.data), self.stream)
         self.library = Library(settings.data)
         self._queue = None if settings.rig is None else self._queue_of(settings.rig)
+        self._left_out: set[str] = set()
         self._states: dict[type[Any], Any] = {}
         self._lock = threading.Lock()
         self.model: str | None = None
@@ -147,6 +152,15 @@ class Panel:
         self.actions.add(who, what)
         if note:
             self.jobs.note(who, what)
+
+    def tell_left_out(self, text: str) -> None:
+        """Log a part of another distribution that is left out, once, whichever process found it."""
+        with self._lock:
+            if text in self._left_out:
+                return
+            self._left_out.add(text)
+        with suppress(BadInputError):  # the log cannot be written: the panel goes on
+            self.actions.add("labrig", text)
 
     def order(self, kind: Kind, who: str, **more: Any) -> Order:
         """Return what a job is to do."""

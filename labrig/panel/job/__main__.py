@@ -9,6 +9,7 @@ from pathlib import Path
 
 from drivers.interfaces import DeviceError
 from labrig.errors import ExitCode, LabrigError
+from labrig.left_out import listen, told_of
 from labrig.panel.job.host import Host
 from labrig.panel.job.order import Order
 from labrig.panel.job.process import print_into_log
@@ -63,6 +64,7 @@ def _ordered() -> Order | None:
 
 def main() -> int:
     """Read the order, do it."""
+    listen()
     order = _ordered()
     if order is None:
         return int(ExitCode.DONE)
@@ -70,7 +72,8 @@ def main() -> int:
     host = Host(order)
     code, text = int(ExitCode.FAILED), "the job was ended."
     try:
-        code, text = _done(host)
+        with told_of(host.warn):
+            code, text = _done(host)
     finally:
         host.end(code, text)
     return code

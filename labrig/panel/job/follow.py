@@ -13,8 +13,9 @@ from labrig.panel.live.event_stream import EventStream
 from labrig.panel.live.frames import exposure_time, raw_picture
 from labrig.panel.live.messages import MessageEncoder
 from labrig.panel.live.strip_chart import Envelope
+from labrig.panel.live.strip_rows import StripRow, strip_rows, strip_samples
 from protocols.execution import events as ev
-from protocols.execution.channels import CURRENT, DRIVE, FORCE, FORCE_N
+from protocols.execution.channels import FORCE_N
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import RunState
 
@@ -33,6 +34,7 @@ class Follower:
         self._state: tuple[RunState, int | None] | None = None
         self._run: ev.RunStarted | None = None
         self._envelope: Envelope | None = None
+        self._rows: tuple[StripRow, ...] = ()
         self._sheet_V = 0.0
         self._forces_mN: dict[float, float] = {}  # by voltage: of the last good reading of the run
         self.scheduler: Scheduler | None = None
@@ -65,7 +67,10 @@ class Follower:
 
     def _note(self, event: ev.Event) -> None:
         if isinstance(event, ev.RunStarted):
-            self._run, self._envelope = event, Envelope(event.run.index)
+            self._run = event
+            if self._rig is not None:
+                self._rows = strip_rows(self._rig.devices().rows().channels)
+            self._envelope = Envelope(event.run.index, [row.key for row in self._rows])
             self._forces_mN = {}
         elif isinstance(event, ev.VoltageSet):
             self._sheet_V = event.write.sheet_V
@@ -88,15 +93,8 @@ class Follower:
         values = rows.values_by_name(event.block.volts)
         clock = self._run.sample_clock
         first_s = clock.time_of(event.block.first_index) - self._run.time_s
-        samples = np.stack(
-            [
-                first_s + np.arange(event.block.volts.shape[1]) / clock.rate_hz,
-                values[DRIVE],
-                1e3 * values[FORCE],
-                1e3 * values[CURRENT],
-            ]
-        )
-        strip = self._envelope.add(samples)
+        run_s = first_s + np.arange(event.block.volts.shape[1]) / clock.rate_hz
+        strip = self._envelope.add(strip_samples(self._rows, run_s, values))
         if strip is not None:
             self._stream.publish_strip(strip)
 

@@ -16,6 +16,7 @@ from labrig.panel.job.registry import ENDED, GOING, LOST, JobAddress, read_addre
 from labrig.panel.live.event_stream import EventStream, Message
 from labrig.panel.live.frame_pipeline import FramePipeline
 from labrig.panel.live.packing import BrokenConnectionError, Header
+from labrig.panel.live.run_phase import RunPhase
 from labrig.panel.live.strip_chart import strip_from
 from labrig.session.reading.guard_report import GuardReport, forget_guard_report, read_guard_report
 
@@ -48,6 +49,7 @@ class Jobs:
         # back keeps trying, and reports again when it has.
         self._guarded: tuple[str, GuardReport] | None = None
         self._starting = False
+        self._phase = RunPhase()
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._closed = False
@@ -73,7 +75,7 @@ class Jobs:
         with self._lock:
             if self.going:
                 raise NotNowError("a job is going on already; wait for its end, or stop it.")
-            self._starting = True
+            self._starting, self._phase = True, RunPhase()
         try:
             _forget_old_guard(order)
             self._process = process = self._processes.begin(order)
@@ -120,10 +122,16 @@ class Jobs:
             self._read_guard()
             if self._process is not None:
                 self._process.poll()  # so that a job of ours that has ended is no zombie
-            if not self.going:
-                self._processes.prepare()  # not during a run, which needs the computer
+            self._prepare()
             self._changed.wait(POLL_S)
             self._changed.clear()
+
+    def _prepare(self) -> None:
+        """Have a process ready for the next job, but take no time from the start and the pulses."""
+        if not self.going:
+            self._processes.prepare()
+        elif self._phase.begun and not self._phase.pulses:
+            self._processes.prepare(beside_a_job=True)
 
     def _find_job(self) -> None:
         """Connect to the job that the data folder names, if there is one."""
@@ -153,6 +161,7 @@ class Jobs:
         kind = header.get("type")
         if kind == "story":
             messages = header["messages"]
+            self._phase = _phase_of(messages)
             setups = [m for m in messages if m["type"] == "setup"]
             self._frame_pipeline.set_setup(setups[-1] if setups else None)
             self._stream.publish_story([m for m in messages if m["type"] != "setup"])
@@ -166,6 +175,7 @@ class Jobs:
         else:
             if kind == "job":
                 self._note_end(header)
+            self._phase.take(header)
             self._stream.publish(header)
 
     def _note_end(self, job: Header) -> None:
@@ -218,6 +228,13 @@ class Jobs:
             if ended and (self._address is None or self._address.id != order.id):
                 raise LabrigError(f"the job did not start; see {self._data}/.labrig/job.log.")
         raise LabrigError(f"the job did not start in {START_S:g} s; is the computer overloaded?")
+
+
+def _phase_of(story: list[Message]) -> RunPhase:
+    phase = RunPhase()
+    for message in story:
+        phase.take(message)
+    return phase
 
 
 def _forget_old_guard(order: Order) -> None:

@@ -32,21 +32,23 @@ class PageOperator:
         self._asking: int | None = None  # the prompt that waits for its answer
         self._kind = ""  # of that prompt
         self._answer: bool | None = None
+        self.expired = False  # nobody has answered the last question in its time
 
     def ask(self, prompt: Prompt) -> bool:
         """See `drivers.interfaces.Operator`."""
         with self._changed:
             self._asking, message = self._encoder.asked(self._now(), prompt)
-            self._answer, self._kind = None, prompt.kind
+            self._answer, self._kind, self.expired = None, prompt.kind, False
             self._publish(message)
             until_s = None if prompt.expires_s is None else self._now() + prompt.expires_s
             while self._answer is None and self._stop.level is StopLevel.NONE:
                 self._changed.wait(_POLL_S)
                 if until_s is not None and self._now() > until_s:
-                    self._answer = True
+                    self._answer = self.expired = True
             self._asking = None
             done = bool(self._answer)
-            self._publish(self._encoder.answered(self._now(), done, prompt.kind))
+            answered = self._encoder.answered(self._now(), done, prompt.kind, expired=self.expired)
+            self._publish(answered)
             return done
 
     def answer(self, prompt: int, done: bool) -> str:

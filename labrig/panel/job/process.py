@@ -16,7 +16,13 @@ from pathlib import Path
 from labrig.errors import LabrigError
 from labrig.panel.job.order import Order
 from labrig.panel.job.registry import hidden_folder
-from labrig.panel.processes import detached, module_environment
+from labrig.panel.processes import (
+    CAN_STEP_BACK,
+    detached,
+    module_environment,
+    step_back,
+    step_forward,
+)
 
 LOG = "job.log"  # what the last job printed
 WARM_UP_LOG = "job.waiting.log"  # what the process that waits printed
@@ -31,21 +37,34 @@ class JobProcesses:
         self._rig = rig
         self._lock = threading.Lock()
         self._waiting: subprocess.Popen[bytes] | None = None
+        self._steps_back = False
         self._closed = False
 
-    def prepare(self) -> None:
-        """Have a process wait for the next order. Where none can be started `begin` reports it."""
+    def prepare(self, *, beside_a_job: bool = False) -> None:
+        """Have a process wait for the next order. Where none can be started `begin` reports it.
+
+        `beside_a_job`: it gets ready when nobody else computes, until it is prepared without that.
+        """
         with self._lock, suppress(LabrigError):
             if self._closed or self._rig is None:
                 return
             if self._waiting is None or self._waiting.poll() is not None:
-                self._waiting = _started(self._data, self._rig)
+                if beside_a_job and not CAN_STEP_BACK:
+                    return
+                self._waiting, self._steps_back = _started(self._data, self._rig), False
+            if beside_a_job and not self._steps_back:
+                step_back(self._waiting.pid)
+            elif self._steps_back and not beside_a_job:
+                step_forward(self._waiting.pid)
+            self._steps_back = beside_a_job
 
     def begin(self, order: Order) -> subprocess.Popen[bytes]:
         """Have a process carry out an order. Raises LabrigError."""
         with self._lock:
             waiting, self._waiting = self._waiting, None
         if waiting is not None:
+            if self._steps_back:
+                step_forward(waiting.pid)
             with suppress(OSError):  # it has died meanwhile
                 _hand_over(waiting, order)
                 return waiting

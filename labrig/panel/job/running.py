@@ -10,7 +10,8 @@ from pathlib import Path
 from labrig.config import RigConfig, load_rig
 from labrig.config.hooks import HooksConfig
 from labrig.errors import BadInputError, ExitCode, NotReadyError
-from labrig.experiment.hooks import Hooks, NotifyingOperator, hooks_of
+from labrig.experiment.hook_watch import hooks_of
+from labrig.experiment.hooks import Hooks, NotifyingOperator
 from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan
@@ -46,12 +47,14 @@ def run(host: Host) -> tuple[int, str]:
         done = resumption.done if resumption is not None else frozenset()
         clock = "virtual" if rig_plan.rig.is_simulated else "real"
         host.publish(setup_message(plan.optics, plan.sheets))
-        host.publish(message_of_plan(plan, clock, order.session_name, done))
+        planned = message_of_plan(plan, clock, order.session_name, done)
+        host.publish(planned)
         host.step("starting the simulated rig" if rig_plan.rig.is_simulated else "loading drivers")
         config = _hooks_config(order, plan)
-        with hooks_of(config, order.session_name or "", host.warn) as hooks:
+        path, is_guarded = Path(order.session), not rig_plan.rig.is_simulated
+        with hooks_of(config, path, host.warn, is_guarded=is_guarded) as hooks:
             host.on_exit = hooks.close
-            result = _Run(host, rig_plan, hooks).execute(Path(order.session), resumption)
+            result = _Run(host, rig_plan, hooks, planned).execute(path, resumption)
             hooks.ended(completed=result.code == ExitCode.DONE, text=result.status.text)
     return int(result.code), f"{result.text}."
 
@@ -100,10 +103,11 @@ def _on_its_clock(host: Host, plan: Plan) -> Iterator[Plan]:
 class _Run:
     """One run and the requests that it answers."""
 
-    def __init__(self, host: Host, plan: Plan, hooks: Hooks) -> None:
+    def __init__(self, host: Host, plan: Plan, hooks: Hooks, planned: Message) -> None:
         self._host = host
         self._plan = plan
         self._hooks = hooks
+        self._planned = planned
         self._stop = StopRequest()
         self._pause: PauseFile | None = None  # once the session's file is named
         self._event_bus = EventBus(threaded=not plan.rig.is_simulated)
@@ -136,10 +140,16 @@ class _Run:
                 self._event_bus,
                 resumption=resumption,
                 on_step=self._host.step,
+                on_simulated=self._tell_simulated,
                 on_scheduler=lambda scheduler: setattr(self._follower, "scheduler", scheduler),
             )
         self._follower.publish_state()
         return result
+
+    def _tell_simulated(self, simulated: bool) -> None:
+        """Show of the rig what the file says of it."""
+        if simulated != self._planned["simulated"]:
+            self._host.publish({**self._planned, "simulated": simulated})
 
     def _wired(self, plan: Plan) -> Rig:
         operator = NotifyingOperator(self._operator, self._hooks)

@@ -6,7 +6,6 @@ may die: nothing waits for it.
 
 from __future__ import annotations
 
-import os
 import sys
 from contextlib import suppress
 
@@ -87,8 +86,6 @@ class Finder:
 
 def main() -> None:
     """Serve until the input ends."""
-    with suppress(AttributeError, OSError):  # Windows has no nice
-        os.nice(10)
     finder = Finder()
     source, sink = sys.stdin.buffer, sys.stdout.buffer
     with suppress(BrokenConnectionError, OSError, KeyboardInterrupt):

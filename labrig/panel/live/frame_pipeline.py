@@ -16,7 +16,7 @@ from drivers.interfaces import GreyImage
 from labrig.panel.live.event_stream import EventStream, Message, Picture
 from labrig.panel.live.frames import image_of, jpeg_picture
 from labrig.panel.live.packing import BrokenConnectionError, pack, read, write
-from labrig.panel.processes import module_environment
+from labrig.panel.processes import in_background, lower_priority, module_environment
 
 _RESTARTS = 3  # of a curve process that dies; then there are no curves any more
 Item = TypeVar("Item")
@@ -134,9 +134,12 @@ def _asked(process: subprocess.Popen[bytes], picture: Picture) -> Message:
 
 
 def _spawn() -> subprocess.Popen[bytes]:
-    return subprocess.Popen(
+    process = subprocess.Popen(
         [sys.executable, "-m", "labrig.panel.live.curve_process"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env=module_environment(),
+        **in_background(),
     )
+    lower_priority(process.pid)
+    return process

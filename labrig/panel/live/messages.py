@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Sequence
 from math import degrees, nan
 from typing import Any
 
 from drivers.interfaces import Prompt
+from labrig.panel.live.strip_rows import rows_message, strip_rows
 from protocols import describe
 from protocols.execution import events as ev
-from protocols.execution.channels import CURRENT_A, DRIVE_V, FORCE_N
+from protocols.execution.channels import CURRENT_A, DRIVE_V, FORCE_N, Channel
 from protocols.execution.operator import REPEAT
 from protocols.planning.schedule import PlannedRun, Schedule
 
@@ -27,7 +28,7 @@ class MessageEncoder:
             ev.SessionStarted: self._started,
             ev.OperatorAsked: lambda event: self.asked(event.time_s, event.prompt)[1],
             ev.OperatorAnswered: lambda event: self.answered(
-                event.time_s, event.done, event.prompt.kind
+                event.time_s, event.done, event.prompt.kind, expired=event.expired
             ),
             ev.OperatorNotAsked: self._not_asked,
             ev.RunStarted: self._run_started,
@@ -70,15 +71,15 @@ class MessageEncoder:
             "log": f"not asked: {event.prompt.text}",
         }
 
-    def answered(self, time_s: float, done: bool, kind: str) -> Message:
-        """Return the message that the last prompt, of this kind, was answered."""
+    def answered(self, time_s: float, done: bool, kind: str, *, expired: bool = False) -> Message:
+        """Return the message that the last prompt, of this kind, was answered, or `expired`."""
         said = answer_text(kind, done)
         return {
             "type": "answered",
             "time_s": self.since_begin(time_s),
             "prompt": self._asked,
             "done": done,
-            "log": f"answered: {said}",
+            "log": f"nobody answered: {said}" if expired else f"answered: {said}",
         }
 
     def since_begin(self, time_s: float) -> float:
@@ -226,6 +227,7 @@ def plan_message(
     simulated: bool,
     limits: Message,
     picture: Message | None,
+    channels: Sequence[Channel],
     done: Collection[int] = (),
 ) -> Message:
     """Return what is going to be done, for the timeline."""
@@ -242,6 +244,7 @@ def plan_message(
         "running_s": found.running_s,
         "frame_rate_hz": schedule.frame_rate_hz,
         "picture": picture,
+        "channels": rows_message(strip_rows(channels)),
         "done": sorted(done),
         "runs": [
             {

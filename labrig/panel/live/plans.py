@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from drivers.load_cell import LoadCell
 from labrig.experiment.plan import Plan
+from labrig.experiment.rig.channels import planned_channels
 from labrig.panel.live.event_stream import Message
 from labrig.panel.live.messages import plan_message
 from labrig.vision import Optics
@@ -24,6 +26,7 @@ def message_of_plan(
             "capacity_mN": 1e3 * plan.calibration.capacity_N,
         },
         picture=optics_message(plan.optics),
+        channels=planned_channels(plan.rig, LoadCell(plan.calibration)),
         done=done,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,31 +15,29 @@ Floats = npt.NDArray[np.float32]
 
 BIN_S = 0.01
 KEEP_S = 60.0  # for who is slow or comes later
-ROWS = (
-    "run_s",
-    "drive_V_least",
-    "drive_V_most",
-    "force_mN_least",
-    "force_mN_most",
-    "current_mA_least",
-    "current_mA_most",
-)
 
 
 @dataclass(frozen=True, eq=False)
 class StripChart:
-    """A piece of one run's signals: `values` (7, count), rows as in `ROWS`."""
+    """A piece of one run's signals: `values` (1 + 2 keys, count), rows as `names` says."""
 
     run: int
+    keys: tuple[str, ...]  # of the channels: drive_V, force_mN
     values: Floats
     fresh: bool = False  # earlier ones are to be forgotten
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the rows: the time, then the least and the most of each channel."""
+        return ["run_s", *(f"{key}_{end}" for key in self.keys for end in ("least", "most"))]
 
     def header(self) -> dict[str, Any]:
         """Return what stands before the numbers."""
         return {
             "type": "signals",
             "run": self.run,
-            "rows": list(ROWS),
+            "keys": list(self.keys),
+            "rows": self.names,
             "count": self.values.shape[1],
             "fresh": self.fresh,
         }
@@ -54,8 +53,9 @@ class StripChart:
 
 def strip_from(header: dict[str, Any], payload: memoryview) -> StripChart:
     """Return the reverse of `StripChart.packed`. Raises ValueError, KeyError."""
-    values = np.frombuffer(payload, dtype="<f4").reshape(len(ROWS), int(header["count"]))
-    return StripChart(int(header["run"]), values, bool(header["fresh"]))
+    keys = tuple(str(key) for key in header["keys"])
+    values = np.frombuffer(payload, dtype="<f4").reshape(1 + 2 * len(keys), int(header["count"]))
+    return StripChart(int(header["run"]), keys, values, bool(header["fresh"]))
 
 
 def joined(strips: list[StripChart]) -> list[StripChart]:
@@ -80,13 +80,14 @@ def joined(strips: list[StripChart]) -> list[StripChart]:
 class Envelope:
     """Makes strips of the samples of one run as they come."""
 
-    def __init__(self, run: int) -> None:
+    def __init__(self, run: int, keys: Sequence[str]) -> None:
         self._run = run
-        self._rest = np.empty((4, 0))  # samples whose 10 ms are not over: run_s, drive, force, mA
+        self._keys = tuple(keys)
+        self._rest = np.empty((1 + len(self._keys), 0))  # samples whose 10 ms are not over
         self._fresh = True
 
     def add(self, samples: npt.NDArray[np.float64]) -> StripChart | None:
-        """Add `samples` (4, n): run_s, drive V, force mN, current mA; return a strip if due."""
+        """Add `samples` (1 + keys, n), run_s and each key's values; return a strip if due."""
         known = np.concatenate([self._rest, samples], axis=1)
         bins = np.floor(known[0] / BIN_S + 1e-6).astype(np.int64)
         whole = int(np.searchsorted(bins, bins[-1])) if bins.size else 0
@@ -96,8 +97,8 @@ class Envelope:
         starts = np.flatnonzero(np.diff(bins[:whole], prepend=bins[0] - 1))
         least = np.fmin.reduceat(known[1:, :whole], starts, axis=1)
         most = np.fmax.reduceat(known[1:, :whole], starts, axis=1)
-        values = np.empty((len(ROWS), len(starts)), dtype=np.float32)
+        values = np.empty((1 + 2 * len(self._keys), len(starts)), dtype=np.float32)
         values[0] = (bins[starts] + 0.5) * BIN_S
         values[1::2], values[2::2] = least, most
         fresh, self._fresh = self._fresh, False
-        return StripChart(self._run, values, fresh)
+        return StripChart(self._run, self._keys, values, fresh)

@@ -17,7 +17,7 @@ from labrig.panel.job.registry import HIDDEN
 from labrig.panel.pages._result_data import BESIDE, beside
 from labrig.panel.pages._result_process import ResultProcess
 
-VERSION = 1  # of what is kept
+VERSION = 2  # of what is kept
 
 
 class ResultCache:
@@ -45,15 +45,25 @@ class ResultCache:
             self._known[str(path)] = known
         return known[1]
 
+    def prepare(self) -> None:
+        """Start the process that computes, so that it has loaded what it needs when asked."""
+        self._process.prepare()
+
     def fitted(self, path: Path, name: str) -> str:
         """Return the result of a session with its models, but not yet how B and EIBM settled."""
         return as_text(self._process.ask("fitted", path, name, state_of(path)))
 
+    def settling(self, data: Path, path: Path, name: str) -> str:
+        """Return B and EIBM as positions are added, as far as half a second of computing gets."""
+        found = self._process.ask("settling", path, name, state_of(path))
+        if found["complete"]:
+            self.computed(data, path, name)
+        return json.dumps(found, allow_nan=False)
+
     def computed(self, data: Path, path: Path, name: str) -> str:
         """Return the whole result of a session, and keep it. Blocks."""
         state = state_of(path)
-        found = self._process.ask("settled", path, name, state)
-        text = json.dumps({**found, "complete": True}, allow_nan=False)
+        text = json.dumps(self._process.ask("whole", path, name, state), allow_nan=False)
         with self._lock:
             self._known[str(path)] = (state, text)
         _write(_file(data, path), state, text)

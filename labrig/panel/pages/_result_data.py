@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
+import math
+import re
+import time
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from labrig.analysis import measure
-from labrig.analysis.results import converging, result_of
+from labrig.analysis.results import Convergence, converging_steps, result_of
 from labrig.errors import BadInputError, LabrigError
 from labrig.model_file import load_model
 from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.kept_diagnosis import kept_diagnosis
-from labrig.report.diagnosis.tables import VERDICTS, next_sentences, verdict_sentences
+from labrig.report.diagnosis.tables import VERDICTS, next_sentence, verdict_sentences
 from labrig.session import load_measurements, open_session
 from model import Measurements
 from model.discrepancy.verdict.result import Diagnosis
 
 BESIDE = (".model.toml", ".model+.toml", ".diagnosis.json", ".report.html")
-Missing = list[dict[str, Any]]
+KEPT = 4  # sessions whose results are open in pages at the same time
+_REPORT_HEAD = 2000  # characters, in which it states what it was made of
+_STATE = re.compile(r'name="labrig-session-state" content="([0-9a-f]+)"')
 
 
 def beside(path: Path, suffix: str) -> Path:
@@ -27,49 +33,111 @@ def beside(path: Path, suffix: str) -> Path:
     return path.with_name(f"{path.stem}{suffix}")
 
 
-def measured_of(path: Path) -> tuple[Measurements, bool]:
-    """Return a session's measurements, and whether it was analysed; else they are forces alone."""
+@dataclass(frozen=True, kw_only=True)
+class Measured:
+    """What was measured in a session, as it is now."""
+
+    measurements: Measurements
+    analysed: bool  # else they are forces alone
+    state: str  # of the whole file; see `RecordedSession.state_checksum`
+    outdated: bool  # by marks that were made after the analysis
+
+    def out_of_date(self, path: Path) -> Iterator[str]:
+        """Yield what of the files beside the session, and in it, was made of something else."""
+        if self.outdated:
+            yield (
+                "readings or runs were marked after the analysis, and what is shown here was made "
+                "without these marks. Analyse takes them into account."
+            )
+        yield from _models_of_others(path, self.measurements)
+        report = beside(path, ".report.html")
+        if (made_of := state_of_report(report)) and made_of != self.state:
+            yield (
+                f"{report.name} was written before the last change of the session (its analysis, "
+                "diagnosis, marks or notes). Report writes it again."
+            )
+
+
+def measured_of(path: Path) -> Measured:
+    """Return a session's measurements; forces alone where it was not analysed."""
     with open_session(path) as session:
-        if not session.has_measurements:
-            return measure(session, curves=False), False
-    return load_measurements(path), True
+        analysed, outdated = session.has_measurements, session.outdated
+        state = session.state_checksum
+        found = None if analysed else measure(session, curves=False)
+    found = found or load_measurements(path)
+    found = replace(found, warnings=tuple(one for one in found.warnings if one != outdated))
+    return Measured(measurements=found, analysed=analysed, state=state, outdated=bool(outdated))
+
+
+def state_of_report(report: Path) -> str:
+    """Return the state of the session that a report was made of; empty where it states none."""
+    try:
+        with report.open(encoding="utf-8", errors="replace") as file:
+            head = file.read(_REPORT_HEAD)
+    except OSError:
+        return ""
+    found = _STATE.search(head)
+    return found[1] if found else ""
 
 
 def measured_result(path: Path, name: str) -> dict[str, Any]:
     """Return what was measured, which takes a moment."""
-    measurements, analysed = measured_of(path)
-    return result_of(measurements, session=name, missing=list(_analysis(path, analysed)))
+    found = measured_of(path)
+    missing = list(_analysis(path, found.analysed))
+    out_of_date = list(found.out_of_date(path))
+    return result_of(found.measurements, session=name, missing=missing, out_of_date=out_of_date)
 
 
-@lru_cache(maxsize=1)
+class FittedResult:
+    """The same with models and their bands; and B and EIBM as positions are added, step by step."""
+
+    def __init__(self, path: Path, name: str) -> None:
+        """Fit it, which takes a second."""
+        measured = measured_of(path)
+        measurements = measured.measurements
+        fitted = fit_what_can_be(measurements)
+        diagnosis, faults = _diagnosis(path)
+        missing = [*_analysis(path, measured.analysed), *_unfitted(fitted)]
+        missing += _files(path, diagnosis)
+        self.result = result_of(
+            measurements,
+            session=name,
+            fitted=fitted.fit,
+            with_effects=None if diagnosis is None or not diagnosis.effects else diagnosis.model,
+            diagnosis=None if diagnosis is None else _words(diagnosis),
+            missing=missing,
+            out_of_date=[*faults, *measured.out_of_date(path)],
+        )
+        self._steps = converging_steps(measurements, whole=fitted.fit)
+        self._convergence: Convergence = {}
+        self._complete = False
+
+    def settling(self, seconds: float) -> dict[str, Any]:
+        """Return the steps that are known after at least one more, and `seconds` of computing."""
+        until = time.monotonic() + seconds
+        while not self._complete:
+            step = next(self._steps, None)
+            if step is None:
+                self._complete = True
+            else:
+                self._convergence.setdefault(step[0], []).append(step[1])
+                if time.monotonic() > until:
+                    break
+        return {"convergence": self._convergence, "complete": self._complete}
+
+    def whole(self) -> dict[str, Any]:
+        """Return everything; computes all steps that are not known yet."""
+        return {**self.result, **self.settling(math.inf)}
+
+
+@lru_cache(maxsize=KEPT)
 def fitted_result(
     path: Path,
     name: str,
     state: str,  # noqa: ARG001 - a part of the key
-) -> tuple[Measurements, dict[str, Any]]:
-    """Return the same with models and their bands, which takes a second; and the measurements.
-
-    `state` is that of the files: the last result is kept for `complete_result`, which adds to it.
-    """
-    measurements, analysed = measured_of(path)
-    fitted = fit_what_can_be(measurements)
-    diagnosis, faults = _diagnosis(path)
-    missing = [*_analysis(path, analysed), *_unfitted(fitted), *_files(path, diagnosis)]
-    return measurements, result_of(
-        measurements,
-        session=name,
-        fitted=fitted.fit,
-        with_effects=None if diagnosis is None or not diagnosis.effects else diagnosis.model,
-        diagnosis=None if diagnosis is None else _words(diagnosis),
-        missing=missing,
-        out_of_date=[*faults, *_out_of_date(path, measurements)],
-    )
-
-
-def complete_result(path: Path, name: str, state: str) -> dict[str, Any]:
-    """Return all of it, with how B and EIBM settled: takes some more seconds."""
-    measurements, found = fitted_result(path, name, state)
-    return {**found, "convergence": converging(measurements)}
+) -> FittedResult:
+    """Return a session's result; `state` is that of its files. The last ones are kept."""
+    return FittedResult(path, name)
 
 
 def _analysis(path: Path, analysed: bool) -> Iterator[dict[str, Any]]:
@@ -79,7 +147,10 @@ def _analysis(path: Path, analysed: bool) -> Iterator[dict[str, Any]]:
 
 def not_analysed(path: Path) -> dict[str, Any]:
     """Return what is missing of a session that holds no measurements."""
-    text = f"{path.name} is not analysed yet: its images hold no curves. Analyze finds them."
+    text = (
+        f"{path.name} is not analysed yet: until Analyse has found the curves in its images, "
+        "models are fitted to the forces alone."
+    )
     return {"kind": "analyze", "text": text}
 
 
@@ -111,12 +182,12 @@ def _words(found: Diagnosis) -> dict[str, Any]:
         "verdict": found.verdict,
         "title": VERDICTS[found.verdict],
         "sentences": verdict_sentences(found),
-        "next": next_sentences(found),
+        "next": [] if found.next_measurement is None else [next_sentence(found.next_measurement)],
     }
 
 
-def _out_of_date(path: Path, measurements: Measurements) -> Iterator[str]:
-    for suffix in (".model.toml", ".model+.toml"):
+def _models_of_others(path: Path, measurements: Measurements) -> Iterator[str]:
+    for suffix, job in ((".model.toml", "Fit"), (".model+.toml", "Diagnose")):
         file = beside(path, suffix)
         if not file.is_file():
             continue
@@ -126,4 +197,5 @@ def _out_of_date(path: Path, measurements: Measurements) -> Iterator[str]:
             yield str(error)
             continue
         if model.checksum != measurements.checksum:
-            yield f"{file.name} was fitted to other data than this session's. Fit writes it again."
+            why = "was fitted to other data than this session's"
+            yield f"{file.name} {why}. {job} writes it again."

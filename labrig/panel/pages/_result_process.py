@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import threading
+from contextlib import suppress
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
@@ -11,11 +12,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from labrig.errors import BadInputError, LabrigError
-from labrig.panel.pages._result_data import complete_result, fitted_result
+from labrig.panel.pages._result_data import fitted_result
 from model import ModelError
 
 NICE = 10  # a run comes first
-Stage = Literal["fitted", "settled"]
+STEPS_S = 0.4  # of computing, after which the page is shown what is known
+Stage = Literal["fitted", "settling", "whole"]
 
 
 class ResultProcess:
@@ -43,6 +45,15 @@ class ResultProcess:
             raise BadInputError(fault)
         result: dict[str, Any] = found
         return result
+
+    def prepare(self) -> None:
+        """Start the process, which loads what it needs; where it cannot, who asks is told."""
+        if self._turn.acquire(blocking=False):
+            try:
+                with suppress(EOFError, OSError):
+                    self._connection = self._connection or self._start()
+            finally:
+                self._turn.release()
 
     def close(self) -> None:
         """End the process; whoever waits for it is refused."""
@@ -78,6 +89,7 @@ def _serve(connection: Connection[Any, Any]) -> None:
 
 
 def _computed(stage: Stage, path: Path, name: str, state: str) -> dict[str, Any]:
+    found = fitted_result(path, name, state)
     if stage == "fitted":
-        return fitted_result(path, name, state)[1]
-    return complete_result(path, name, state)
+        return found.result
+    return found.settling(STEPS_S) if stage == "settling" else found.whole()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import PurePosixPath
 from typing import Any, Literal
 
 from fastapi import APIRouter, Request
@@ -12,12 +13,14 @@ from labrig.config.schema import schemas
 from labrig.errors import BadInputError, LabrigError
 from labrig.experiment.plan import Plan, load_plan, make_plan
 from labrig.experiment.rig.networked_rig import why_not_served
+from labrig.panel.analysis.outputs import ENDINGS
 from labrig.panel.core import configuration_files as files
 from labrig.panel.core.configuration_files import about_text
 from labrig.panel.core.file_names import existing, inside
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
 from labrig.panel.live.plans import message_of_plan
+from labrig.panel.pages._sessions import SUFFIX, Session
 from labrig.panel.pages.interface import PanelPage, own_script
 
 router = APIRouter(prefix="/api")
@@ -65,6 +68,15 @@ def read(name: str, panel: Here) -> Any:
     """One file."""
     path = existing(panel.rig.parent, name, *_SUFFIXES)
     return {"name": name, **files.read_file(path).as_dict()}
+
+
+@router.get("/next-protocol")
+def next_protocol(panel: Here, session: Session) -> Any:
+    """Return the protocol that was proposed after a session; it lies beside it."""
+    name = PurePosixPath(session).with_suffix(ENDINGS["next"]).as_posix()
+    existing(panel.settings.data, session, SUFFIX)
+    path = existing(panel.settings.data, name, ".toml")
+    return {"name": path.name, **files.read_file(path).as_dict()}
 
 
 @router.post("/files/check")

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Query
-from fastapi.responses import HTMLResponse, Response
+from fastapi.responses import Response
 
 from labrig.analysis.results import reading_curve
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here
-from labrig.panel.errors import MissingError
 from labrig.panel.pages._result_cache import ResultCache, as_text, state_of
-from labrig.panel.pages._result_data import beside, measured_of, measured_result, not_analysed
+from labrig.panel.pages._result_data import beside, measured_of, measured_result
 from labrig.panel.pages._sessions import SUFFIX, Session
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.session import open_session
@@ -25,8 +25,6 @@ from protocols.execution.events import Outcome
 
 Stage = Literal["measured", "fitted", "settled"]
 router = APIRouter(prefix="/api/result")
-# The report is a file of its own: it may draw itself, and neither run scripts nor load anything.
-_REPORT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
 @router.get("")
@@ -36,11 +34,20 @@ def result(panel: Here, session: Session, upto: Stage = "settled") -> Response:
     cache, data = panel.state(ResultCache), panel.settings.data
     text = _live(panel, path, session) or cache.kept(data, path)
     if text is None and upto == "measured":
+        cache.prepare()
         text = as_text(measured_result(path, session))
     elif text is None and upto == "fitted":
         text = cache.fitted(path, session)
     elif text is None:
         text = cache.computed(data, path, session)
+    return Response(text, media_type="application/json")
+
+
+@router.get("/settling")
+def settling(panel: Here, session: Session) -> Response:
+    """Return how B and EIBM settle, as far as it is computed: ask again until it is complete."""
+    path = existing(panel.settings.data, session, SUFFIX)
+    text = panel.state(ResultCache).settling(panel.settings.data, path, session)
     return Response(text, media_type="application/json")
 
 
@@ -52,8 +59,21 @@ def _live(panel: Panel, path: Path, session: str) -> str | None:
     with open_session(path, live=True) as opened:
         if opened.has_measurements:
             return None
-        missing = [] if opened.outcome is Outcome.RUNNING else [not_analysed(path)]
-    return json.dumps({**live, "missing": missing, "complete": True}, allow_nan=False)
+        missing = list(_missing_of_live(path, grows=opened.outcome is Outcome.RUNNING))
+    return json.dumps({**live, "missing": missing, "complete": True, "live": True}, allow_nan=False)
+
+
+def _missing_of_live(path: Path, *, grows: bool) -> Iterator[dict[str, str]]:
+    if grows:
+        yield {"kind": "report", "text": "Report needs a run that has ended."}
+        return
+    text = (
+        f"{path.name} is not analysed yet: this is the live fit, as far as it has come. "
+        "Analyse measures everything."
+    )
+    yield {"kind": "analyze", "text": text}
+    file = beside(path, ".report.html").name
+    yield {"kind": "report", "text": f"There is no {file} yet. Report writes it."}
 
 
 @router.get("/reading")
@@ -71,18 +91,7 @@ def reading(
 @lru_cache(maxsize=1)
 def _measurements(path: Path, state: str) -> Measurements:  # noqa: ARG001 - a part of the key
     """Return the measurements of the session whose readings are leafed through."""
-    return measured_of(path)[0]
-
-
-@router.get("/report")
-def report(panel: Here, session: Session) -> HTMLResponse:
-    """Return the report beside the session."""
-    path = existing(panel.settings.data, session, SUFFIX)
-    file = beside(path, ".report.html")
-    if not file.is_file():
-        raise MissingError(f"{file.name} is not written yet; press Report.")
-    headers = {"Content-Security-Policy": _REPORT_POLICY}
-    return HTMLResponse(file.read_bytes(), headers=headers)
+    return measured_of(path).measurements
 
 
 PAGE = PanelPage(

@@ -43,7 +43,7 @@ def one(panel: Here, name: Session) -> Any:
         **shown(entry),
         "runs_table": list(found.runs),
         "devices": list(found.devices),
-        "marks_table": list(found.marks),
+        "marks_table": [mark.as_dict() for mark in found.marks],
         "about": about,
         "pending": pending,
         "log": log,

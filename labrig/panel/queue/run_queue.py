@@ -11,9 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
-from labrig.config import RigConfig, load_rig
 from labrig.errors import BadInputError, ExitCode, LabrigError
-from labrig.experiment.hooks import Hooks, Notice
 from labrig.experiment.queue import QueuedRun, faults_of
 from labrig.panel.errors import MissingError, NotNowError
 from labrig.panel.job import Order
@@ -184,22 +182,12 @@ class RunQueue:
             self._change(replace(entry, state=State.COMPLETED, text=address.text))
             return
         self._stop_at(entry, address.text)
-        if address.code is None:  # its process cannot tell anybody any more
-            self._tell(entry, address.text)
 
     def _stop_at(self, entry: Entry, why: str) -> None:
         with self._changing():
             self._change(replace(self._entry(entry.id), state=State.STOPPED, text=why))
             text = f"{entry.session} was not completed, so nothing more was begun."
             self._queue = replace(self._queue, going=False, text=text)
-
-    def _tell(self, entry: Entry, text: str) -> None:
-        with suppress(LabrigError):
-            config = load_rig(self._rig)
-            hooks = config.hooks if isinstance(config, RigConfig) else None
-            Hooks(hooks, entry.session, lambda why: self._log("labrig", why)).tell(
-                Notice.STOPPED, text
-            )
 
     # ---------------------------------------------------------------------------------- our parts
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from drivers.interfaces import Frame, Prompt, VoltageWrite
 from labrig.session import LoggedEvent, RecordedSession, RunRecord
+from labrig.session.format.layout import NOBODY_ANSWERED
 from protocols.execution import events as ev
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import PlannedReading
@@ -64,7 +65,7 @@ _LINES: dict[str, Way] = {
     "started": lambda session, line, _: ev.SessionStarted(line.time_s, session.started),
     "asked": lambda _, line, prompt: ev.OperatorAsked(line.time_s, prompt),
     "answered": lambda _, line, prompt: ev.OperatorAnswered(
-        line.time_s, prompt, line.text == "done"
+        line.time_s, prompt, line.text in ("done", NOBODY_ANSWERED), line.text == NOBODY_ANSWERED
     ),
     "not asked": lambda _, line, __: ev.OperatorNotAsked(
         line.time_s, Prompt(kind=line.subject, text=line.text)

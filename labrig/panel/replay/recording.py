@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from drivers.interfaces import Frame
-from drivers.load_cell import LoadCell
-from labrig.config import parse_sheet, recorded_calibration
+from labrig.config import parse_sheet
 from labrig.errors import BadInputError
-from labrig.experiment.rig.rig import DRIVE
 from labrig.panel.live.event_stream import Message, Picture
 from labrig.panel.live.frames import raw_picture
 from labrig.panel.live.messages import MessageEncoder, plan_message
 from labrig.panel.live.optics_message import setup_message
 from labrig.panel.live.plans import optics_message
 from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, StripChart
+from labrig.panel.live.strip_rows import strip_rows, strip_samples
 from labrig.panel.replay.recorded_events import events_of
+from labrig.panel.replay.recorded_values import is_known, recorded_values
 from labrig.panel.replay.stored_curves import StoredCurves
 from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.vision import Optics
@@ -127,7 +127,7 @@ class Recording:
         low, high = np.searchsorted(times + BIN_S / 2, [from_s - zero_s, to_s - zero_s], "right")
         if low >= high:
             return None
-        return StripChart(span.run, whole.values[:, low:high], fresh=new)
+        return replace(whole, values=whole.values[:, low:high], fresh=new)
 
     def span_at(self, at_s: float) -> Span | None:
         """Return the run that is on, or was the last one to be."""
@@ -220,21 +220,13 @@ def _spans(events: list[ev.Event], begin_s: float) -> list[Span]:
 
 
 def _strip_of(session: RecordedSession, run: RunRecord) -> StripChart:
-    """Return all signals of a run, in mN, mA and V."""
-    text = session.texts["load_cell.toml"]
-    calibration = recorded_calibration(text, "load_cell.toml", session.resolved)
-    cell = LoadCell(calibration, run.ranges_V["force"])
-    shunt_ohm = float(session.resolved["rig"]["current_sense"]["shunt_ohm"])
-    samples = np.stack(
-        [
-            run.time_s,
-            run.signal_V(DRIVE),
-            1e3 * cell.newtons(run.signal_V("force")),
-            1e3 * run.signal_V("current") / shunt_ohm,
-        ]
-    )
-    empty = StripChart(run.planned.index, np.empty((7, 0), dtype=np.float32))
-    return Envelope(run.planned.index).add(samples) or empty
+    """Return all signals of a run, in the units of its rows."""
+    values = recorded_values(session, run)
+    rows = strip_rows([channel for channel in run.signals if channel.name in values])
+    keys = tuple(row.key for row in rows)
+    found = Envelope(run.planned.index, keys).add(strip_samples(rows, run.time_s, values))
+    empty = np.empty((1 + 2 * len(keys), 0), dtype=np.float32)
+    return found or StripChart(run.planned.index, keys, empty)
 
 
 def _plan(session: RecordedSession, name: str) -> Message:
@@ -252,6 +244,7 @@ def _plan(session: RecordedSession, name: str) -> Message:
             "capacity_mN": None if capacity_N is None else 1e3 * capacity_N,
         },
         picture=optics_message(_optics(session)),
+        channels=[each for each in session.signals if is_known(session, each)],
     )
     return {**plan, "recorded_clock": session.clock}
 

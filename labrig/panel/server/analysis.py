@@ -26,7 +26,12 @@ WORDS = {
 }
 # A report draws itself; it may neither run scripts nor load anything.
 REPORT_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
-MEDIA_TYPES = {".html": "text/html", ".json": "application/json", ".toml": "text/plain"}
+MEDIA_TYPES = {
+    ".html": "text/html",
+    ".json": "application/json",
+    ".toml": "text/plain",
+    ".zip": "application/zip",
+}
 
 
 class StartBody(RequestModel):

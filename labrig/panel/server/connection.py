@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import socket
 from contextlib import suppress
 from functools import partial
@@ -143,7 +144,10 @@ def request_connections(token: str, budgets: Buckets) -> type[asyncio.Protocol]:
 
 
 class PanelServer(uvicorn.Server):
-    """Also a handshake of TLS has a deadline, which uvicorn does not hand on."""
+    """Also a handshake of TLS has a deadline, which uvicorn does not hand on.
+
+    What a page still asks when the panel is ended is cut off without a word: it is no error.
+    """
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Listen."""
@@ -151,3 +155,8 @@ class PanelServer(uvicorn.Server):
             loop: Any = asyncio.get_running_loop()
             loop.create_server = partial(loop.create_server, ssl_handshake_timeout=HEAD_S)
         await super().startup(sockets)
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Close all connections."""
+        logging.getLogger("uvicorn.error").setLevel(logging.CRITICAL)
+        await super().shutdown(sockets)

@@ -11,6 +11,7 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 
 from labrig.errors import BadInputError, LabrigError
+from labrig.left_out import told_of
 from labrig.panel.access.open_connections import LISTEN_BACKLOG, raise_descriptor_limit
 from labrig.panel.access.rate_limits import UNIDENTIFIED, Buckets
 from labrig.panel.access.settings import ANYWHERE, LOOPBACK, PanelSettings
@@ -33,7 +34,11 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
     with _bound(settings) as listening:
         settings = replace(settings, port=listening.getsockname()[1])
         # Before anything else is started: it finds the faults of files.
-        with closing(Panel(settings)) as panel, _stop_process(settings) as stop_port:
+        with (
+            closing(Panel(settings)) as panel,
+            told_of(panel.tell_left_out),
+            _stop_process(settings) as stop_port,
+        ):
             panel.settings = replace(settings, stop_port=stop_port)
             unidentified = Buckets(*UNIDENTIFIED)
             config = uvicorn.Config(

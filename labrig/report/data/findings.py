@@ -14,10 +14,12 @@ from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.report.data.quality import Quality, quality
 from labrig.report.data.selection import configurations
+from labrig.report.data.suspicions import suspicions
 from labrig.session import RecordedSession, load_measurements, open_session, stored_curve_extractor
 from model import Fit, FitOptions, Measurements, ModelError
 
 if TYPE_CHECKING:
+    from model.discrepancy import Suspicion
     from model.discrepancy.verdict.result import Diagnosis
     from model.identification.baselines import BaselineRow
 
@@ -56,6 +58,11 @@ class Findings:
             return compare(self.measurements, replace(self.fit.options, configurations=names))
         except ModelError:
             return ()
+
+    @cached_property
+    def suspicions(self) -> tuple[Suspicion, ...]:
+        """What the data say against what is stated of them."""
+        return () if self.measurements is None else suspicions(self.measurements)
 
     @cached_property
     def quality(self) -> Quality:

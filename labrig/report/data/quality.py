@@ -94,18 +94,19 @@ def _losses(session: RecordedSession, runs: list[RunRecord]) -> Quality:
 
 def _saturation(runs: list[RunRecord]) -> Quality:
     rows, remarks = [], []
-    for channel in runs[0].channels:
-        limit, largest, hit = runs[0].ranges_V[channel], 0.0, 0
+    for channel in runs[0].signals:
+        name, unit, limit = channel.name, channel.raw_unit, channel.range_V
+        largest, hit = 0.0, 0
         for run in runs:
-            size_V = np.abs(run.signal_V(channel))
-            if np.isfinite(size_V).any():
-                largest = max(largest, float(np.nanmax(size_V)))
-                hit += int(np.count_nonzero(size_V >= _RAIL * limit))
+            size = np.abs(run.signal_V(name))
+            if np.isfinite(size).any():
+                largest = max(largest, float(np.nanmax(size)))
+                hit += int(np.count_nonzero(size >= _RAIL * limit))
         share = f"{100 * largest / limit:.0f} %"
-        rows.append((channel, f"± {limit:g}", number(largest, 3), share, str(hit)))
+        rows.append((name, f"± {limit:g} {unit}", f"{number(largest, 3)} {unit}", share, str(hit)))
         if hit:
-            remarks.append(f"{hit} samples of the channel {channel} are at the end of its range.")
-    columns = ("channel", "range, V", "largest, V", "share of the range", "samples at its end")
+            remarks.append(f"{hit} samples of the channel {name} are at the end of its range.")
+    columns = ("channel", "range", "largest", "share of the range", "samples at its end")
     table = Table(title="Saturation", columns=columns, rows=tuple(rows))
     return Quality((table,), tuple(remarks))
 

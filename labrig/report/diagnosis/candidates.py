@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig.report.diagnosis.tables import best_and_named
 from labrig.report.parts.style import ALONG_COLOUR, CONSTANT_COLOUR, INK, figure, letter
 from model.discrepancy.verdict.result import Diagnosis, FormCurve, Ranked, Unknown
+from model.effects import title
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +24,7 @@ _SOFT = "#9aa4b0"
 
 def ranking_figure(found: Diagnosis) -> Figure | None:
     """Bars of ln Bayes factors with the threshold."""
-    shown = list(found.ranking[:MOST])[::-1]
+    shown = best_and_named(found, MOST)[::-1]
     if not shown:
         return None
     with figure(6.2, 0.24 * len(shown) + 1.3) as fig:
@@ -30,23 +32,20 @@ def ranking_figure(found: Diagnosis) -> Figure | None:
         named = {one.name for one in found.effects}
         colours = [_colour(one, named, found) for one in shown]
         axes.barh(range(len(shown)), [one.log_bayes for one in shown], color=colours, height=0.7)
-        axes.set_yticks(range(len(shown)), [_called(one) for one in shown])
+        axes.set_yticks(range(len(shown)), [title(one.name) for one in shown])
         axes.set_xscale("symlog", linthresh=_LINEAR, linscale=1.0)
         axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "−"))
         axes.axvline(0, color=INK, linewidth=0.7)
         if np.isfinite(found.threshold):
             axes.axvline(found.threshold, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
             axes.annotate(
-                f"threshold {found.threshold:.1f}", (found.threshold, 0.0), xytext=(4, 0),
-                textcoords="offset points", fontsize=8, va="center",
+                f"threshold {found.threshold:.1f}", (found.threshold, 1.0), xytext=(0, 3),
+                xycoords=axes.get_xaxis_transform(), textcoords="offset points", fontsize=8,
+                ha="center", va="bottom",  # above the bars, which may be of any length
             )  # fmt: skip
         axes.set_xlabel("ln Bayes factor over the base model")
         axes.grid(visible=False, axis="y")
         return fig
-
-
-def _called(one: Ranked) -> str:
-    return one.name.replace("unknown:", "unknown, ")
 
 
 def _colour(one: Ranked, named: set[str], found: Diagnosis) -> str:
@@ -63,7 +62,7 @@ def signatures_figure(found: Diagnosis) -> Figure | None:
     if n < 2:
         return None
     order = np.argsort(-np.nan_to_num(seen.detectability))
-    names = [seen.names[i] for i in order]
+    names = [title(seen.names[i]) for i in order]
     with figure(0.2 * n + 3.4, 0.2 * n + 1.9) as fig:
         panels = fig.subplots(1, 2, width_ratios=[1.0, 0.28], sharey=True)
         alike = np.abs(seen.cosine)[np.ix_(order, order)]
@@ -104,7 +103,7 @@ def form_figure(found: Diagnosis) -> Figure | None:
         panels = fig.subplots(1, count, squeeze=False)[0]
         for axes, (name, form), mark in zip(panels, forms, "abcdefgh", strict=False):
             _form(axes, form)
-            letter(axes, mark, name)
+            letter(axes, mark, title(name))
         if found.unknown is not None:
             _profile(panels[-1], found.unknown)
             location = found.unknown.location.replace("_", " ")

@@ -9,7 +9,7 @@ from dataclasses import replace
 from labrig.report.parts.table import Table, interval, with_sigma
 from model import Parameter
 from model.discrepancy.verdict.result import Diagnosis, Named
-from model.effects import EffectParameter, catalogue
+from model.effects import EffectParameter, catalogue, title
 
 _BASE = {"B_Nm2": "bending stiffness B"}
 MOST_SHARE = 0.999  # beyond that a share is "more than 99.9 %"
@@ -57,9 +57,9 @@ def _effect_rows(one: Named) -> Iterator[tuple[str, ...]]:
     for suffix, parts in own or [("", one.parameters)]:
         for key, p in parts.items():
             if key not in choices:
-                probability, form = percent(one.confidence), percent(one.form_share)
+                probability, form = percent(one.probability), percent(one.form_share)
                 yield (
-                    f"{one.name}{suffix}: {key}",
+                    f"{title(one.name)}{suffix}: {in_words(key, p.unit)}",
                     *_cells(_bounded(one, key, p)),
                     probability,
                     form,
@@ -97,12 +97,18 @@ def choice_table(found: Diagnosis) -> Table | None:
 
 
 def _choice(one: Named, parameter: EffectParameter) -> Iterator[tuple[str, ...]]:
-    chosen, name = one.choices.get(parameter.name), f"{one.name}: {parameter.name}"
+    chosen = one.choices.get(parameter.name)
+    name = f"{title(one.name)}: {in_words(parameter.name, parameter.unit)}"
     if chosen is not None:
         others = "; ".join(f"{what} ({percent(share)})" for what, share in chosen.alternatives)
         yield name, chosen.meaning, percent(chosen.probability), others or "-"
     elif parameter.name in one.parameters:  # of a diagnosis that an older version stored
         yield name, parameter.meaning_of(one.parameters[parameter.name].value), "-", "-"
+
+
+def in_words(name: str, unit: str) -> str:
+    """Return the name of a parameter as readers are shown it, beside its unit."""
+    return name.removesuffix(f"_{unit}").replace("_", " ")
 
 
 def _cells(parameter: Parameter) -> tuple[str, str, str]:

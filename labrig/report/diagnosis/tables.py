@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator
 
 import numpy as np
 
 from labrig.report.diagnosis.parameters import percent
 from labrig.report.parts.table import Table, fixed, number, volts
-from model.discrepancy.verdict.messages import listed
+from model.discrepancy.data_checks import Suspicion
+from model.discrepancy.verdict.messages import closed_sentence, listed
 from model.discrepancy.verdict.result import (
     Diagnosis,
     ErrorRow,
     Gap,
+    Named,
     Next,
     Ranked,
     Where,
 )
-from model.effects import catalogue
+from model.effects import catalogue, title
 from model.measurements import FloatArray
 
 VERDICTS = {
@@ -81,6 +84,10 @@ def _where(one: Where) -> tuple[str, ...]:
     )
 
 
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
 def visibility(found: Diagnosis) -> list[str]:
     """Return what the data could have shown at all: a sentence or two."""
     names = found.signatures.names
@@ -88,14 +95,17 @@ def visibility(found: Diagnosis) -> list[str]:
     said = []
     if names:
         said.append(f"{seen} of {len(names)} effects would be seen in these data at a usual size.")
-    return said + [f"Indistinguishable in these data: {listed(one)}." for one in found.classes]
+    return said + [
+        f"Indistinguishable in these data at a usual size: {listed([title(n) for n in one])}."
+        for one in found.classes
+    ]
 
 
 def invisible_table(found: Diagnosis) -> Table | None:
     """Effects that these data cannot show, and what would."""
     if not found.invisible:
         return None
-    rows = tuple(found.invisible.items())
+    rows = tuple((title(name), shows) for name, shows in found.invisible.items())
     return Table(
         title="Invisible in these data",
         columns=("effect", "measurement that shows it"),
@@ -104,19 +114,24 @@ def invisible_table(found: Diagnosis) -> Table | None:
     )
 
 
+def best_and_named(found: Diagnosis, most: int) -> list[Ranked]:
+    """Return so many of the best candidates, and all that are named, best first."""
+    named = {effect.name for effect in found.effects}
+    return [one for i, one in enumerate(found.ranking) if i < most or one.name in named]
+
+
 def ranking_table(found: Diagnosis) -> Table:
-    """Candidates, best first, with the threshold that they had to pass."""
-    shown = list(found.ranking[:MOST_RANKED])
+    """List the best candidates and whatever is named, best first, with the threshold for a name."""
     rows = tuple(
         (
-            one.name.replace("unknown:", "unknown, "),
-            one.location.replace("_", " "),
+            title(one.name),
+            title(one.location),
             fixed(one.log_bayes, 1),
             number(one.size, 2),
             number(one.detectability, 3),
             one.why_not or _standing(one, found),
         )
-        for one in shown
+        for one in best_and_named(found, MOST_RANKED)
     )
     columns = (
         "candidate", "location", "ln Bayes factor", "relative size", "detectability", "remark",
@@ -141,10 +156,9 @@ def verdict_sentences(found: Diagnosis) -> list[str]:
     for one in found.effects:
         meaning = catalogue()[one.name].meaning if one.name in catalogue() else ""
         if meaning:
-            said.append(f"{one.name}: {meaning}")
+            said.append(f"{_capital(title(one.name))}: {meaning}")
         if one.confusable_with:
-            names = listed((one.name, *one.confusable_with))
-            said.append(f"One of {names}: {percent(one.confidence)} probability of this class.")
+            said.append(_class_sentence(one))
     if found.unknown is not None:
         some = found.unknown
         said.append(
@@ -152,6 +166,14 @@ def verdict_sentences(found: Diagnosis) -> list[str]:
             f" {some.at_unit}{_coordinate(some.along)}."
         )
     return said
+
+
+def _class_sentence(one: Named) -> str:
+    """Return the members of a class, their probability together, and that of each."""
+    members = [title(name) for name in (one.name, *one.confusable_with)]
+    each = ", ".join(f"{title(name)} {percent(p)}" for name, p in one.probabilities.items())
+    text = f"One of {listed(members)}: {percent(one.confidence)} probability of this class"
+    return f"{text} ({each})." if each else f"{text}."
 
 
 def _coordinate(along: str) -> str:
@@ -168,8 +190,8 @@ def improvement_table(found: Diagnosis) -> Table:
         own = [row for row in found.rows if row.configuration == name]
         rows += _gap_rows(f"{name}, fitted", *(_rms_gap(own, when) for when in ("before", "after")))
     note = f"{BEFORE_AFTER} Left out: each position predicted by fits without it."
-    if np.isfinite(found.closed):
-        note += f" Share of the gap that is closed there: {percent(found.closed)}."
+    if found.closed_gap is not None:
+        note += f" {closed_sentence(found.closed_gap)}"
     columns = ("root mean squared errors", "before", "after")
     return Table(title="Errors before and after", columns=columns, rows=tuple(rows), note=note)
 
@@ -202,16 +224,21 @@ def _rms(values: FloatArray) -> float:
     return float(np.sqrt(np.mean(good**2))) if len(good) else float("nan")
 
 
-def next_sentences(found: Diagnosis) -> list[str]:
-    """Return what to measure next, and how to get its protocol."""
+def next_sentences(found: Diagnosis, session: str | None = None) -> list[str]:
+    """Return what to measure next, and how to get its protocol from the session that keeps this.
+
+    `session`: its file; None: of tables, or of several.
+    """
     if found.next_measurement is None:
         return []
     said = [next_sentence(found.next_measurement)]
     pair = next((e for e in found.effects if e.confusable_with), None)
-    if pair is not None:
+    if session is not None:
+        said.append(f"Its protocol: labrig next {shlex.quote(session)} -o protocol.toml")
+    elif pair is not None:
         said.append(
-            f"Its protocol: labrig next SESSION --between {pair.name} {pair.confusable_with[0]}"
-            " -o protocol.toml"
+            "Its protocol: labrig next with the same files and "
+            f"--between {pair.name} {pair.confusable_with[0]} -o protocol.toml"
         )
     return said
 
@@ -221,8 +248,8 @@ def next_sentence(one: Next) -> str:
     text = f"Measure next: {one.why.rstrip('.')}."
     if np.isfinite(one.separation) and np.isfinite(one.expected):
         text += (
-            f" The candidates are {one.separation:.1f} sigma apart now, and would be"
-            f" {one.expected:.1f} after {one.minutes:.0f} min at the rig."
+            f" Separation of the candidates: {one.separation:.1f} → {one.expected:.1f} sigma"
+            f" (now → expected), after {one.minutes:.0f} min at the rig."
         )
     return text
 
@@ -237,9 +264,20 @@ def scatter_sentence(found: Diagnosis) -> str:
     return f"Scatter between set-ups (standard deviation): {', '.join(parts)}." if parts else ""
 
 
+def data_check_sentences(found: Diagnosis) -> list[str]:
+    """Return what is suspicious about the data as they are stated, where the search went on."""
+    return [suspicion_sentence(one) for one in found.data_checks] if found.searched else []
+
+
+def suspicion_sentence(one: Suspicion) -> str:
+    """Return a suspicion as a sentence of its own."""
+    return f"Check the data: {one.sentence.rstrip('.')}."
+
+
 def further_sentences(found: Diagnosis) -> list[str]:
     """Outliers and remarks of the procedure."""
-    said = [f"Outlier, left out: {name}." for name in found.outliers]
+    said = [*data_check_sentences(found)]
+    said += [f"Outlier, left out: {name}." for name in found.outliers]
     return [*said, *(note.rstrip(".") + "." for note in found.notes)]
 
 

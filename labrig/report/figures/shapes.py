@@ -23,18 +23,25 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_HIGHEST_IN = 4.6  # of figure 7
+_BESIDE_IN = 0.6  # a panel's numbers and label
+_ABOVE_AND_BELOW_IN = 1.2  # title, numbers, label, legend
 _MOSTLY_RIGID = 3.0  # elongation over free length, from which on the bending part gets an inset
 
 
 def curves_figure(measurements: Measurements, names: list[str]) -> Figure:
     """Figure 7: all curves of each configuration, the arc and the clamp; equal aspect."""
-    with figure(panels_width_in(len(names)), 3.5 if len(names) > 1 else 4.6) as fig:
+    width_in = panels_width_in(len(names))
+    with figure(width_in, _HIGHEST_IN) as fig:
         panels = fig.subplots(1, len(names), squeeze=False)[0]
         for axes, name, mark in zip(panels, names, "abcdefgh", strict=False):
             _all_curves(axes, measurements, name)
             letter(axes, mark, f"{name} sheet")
         handles = {h.get_label(): h for axes in panels for h in axes.get_lines() if _shown(h)}
         legend_below(fig, list(handles.values()))
+        steepest = max(np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim()) for axes in panels)
+        panel_in = width_in / len(names) - _BESIDE_IN
+        fig.set_figheight(min(_HIGHEST_IN, float(steepest) * panel_in + _ABOVE_AND_BELOW_IN))
         return fig
 
 

@@ -17,6 +17,7 @@ from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.table import fixed
 from model.discrepancy.thresholds import REPORTED_GAP_RATIO
 from model.discrepancy.verdict.result import Diagnosis
+from model.effects import title
 
 # title, name of the gap, decimals
 MEANS = (
@@ -56,7 +57,14 @@ def _title(found: Diagnosis) -> str:
 
 def _cards(found: Diagnosis) -> list[Card]:
     cards = []
-    named = [(e.name, percent(e.confidence), "") for e in found.effects]
+    named = [
+        (
+            " or ".join(title(name) for name in (e.name, *e.confusable_with)),
+            percent(e.confidence),
+            "",
+        )
+        for e in found.effects
+    ]
     if named:
         cards.append(Card("Effects, posterior probability", tuple(named)))
     if found.unknown is not None:
@@ -72,8 +80,11 @@ def _cards(found: Diagnosis) -> list[Card]:
         for title, key, decimals in (*MEANS, *IN_TIME)
         if _worth_a_card(found, key)
     ]
-    if np.isfinite(found.closed):
-        cards.append(Card("Gap closed", (("left-out positions", percent(found.closed), ""),)))
+    if found.closed_gap is not None:
+        one = found.closed_gap
+        cards.append(
+            Card("Gap closed, left-out positions", ((one.quantity, percent(one.share), ""),))
+        )
     return cards
 
 

@@ -11,6 +11,9 @@ from model.discrepancy.verdict.result import Diagnosis
 
 def sections_of(found: Diagnosis, drawn: Mapping[str, Drawn]) -> list[Section]:
     """Return the sections that have something to show."""
+    if not found.searched:  # there is no more than the reason
+        said = (*tables.verdict_sentences(found), *tables.further_sentences(found))
+        return [Section(sentences=said, title="Finding")]
 
     def figures(*names: str) -> list[Drawn]:
         return [drawn[name] for name in names if name in drawn]

@@ -13,6 +13,7 @@ from labrig.report.data.models import ALONG, CONSTANT
 from labrig.report.data.paper import PAPER
 from labrig.report.data.quality import MOST_WARNINGS
 from labrig.report.data.selection import rest_position_m
+from labrig.report.diagnosis.tables import suspicion_sentence
 from labrig.report.parts.table import fixed, volts, with_sigma
 from model import ConfigurationFit, Parameter
 from protocols.execution.events import Outcome, OutputState
@@ -135,6 +136,7 @@ def remarks(found: Findings) -> list[str]:
         caveats.append(f"Only the configuration {found.names[0]} was measured.")
     for name, why in found.fitted.missing.items():
         caveats.append(f"The configuration {name} could not be fitted: {why.rstrip('.')}.")
+    caveats += [suspicion_sentence(one) for one in found.suspicions]
     caveats += found.quality.remarks
     if found.measurements is not None:
         warned = found.measurements.warnings

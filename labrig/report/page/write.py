@@ -31,13 +31,15 @@ def write_report(
     *,
     figures: Path | None = None,
     formats: Sequence[str] = DEFAULT_FORMATS,
+    figures_named: str = "",
     progress: Progress = _quiet,
     tell: Callable[[str], None] = lambda _text: None,
 ) -> Path:
     """Write the report of a session and return the page's path.
 
     `folder` is by default NAME-report in the folder of the session; the figures go to `figures` in
-    it, or to the folder of that name. A session that was not analysed yet is analysed first; the
+    it, or to the folder of that name. `figures_named`: where the page says that they are, for a
+    caller who puts them elsewhere. A session that was not analysed yet is analysed first; the
     page says what cannot be measured or fitted. Raises BadInputError when the session cannot be
     read or a folder not be written.
     """
@@ -53,6 +55,7 @@ def write_report(
         content = report_content(found, FigureFolder(figures, formats), ordered(), progress)
         for text in content.left_out:
             tell(text)
-        files = f"{_named(figures, folder)} as {' and '.join(one.upper() for one in formats)}"
+        named = figures_named or _named(figures, folder)
+        files = f"{named} as {' and '.join(one.upper() for one in formats)}"
         write_page(render(found, content, files), folder / "index.html")
     return folder / "index.html"

@@ -41,12 +41,13 @@ class FigureFolder:
         if fig is None:
             return ()
         self._names.add(name)
+        svg = svg_text(fig)  # of the page and of the file: drawing it takes long
         try:
-            save_all(fig, self._folder, name, self._formats)
+            save_all(fig, self._folder, name, self._formats, svg)
         except LabrigError as error:
             self.failure = error
             raise
-        return (Drawn(name, title, caption, inline(svg_text(fig), name, f"{title}. {caption}")),)
+        return (Drawn(name, title, caption, inline(svg, name, f"{title}. {caption}")),)
 
     def remove_others(self, known: Collection[str]) -> None:
         """Delete older files of known figures that were not written this time."""

@@ -75,9 +75,10 @@ def panels_width_in(panels: int) -> float:
 
 
 def legend_below(fig: Figure, handles: list[Artist]) -> None:
-    """One legend for all panels, in as many columns as there is room for."""
-    room = int(fig.get_figwidth() / 1.35)
-    fig.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), room))
+    """One legend for all panels, in as many columns as there is room for; read row by row."""
+    columns = min(len(handles), int(fig.get_figwidth() / 1.35))
+    by_column = [handle for i in range(columns) for handle in handles[i::columns]]
+    fig.legend(handles=by_column, loc="outside lower center", ncols=columns)
 
 
 def letter(axes: Axes, name: str, title: str) -> None:
@@ -98,11 +99,13 @@ def known_formats(wanted: Sequence[str] | None) -> tuple[str, ...]:
     return tuple(dict.fromkeys(wanted or DEFAULT_FORMATS))
 
 
-def save_all(fig: Figure, folder: Path, name: str, formats: Sequence[str]) -> list[Path]:
-    """Write NAME in each format and return the paths."""
+def save_all(
+    fig: Figure, folder: Path, name: str, formats: Sequence[str], svg: str = ""
+) -> list[Path]:
+    """Write NAME in each format and return the paths; `svg`: the figure as `svg_text` has it."""
     paths = [folder / f"{name}.{ending}" for ending in formats]
     for path in paths:
-        save(fig, path)
+        save(fig, path, svg)
     return paths
 
 
@@ -118,8 +121,11 @@ def svg_text(fig: Figure) -> str:
     return text.getvalue()
 
 
-def save(fig: Figure, path: Path) -> None:
-    """Write a figure beside its place and rename it; the ending chooses png, svg or pdf."""
+def save(fig: Figure, path: Path, svg: str = "") -> None:
+    """Write a figure beside its place and rename it; the ending chooses png, svg or pdf.
+
+    `svg`: the figure as `svg_text` has it, where it was drawn as that already.
+    """
     import matplotlib as mpl
 
     ending = path.suffix.lower().lstrip(".")
@@ -127,13 +133,11 @@ def save(fig: Figure, path: Path) -> None:
         raise BadInputError(f"{path}: a figure's name must end in .png, .svg or .pdf.")
     part = path.with_name(path.name + ".part")
     try:
-        with mpl.rc_context(_SETTINGS):
-            fig.savefig(
-                part,
-                format=ending,
-                metadata=_METADATA.get(ending),
-                transparent=ending == "svg",
-            )
+        if ending == "svg":
+            part.write_text(svg or svg_text(fig), encoding="utf-8", newline="\n")
+        else:
+            with mpl.rc_context(_SETTINGS):
+                fig.savefig(part, format=ending, metadata=_METADATA.get(ending))
         part.replace(path)
     except OSError as error:
         discard(part)

@@ -15,6 +15,9 @@ def make(findings: Findings, figures: FigureFolder) -> Section | str:
     found = findings.diagnosis
     if found is None:
         return Section()
+    if not found.searched:
+        said = (*tables.verdict_sentences(found), *tables.further_sentences(found))
+        return Section(sentences=said)
     drawn = draw_diagnosis(found, figures)
     folded = (tables.where_table(found), tables.ranking_table(found), tables.invisible_table(found))
     items: tuple[Item | None, ...] = (

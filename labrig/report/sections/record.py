@@ -15,7 +15,8 @@ from labrig.report.tables.overview import overview
 def make(findings: Findings, _figures: FigureFolder) -> Section | str:
     """Return the session's facts and checksums, its channels, and folded its log."""
     session = findings.session
-    facts, _, *channels, log = overview(session).tables(log=True)
+    found = replace(overview(session), marks=())  # which have a section of their own
+    facts, _, *channels, log = found.tables(log=True)
     sums = [("recorded data, sha256", session.checksum)]
     if findings.measurements is not None and findings.measurements.checksum:
         sums.append(("measurements were made from", findings.measurements.checksum))

@@ -9,7 +9,7 @@ import numpy as np
 from labrig.report.parts.table import Table
 from labrig.session import RecordedSession
 
-_COLUMNS = ("channel", "quantity", "unit", "input range V", "smallest reading", "largest reading")
+_COLUMNS = ("channel", "quantity", "unit", "input range", "smallest reading", "largest reading")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,7 +19,8 @@ class ChannelSummary:
     name: str
     quantity: str
     unit: str
-    range_V: float  # of the input, either sign
+    input_range: float  # either sign, in `input_unit`
+    input_unit: str  # V, or N of a force that a meter reads
     least: float | None  # None: no reading has a value
     most: float | None
 
@@ -36,7 +37,8 @@ def channel_table(session: RecordedSession) -> tuple[ChannelSummary, ...]:
             name=channel.name,
             quantity=channel.quantity,
             unit=channel.unit,
-            range_V=channel.range_V,
+            input_range=channel.range_V,
+            input_unit=channel.raw_unit,
             **_extremes(values.get(channel.column, [])),
         )
         for channel in session.signals
@@ -57,7 +59,7 @@ def channels_as_table(channels: tuple[ChannelSummary, ...]) -> Table:
             channel.name,
             channel.quantity,
             channel.unit,
-            f"±{channel.range_V:g}",
+            f"±{channel.input_range:g} {channel.input_unit}",
             "-" if channel.least is None else f"{channel.least:.4g}",
             "-" if channel.most is None else f"{channel.most:.4g}",
         )

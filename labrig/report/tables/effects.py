@@ -41,7 +41,7 @@ def _parameters(one: Effect) -> list[str]:
 
 def effect_lines(one: Effect) -> Iterator[str]:
     """Everything the catalogue says of an effect."""
-    yield one.name
+    yield f"{one.name}, shown as: {one.title}" if one.title else one.name
     for title, text in (
         ("meaning", one.meaning), ("form", one.form), ("acts on", one.location.replace("_", " ")),
         ("signature", one.signature), ("isolated by", one.isolates), ("source", one.source),

@@ -10,7 +10,8 @@ import numpy as np
 from labrig.report.parts.table import Table, fixed
 from labrig.report.tables.channels import ChannelSummary, channel_table, channels_as_table
 from labrig.report.tables.devices import device_row, devices_as_table
-from labrig.session import RecordedSession, RunRecord
+from labrig.report.tables.marks import marks_as_table
+from labrig.session import Mark, RecordedSession, RunRecord
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +23,7 @@ class Overview:
     log: tuple[tuple[str, ...], ...]
     channels: tuple[ChannelSummary, ...] = ()
     devices: tuple[dict[str, Any], ...] = ()
-    marks: tuple[dict[str, Any], ...] = ()  # after the end, oldest first
+    marks: tuple[Mark, ...] = ()  # after the end, oldest first
 
     def as_dict(self) -> dict[str, Any]:
         """Return what JSON holds."""
@@ -31,7 +32,7 @@ class Overview:
             "runs": list(self.runs),
             "channels": [asdict(channel) for channel in self.channels],
             "devices": list(self.devices),
-            "marks": list(self.marks),
+            "marks": [mark.as_dict() for mark in self.marks],
         }
 
     def tables(self, *, log: bool = False) -> list[Table]:
@@ -45,7 +46,7 @@ class Overview:
         if self.devices:
             found.append(devices_as_table(self.devices))
         if self.marks:
-            found.append(_marks_as_table(self.marks))
+            found.append(marks_as_table(self.marks, "Marks after the end"))
         if log:
             found.append(
                 Table(
@@ -112,24 +113,8 @@ def overview(session: RecordedSession) -> Overview:
         log=log,
         channels=channels,
         devices=devices,
-        marks=tuple(mark.as_dict() for mark in session.marks_after_end),
+        marks=session.marks_after_end,
     )
-
-
-def _marks_as_table(marks: tuple[dict[str, Any], ...]) -> Table:
-    rows = tuple(
-        (
-            str(mark["run"]),
-            "whole run" if mark["reading"] is None else str(mark["reading"]),
-            "invalid" if mark["invalid"] else "mark taken back",
-            mark["why"],
-            mark["who"],
-            mark["when"],
-        )
-        for mark in marks
-    )
-    columns = ("run", "reading", "mark", "why", "by", "at (UTC)")
-    return Table(title="Marks after the end", columns=columns, rows=rows)
 
 
 def _run(run: RunRecord) -> dict[str, Any]:

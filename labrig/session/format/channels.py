@@ -68,9 +68,12 @@ def channel_rows(channels: Sequence[Channel], version: int) -> Array:
     return rows
 
 
-def channels_of(rows: Array, version: int) -> tuple[Channel, ...]:
+def channels_of(rows: Array, version: int, raw_force_unit: str) -> tuple[Channel, ...]:
     """Return the channels that `setup/signals` describes (its texts decoded)."""
-    return tuple(_channel(row, version) for row in rows)
+    found = (_channel(row, version) for row in rows)
+    return tuple(
+        replace(each, raw_unit=raw_force_unit) if each.name == FORCE else each for each in found
+    )
 
 
 def _channel(row: Any, version: int) -> Channel:

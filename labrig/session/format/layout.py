@@ -57,6 +57,7 @@ SUPPLEMENTS: Final = (DERIVED, NOTES, MARKS)
 CHECKSUMS: Final = "/session/checksums"
 EVENTS: Final = "/session/events"
 MORE: Final = "+"  # kind of an event row that continues the text of the row before
+NOBODY_ANSWERED: Final = "nobody answered"  # text of an event `answered`: as if "done"
 NO_FRAME: Final = -1
 EVENT_TEXT_BYTES: Final = 240
 
@@ -99,6 +100,7 @@ STATUS_TEXTS: Final = {
 # `dataset` is the full name of a dataset or, since version 3, of a group.
 CHECKSUM_ROW: Final = np.dtype([("dataset", text_type(200)), ("sha256", text_type(64))])
 QUANTITY_BYTES: Final = 64
+# `range_V` of a force that a meter reads is in N, as the `units` of its samples say.
 _SIGNAL_1: Final = [("name", text_type(64)), ("range_V", "<f8")]
 _SIGNAL_2: Final = [
     *_SIGNAL_1,

@@ -15,6 +15,7 @@ from labrig.config.about import About, recorded_about
 from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
 from labrig.session.format import layout
+from labrig.session.format.checksums import SUPPLEMENT_SUM
 from labrig.session.format.devices import REPLAY_OF, boards_in_words
 from labrig.session.marks.mark import Mark, states_of
 from labrig.session.marks.stored import read_marks
@@ -178,6 +179,13 @@ class RecordedSession:
             return ""
         made_of = read_text(self._file, f"{layout.DERIVED}/checksum", self.path)
         return "" if made_of == self.data_checksum else OUTDATED
+
+    @property
+    def state_checksum(self) -> str:
+        """A sha256 (hex) of all that the file holds now: recording, analysis, notes and marks."""
+        groups = [self._file.get(name) for name in layout.SUPPLEMENTS]
+        sums = [b"" if one is None else bytes(one.attrs.get(SUPPLEMENT_SUM, b"")) for one in groups]
+        return hashlib.sha256(b" ".join([self.checksum.encode(), *sums])).hexdigest()
 
     @property
     def clock(self) -> str:

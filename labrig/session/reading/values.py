@@ -11,6 +11,7 @@ import h5py
 import numpy as np
 
 from labrig.config import parse_json
+from labrig.config.load_cell import raw_force_unit
 from labrig.errors import BadInputError
 from labrig.serialise import from_plain
 from labrig.session.format import layout
@@ -118,14 +119,15 @@ def read_setup(file: Any, path: Path) -> SessionSetup:
     shape = scalar("frame_shape") if has_frames else None
     frame_dtype = read_text(file, f"{layout.SETUP}/frame_dtype", path) if has_frames else "uint8"
     try:
+        resolved = _json(file, "resolved", path)
         schedule = from_plain(Schedule, _json(file, "schedule", path), "schedule")
         check_recorded(schedule)
         return SessionSetup(
             schedule=schedule,
             texts=read_texts(file, f"{layout.SETUP}/texts", path),
-            resolved=_json(file, "resolved", path),
+            resolved=resolved,
             version=version,
-            signals=channels_of(signals, version),
+            signals=channels_of(signals, version, raw_force_unit(resolved)),
             rate_hz=float(scalar("rate_hz")),
             frame_shape=None if shape is None else (int(shape[0]), int(shape[1])),
             frame_dtype=frame_dtype,

@@ -15,7 +15,7 @@ import h5py
 import numpy as np
 
 from labrig.config.about import About, recorded_about
-from labrig.config.load_cell import FORCE_UNIT
+from labrig.config.load_cell import raw_force_unit
 from labrig.serialise import to_plain
 from labrig.session.format import layout
 from labrig.session.format.channels import channel_rows
@@ -170,8 +170,8 @@ def _signals(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
 
 def _unit_of(name: str, setup: SessionSetup) -> str:
     """Return the unit of raw samples: volts, but for a force that a meter reports by itself."""
-    if name == FORCE and setup.resolved.get(FORCE_UNIT) == "N":
-        return "N"
+    if name == FORCE:
+        return raw_force_unit(setup.resolved)
     return "s" if name == "time" else "V"
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from drivers.interfaces import Frame
 from labrig.session.format import layout
-from labrig.session.format.layout import Array
+from labrig.session.format.layout import NOBODY_ANSWERED, Array
 from labrig.session.format.setup import SessionSetup
 from labrig.session.recording.create import FRAME_COMPRESSION
 from protocols.execution import events as ev
@@ -132,6 +132,8 @@ class Translator:
 
     def _answered(self, event: ev.OperatorAnswered) -> list[EventRows]:
         said = "done" if event.done else "again" if event.prompt.kind == REPEAT else "stop"
+        if event.expired:
+            said = NOBODY_ANSWERED
         return self._log(event, "answered", said, subject=event.prompt.kind)
 
     def _not_asked(self, event: ev.OperatorNotAsked) -> list[EventRows]:

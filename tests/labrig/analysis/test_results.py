@@ -8,11 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.band_coverage import tally
 from labrig.analysis.results import converging, reading_curve, result_of
+from labrig.analysis.results.models import models_of
+from labrig.analysis.results.predicted import predicted_by
 from labrig.errors import BadInputError
 from model import Along, fit, predict
 from model.parameter import Parameter
 from model.sheet.beam_problem import ActiveEffect
+from sim_hardware.world import load_world
 from tests.labrig.report_data import measure
 
 pytestmark = pytest.mark.slow  # fits
@@ -71,7 +75,7 @@ def test_a_model_s_force_and_shape_are_those_it_predicts(result, fitted):
             assert np.allclose(shown["curve"]["y_mm"], 1e3 * wanted.y_m, atol=1e-4)
 
 
-def test_the_band_of_a_force_is_that_of_repeated_draws_of_the_parameters(result, fitted):
+def test_the_parameters_part_of_a_band_is_that_of_repeated_draws(result, measured, fitted):
     """B and EIBM are drawn with their correlation, as the fit states it."""
     joint, random = fitted.joint, np.random.default_rng(1)
     n = joint.forward.names.index("long")
@@ -92,7 +96,11 @@ def test_the_band_of_a_force_is_that_of_repeated_draws_of_the_parameters(result,
         )
         model = replace(fitted.model, sheets={"long": moved})
         forces.append(1e3 * predict(model, "long", 10e-3, 2.0).F_N)
-    low, high = one["models"]["constant"]["force90_mN"]
+    constant = models_of(fitted, None)[0]
+    own = {name: found[:-1] for name, found in constant.displaced.items()}  # not that along s
+    alone = predicted_by(replace(constant, displaced=own, scatter={}), measured)
+    low, high = alone.conditions[one["id"]]["force90_mN"]
+    assert high < one["models"]["constant"]["force90_mN"][1]  # which holds measurements
     # the stated sigma also holds the doubt about k0, and Student's t for few degrees of freedom
     assert 1.0 < 0.5 * (high - low) / (1.645 * np.std(forces)) < 1.6
 
@@ -111,7 +119,7 @@ def test_lines_go_through_the_predicted_forces_with_their_bands(result):
 
 
 def test_the_last_step_of_the_convergence_is_the_fit_of_all(measured, fitted):
-    points = converging(measured)
+    points = converging(measured, whole=fitted)
     last = list(measured.sheets)[-1]
     one = fitted.configurations[last]
     assert points[last][-1]["B_uNm2"]["value"] == pytest.approx(1e6 * one.B.value)
@@ -123,6 +131,14 @@ def test_the_last_step_of_the_convergence_is_the_fit_of_all(measured, fitted):
         assert [step["positions"] for step in steps] == list(range(1, len(steps) + 1))
         known = [s["B_uNm2"]["interval90"] for s in steps if s["B_uNm2"]]
         assert np.ptp(known[-1]) < np.ptp(known[0]), name
+
+
+def test_a_fit_that_begins_where_an_earlier_one_ended_finds_the_same(measured, fitted):
+    points = converging(measured)  # each fit but the first begins so
+    last = list(measured.sheets)[-1]
+    found, B = points[last][-1]["B_uNm2"], fitted.configurations[last].B
+    assert abs(found["value"] - 1e6 * B.value) < 0.05e6 * B.sigma
+    assert found["sigma"] == pytest.approx(1e6 * B.sigma, rel=0.05)
 
 
 def test_steps_that_are_known_are_not_fitted_again(measured):
@@ -197,3 +213,10 @@ def test_a_mean_along_the_sheet_in_a_model_file_has_no_interval_of_its_own(measu
     parameters = shown["configurations"][0]["parameters"]
     assert parameters["effects"]["EIBM_uNm"] == {}
     assert set(parameters["along"]["EIBM_uNm"]) == {"2.0", "-2.0"}
+
+
+@pytest.mark.thorough
+def test_bands_hold_about_90_percent_of_measurements_left_out_of_the_fit():
+    """A small edition of `benchmarks.band_coverage`, which states the figures."""
+    for name, inside in tally(load_world(None), range(900, 912)).items():
+        assert np.mean(inside) > 0.75, name  # twelve independent set-ups

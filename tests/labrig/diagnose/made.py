@@ -10,6 +10,7 @@ import numpy as np
 from model import Along, Parameter, SheetModel, predict
 from model.discrepancy.verdict.result import (
     BeforeAfter,
+    ClosedGap,
     Diagnosis,
     ErrorRow,
     FormCurve,
@@ -130,6 +131,10 @@ def found() -> Diagnosis:
             Gap(force_rmse_mN=0.04, curve_rmse_mm=0.03, chi2_per_dof=1.3),
         ),
         closed=0.994,
+        closed_gap=ClosedGap(
+            share=0.994, quantity="force", before=0.45, after=0.04, floor=0.028, unit="mN"
+        ),
+        floor=Gap(force_rmse_mN=0.028, curve_rmse_mm=0.02, chi2_per_dof=1.0),
         next_measurement=None,
         ranking=(
             Ranked(
@@ -213,6 +218,7 @@ def nothing_missing() -> Diagnosis:
     one = found()
     return replace(
         one, verdict="nothing_missing", effects=(), where=(), closed=float("nan"),
+        closed_gap=None,
         sentence="Nothing is seen that is not in the model: what is left is noise and scatter.",
         fitted=BeforeAfter(one.fitted.after, one.fitted.after),
         held_out=BeforeAfter(one.held_out.after, one.held_out.after),
@@ -223,18 +229,17 @@ def nothing_missing() -> Diagnosis:
 def indistinguishable() -> Diagnosis:
     """Two names for the same: a class, and what would separate it."""
     one = found()
-    first = replace(one.effects[0], confusable_with=("load_cell_hysteresis",), confidence=0.97)
-    protocol = {
-        "pulse_train": {"voltages_V": [2.0, -2.0]},
-        "places": [{"configuration": "long", "positions_mm": [0.0, 15.0]}],
-        "extras": {"free_shapes": True},
-    }
+    first = replace(one.effects[0], confusable_with=("load_cell_hysteresis",), confidence=0.97,
+        probabilities={"nonuniform_eibm": 0.62, "load_cell_hysteresis": 0.35},
+    )  # fmt: skip
+    protocol = {"extras": {"free_shapes": 6}}  # as the menu has it
     return replace(
         one, verdict="indistinguishable", effects=(first,),
         sentence="Either the EIBM falls along the sheet or the load cell hangs behind.",
         next_measurement=Next(
             why="Six free shapes would tell nonuniform_eibm from load_cell_hysteresis.",
             extra="free_shapes", separation=1.8, expected=14.0, minutes=2.0, protocol=protocol,
+            between=("nonuniform_eibm", "load_cell_hysteresis"),
         ),
     )  # fmt: skip
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import shlex
 from dataclasses import replace
 
 import numpy as np
@@ -22,10 +23,10 @@ from labrig.report.page.write import write_report
 from labrig.session import load_measurements
 from model import predict
 from model.discrepancy import Next
-from model.discrepancy.verdict.result import BeforeAfter
+from model.discrepancy.verdict.result import BeforeAfter, Promise
 from model.effects import catalogue
 from tests.labrig.diagnose import made
-from tests.labrig.report_data import measure, session
+from tests.labrig.report_data import TEXTS, measure, session
 from tests.labrig.test_report_page import read
 
 
@@ -65,16 +66,16 @@ def test_everything_is_printed_in_the_order_in_which_it_was_found(finding, recor
         "Error of the base model (RMS): 0.410 mN in the forces and 1.620 mm",
         "Largest residuals", "+41.2",
         "5 of 5 effects would be seen in these data at a usual size.",
-        "Indistinguishable in these data: force_offset and gravity.",
-        "Invisible in these data", "charging_lag",
-        "Candidates", "nonuniform_eibm", "812.4", "load_cell_hysteresis", "less likely",
+        "Indistinguishable in these data at a usual size: force offset and gravity.",
+        "Invisible in these data", "charging lag",
+        "Candidates", "EIBM along the sheet", "812.4", "load cell hysteresis", "less likely",
         "ln Bayes factor 6.2 (the 95th percentile of 200 simulated sessions",
         "Verdict: The EIBM falls along the sheet",
-        "Parameters", "nonuniform_eibm: decay_length_mm", "12.00 ± 0.40",
+        "Parameters", "EIBM along the sheet: decay length", "12.00 ± 0.40",
         "long: bending stiffness B", "µN·m²",
         "Errors before and after", "all, left out: force, mN", "long, fitted: neutral curve, mm",
         "Before: the base model with constant EIBM; B and EIBM refitted",
-        "Share of the gap that is closed there: 99.4 %",
+        "Gap closed above the noise floor: 99 % of force (0.450 → 0.040 mN, floor 0.028).",
         "Scatter between set-ups (standard deviation): position 0.05 mm, EIBM 1 %",
     )  # fmt: skip
     assert "diagnose: 50 % - searching" in captured.err
@@ -111,9 +112,12 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
     ("make", "says"),
     [
         (made.nothing_missing, "Verdict: Nothing is seen that is not in the model:"),
-        (made.indistinguishable, "One of nonuniform_eibm and load_cell_hysteresis: 97 %"),
+        (made.indistinguishable, "One of EIBM along the sheet and load cell hysteresis: 97 %"),
         (made.indistinguishable, "Measure next: Six free shapes"),
-        (made.indistinguishable, "1.8 sigma apart now, and would be 14.0 after 2 min"),
+        (
+            made.indistinguishable,
+            "Separation of the candidates: 1.8 → 14.0 sigma (now → expected), after 2 min",
+        ),
         (made.unknown, "most clearly in the long sheet, at 30 mm from the clamp."),
         (made.cannot_tell, "Verdict: The scatter of the set-ups can be neither"),
     ],
@@ -122,6 +126,48 @@ def test_each_verdict_is_a_plain_sentence(make, says, finding, recorded, capsys)
     finding(make)
     assert run(["diagnose", str(recorded)]) == 0
     assert says in capsys.readouterr().out
+
+
+def test_json_has_the_class_the_closed_gap_and_the_separations(finding, recorded, capsys):
+    finding(made.indistinguishable)
+    assert run(["diagnose", str(recorded), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    (one,) = found["effects"]
+    assert one["probabilities"] == {"nonuniform_eibm": 0.62, "load_cell_hysteresis": 0.35}
+    assert one["confidence"] == sum(one["probabilities"].values())
+    assert found["gap_closed"] == {
+        "share": 0.994, "quantity": "force", "before": 0.45, "after": 0.04, "floor": 0.028,
+        "unit": "mN",
+    }  # fmt: skip
+    assert found["noise_floor"]["force_rmse_mN"] == 0.028
+    proposed = found["next_measurement"]
+    assert (proposed["separation_now"], proposed["separation_expected"]) == (1.8, 14.0)
+
+
+def test_values_of_one_configuration_say_whose_they_are(finding, recorded, capsys):
+    one = made.found()
+    first = one.effects[0]
+    other = {k: replace(p, value=2.0 * p.value) for k, p in first.parameters.items()}
+    named = replace(
+        first, configuration="long", by_configuration={"long": first.parameters, "short": other}
+    )
+    finding(lambda: replace(one, effects=(named,)))
+    assert run(["diagnose", str(recorded), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)["effects"][0]
+    assert said["parameters_of"] == "long"
+    assert said["by_configuration"]["short"]["decay_length_mm"]["value"] == 24.0
+    assert set(said["by_configuration"]["short"]["decay_length_mm"]) == {
+        "value", "sigma", "interval90"
+    }  # fmt: skip
+
+
+def test_the_probability_beside_a_parameter_is_that_of_its_effect_alone(finding, recorded, capsys):
+    finding(made.indistinguishable)
+    assert run(["diagnose", str(recorded)]) == 0
+    out = capsys.readouterr().out
+    row = next(x for x in out.splitlines() if x.startswith("EIBM along the sheet: decay length"))
+    assert "62 %" in row
+    assert "97 %" not in row
 
 
 def test_options_reach_the_procedure(finding, recorded, tmp_path):
@@ -165,6 +211,7 @@ def test_a_model_with_what_was_found_answers_design_questions(finding, recorded,
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_what_was_found_is_kept_and_shown_in_the_sessions_report(finding, tmp_path):
     path = session(tmp_path / "made.h5", measure("long"))
     finding(made.found)
@@ -200,9 +247,12 @@ def test_the_page_is_one_file_with_its_figures_beside_it(make, finding, recorded
         assert drawn == (f'id="{name}"' in page)
         assert drawn == (tmp_path / "figures" / f"{name}.svg").exists()
     assert (tmp_path / "figures" / "diagnosis-ranking.png").exists()
+    # an effect has one name for readers, in the cards as in the sentences
+    assert not re.search(r"<dt>[a-z]+_[a-z_]+</dt>", page)
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_a_gap_in_time_that_shrinks_has_a_card(tmp_path):
     one = made.found()
     apart = BeforeAfter(
@@ -218,6 +268,7 @@ def test_a_gap_in_time_that_shrinks_has_a_card(tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
 def test_where_in_time_something_unknown_shows_most_is_told_in_its_own_time(tmp_path):
     one = made.unknown()
     late = replace(
@@ -297,7 +348,7 @@ def test_next_writes_a_protocol_that_can_be_run(extra, proposing, recorded, tmp_
     path = tmp_path / "protocol.toml"
     asked = ["--between", "gravity", "clamp_angle", "-o", str(path)]
     assert run(["next", str(recorded), *asked]) == 0
-    assert "1.5 sigma apart now, and would be 9.0 after 3 min" in capsys.readouterr().out
+    assert "Separation of the candidates: 1.5 → 9.0 sigma" in capsys.readouterr().out
     config = load_protocol(path)
     runs = config.schedule(str(path)).runs
     assert runs
@@ -351,6 +402,43 @@ def test_next_needs_no_names_where_the_diagnosis_has_them(finding, monkeypatch, 
     assert asked == [("nonuniform_eibm", "load_cell_hysteresis")]
 
 
+def test_next_and_the_diagnosis_give_one_distance_for_a_pair(finding, recorded, capsys):
+    finding(made.indistinguishable)
+    assert run(["diagnose", str(recorded)]) == 0
+    capsys.readouterr()
+    pair = ["load_cell_hysteresis", "nonuniform_eibm"]
+    assert run(["next", str(recorded), "--between", *pair, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["separation_now"], found["separation_expected"]) == (1.8, 14.0)
+
+
+def test_a_measurement_made_as_proposed_is_compared_with_its_promise(finding, tmp_path, capsys):
+    first = session(tmp_path / "first.h5", measure("long"))
+    asked = finding(made.indistinguishable)
+    assert run(["diagnose", str(first)]) == 0
+    text = tmp_path / "protocol.toml"
+    assert run(["next", str(first), "-o", str(text)]) == 0
+    other = session(tmp_path / "other.h5", measure("long"))
+    assert run(["diagnose", str(first), str(other)]) == 0
+    assert asked[-1].promised == ()  # another protocol was run
+    second = session(
+        tmp_path / "second.h5", measure("long"), texts={**TEXTS, "protocol.toml": text.read_text()}
+    )
+    assert run(["diagnose", str(first), str(second)]) == 0
+    (promise,) = asked[-1].promised
+    assert promise.expected == 14.0
+    kept = replace(
+        made.indistinguishable(), next_measurement=None, promises=(Promise(promise, 4.8),)
+    )
+    finding(lambda: kept)
+    capsys.readouterr()
+    assert run(["diagnose", str(first), str(second), "--json"]) == 0
+    (said,) = json.loads(capsys.readouterr().out)["promises"]
+    assert (said["separation_promised"], said["separation_found"]) == (14.0, 4.8)
+    assert run(["diagnose", str(first), str(second)]) == 0
+    assert asked[-1].promised == (promise,)  # a promise stays with the session
+
+
 def test_next_says_so_where_nothing_needs_to_be_told_apart(finding, recorded, capsys):
     finding(made.nothing_missing)
     assert run(["diagnose", str(recorded)]) == 0
@@ -358,3 +446,26 @@ def test_next_says_so_where_nothing_needs_to_be_told_apart(finding, recorded, ca
     assert "names no two effects that could be mistaken" in " ".join(
         capsys.readouterr().err.split()
     )
+
+
+def test_the_hint_at_the_next_measurement_is_a_command_that_works(finding, recorded, capsys):
+    finding(made.indistinguishable)
+    assert run(["diagnose", str(recorded)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    hint = said[said.index("labrig next ") :].split(" -o protocol.toml")[0]
+    words = shlex.split(hint)
+    assert words[:2] == ["labrig", "next"]
+    assert run(words[1:]) == 0
+
+
+def test_next_diagnoses_first_what_was_not_diagnosed_yet(finding, tmp_path, capsys):
+    path = session(tmp_path / "new.h5", measure("long"))
+    asked = finding(made.indistinguishable)
+    assert kept_diagnosis(path) is None
+    assert run(["next", str(path)]) == 0
+    assert len(asked) == 1
+    found = capsys.readouterr()
+    assert "holds no diagnosis yet, so it is diagnosed first" in " ".join(found.err.split())
+    assert kept_diagnosis(path).next_measurement.why.rstrip(".") in found.out
+    assert run(["next", str(path)]) == 0
+    assert len(asked) == 1

@@ -7,9 +7,8 @@ import shutil
 import pytest
 
 from labrig.config.templates import write_templates
-from tests.end_to_end.small_rig import make_rig, run_rig
+from tests.end_to_end.small_rig import two_positions
 from tests.labrig.panel.page import panel
-from tests.made_once import made_once
 
 SHORT = """
 moisten = true
@@ -42,15 +41,8 @@ def server(rig_folder):
         yield found
 
 
-@pytest.fixture(scope="session")
-def small_session(tmp_path_factory):
-    """A session on the simulated rig with frames, not analysed; copy it before it is changed."""
-    make = lambda folder: run_rig(make_rig(folder))  # noqa: E731 - as in tests/end_to_end
-    return made_once(tmp_path_factory, "small-rig", make) / "session.h5"
-
-
 @pytest.fixture
-def session(small_session, tmp_path):
-    """The same in a folder of its own."""
-    shutil.copy(small_session, tmp_path)
-    return tmp_path / small_session.name
+def session(tmp_path_factory, tmp_path):
+    """A session on the simulated rig with frames, not analysed, in a folder of its own."""
+    shutil.copy(two_positions(tmp_path_factory), tmp_path)
+    return tmp_path / "session.h5"

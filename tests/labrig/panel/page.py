@@ -185,6 +185,28 @@ class Page:
                 self.first_replay = message
 
 
+def begin(page: Page, session: str, protocol: str = "long.toml") -> Message:
+    """Have a run started; what the page knows is of this run alone from then on."""
+    job: Message = page.do("/api/run", protocol=protocol, session=session, clock="real")
+    page.until(lambda m: m["type"] == "job" and m["id"] == job["id"])
+    return job
+
+
+def start(page: Page, session: str, protocol: str = "long.toml") -> Message:
+    """Start a run of one position and answer all that is asked before it."""
+    for _ in range(TRIES):
+        job = begin(page, session, protocol)
+        first = page.until(lambda m: m["type"] == "prompt" or m.get("state") == "ended")
+        if first["type"] == "prompt":
+            break
+        assert TOO_BUSY in first["text"]
+    for number in (1, 2, 3):
+        page.until(lambda m, n=number: m["type"] == "prompt" and m["prompt"] == n)  # type: ignore[misc]
+        page.do("/api/answer", prompt=number, done=True)
+    page.until("run_started")
+    return job
+
+
 @contextmanager
 def panel(what: Path | None, *options: str, leave_job: bool = False) -> Iterator[Server]:
     """A panel until the block ends; its job ends with it unless it is to be left.
@@ -199,6 +221,21 @@ def panel(what: Path | None, *options: str, leave_job: bool = False) -> Iterator
         for pid in [] if leave_job or what is None else jobs_of(what.parent):
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGTERM)
+
+
+@contextmanager
+def killed_job(data: Path) -> Iterator[None]:
+    """Kill the process of the job that is going on, as a crash would.
+
+    The simulated boards outlive it: they are ended after the block.
+    """
+    (pid,) = jobs_of(data)
+    started = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    os.kill(pid, signal.SIGKILL)
+    yield
+    for one in started:
+        with suppress(ProcessLookupError):
+            os.kill(int(one), signal.SIGTERM)
 
 
 def jobs_of(data: Path) -> list[int]:

@@ -4,37 +4,29 @@ from __future__ import annotations
 
 import json
 import shutil
+import zipfile
+from pathlib import Path
 
 import pytest
 
 from labrig.analysis.results import converging, result_of
+from labrig.panel.analysis.outputs import ENDINGS
 from labrig.report.data.fitted import fit_what_can_be
 from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.serialise import finite
 from labrig.session import load_measurements
-from tests.end_to_end.small_rig import labrig, make_rig
+from tests.end_to_end.small_rig import TWO_POSITIONS, labrig, make_rig, two_positions
 from tests.labrig.panel.page import Page, panel
 
 pytestmark = pytest.mark.slow  # processes that analyse images
 
 WAIT_S = 200.0
-PROTOCOL = """
-moisten = false
-[pulse_train]
-zero_readings = 2
-readings_per_voltage = 3
-[[places]]
-configuration = "long"
-positions_mm = [5, 15]
-[extras]
-mode = "paper"
-"""
 
 
 @pytest.fixture(scope="module")
-def folder(small_session, tmp_path_factory):
-    folder = make_rig(tmp_path_factory.mktemp("analysed") / "rig", PROTOCOL)
-    shutil.copy(small_session, folder / "session.h5")
+def folder(tmp_path_factory):
+    folder = make_rig(tmp_path_factory.mktemp("analysed") / "rig", TWO_POSITIONS)
+    shutil.copy(two_positions(tmp_path_factory), folder)
     return folder
 
 
@@ -106,18 +98,27 @@ def test_a_session_is_analysed_fitted_diagnosed_and_reported_as_by_the_command_l
     assert labrig("fit", folder / "session.h5", "-o", tmp_path / "cli.toml") == 0
     assert (folder / "session.model.toml").read_text() == (tmp_path / "cli.toml").read_text()
     assert "curve" in done(page, "analyze")["message"]
-    found = done(page, "diagnose")
+    found = done(page, "next")["result"]  # which diagnoses first, as there is no diagnosis yet
     kept = kept_diagnosis(folder / "session.h5")
-    assert found["message"] == kept.sentence
+    assert f"It was diagnosed first: {kept.sentence}" in found["notes"]
+    assert {"completed_model", "diagnosis"} <= {*found["files"]}
     written = json.loads((folder / "session.diagnosis.json").read_text())
     assert written == finite(kept.to_json())  # what diagnose --json prints
     done(page, "report")
     status, text = server.ask("GET", "/api/analysis/output?session=session.h5&name=report")
     assert status == 200
     assert b"</html>" in text
+    assert b"session.figures.zip as PDF and SVG" in text
+    with zipfile.ZipFile(folder / "session.figures.zip") as figures:
+        endings = {Path(name).suffix for name in figures.namelist()}
+        assert {"figure-5.pdf", "figure-5.svg"} <= set(figures.namelist())
+        assert endings == {".pdf", ".svg"}
+    ask = "/api/analysis/output?session=session.h5&name=figures&save=true"
+    status, packed = server.ask("GET", ask)
+    assert (status, packed) == (200, (folder / "session.figures.zip").read_bytes())
     assert done(page, "next", between=["gravity", "clamp_angle"])["result"]["files"]
     listed = server.ask("GET", "/api/analysis/outputs?session=session.h5")[1]
-    assert set(listed["outputs"]) == {"model", "completed_model", "diagnosis", "report", "next"}
+    assert set(listed["outputs"]) == {*ENDINGS}
     assert listed["analysed"]
     with panel(folder / "rig.toml") as again:  # which knows no jobs, but finds the files
         assert again.ask("GET", "/api/analysis")[1]["jobs"] == []
@@ -153,9 +154,10 @@ def test_the_fit_grows_with_each_position_of_a_run_and_ends_as_the_analysis_does
     assert all(point["B_uNm2"]["sigma"] > 0 for point in own[-1])
     assert labrig("analyze", folder / "live.h5") == 0
     measurements = load_measurements(folder / "live.h5")
+    fitted = fit_what_can_be(measurements).fit
     whole = result_of(
-        measurements, session="live.h5", fitted=fit_what_can_be(measurements).fit,
-        convergence=converging(measurements),
+        measurements, session="live.h5", fitted=fitted,
+        convergence=converging(measurements, whole=fitted),
     )  # fmt: skip
     whole = json.loads(json.dumps(whole))
     assert last["convergence"] == whole["convergence"]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+import queue
 import signal
 import sys
 import threading
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 import pytest
 
@@ -94,8 +96,10 @@ def test_a_cancelled_job_is_ended_at_once_and_leaves_the_session_as_it_was(sessi
 
 @pytest.mark.slow
 def test_a_process_that_is_killed_is_a_failed_job_with_a_sentence_and_the_next_one_begins(session):
+    bare = session.with_name("bare.h5")
+    record(bare, small_schedule(2), texts={})
     with analysis_jobs(session.parent) as (jobs, heard):
-        crashing, waiting = started(jobs, session), started(jobs, session, "next")
+        crashing, waiting = started(jobs, session), started(jobs, bare, "fit")
         heard.until(crashing, "running")
         assert heard.until(waiting, "queued")
         os.kill(jobs._process.pid, signal.SIGKILL)
@@ -103,16 +107,8 @@ def test_a_process_that_is_killed_is_a_failed_job_with_a_sentence_and_the_next_o
         assert "ended without an outcome" in found["message"]
         assert "Traceback" not in found["message"]
         ended = heard.until(waiting, "failed")  # in a sentence of its own
-        assert "diagnose it first" in ended["message"]
-    assert heard.states.index(("analyze", "failed")) < heard.states.index(("next", "running"))
-
-
-def test_a_job_that_cannot_be_done_says_why_in_one_sentence(tmp_path):
-    path = tmp_path / "s.h5"
-    record(path, small_schedule(2), texts={})
-    with analysis_jobs(tmp_path) as (jobs, heard):
-        found = heard.until(started(jobs, path, "fit"), "failed")
-    assert "holds no sheet.toml" in found["message"]
+        assert "holds no sheet.toml" in ended["message"]
+    assert heard.states.index(("analyze", "failed")) < heard.states.index(("fit", "running"))
 
 
 @pytest.mark.parametrize(
@@ -171,6 +167,9 @@ def test_a_job_has_a_low_priority_while_a_run_is_on(session, when):
         while os.getpriority(os.PRIO_PROCESS, pid) != wanted:
             assert time.monotonic() < end_s
             threading.Event().wait(0.02)
+        session_priority = Path(f"/proc/{pid}/autogroup")  # Linux, where sessions share the cores
+        if session_priority.exists():
+            assert session_priority.read_text().endswith(f"nice {wanted}\n")
 
 
 @posix
@@ -184,3 +183,22 @@ def test_a_process_ends_with_the_panel_that_started_it(session):
     assert process.end() == -signal.SIGKILL
     with open_session(session) as opened:
         assert not opened.has_measurements
+
+
+@pytest.mark.slow
+def test_a_part_that_the_process_of_an_analysis_leaves_out_is_told(session, tmp_path, monkeypatch):
+    site = tmp_path / "site"
+    info = site / "labrig_blind-1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-blind\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[labrig.extractors]\nblind = labrig_nowhere:NONE\n")
+    path = os.pathsep.join(filter(None, [str(site), os.environ.get("PYTHONPATH", "")]))
+    monkeypatch.setenv("PYTHONPATH", path)
+    heard, told = Heard(), queue.Queue()
+    jobs = AnalysisJobs(session.parent, heard, lambda: False, told.put)
+    try:
+        started(jobs, session)
+        text = told.get(timeout=WAIT_S)
+    finally:
+        jobs.close()
+    assert "'blind' of labrig-blind (labrig_nowhere:NONE) is left out: loading it failed" in text

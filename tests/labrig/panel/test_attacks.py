@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import shutil
 import socket
 import time
 from contextlib import suppress
@@ -119,6 +120,24 @@ def test_no_file_outside_the_folder_can_be_named(server, rig_folder, name):
             status, answer = server.ask("GET", path)
             assert status in {400, 404, 405}, path
             assert b"a secret" not in json.dumps(answer, default=repr).encode()
+
+
+def test_a_proposed_protocol_is_read_from_beside_its_session_and_nowhere_else(server, rig_folder):
+    secret = rig_folder.parent / "secret.toml"
+    secret.write_text('text = "a secret"\n')
+    for folder in (rig_folder, rig_folder.parent):
+        (folder / "led.h5").touch()
+    (rig_folder / "led.next.toml").symlink_to(secret)
+    shutil.copy(secret, rig_folder.parent / "led.next.toml")
+    for name in ("led.h5", "../led.h5", str(rig_folder / "led.h5"), "gone.h5", "led.next.toml"):
+        status, answer = server.ask("GET", f"/api/next-protocol?session={name}")
+        assert status in {400, 404}, name
+        assert "a secret" not in json.dumps(answer)
+    (rig_folder / "led.next.toml").unlink()
+    (rig_folder / "led.next.toml").write_text((rig_folder / "protocol.toml").read_text())
+    status, answer = server.ask("GET", "/api/next-protocol?session=led.h5")
+    assert (status, answer["name"], answer["kind"]) == (200, "led.next.toml", "protocol")
+    (rig_folder / "led.h5").unlink()
 
 
 def test_no_file_outside_the_folder_can_be_written_or_run(server, rig_folder):

@@ -14,6 +14,8 @@ from labrig.panel.live.event_stream import MOST_WAITING, EventStream, Mailbox
 from labrig.panel.live.packing import BrokenConnectionError, dumps, pack, receive, send, unpack
 from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, StripChart, joined, strip_from
 
+KEYS = ("drive_V", "force_mN", "current_mA")
+
 
 def taken(box):
     """All that is in a mailbox."""
@@ -74,7 +76,7 @@ def test_no_spike_is_lost_in_a_strip_however_the_samples_come():
     values = rng.normal(size=(3, 3000))
     values[1, 1234] = 99.0
     samples = np.vstack([times, values])
-    envelope, parts, at = Envelope(4), [], 0
+    envelope, parts, at = Envelope(4, KEYS), [], 0
     while at < 3000:
         step = int(rng.integers(1, 97))
         part = envelope.add(samples[:, at : at + step])
@@ -92,22 +94,22 @@ def test_no_spike_is_lost_in_a_strip_however_the_samples_come():
 
 
 def test_strips_of_a_run_are_joined_and_not_longer_than_what_is_kept():
-    pieces = [StripChart(0, np.full((7, 500), float(i), dtype=np.float32)) for i in range(40)]
+    pieces = [StripChart(0, KEYS, np.full((7, 500), float(i), dtype=np.float32)) for i in range(40)]
     (made,) = joined(pieces)
     assert made.values.shape[1] == round(KEEP_S / BIN_S)
     assert made.values[0, -1] == 39.0
-    fresh = StripChart(1, np.zeros((7, 3), dtype=np.float32), fresh=True)
+    fresh = StripChart(1, KEYS, np.zeros((7, 3), dtype=np.float32), fresh=True)
     assert joined([*pieces, fresh]) == [fresh]
 
 
 def test_what_is_packed_comes_back_and_numbers_lie_where_a_page_can_read_them():
     values = np.arange(21, dtype="<f4").reshape(7, 3)
-    packed = StripChart(2, values, fresh=True).packed()
+    packed = StripChart(2, KEYS, values, fresh=True).packed()
     header, payload = unpack(packed)
     assert (len(packed) - len(payload)) % 8 == 0
     again = strip_from(header, payload)
     np.testing.assert_array_equal(again.values, values)
-    assert (again.run, again.fresh) == (2, True)
+    assert (again.run, again.keys, again.fresh) == (2, KEYS, True)
     assert dumps({"a": [float("nan"), 1.0]}) == '{"a":[null,1.0]}'
 
 

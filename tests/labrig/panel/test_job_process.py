@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -54,6 +55,25 @@ def test_a_waiting_process_that_has_died_is_replaced(processes, folder):
     begun = processes.begin(order(folder))
     assert begun.wait(60) == 0
     assert read_address(folder).state == "ended"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux lets a process step forward again")
+def test_a_process_that_gets_ready_beside_a_run_computes_after_all_others(processes, folder):
+    processes.prepare(beside_a_job=True)
+    pid = processes._waiting.pid
+    threads = [int(one.name) for one in Path(f"/proc/{pid}/task").iterdir()]
+    assert {os.sched_getscheduler(one) for one in threads} == {os.SCHED_IDLE}
+    begun = processes.begin(order(folder))
+    assert begun.pid == pid
+    assert os.sched_getscheduler(pid) == os.SCHED_OTHER
+    assert begun.wait(60) == 0
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux lets a process step forward again")
+def test_a_process_that_got_ready_beside_a_run_hurries_when_the_run_is_over(processes):
+    processes.prepare(beside_a_job=True)
+    processes.prepare()
+    assert os.sched_getscheduler(processes._waiting.pid) == os.SCHED_OTHER
 
 
 def test_a_rig_that_cannot_be_read_is_reported_by_the_job_and_not_by_the_one_that_waits(folder):

@@ -1,4 +1,4 @@
-"""The live fit: fits when a position is done, and waits while the run's edges come late."""
+"""The live fit: fits when a position is done, and waits while a run is on in real time."""
 
 from __future__ import annotations
 
@@ -138,20 +138,27 @@ def job(state="going", kind="run", name="s.h5"):
     return {"type": "job", "id": f"{kind}-{name}", "kind": kind, "state": state, "session": name}
 
 
-def voltage(late_ms):
-    return {"type": "voltage", "late_ms": late_ms}
+def plan(clock):
+    return {"type": "plan", "clock": clock}
 
 
-def test_the_fit_follows_the_runs_of_a_session_and_holds_when_edges_are_late(followed):
+@pytest.mark.parametrize(
+    ("clock", "words"),
+    [
+        ("real", ["hold", "run_stopped", "hold", "fit", "run_stopped", "session_ended"]),
+        ("virtual", ["run_stopped", "fit", "run_stopped", "session_ended"]),
+    ],
+)
+def test_the_fit_works_between_the_runs_of_a_session_in_real_time(followed, clock, words):
     stream, _ = followed
-    stream.publish_story([job(), {"type": "run_stopped", "run": 0}])  # before the panel was there
-    stream.publish(voltage(0.4))
-    stream.publish(voltage(4.0))
+    begun = [{"type": "run_started", "run": 0}, {"type": "run_stopped", "run": 0}]
+    stream.publish_story([job(), plan(clock), *begun])  # before the panel was there
+    stream.publish({"type": "run_started", "run": 1})
     stream.publish({"type": "marked", "run": 0})
     stream.publish({"type": "run_stopped", "run": 1})
     stream.publish(job("ended"))
     until(lambda: Told.made and "session_ended" in Told.made[0].words)
-    assert Told.made[0].words == ["run_stopped", "hold", "fit", "run_stopped", "session_ended"]
+    assert Told.made[0].words == words
 
 
 def test_only_runs_are_fitted_and_each_session_by_a_process_of_its_own(followed):
@@ -191,3 +198,21 @@ def test_a_process_that_crashes_is_started_again_with_the_next_run(session):
     fitted.session_ended()
     until(lambda: fitted._process is None)
     assert len(results) == places
+
+
+@pytest.mark.slow
+def test_a_fit_that_is_held_reads_nothing_until_the_run_is_over(session):
+    results = []
+    fitted = FittedSession("job", session, session.parent, lambda _job, r: results.append(r))
+    fitted.run_stopped()
+    until(lambda: results)  # it is loaded, and would be quick
+    fitted.hold()
+    os.kill(fitted._process.pid, signal.SIGKILL)
+    until(lambda: fitted._process is None)
+    results.clear()
+    fitted.fit()  # a mark; the process that is started for it must know of the run
+    threading.Event().wait(4.0)
+    assert not results
+    fitted.run_stopped()
+    until(lambda: results)
+    fitted.end()

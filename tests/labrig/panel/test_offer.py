@@ -51,3 +51,5 @@ def test_a_session_that_nobody_attends_goes_on():
     asked.now_s += 1.0
     asked.thread.join(10)
     assert asked.answers == [True]
+    assert asked.operator.expired
+    assert asked.messages[-1]["log"] == "nobody answered: go on"

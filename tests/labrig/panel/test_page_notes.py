@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import signal
+import sys
 import time
-from contextlib import suppress
 from urllib.parse import urlencode
 
 import cv2
@@ -14,7 +12,7 @@ import pytest
 
 from labrig.session import open_session, recover, verify
 from labrig.session.notes.waiting import waiting_path
-from tests.labrig.panel.page import TOO_BUSY, TRIES, Page, jobs_of
+from tests.labrig.panel.page import Page, killed_job, start
 from tests.labrig.session.session_recording import record, small_schedule
 from tests.labrig.test_about import FULL
 
@@ -136,21 +134,10 @@ def test_what_is_edited_for_one_run_is_in_its_session_and_not_in_about_toml(page
     assert [one["name"] for one in found] == ["edited.h5"]
 
 
-@pytest.mark.skipif(os.name != "posix", reason="the simulated stage needs pseudo-terminals")
+@pytest.mark.skipif(sys.platform != "linux", reason="needs pseudo-terminals and /proc")
 def test_notes_of_a_run_survive_the_kill_of_its_process(page, rig_folder):
     session = "killed.h5"
-    for _ in range(TRIES):
-        job = page.do("/api/run", protocol="long.toml", session=session, clock="real")
-        first = page.until(
-            lambda m: m["type"] == "prompt" or (m["type"] == "job" and m["state"] == "ended")
-        )
-        if first["type"] == "prompt":
-            break
-        assert TOO_BUSY in first["text"]
-    for number in (1, 2, 3):
-        page.until(lambda m, n=number: m["type"] == "prompt" and m["prompt"] == n)
-        page.do("/api/answer", prompt=number, done=True)
-    page.until("run_started")
+    job = start(page, session)
     assert not page.do("/api/notes", text="while it runs")["in_file"]
     assert upload(page, jpeg(), text="uploaded")[0] == 200
     until_s = time.monotonic() + 30
@@ -159,13 +146,10 @@ def test_notes_of_a_run_survive_the_kill_of_its_process(page, rig_folder):
     page.until(lambda m: "noted: while it runs" in m.get("log", ""))
     wanted = ["while it runs", "uploaded", "camera"]
     assert [note["text"] for note in listed(page, session)] == wanted
-    (pid,) = jobs_of(rig_folder)
-    os.kill(pid, signal.SIGKILL)
-    page.until(lambda m: m["type"] == "job" and m["id"] == job["id"] and m["state"] == "lost")
+    with killed_job(rig_folder):
+        page.until(lambda m: m["type"] == "job" and m["id"] == job["id"] and m["state"] == "lost")
     assert waiting_path(rig_folder / session).exists()
     recover(rig_folder / session, in_place=True)
     assert [note["text"] for note in listed(page, session)] == wanted
     assert not waiting_path(rig_folder / session).exists()
     assert all(check.ok for check in verify(rig_folder / session))
-    with suppress(ProcessLookupError):
-        os.kill(pid, signal.SIGTERM)

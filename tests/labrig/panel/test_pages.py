@@ -151,3 +151,15 @@ def test_a_page_that_fails_answers_with_a_sentence(installed):
     status, answer = installed.ask("GET", "/api/pages/failing")
     assert status == 500
     assert answer["error"] == "the page failing has no data: KeyError: 'ink'."
+
+
+@pytest.mark.slow
+def test_the_log_of_the_panel_names_every_part_that_is_left_out_and_why(installed):
+    status, body = installed.ask("GET", "/api/log")
+    assert status == 200
+    said = [one["what"] for one in body["actions"] if one["who"] == "labrig"]
+    (bad,) = (text for text in said if "'bad'" in text)
+    assert bad.startswith(
+        "the page of the panel 'bad' of labrig-notes (labrig_notes:BAD) is left out: "
+    )
+    assert len(said) == len(set(said))

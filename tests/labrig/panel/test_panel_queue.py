@@ -14,14 +14,14 @@ import pytest
 
 from labrig.config.templates import write_templates
 from labrig.session import open_session
-from tests.labrig.panel.page import Page, Server, jobs_of
+from tests.labrig.panel.page import Page, Server, jobs_of, panel
 from tests.labrig.test_hooks import KEEP, told
 
 pytestmark = pytest.mark.slow
 PROTOCOL = """
 [pulse_train]
 zero_readings = 2
-readings_per_voltage = {readings}
+readings_per_voltage = 2
 [[places]]
 configuration = "long"
 positions_mm = [{positions}]
@@ -30,35 +30,62 @@ mode = "paper"
 """
 
 
-@pytest.fixture
-def folder(tmp_path):
-    folder = tmp_path / "rig"
+def made(folder):
+    """A rig's folder; `short.toml` has one position, `long.toml` four."""
     write_templates(folder, simulated=True)
-    (folder / "short.toml").write_text(PROTOCOL.format(readings=2, positions="10"))
-    (folder / "long.toml").write_text(PROTOCOL.format(readings=18, positions="0, 10, 20, 30"))
-    yield folder
+    for name, positions in (("short", "10"), ("long", "0, 10, 20, 30")):
+        (folder / f"{name}.toml").write_text(PROTOCOL.format(positions=positions))
+    return folder
+
+
+def no_job_stays(folder):
     for pid in jobs_of(folder):
         with suppress(ProcessLookupError):
             os.kill(pid, signal.SIGTERM)
 
 
 @pytest.fixture
-def server(folder):
-    found = Server(folder / "rig.toml")
+def alone(tmp_path):
+    """A folder for a test with panels of its own."""
+    yield made(tmp_path / "rig")
+    no_job_stays(tmp_path / "rig")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    found = made(tmp_path_factory.mktemp("queue") / "rig")
     yield found
-    found.end()
+    no_job_stays(found)
+
+
+@pytest.fixture(scope="module")
+def server(folder):
+    """A panel that goes on from test to test."""
+    with panel(folder / "rig.toml") as found:
+        yield found
 
 
 @pytest.fixture
-def page(server):
+def page(server, folder):
+    """A page that holds control, and a queue with nothing in it."""
     found = Page(server)
     found.take_control(force=True)
     yield found
+    found.do("/api/queue/hold")
+    found.ask("POST", "/api/stop", {"why": "the test is over"})
+    for entry in held(found)["entries"]:
+        found.do("/api/queue/remove", id=entry["id"])
     found.close()
 
 
 def add(page, protocol, session, **more):
     return page.do("/api/queue/add", protocol=protocol, session=session, **more)
+
+
+def until_begun(page, session):
+    """Until the first run of this session has begun: what the page knows is of it from then on."""
+    page.until(lambda m: m["type"] == "job" and m["session"] == session)
+    page.until("run_started")
 
 
 def states(queue):
@@ -95,7 +122,7 @@ def test_the_queue_stops_at_a_session_that_is_stopped(page, folder):
     add(page, "long.toml", "stopped.h5")
     add(page, "short.toml", "never.h5")
     page.do("/api/queue/start")
-    page.until("run_started")
+    until_begun(page, "stopped.h5")
     page.do("/api/stop", why="enough")
     queue = held(page)
     assert states(queue) == [("stopped.h5", "stopped"), ("never.h5", "waiting")]
@@ -114,12 +141,13 @@ def test_a_protocol_beyond_the_limits_is_refused_when_it_is_added(page, folder):
 
 
 def test_all_are_checked_again_before_the_first_begins(page, folder):
+    (folder / "changed.toml").write_text((folder / "short.toml").read_text())
     add(page, "short.toml", "first.h5")
-    add(page, "long.toml", "second.h5")
-    (folder / "long.toml").write_text("nonsense = 1\n")
+    add(page, "changed.toml", "second.h5")
+    (folder / "changed.toml").write_text("nonsense = 1\n")
     status, answer = page.ask("POST", "/api/queue/start", {})
     assert status == 400
-    assert "long.toml" in answer["error"]
+    assert "changed.toml" in answer["error"]
     assert not (folder / "first.h5").exists()
 
 
@@ -146,32 +174,36 @@ def test_a_held_queue_ends_its_session_and_begins_no_further_one(page):
     add(page, "long.toml", "this.h5")
     add(page, "short.toml", "next.h5")
     page.do("/api/queue/start")
-    page.until("run_started")
+    until_begun(page, "this.h5")
     page.do("/api/queue/hold")
     assert states(held(page)) == [("this.h5", "completed"), ("next.h5", "waiting")]
 
 
-def test_a_restarted_panel_goes_on_only_with_a_run_that_lives(folder):
-    server = Server(folder / "rig.toml")
+def test_a_restarted_panel_goes_on_with_a_run_that_lives_and_then_with_the_next(alone):
+    server = Server(alone / "rig.toml")
     page = Page(server)
     page.take_control(force=True)
     add(page, "long.toml", "lives.h5")
     add(page, "short.toml", "follows.h5")
     page.do("/api/queue/start")
-    page.until("run_started")
+    until_begun(page, "lives.h5")
+    page.do("/api/pause", on=True)  # so that it lives until the panel is back
+    page.until(lambda m: m["type"] == "state" and m["state"] == "paused")
     server.end(signal.SIGKILL)
-    again = Server(folder / "rig.toml", "--port", str(urlsplit(server.origin).port))
+    again = Server(alone / "rig.toml", "--port", str(urlsplit(server.origin).port))
     try:
         page = Page(again)
+        page.until(lambda m: m["type"] == "state" and m["state"] == "paused")
+        page.take_control(force=True)
+        page.do("/api/pause", on=False)
         found = states(held(page))
     finally:
         again.end()
-    # The second one follows by itself only where the panel was back before the first one's end.
-    assert found[0] == ("lives.h5", "completed")
+    assert found == [("lives.h5", "completed"), ("follows.h5", "completed")]
 
 
-def test_a_panel_that_comes_back_later_begins_nothing_by_itself(folder):
-    hidden = folder / ".labrig"
+def test_a_panel_that_comes_back_later_begins_nothing_by_itself(alone):
+    hidden = alone / ".labrig"
     hidden.mkdir()
     entry = {"id": "e", "protocol": "short.toml", "sheet": "sheet.toml", "session": "x.h5"}
     more = {"clock": "virtual", "estimate_s": None, "job": None, "text": ""}
@@ -182,7 +214,7 @@ def test_a_panel_that_comes_back_later_begins_nothing_by_itself(folder):
         "text": "",
     }
     (hidden / "queue.json").write_text(json.dumps(queue))
-    server = Server(folder / "rig.toml")
+    server = Server(alone / "rig.toml")
     try:
         found = Page(server).ask("GET", "/api/queue")[1]
         assert found["going"] is False
@@ -193,13 +225,13 @@ def test_a_panel_that_comes_back_later_begins_nothing_by_itself(folder):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="the simulated stage needs a pseudo-terminal")
-def test_a_session_that_needs_hands_waits_and_the_hook_is_told(folder, tmp_path):
+def test_a_session_that_needs_hands_waits_and_the_hook_is_told(alone, tmp_path):
     told_in = tmp_path / "told"
     hook = json.dumps([sys.executable, "-c", KEEP, str(told_in)])
-    with (folder / "rig.toml").open("a") as text:
+    with (alone / "rig.toml").open("a") as text:
         text.write(f"\n[hooks]\ncommand = {hook}\nwaiting_after_s = 0.2\n")
-    (folder / "hands.toml").write_text("moisten = true\n" + (folder / "short.toml").read_text())
-    server = Server(folder / "rig.toml")
+    (alone / "hands.toml").write_text("moisten = true\n" + (alone / "short.toml").read_text())
+    server = Server(alone / "rig.toml")
     page = Page(server)
     try:
         page.take_control(force=True)
@@ -221,3 +253,37 @@ def test_a_session_that_needs_hands_waits_and_the_hook_is_told(folder, tmp_path)
     finally:
         page.close()
         server.end()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
+@pytest.mark.parametrize("how", ["run", "queue"])
+def test_a_run_of_the_page_that_is_killed_is_told_to_the_hooks_once(alone, tmp_path, how):
+    told_in = tmp_path / "told"
+    hook = json.dumps([sys.executable, "-c", KEEP, str(told_in)])
+    with (alone / "rig.toml").open("a") as text:
+        text.write(f"\n[hooks]\ncommand = {hook}\n")
+    server = Server(alone / "rig.toml")
+    page = Page(server)
+    try:
+        page.take_control(force=True)
+        if how == "run":
+            page.do("/api/run", protocol="long.toml", session="killed.h5", clock="virtual")
+        else:
+            add(page, "long.toml", "killed.h5")
+            page.do("/api/queue/start")
+        page.until("reading")
+        (pid,) = jobs_of(alone)
+        os.kill(pid, signal.SIGKILL)
+        page.until(lambda m: m["type"] == "job" and m["state"] == "lost")
+        end_s = time.monotonic() + 30
+        while not told_in.exists() or not told_in.read_text().endswith("\n"):
+            assert time.monotonic() < end_s
+            time.sleep(0.1)  # noqa: TID251 - another process is watched
+        if how == "queue":
+            assert states(held(page)) == [("killed.h5", "stopped")]
+    finally:
+        page.close()
+        server.end()
+    (one,) = told(told_in)
+    assert (one["event"], one["session"]) == ("stopped", "killed.h5")
+    assert one["text"] == "the program that ran it was killed. Run labrig recover on the session"

@@ -15,7 +15,7 @@ import pytest
 
 from labrig.session import open_session
 from protocols.execution.operator import EXPIRES_S
-from tests.labrig.panel.page import TOO_BUSY, TRIES, Page, jobs_of, panel
+from tests.labrig.panel.page import Page, begin, jobs_of, panel, start
 
 pytestmark = [
     pytest.mark.slow,
@@ -39,26 +39,6 @@ def page(server, rig):
     found.take_control(force=True)
     yield found
     found.close()
-
-
-def begin(page, session, protocol="long.toml"):
-    """Have a run started; what the page knows is of this run alone from then on."""
-    job = page.do("/api/run", protocol=protocol, session=session, clock="real")
-    page.until(lambda m: m["type"] == "job" and m["id"] == job["id"])
-
-
-def start(page, session, protocol="long.toml"):
-    """Start a run and answer all that is asked before it."""
-    for _ in range(TRIES):
-        begin(page, session, protocol)
-        first = page.until(lambda m: m["type"] == "prompt" or m.get("state") == "ended")
-        if first["type"] == "prompt":
-            break
-        assert TOO_BUSY in first["text"]
-    for number in (1, 2, 3):
-        page.until(lambda m, n=number: m["type"] == "prompt" and m["prompt"] == n)
-        page.do("/api/answer", prompt=number, done=True)
-    page.until("run_started")
 
 
 def record(folder):
@@ -198,6 +178,7 @@ def test_stop_works_while_the_run_itself_hangs(rig, server, page):
             os.kill(int(pid), signal.SIGTERM)
 
 
+@pytest.mark.alone  # nothing is lost on the way, by the real clock
 def test_pages_see_the_same_though_others_read_nothing_and_only_one_acts(rig, server, page):
     ann, bob = page, Page(server)
     idle = [Page(server, reads=False) for _ in range(3)]

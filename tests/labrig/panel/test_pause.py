@@ -8,9 +8,11 @@ import time
 
 import pytest
 
+from labrig.cli.main import run
 from labrig.experiment.pause import PauseFile
 from labrig.session import open_session
 from tests.labrig.panel.page import Page
+from tests.labrig.session.session_recording import record, small_schedule
 
 pytestmark = pytest.mark.slow
 POSITIONS = """
@@ -19,7 +21,7 @@ zero_readings = 2
 readings_per_voltage = 2
 [[places]]
 configuration = "long"
-positions_mm = [0, 5, 10, 15, 20, 25, 30]
+positions_mm = [0, 10, 20, 30]
 [extras]
 mode = "paper"
 """
@@ -49,12 +51,12 @@ def test_a_paused_run_is_safe_and_completes_when_it_is_continued(page, rig_folde
     assert page.until("output")["state"] == "safe"
     begun = len(page.of("run_started"))
     time.sleep(1.0)  # noqa: TID251 - another process is watched
-    assert len(page.of("run_started")) == begun < 7
+    assert len(page.of("run_started")) == begun < 4
     page.do("/api/pause", on=False)
     assert page.ended(job)["code"] == 0
     with open_session(rig_folder / "paused.h5") as session:
         assert session.outcome == "completed"
-        assert len(session.runs) == 7
+        assert len(session.runs) == 4
         log = [event.text for event in session.events]
     at = [number for number, text in enumerate(log) if "paused the session after run" in text]
     assert len(at) == 1
@@ -82,33 +84,27 @@ def test_without_control_nobody_pauses(page, server):
 def test_another_terminal_pauses_a_session(rig_folder, tmp_path):
     (rig_folder / "positions.toml").write_text(POSITIONS)
     session = tmp_path / "terminal.h5"
-    labrig = [sys.executable, "-m", "labrig"]
     files = [rig_folder / name for name in ("rig.toml", "positions.toml", "sheet.toml")]
-    run = subprocess.Popen([*labrig, "run", *files, "-o", session], stderr=subprocess.PIPE)
+    command = [sys.executable, "-m", "labrig", "run", *files, "-o", session]
+    going = subprocess.Popen(command, stderr=subprocess.PIPE)
     try:
         while not session.exists():
-            assert run.poll() is None, run.stderr.read()
+            assert going.poll() is None, going.stderr.read()
             time.sleep(0.05)  # noqa: TID251 - another process is watched
-        assert subprocess.run([*labrig, "pause", session], check=False).returncode == 0
+        assert run(["pause", str(session)]) == 0
         assert PauseFile(session).asked_by()
-        time.sleep(6.0)  # noqa: TID251 - longer than all the runs take
-        assert run.poll() is None
-        assert subprocess.run([*labrig, "pause", "--end", session], check=False).returncode == 0
-        assert run.wait(60) == 0
+        time.sleep(4.0)  # noqa: TID251 - longer than all the runs take
+        assert going.poll() is None
+        assert run(["pause", "--end", str(session)]) == 0
+        assert going.wait(60) == 0
     finally:
-        run.kill()
-        run.stderr.close()
+        going.kill()
+        going.stderr.close()
     assert not PauseFile(session).asked_by()
 
 
-def test_a_session_that_is_over_cannot_pause(rig_folder, tmp_path):
-    (rig_folder / "positions.toml").write_text(POSITIONS)
-    labrig = [sys.executable, "-m", "labrig"]
+def test_a_session_that_is_over_cannot_pause(tmp_path, capsys):
     session = tmp_path / "over.h5"
-    files = [rig_folder / name for name in ("rig.toml", "short.toml", "sheet.toml")]
-    subprocess.run([*labrig, "run", *files, "-o", session], check=True)
-    answer = subprocess.run(
-        [*labrig, "pause", session], check=False, capture_output=True, text=True
-    )
-    assert answer.returncode == 2
-    assert "nothing can pause" in answer.stderr
+    record(session, small_schedule(1))
+    assert run(["pause", str(session)]) == 2
+    assert "nothing can pause" in capsys.readouterr().err

@@ -7,14 +7,15 @@ import os
 import threading
 import time
 from contextlib import suppress
+from dataclasses import replace
 
 import pytest
 
 from labrig.model_file import save_model
-from labrig.session import load_measurements
+from labrig.session import Mark, add_mark, load_measurements, open_session, store_measurements
 from model import fit
 from tests.labrig.panel.page import Server
-from tests.labrig.report_data import measure, session
+from tests.labrig.report_data import POSITIONS_M, measure, session
 
 pytestmark = pytest.mark.slow  # the panel's process, and fits in another
 
@@ -95,12 +96,39 @@ def _ignored(server, path):
 
 
 def test_a_model_file_of_other_data_is_out_of_date(server, folder):
-    file = folder / "a.model.toml"
-    save_model(fit(measure("long", seed=2)).model, file)
+    files = {"Fit": folder / "a.model.toml", "Diagnose": folder / "a.model+.toml"}
+    for file in files.values():
+        save_model(fit(measure("long", seed=2)).model, file)
     assert get(server, "?session=a.h5")["out_of_date"] == []
-    file.write_text(file.read_text().replace("abab", "cdcd"))
-    assert "a.model.toml was fitted to other data" in get(server, "?session=a.h5")["out_of_date"][0]
-    file.unlink()
+    for file in files.values():
+        file.write_text(file.read_text().replace("abab", "cdcd"))
+    told = get(server, "?session=a.h5")["out_of_date"]
+    for (job, file), text in zip(files.items(), told, strict=True):
+        assert text.startswith(f"{file.name} was fitted to other data")
+        assert text.endswith(f"{job} writes it again.")
+        file.unlink()
+
+
+def test_a_mark_after_the_end_makes_what_the_page_shows_out_of_date(server, folder):
+    path = session(folder / "marked.h5", measure("long"))
+    store_measurements(path, replace(measure("long"), checksum=checksum_of(path)))
+    report = folder / "marked.report.html"
+    report.write_text(f'<meta name="labrig-session-state" content="{checksum_of(path, "state")}">')
+    assert get(server, "?session=marked.h5&upto=fitted")["out_of_date"] == []
+    add_mark(path, Mark(run=0, reading=1, why="a bubble", who="A. P."))
+    for upto in ("measured", "fitted"):
+        found = get(server, f"?session=marked.h5&upto={upto}")
+        assert "were marked after the analysis" in found["out_of_date"][0], upto
+        assert "marked.report.html" in found["out_of_date"][1]
+        assert found["warnings"] == []
+    add_mark(path, Mark(run=0, reading=1, why="no", who="A. P.", invalid=False))
+    (left,) = get(server, "?session=marked.h5&upto=measured")["out_of_date"]
+    assert left.startswith("marked.report.html")  # which does not tell of the marks
+
+
+def checksum_of(path, what="data"):
+    with open_session(path) as opened:
+        return getattr(opened, f"{what}_checksum")
 
 
 def test_a_session_that_is_not_analysed_shows_its_forces_and_what_to_press(server):
@@ -117,10 +145,23 @@ def test_what_is_no_session_is_refused_in_a_sentence(server):
     assert get(server, "/reading?session=a.h5&condition=0&index=0") == {"curve": None}
 
 
-def test_the_report_may_run_no_scripts_of_its_own(server, folder):
-    assert "press Report" in get(server, "/report?session=a.h5", 404)["error"]
+def test_steps_of_b_and_eibm_are_shown_as_they_become_known(server, folder):
+    session(folder / "steps.h5", measure("long"))
+    known = [get(server, "/settling?session=steps.h5")]
+    while not known[-1]["complete"]:
+        known.append(get(server, "/settling?session=steps.h5"))
+    counts = [len(one["convergence"]["long"]) for one in known]
+    assert counts == sorted(counts)
+    assert counts[-1] == len(POSITIONS_M)
+    whole = get(server, "?session=steps.h5&upto=measured")  # kept, now that it is complete
+    assert whole["convergence"] == known[-1]["convergence"]
+
+
+def test_there_is_one_way_to_the_report_and_it_may_run_no_scripts(server, folder):
+    get(server, "/report?session=a.h5", 404)
     (folder / "a.report.html").write_text("<script>alert(1)</script><h1>Report</h1>")
-    answer = get(server, "/report?session=a.h5")
+    status, answer = server.ask("GET", "/api/analysis/output?session=a.h5&name=report")
+    assert status == 200
     assert b"<h1>Report</h1>" in answer
     assert "report" not in [one["kind"] for one in get(server, "?session=a.h5")["missing"]]
     (folder / "a.report.html").unlink()

@@ -11,13 +11,18 @@ const KINDS = [
   ["report", "Report", "tables and figures as one page"],
   ["next", "What to measure next", "the measurement that tells two effects apart"],
 ];
+const SAVE = true;
 const OUTPUTS = {
   fit: [["model", "Model file"]],
   diagnose: [
     ["completed_model", "Completed model"],
     ["diagnosis", "Diagnosis (JSON)"],
   ],
-  report: [["report", "Open the report"]],
+  report: [
+    ["report", "Open the report"],
+    ["report", "Save the report", SAVE],
+    ["figures", "Save its figures (PDF and SVG)"],
+  ],
   next: [["next", "Its protocol"]],
 };
 const STATES = {
@@ -53,7 +58,7 @@ export class AnalysisJobs {
 
 /**
  * The buttons of one session. `changed(job)` is called when a job has ended well, for whoever shows
- * its outcome. Returns an object with `destroy()`.
+ * its outcome. Returns an object with `destroy()`, and `begin(kind)`, which presses a button.
  */
 export function mountAnalysis(place, app, session, changed = () => {}) {
   const fault = h("p", { class: "fault", role: "alert" });
@@ -92,7 +97,7 @@ export function mountAnalysis(place, app, session, changed = () => {}) {
   const forget = app.analyses.watch(update);
   update();
   outputs();
-  return { destroy: forget };
+  return { destroy: forget, begin: (kind) => rows.find((row) => row.kind === kind).begin() };
 }
 
 /** One kind of job: its button, and how the last one goes or went. */
@@ -176,8 +181,17 @@ class Row {
       setText(this.words, `written ${when(outputs[found[0][0]].wall)}`);
     put(
       this.links,
-      found.map(([name, text]) => linkTo(this.session, name, text, outputs[name])),
+      found.map(([name, text, save = name !== "report"]) =>
+        linkTo(this.session, name, text, outputs[name], save),
+      ),
+      this.kind === "next" && outputs.next && this.app.status?.mode === "rig" && this.newRun(),
     );
+  }
+
+  /** The protocol that was proposed, as a new run. */
+  newRun() {
+    const href = `#/new?${query({ next: this.session })}`;
+    return h("a", { class: "button small", href }, "Open it as a new run");
   }
 }
 
@@ -189,9 +203,9 @@ function wordsOf(job) {
   return `${STATES[job.state]}${job.message}`;
 }
 
-function linkTo(session, name, text, output) {
-  const opens = name === "report";
-  const href = `/api/analysis/output?${query({ session, name, save: opens ? "" : "true" })}`;
-  const how = opens ? { target: "_blank", rel: "noopener" } : { download: output.file };
+/** A link that stores the file, or, a page, opens it. */
+function linkTo(session, name, text, output, save) {
+  const href = `/api/analysis/output?${query({ session, name, save: save ? "true" : "" })}`;
+  const how = save ? { download: output.file } : { target: "_blank", rel: "noopener" };
   return h("a", { class: "button small", href, title: output.file, ...how }, text);
 }

@@ -32,6 +32,13 @@ export function digits(value, count = 3) {
   return String(Number(value.toPrecision(count))).replace("-", MINUS);
 }
 
+/** A value and the ends of its interval, with two significant digits of the half width. */
+export function withInterval({ value, interval90: [low, high] }) {
+  const half = 0.5 * (high - low);
+  const decimals = half > 0 ? Math.min(6, Math.max(0, 1 - Math.floor(Math.log10(half)))) : 3;
+  return [value, low, high].map((one) => number(one, decimals));
+}
+
 /** 0:19, 12:05, 1:02:05. */
 export function clock(seconds) {
   if (seconds == null || !Number.isFinite(seconds)) return "\u2013";

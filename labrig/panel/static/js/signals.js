@@ -38,9 +38,9 @@ export class Signals {
     return column ? column.subarray(0, this.count) : new Float64Array(0);
   }
 
-  /** Middle of least and most at the newest moment; null when nothing has come. */
+  /** Middle of least and most at the newest moment; null when nothing of it has come. */
   newest(name) {
-    if (!this.count) return null;
+    if (!this.count || !this.columns[`${name}_least`]) return null;
     const at = this.count - 1;
     return 0.5 * (this.columns[`${name}_least`][at] + this.columns[`${name}_most`][at]);
   }

@@ -39,8 +39,8 @@ export class FileForm {
     );
   }
 
-  /** Offer the files of this kind and show the first. */
-  async offer(files) {
+  /** Offer the files of this kind and show one: the one asked for, else the usual one. */
+  async offer(files, asked = `${this.kind}.toml`) {
     const names = files.filter((file) => file.kind === this.kind).map((file) => file.name);
     put(
       this.select,
@@ -50,12 +50,30 @@ export class FileForm {
       setText(this.said, `There is no ${this.kind} file in the rig's folder.`);
       return;
     }
-    await this.load(names.includes(`${this.kind}.toml`) ? `${this.kind}.toml` : names[0]);
+    await this.load([asked, `${this.kind}.toml`].find((name) => names.includes(name)) ?? names[0]);
   }
 
   async load(name) {
+    if (name === this.adopted?.name) return this.fill(this.adopted, true);
     const file = await get(`/api/files/${encodeURIComponent(name)}`);
-    Object.assign(this, { name, text: file.text, errors: file.errors ?? [], touched: false });
+    this.fill({ ...file, name }, false);
+  }
+
+  /** Offer and show a file that lies elsewhere; saved, it is one of the rig's folder. */
+  adopt(file, origin) {
+    const names = [...this.select.options].map((option) => option.value);
+    const stem = file.name.replace(/\.toml$/, "");
+    let name = file.name;
+    for (let n = 2; names.includes(name); n += 1) name = `${stem}-${n}.toml`;
+    this.select.append(h("option", { value: name }, name));
+    this.adopted = { ...file, name, origin };
+    this.fill(this.adopted, true);
+  }
+
+  fill(file, touched) {
+    const { name, text } = file;
+    Object.assign(this, { name, text, errors: file.errors ?? [], touched });
+    this.origin = file.origin ?? "changed"; // what is said of what is not saved
     this.select.value = name;
     this.values = file.values ?? {};
     this.form = new SchemaForm(this.schema, this.values, {
@@ -68,7 +86,7 @@ export class FileForm {
   }
 
   edited() {
-    this.touched = true;
+    Object.assign(this, { touched: true, origin: "changed" });
     this.text = null;
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.check(), CHECK_MS);
@@ -98,7 +116,7 @@ export class FileForm {
   tell() {
     setText(
       this.summary,
-      `${this.name}${this.touched ? ", changed" : ""}${this.errors.length ? ", with faults" : ""}`,
+      `${this.name}${this.touched ? `, ${this.origin}` : ""}${this.errors.length ? ", with faults" : ""}`,
     );
     put(
       this.said,
@@ -110,12 +128,11 @@ export class FileForm {
     return this.name !== null && this.text !== null && !this.errors.length;
   }
 
-  /** Write what the form says; the file's name. */
+  /** Write what the form says, or a text that was not changed as it is; the file's name. */
   async save(name) {
-    await send(`/api/files/${encodeURIComponent(name)}`, {
-      kind: this.kind,
-      values: this.form.get(),
-    });
+    const what = this.origin === "changed" ? { values: this.form.get() } : { text: this.text };
+    await send(`/api/files/${encodeURIComponent(name)}`, { kind: this.kind, ...what });
+    if (this.adopted?.name === name) this.adopted = null;
     Object.assign(this, { name, touched: false });
     if (![...this.select.options].some((option) => option.value === name))
       this.select.append(h("option", { value: name }, name));

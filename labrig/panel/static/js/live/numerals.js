@@ -7,12 +7,11 @@ import { ago, number, signed, when } from "../format.js";
 const NUMERAL_MS = 180; // numerals that change faster cannot be read
 const AGE_MS = 5000;
 
-/** `rows`: { key, name, unit, decimals, sign }; `elements` has one for each, `age` stands below. */
+/** `age` stands below the numerals. */
 export class Numerals {
-  constructor(job, rows) {
+  constructor(job) {
     this.job = job;
-    this.lines = rows.map((row) => this.line(row));
-    this.elements = this.lines.map((line) => line.element);
+    this.lines = [];
     this.age = h("p", { class: "strips-age", role: "status", hidden: true });
     this.ageing = setInterval(() => this.showAge(), AGE_MS);
   }
@@ -22,13 +21,19 @@ export class Numerals {
     clearInterval(this.ageing);
   }
 
+  /** Elements for these rows: { key, title, unit, decimals, sign }, in the place of earlier ones. */
+  follow(rows) {
+    this.lines = rows.map((row) => this.line(row));
+    return this.lines.map((line) => line.element);
+  }
+
   line(row) {
     const value = h("strong", { class: "numeral-value" }, "\u2013");
     const last = h("span", { class: "numeral-last" });
     const element = h(
       "div",
       { class: "numeral" },
-      h("span", { class: "numeral-name" }, row.name),
+      h("span", { class: "numeral-name" }, row.title),
       value,
       h("span", { class: "numeral-unit" }, row.unit),
       last,

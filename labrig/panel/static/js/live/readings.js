@@ -4,6 +4,7 @@
 import { h, newId, put, setText } from "../dom.js";
 import { number, shapeOf, volts } from "../format.js";
 import { placeOf } from "../words.js";
+import { stripRows, valueOf } from "./strip_rows.js";
 
 const REASONS = [
   "bubble under the sheet",
@@ -214,8 +215,7 @@ export class Readings {
     const names = [
       "reading",
       "drive",
-      "force, mN",
-      "current, mA",
+      ...this.columns().map(({ title, unit }) => `${title.toLowerCase()}, ${unit}`),
       "state",
       ...(this.mark ? ["mark"] : []),
     ];
@@ -248,6 +248,11 @@ export class Readings {
     );
   }
 
+  /** The channels but for the drive, whose voltage stands there as it was set. */
+  columns() {
+    return stripRows(this.job.plan).filter((row) => row.key !== "drive_V");
+  }
+
   reading(reading) {
     const word = !reading.valid
       ? h("span", { class: "verdict bad" }, "INVALID")
@@ -259,8 +264,9 @@ export class Readings {
       { class: reading.valid ? "" : "invalid" },
       h("th", { scope: "row" }, String(reading.index + 1)),
       h("td", {}, `${shapeOf(reading.voltage_V)} ${volts(reading.voltage_V)}`),
-      h("td", { class: "num" }, number(reading.force_mN, 3)),
-      h("td", { class: "num" }, number(reading.current_mA, 1)),
+      this.columns().map((row) =>
+        h("td", { class: "num" }, number(valueOf(reading, row), row.decimals)),
+      ),
       h("td", {}, word, reading.why && h("span", { class: "why" }, ` ${reading.why}`)),
       this.mark &&
         h(

@@ -43,6 +43,12 @@ export class StripCursor {
     this.navigations.push(new Navigation(chart, line.element, line.plot.over));
   }
 
+  /** Forget the charts: others take their place. */
+  leave() {
+    this.marks = [];
+    this.navigations = [];
+  }
+
   /** All of the run that there is, and what is usually shown. */
   whole() {
     const [low, high] = this.strips.usual();
@@ -83,7 +89,7 @@ export class StripCursor {
       const middle =
         0.5 * (signals.column(`${row.key}_least`)[at] + signals.column(`${row.key}_most`)[at]);
       const text = row.key === "drive_V" ? signed : number;
-      return `${row.name.toLowerCase()} ${text(middle, row.decimals)} ${row.unit}`;
+      return `${row.title.toLowerCase()} ${text(middle, row.decimals)} ${row.unit}`;
     });
     setText(this.read, `${number(times[at], 2)} s: ${values.join(", ")}`);
   }

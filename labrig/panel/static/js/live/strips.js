@@ -1,35 +1,23 @@
-// Drive voltage, force and current over the run's time, with every sampling point marked.
+// The session's channels over the run's time, with every sampling point marked.
 
 import uPlot from "../../vendor/uplot/uPlot.esm.js";
 import { colourOf, h, newId } from "../dom.js";
 import { plain } from "../format.js";
+import { forgetFrame, frameDelay, nextFrame } from "../frames.js";
 import { drawEnvelope } from "./envelope.js";
 import { drawMark } from "./marks.js";
 import { Numerals } from "./numerals.js";
 import { KEYS, StripCursor } from "./strip_cursor.js";
+import { stripRows, valueOf } from "./strip_rows.js";
 
 const WHOLE_S = 40; // a run up to so long is shown as a whole, a longer one by its last
 const ROLLING_S = 30;
-const ROWS = [
-  {
-    key: "drive_V",
-    name: "Drive",
-    unit: "V",
-    decimals: 2,
-    sign: true,
-    least: 0.5,
-    colour: "--trace-drive",
-  },
-  { key: "force_mN", name: "Force", unit: "mN", decimals: 3, least: 0.2, colour: "--trace-force" },
-  {
-    key: "current_mA",
-    name: "Current",
-    unit: "mA",
-    decimals: 1,
-    least: 1,
-    colour: "--trace-current",
-  },
-];
+
+// Where a browser does not keep up, images come first: the later its frames, the longer the charts
+// wait between two updates.
+const KEEPS_UP_MS = 22;
+const WAIT_TIMES = 8;
+const MOST_WAIT_MS = 250;
 
 const REDRAWN_BY = [
   "signals",
@@ -44,53 +32,78 @@ const REDRAWN_BY = [
   "alive",
 ];
 
-/** Three charts under one another on one time axis. */
+/** A chart for each channel, under one another on one time axis. */
 export class Strips {
   constructor(job) {
     this.job = job;
+    this.shown_ms = -Infinity;
     this.points = 0; // moments that have reached the charts
-    this.numerals = new Numerals(job, ROWS);
+    this.numerals = new Numerals(job);
     this.view = { x: null, y: null };
     this.keys = newId("strip-keys");
-    this.lines = ROWS.map((row, index) => this.line(row, index));
+    this.lines = [];
     this.cursor = new StripCursor(this);
     this.element = h(
       "div",
       { class: "strips card", role: "group", "aria-label": "strip charts" },
-      this.lines.map((line) => line.element),
       this.cursor.element,
       this.numerals.age,
       h("p", { class: "visually-hidden", id: this.keys }, KEYS),
     );
     this.seen = new ResizeObserver(() => this.resize());
     this.seen.observe(this.element);
+    this.follow(job.plan);
     this.themed = () => this.lines.forEach((line) => this.repaint(line));
     addEventListener("labrig-theme", this.themed);
   }
 
   destroy() {
     this.seen.disconnect();
+    clearTimeout(this.timer);
+    forgetFrame(this.showLate);
     this.numerals.destroy();
     removeEventListener("labrig-theme", this.themed);
-    this.lines.forEach((line) => line.plot?.destroy());
+    this.forget();
   }
 
-  line(row, index) {
+  /** Rows as the plan has them: other sessions have other channels. */
+  follow(plan) {
+    const rows = stripRows(plan);
+    const named = JSON.stringify(rows);
+    if (named === this.named) return;
+    this.named = named;
+    this.forget();
+    const numerals = this.numerals.follow(rows);
+    this.lines = rows.map((row, index) => this.line(row, numerals[index], index === rows.length - 1));
+    this.cursor.element.before(...this.lines.map((line) => line.element));
+    this.resize();
+  }
+
+  forget() {
+    this.cursor.leave();
+    for (const line of this.lines) {
+      line.plot?.destroy();
+      line.element.remove();
+    }
+    this.lines = [];
+  }
+
+  line(row, numeral, last) {
     const plot = h("div", {
       class: "strip-plot",
       tabindex: 0,
       role: "application",
       "aria-roledescription": "chart",
-      "aria-label": `${row.name} in ${row.unit} over the time of the run in s`,
+      "aria-label": `${row.title} in ${row.unit} over the time of the run in s`,
       "aria-describedby": this.keys,
     });
     const element = h(
       "div",
       { class: "strip", data: { row: row.key } },
-      this.numerals.elements[index],
+      numeral,
       plot,
     );
-    return { row, place: plot, element, last: index === ROWS.length - 1, plot: null };
+    return { row, place: plot, element, last, plot: null };
   }
 
   resize() {
@@ -193,10 +206,19 @@ export class Strips {
   }
 
   update(dirty) {
-    if (REDRAWN_BY.some((type) => dirty.has(type))) this.show();
+    if (dirty.has("plan") || dirty.has("story")) this.follow(this.job.plan);
+    if (!REDRAWN_BY.some((type) => dirty.has(type))) return;
+    const wait = Math.min(MOST_WAIT_MS, WAIT_TIMES * Math.max(0, frameDelay() - KEEPS_UP_MS));
+    const left = this.shown_ms + wait - performance.now();
+    clearTimeout(this.timer);
+    if (left > 0) this.timer = setTimeout(() => nextFrame(this.showLate), left);
+    else this.show();
   }
 
+  showLate = () => this.show();
+
   show() {
+    this.shown_ms = performance.now();
     const { signals } = this.job;
     for (const line of this.lines) {
       const { key } = line.row;
@@ -244,7 +266,9 @@ export class Strips {
       ctx.lineTo(x, bbox.top + bbox.height - 6 * ratio);
       ctx.stroke();
       if (!reading) continue;
-      const y = plot.valToPos(reading[line.row.key], "y", true);
+      const value = valueOf(reading, line.row);
+      if (value == null) continue;
+      const y = plot.valToPos(value, "y", true);
       drawMark(ctx, x, y, 4.5 * ratio, { volts, reading, colour, back: colours.back, ratio });
     }
     ctx.restore();

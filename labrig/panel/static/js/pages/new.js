@@ -7,19 +7,20 @@ import { about, number, plain } from "../format.js";
 import { Job } from "../job.js";
 import { Preflight } from "../live/prompt.js";
 import { Timeline } from "../live/timeline.js";
-import { get, post } from "../net.js";
+import { get, post, query } from "../net.js";
 
-/** Show the forms. */
-export function mount(place, app) {
-  const page = new NewRun(app);
+/** Show the forms; `?next=SESSION` begins with the protocol that was proposed after a session. */
+export function mount(place, app, asked) {
+  const page = new NewRun(app, asked.get("next"));
   place.append(page.element);
   page.begin().catch((error) => setText(page.fault, error.message));
   return page;
 }
 
 class NewRun {
-  constructor(app) {
+  constructor(app, after) {
     this.app = app;
+    this.after = after; // the session
     this.preview = new Job(); // a job that only has a plan
     this.timeline = new Timeline(this.preview);
     this.preflight = new Preflight(app.job, true);
@@ -114,7 +115,15 @@ class NewRun {
     put(this.files, this.protocol.element, this.sheet.element);
     await this.about.begin();
     await this.sheet.offer(files);
-    await this.protocol.offer(files);
+    await this.offerProtocols(files);
+  }
+
+  async offerProtocols(files) {
+    if (!this.after) return this.protocol.offer(files);
+    const proposed = await get(`/api/next-protocol?${query({ session: this.after })}`);
+    await this.protocol.offer(files, proposed.name);
+    if (this.protocol.text !== proposed.text)
+      this.protocol.adopt(proposed, `proposed after ${this.after}`);
   }
 
   /** A form has changed: plan anew when both are sound. */
@@ -216,7 +225,7 @@ class ClockChoice {
       "select",
       { id: newId("clock"), onchange: () => (this.chosen = this.select.value) },
       this.real,
-      h("option", { value: "virtual" }, "as fast as it can"),
+      h("option", { value: "virtual" }, "virtual: as fast as it can"),
     );
     this.why = h("p", { class: "field-hint", id: newId("why") });
     this.select.setAttribute("aria-describedby", this.why.id);

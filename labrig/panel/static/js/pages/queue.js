@@ -155,7 +155,7 @@ class AddForm {
     this.clock = h(
       "select",
       { id: newId("clock") },
-      h("option", { value: "virtual" }, "as fast as it can"),
+      h("option", { value: "virtual" }, "virtual: as fast as it can"),
       h("option", { value: "real" }, "real time"),
     );
     this.button = h("button", { type: "button", onclick: () => add(this.body()) }, "Add");

@@ -10,8 +10,9 @@ import { parameters, standing, verdict } from "../result/findings.js";
 const STAGES = [
   ["measured", "fitting\u2026"],
   ["fitted", "fitting position by position\u2026"],
-  ["settled", ""],
 ];
+
+const GROWS = "The result grows with each position that is measured.";
 
 /** Show the session named in the address; without one, that of the run. */
 export function mount(place, app, asked) {
@@ -70,15 +71,16 @@ class ResultPage {
 
   heard(dirty) {
     const { job } = this.app;
-    if (dirty.has("result") && job.result?.session === this.session && this.live) this.grow(job.result);
+    if (dirty.has("result") && job.result?.session === this.session) {
+      if (this.live) this.grow(job.result);
+      else this.load(); // the live fit follows a run on a virtual clock, also after its end
+    }
     if (dirty.has("ended") && job.plan?.session === this.session) this.load();
   }
 
   /** A further position was measured. */
   grow(result) {
-    this.set({ ...result, complete: true });
-    this.choice.follow();
-    this.show();
+    this.set(result, (choice) => choice.grow(result));
   }
 
   /** First what was measured, at once; then the models; then how B and EIBM settled. */
@@ -86,7 +88,7 @@ class ResultPage {
     const mine = (this.latest = {});
     const is = () => mine === this.latest && !this.gone;
     if (this.live) {
-      setText(this.said, "The result grows with each position that is measured.");
+      setText(this.said, `${GROWS} None is fitted yet.`);
       if (this.app.job.result?.session === this.session) this.grow(this.app.job.result);
       return;
     }
@@ -95,20 +97,34 @@ class ResultPage {
       for (const [upto, then] of STAGES) {
         const found = await get(`/api/result?${query({ session: this.session, upto })}`);
         if (!is()) return;
-        this.set(found);
+        this.set(found, (choice) => (found.live ? choice.grow(found) : choice.set(found)));
         if (found.complete) return;
         setText(this.said, then);
       }
+      await this.settle(is);
     } catch (error) {
       if (is()) setText(this.said, error.message);
     }
   }
 
-  set(result) {
+  /** Show B and EIBM of a further position as soon as they are known. */
+  async settle(is) {
+    for (let complete = false; !complete; ) {
+      const found = await get(`/api/result/settling?${query({ session: this.session })}`);
+      if (!is()) return;
+      Object.assign(this.result, found);
+      this.charts[2].show(this.choice);
+      ({ complete } = found);
+    }
+    this.set(this.result, (choice) => choice.set(this.result));
+  }
+
+  /** Show another result; `choose(choice)` hands it on to what is chosen. */
+  set(result, choose) {
     this.result = result;
     this.readings.clear();
-    setText(this.said, "");
-    this.choice.set(result);
+    setText(this.said, this.live ? GROWS : "");
+    choose(this.choice);
     this.show();
     put(this.standing, standing(result, this.session));
   }
@@ -120,7 +136,13 @@ class ResultPage {
     sheet.show(choice, this.reading(condition));
     force.show(choice, condition);
     settling.show(choice);
-    put(this.words, parameters(choice), verdict(this.result));
+    put(this.words, parameters(choice), verdict(this.result, () => this.writeNext()));
+  }
+
+  /** Have the protocol of the next measurement written; the list of jobs shows how that goes. */
+  writeNext() {
+    this.analysis.scrollIntoView({ block: "nearest" });
+    return this.analysed.begin("next");
   }
 
   /** The curve of the chosen reading; asked for when it is not known yet. */

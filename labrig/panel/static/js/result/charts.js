@@ -2,7 +2,7 @@
 
 import { shapeFor } from "../chart/draw.js";
 import { h, put, setText } from "../dom.js";
-import { digits, number, volts } from "../format.js";
+import { number, volts, withInterval } from "../format.js";
 import { Chart } from "../plot.js";
 import { nameOf } from "./choice.js";
 
@@ -37,7 +37,7 @@ export class SheetChart {
       scene: (context, to, more) => this.scene(context, to, more),
     });
     this.key = h("p", { class: "keys" });
-    this.element = card("The sheet", "in millimetres; bands: 90 %", this.chart.element, this.key);
+    this.element = card("The sheet", "in millimetres; the model\u2019s band holds 90 % of new measurements", this.chart.element, this.key);
     this.element.classList.add("result-sheet");
   }
 
@@ -66,7 +66,7 @@ export class SheetChart {
     const shown = condition ? this.chosen(condition, reading, choice) : [];
     this.chart.options.include = this.around();
     this.chart.show([...thin, ...shown]);
-    this.showKey(condition, shown);
+    this.showKey(condition, shown, choice.result);
   }
 
   chosen(condition, reading, { part, chosen: { model } }) {
@@ -96,13 +96,16 @@ export class SheetChart {
     ].filter(Boolean);
   }
 
-  showKey(condition, shown) {
-    const missing = condition && !condition.curve ? "no curve was found here" : "";
+  showKey(condition, shown, { missing: lacks }) {
+    const sign = `sign-${Math.sign(condition?.voltage_V ?? 0)}`;
+    const looked = !lacks.some((one) => one.kind === "analyze");
+    const none = looked ? "no curve was found here" : "Analyse looks for the curves";
+    const missing = condition && !condition.curve ? none : "";
     const why = condition?.models ? Object.values(condition.models).find((one) => one.why)?.why : "";
     put(
       this.key,
       shown.map((one) =>
-        h("span", { class: one.dashed ? "line-key line-key-dashed" : "line-key" }, one.name),
+        h("span", { class: `line-key ${one.dashed ? "line-key-dashed" : sign}` }, one.name),
       ),
       missing && h("span", { class: "muted" }, missing),
       why && h("span", { class: "muted" }, `model: ${why}`),
@@ -160,7 +163,7 @@ export class ForceChart {
     this.key = h("p", { class: "keys" });
     this.element = card(
       "Force over position",
-      "means with standard errors; lines: model with 90 % band",
+      "means with standard errors; the model\u2019s band holds 90 % of new measurements",
       this.chart.element,
       this.key,
     );
@@ -181,7 +184,7 @@ export class ForceChart {
       line: true,
       dashed: true,
       words: ([p, F], at) =>
-        `p ${number(p, 2)} mm, F ${number(F, 3)} \u00B1 ${number(line.half90_mN[at], 3)} mN (90 %)`,
+        `p ${number(p, 2)} mm, F ${number(F, 3)} mN, 90 % of new measurements within \u00B1 ${number(line.half90_mN[at], 3)} mN`,
     }));
     for (const level of levels) series.push(measured(part, level));
     if (condition?.force) series.push(marked(condition));
@@ -255,7 +258,9 @@ export class Settling {
     for (const [name, one] of asked) this.chart(name).show([one]);
     const last = steps.at(-1);
     const why = last && !last.B_uNm2 ? last.why : "";
-    setText(this.said, why || (steps.length ? "" : "B and EIBM are not computed yet."));
+    const count = known.length ? `${capital(after(known.at(-1).positions))}: ` : "";
+    const newest = known.length ? `${count}${inWords(known.at(-1))}` : "";
+    setText(this.said, why || `${newest}${later(known, result)}` || "B and EIBM are not computed yet.");
   }
 
   drop(name, chart) {
@@ -283,6 +288,22 @@ export class Settling {
   }
 }
 
+const after = (count) => `after ${count} position${count === 1 ? "" : "s"}`;
+/** Why the parameters differ from the last step: the sheets are fitted together. */
+function later(known, { configurations }) {
+  const all = configurations.reduce((sum, one) => sum + one.conditions.length, 0);
+  if (!known.length || known.at(-1).conditions >= all) return "";
+  return " The parameters below take in what was measured after that, too.";
+}
+
+const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
+/** B of a step with its interval, for whoever does not read it off the chart. */
+function inWords({ B_uNm2 }) {
+  const [value, low, high] = withInterval(B_uNm2);
+  return `B ${value} \u00B5N\u00B7m\u00B2, 90 %: ${low} to ${high}.`;
+}
+
 function keyOf(level, values) {
   return Object.keys(values).find((key) => Number(key) === level);
 }
@@ -299,10 +320,10 @@ function series(name, steps, of, colour, shape) {
     shape,
     line: true,
     words: (_, at) => {
-      const [low, high] = of(steps[at]).interval90;
+      const [value, low, high] = withInterval(of(steps[at]));
       const place = steps[at].position_mm;
       const newest = place == null ? "" : ` (last ${number(place, 1)} mm)`;
-      return `${digits(of(steps[at]).value, 4)}, 90 %: ${digits(low, 4)} to ${digits(high, 4)}, after ${steps[at].positions} positions${newest}`;
+      return `${value}, 90 %: ${low} to ${high}, ${after(steps[at].positions)}${newest}`;
     },
   };
 }

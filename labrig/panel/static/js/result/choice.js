@@ -87,11 +87,26 @@ export class Choice {
     );
   }
 
-  /** The newest set-up, as it comes during a run. */
-  follow() {
-    const setups = this.setups();
-    this.chosen.setup = Math.max(0, setups.length - 1);
+  /** Another result of a run that goes on: the newest set-up, unless another one was chosen. */
+  grow(result) {
+    const before = this.result && newestOf(this.result);
+    const followed = !before || (this.isAt(before) && this.chosen.reading == null);
+    this.set(result);
+    const newest = newestOf(result);
+    if (!followed || !newest) return;
+    this.chosen.configuration = newest.configuration;
+    this.configuration.input.value = newest.configuration;
+    const same = (one) => one.position_mm === newest.position_mm;
+    this.chosen.setup = Math.max(0, this.setups().findLastIndex(same));
     this.show();
+  }
+
+  isAt({ configuration, position_mm }) {
+    const { chosen } = this;
+    return (
+      chosen.configuration === configuration &&
+      this.setups()[chosen.setup]?.position_mm === position_mm
+    );
   }
 
   // --------------------------------------------------------------------------------------- what is
@@ -160,6 +175,14 @@ export class Choice {
     input.setAttribute("aria-valuetext", words);
     setText(output, words);
   }
+}
+
+/** Where the run has measured last: { configuration, position_mm }; null before there is a fit. */
+function newestOf({ convergence }) {
+  const last = Object.entries(convergence ?? {}).flatMap(([configuration, steps]) =>
+    steps.slice(-1).map((step) => ({ configuration, ...step })),
+  );
+  return last.sort((a, b) => a.conditions - b.conditions).at(-1) ?? null;
 }
 
 /** The position, and what tells set-ups of one position apart. */

@@ -1,7 +1,7 @@
 // What a result says in words: parameters, the verdict, what to measure next, what is not there yet.
 
 import { h, put } from "../dom.js";
-import { digits, volts } from "../format.js";
+import { volts, withInterval } from "../format.js";
 import { query } from "../net.js";
 
 /** Parameters of the chosen model, as a table. */
@@ -16,7 +16,7 @@ export function parameters(choice) {
   const rows = [
     row("bending stiffness B", found.B_uNm2, "\u00B5N\u00B7m\u00B2"),
     row("Young\u2019s modulus E", found.E_MPa, "MPa"),
-    ...Object.entries(found.EIBM_uNm).map(([level, one]) =>
+    ...byVoltage(found.EIBM_uNm).map(([level, one]) =>
       row(`${meaning} at ${volts(Number(level))}`, one, "\u00B5N\u00B7m"),
     ),
   ];
@@ -32,24 +32,30 @@ export function parameters(choice) {
   );
 }
 
-function row(name, { value, interval90: [low, high] }, unit) {
+/** From the highest voltage to the lowest, as the command line lists them. */
+function byVoltage(values) {
+  return Object.entries(values).sort(([a], [b]) => Number(b) - Number(a));
+}
+
+function row(name, parameter, unit) {
+  const [value, low, high] = withInterval(parameter);
   return h(
     "tr",
     {},
     h("th", { scope: "row" }, name),
-    h("td", { class: "num" }, `${digits(value, 4)} ${unit}`),
-    h("td", { class: "num" }, `90 %: ${digits(low, 4)} to ${digits(high, 4)}`),
+    h("td", { class: "num" }, `${value} ${unit}`),
+    h("td", { class: "num" }, `90 %: ${low} to ${high}`),
   );
 }
 
-/** The verdict of the diagnosis, and what to measure next. */
-export function verdict({ diagnosis }) {
+/** The verdict of the diagnosis, and what to measure next; `write()` has its protocol written. */
+export function verdict({ diagnosis, models, complete }, write) {
   const place = h("section", { class: "card" });
   if (!diagnosis)
     return put(
       place,
       h("h2", {}, "Model discrepancy"),
-      h("p", { class: "muted" }, "No diagnosis yet."),
+      h("p", { class: "muted" }, complete || models.length ? "No diagnosis yet." : "reading\u2026"),
     );
   return put(
     place,
@@ -58,7 +64,11 @@ export function verdict({ diagnosis }) {
     diagnosis.sentences.map((text) => h("p", {}, text)),
     h("h2", {}, "Next measurement"),
     diagnosis.next.length
-      ? diagnosis.next.map((text) => h("p", {}, text))
+      ? [
+          diagnosis.next.map((text) => h("p", {}, text)),
+          h("button", { type: "button", onclick: write }, "Write its protocol"),
+          h("p", { class: "muted" }, "A file beside the session; its row under Analysis then opens it as a new run."),
+        ]
       : h("p", { class: "muted" }, "Nothing further is proposed."),
   );
 }
@@ -87,7 +97,7 @@ export function standing(result, session) {
         "a",
         {
           class: "button main",
-          href: `/api/result/report?${query({ session })}`,
+          href: `/api/analysis/output?${query({ session, name: "report" })}`,
           target: "_blank",
           rel: "noopener",
         },
