@@ -61,7 +61,7 @@ def imports(name: str, known: dict[str, Path]) -> Iterator[str]:
 def arrows(known: dict[str, Path], depth: int, within: str) -> list[tuple[str, str]]:
     """Return the pairs of folders, cut at `depth`, of which the first imports the second."""
     pairs = set()
-    for name in known:
+    for name in (name for name in known if is_in(name, within)):
         for other in imports(name, known):
             one, two = (".".join(dotted.split(".")[:depth]) for dotted in (name, other))
             if one != two and other in known and is_in(one, within) and is_in(two, within):

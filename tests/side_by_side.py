@@ -14,11 +14,16 @@ import pytest
 PROCESSES = (
     "tests/drivers/test_guard_process.py",
     "tests/drivers/test_time_outs.py",
+    "tests/end_to_end/test_devices_recorded.py",
+    "tests/end_to_end/test_force_meter.py",
     "tests/end_to_end/test_guard_of_a_run.py",
+    "tests/end_to_end/test_parts_of_others.py",
     "tests/end_to_end/test_run_real_clock.py",
     "tests/labrig/panel/test_attacks.py",
     "tests/labrig/panel/test_forms.py",
+    "tests/labrig/panel/test_page_notes.py",
     "tests/labrig/panel/test_panel_",
+    "tests/labrig/panel/test_pause.py",
     "tests/labrig/panel/test_replay.py",
     "tests/labrig/panel/test_sessions.py",
     "tests/labrig/session/test_recover.py",
@@ -27,7 +32,13 @@ PROCESSES = (
 BROWSER = ("tests/panel_browser/",)  # as long as all the others that watch
 WATCHING = (*PROCESSES, *BROWSER)
 # Begun first, or one worker is at them when the others are done.
-LONGEST = ("tests/end_to_end/test_demo.py", "tests/end_to_end/test_closed_loop")
+LONGEST = (
+    "tests/panel_browser/test_with_the_mouse.py",
+    "tests/end_to_end/test_demo.py",
+    "tests/labrig/panel/test_analysis_in_the_panel.py",
+    "tests/end_to_end/test_closed_loop",
+    "tests/labrig/panel/test_live_fit.py",
+)
 # Of those that run alone: one worker takes the first and the third, the other the rest. So they end
 # together, and what has the narrowest limits, at the page, is beside what waits most.
 ALONE = (
@@ -71,9 +82,11 @@ def in_parts(items: Items, workers: int) -> Items:
     if workers < 2:
         return items
     kinds = (PROCESSES, BROWSER) if workers > 3 else (WATCHING,)
+    items = sorted(items, key=lambda item: not item.nodeid.startswith(LONGEST))
     parts = [[item for item in items if item.nodeid.startswith(names)] for names in kinds]
     computing = workers - len(parts)
-    long = [[item for item in items if item.nodeid.startswith(name)] for name in LONGEST]
+    compute = [name for name in LONGEST if not name.startswith(WATCHING)]
+    long = [[item for item in items if item.nodeid.startswith(name)] for name in compute]
     rest = [item for item in items if not item.nodeid.startswith((*WATCHING, *LONGEST))]
     slow = [item for item in rest if item.get_closest_marker("slow")]
     quick = [item for item in rest if not item.get_closest_marker("slow")]

@@ -6,14 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.end_to_end.small_rig import make_rig, run_rig
-from tests.made_once import made_once
+from tests.end_to_end.small_rig import small_rig
 
 
 @pytest.fixture(scope="session")
 def rig(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a simulated rig whose session has been run; leave the files as they are."""
-    return made_once(tmp_path_factory, "small-rig", lambda folder: run_rig(make_rig(folder)))
+    return small_rig(tmp_path_factory)
 
 
 @pytest.fixture(scope="session")

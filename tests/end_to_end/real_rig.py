@@ -13,6 +13,7 @@ from pathlib import Path
 
 from labrig.config.templates import template_text, write_templates
 from labrig.experiment.rig.networked_rig import served_rig
+from tests.labrig.panel.page import TOO_BUSY, TRIES
 
 PROTOCOL = """
 moisten = false
@@ -60,6 +61,25 @@ class ServedRig:
         self._started.append(process)
         return process
 
+    def energised(self) -> subprocess.Popen[bytes]:
+        """`labrig run`, once there is a voltage on the sheet; started again where it was refused
+        because a busy computer's camera cannot keep up."""
+        for _ in range(TRIES):
+            process = self.start()
+            self.until(lambda: process.poll() is not None or self._has_voltage())  # noqa: B023
+            if process.poll() is None:
+                return process
+            assert TOO_BUSY in self.said(), self.said()
+        raise AssertionError(self.said())
+
+    def completed(self) -> Path:
+        """The session of a run that was completed, started again for the same reason."""
+        for _ in range(TRIES):
+            if self.start().wait(60) == 0:
+                return self.session
+            assert TOO_BUSY in self.said(), self.said()
+        raise AssertionError(self.said())
+
     def end(self) -> None:
         """Leave none of them to the tests that follow, whatever a test has found."""
         for process in self._started:
@@ -91,6 +111,10 @@ class ServedRig:
         while not condition():
             assert time.monotonic() < end, "it did not come about in time"
             time.sleep(0.01)  # noqa: TID251 - another process is being watched
+
+    def _has_voltage(self) -> bool:
+        rows = self.rows()
+        return bool(rows) and abs(float(rows[-1]["drive_V"])) > 1.0
 
     def is_energised(self) -> bool:
         """Whether there is a voltage on the sheet."""

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from labrig.cli.main import run
 from labrig.config.templates import write_templates
+from tests.made_once import made_once
 
 PROTOCOL = """
 [pulse_train]
@@ -19,6 +22,19 @@ positions_mm = [10, 20]
 [[places]]
 configuration = "short"
 positions_mm = [10, 20]
+
+[extras]
+mode = "paper"
+"""
+
+TWO_POSITIONS = """
+[pulse_train]
+zero_readings = 2
+readings_per_voltage = 3
+
+[[places]]
+configuration = "long"
+positions_mm = [5, 15]
 
 [extras]
 mode = "paper"
@@ -58,3 +74,14 @@ def run_rig(folder: Path, name: str = "session.h5") -> Path:
     files = [folder / file for file in ("rig.toml", "protocol.toml", "sheet.toml")]
     assert labrig("run", *files, "-o", folder / name) == 0
     return folder / name
+
+
+def small_rig(factory: pytest.TempPathFactory) -> Path:
+    """A rig's folder whose session of two configurations was run, once for all; leave it as is."""
+    return made_once(factory, "small-rig", lambda folder: run_rig(make_rig(folder)))
+
+
+def two_positions(factory: pytest.TempPathFactory) -> Path:
+    """A session of one sheet, not analysed, run once for all; copy it before it is changed."""
+    make = lambda folder: run_rig(make_rig(folder, TWO_POSITIONS))  # noqa: E731
+    return made_once(factory, "two-positions", make) / "session.h5"

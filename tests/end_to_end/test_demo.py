@@ -16,7 +16,7 @@ import pytest
 from labrig.analysis import analyze
 from labrig.config import templates
 from labrig.model_file import load_model
-from labrig.session import load_measurements
+from labrig.session import load_measurements, open_session
 from model import Measurements, fit
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
 from tests.made_once import made_once
@@ -116,6 +116,13 @@ def test_the_demo_prints_the_papers_tables_and_leaves_a_report(demo: Demo) -> No
     page = (report / "index.html").read_text()
     assert all(f"Table {number}." in page for number in (3, 4, 6))
     assert "Model discrepancy" in page
+
+
+def test_its_ten_seconds_on_the_real_clock_are_recorded_as_simulated(demo: Demo) -> None:
+    with open_session(demo.folder / "real-clock" / "session.h5") as session:
+        assert session.clock == "real"
+        assert session.simulated
+        assert session.boards == "simulated"
 
 
 def test_each_effect_of_the_world_is_named_beside_the_others_with_its_own_values(

@@ -60,8 +60,7 @@ def over_sockets(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with serving(tmp_path_factory.mktemp("served")) as rig:
         protocol = rig.folder / "rig" / "protocol.toml"
         protocol.write_text(protocol.read_text().replace("moisten = false", "moisten = true"))
-        assert rig.start().wait(60) == 0
-    return rig.session
+        return rig.completed()
 
 
 def test_a_simulated_rig_over_sockets_is_recorded_as_simulated(over_sockets: Path) -> None:
@@ -69,9 +68,13 @@ def test_a_simulated_rig_over_sockets_is_recorded_as_simulated(over_sockets: Pat
         assert session.simulated
         assert session.boards == "simulated"
         facts = dict(overview(session).facts)
-        stage = next(device for device in session.devices if device.part == "stage")
+        found = {device.part: device.identity for device in session.devices}
     assert facts["boards"] == "simulated"
-    assert stage.identity.serial == "60001"
+    assert (found["camera"].product, found["camera"].is_simulated) == (
+        "labrig simulated camera", True,
+    )  # fmt: skip
+    # the protocols of the others have no place to say so
+    assert (found["stage"].serial, found["stage"].is_simulated) == ("60001", None)
 
 
 def test_with_yes_nobody_is_recorded_as_having_moistened_the_sheet(over_sockets: Path) -> None:

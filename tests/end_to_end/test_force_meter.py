@@ -5,10 +5,15 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+import h5py
+import numpy as np
 import pytest
 
+from labrig.report.data.quality import quality
 from labrig.session import open_session
+from protocols.execution.channels import drive_channel, force_channel
 from protocols.execution.events import Outcome, OutputState
+from protocols.execution.rules import bad_samples
 from tests.end_to_end.real_rig import serving
 from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig, run_rig
 
@@ -134,3 +139,29 @@ def test_it_is_read_over_a_serial_line_in_real_time(tmp_path: Path) -> None:
             forces_N = run.readings["force_N"]
             assert forces_N.max() - forces_N.min() > 1e-3
         rig.end()
+
+
+def test_whatever_a_meter_has_read_is_said_in_newtons_and_never_in_volts(
+    metered: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with h5py.File(metered) as file:
+        assert file["session/run_000/signals/force"].attrs["units"] == b"N"
+    capsys.readouterr()
+    assert labrig("show", metered) == 0
+    (row,) = (
+        line
+        for line in capsys.readouterr().out.splitlines()
+        if line.startswith("force ") and "±" in line
+    )
+    assert "±0.98 N" in row
+    with open_session(metered) as session:
+        (losses,) = (t for t in quality(session, None).tables if t.title == "Saturation")
+    ranges = {row[0]: row[1] for row in losses.rows}
+    assert ranges == {"force": "± 0.98 N", "current": "± 0.5 V", "drive": "± 5 V"}
+
+
+def test_a_reading_at_the_end_of_a_meters_range_is_said_to_be_so_in_newtons() -> None:
+    raw = np.array([[0.2, 0.98], [1.0, 1.0]])
+    force = force_channel(range_V=0.98, conversion=np.asarray, raw_unit="N")
+    (why,) = bad_samples(raw, (force, drive_channel(range_V=5.0)))
+    assert why == "the force input is at the end of its range (±0.98 N)"

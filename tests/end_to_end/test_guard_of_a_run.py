@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import sys
@@ -17,6 +18,7 @@ from labrig.session.reading.guard_report import read_guard_report
 from protocols.execution.events import Outcome, OutputState
 from tests.end_to_end.real_rig import ServedRig, children, serving
 from tests.end_to_end.small_rig import labrig
+from tests.labrig.test_hooks import KEEP, told
 
 pytestmark = [
     pytest.mark.slow,
@@ -87,8 +89,8 @@ def test_a_server_that_hangs_is_named_and_the_words_agree_with_the_code(
     """The program did not hang; and what was not known to be safe once was read back at last."""
     hung = '[[faults]]\nwhat = "daq_hung"\nsince = "first_voltage"\nfrom_s = 1.0\n'
     with serving(tmp_path, world=f"{hung}until_s = {1.0 + hangs_s}\n") as rig:
-        process = rig.start()
-        assert process.wait(90) == 5
+        process = rig.energised()
+        assert process.wait(90) == 5, rig.said()
         assert rig.drive_V() == pytest.approx(0.0, abs=0.02)
         said = rig.said()
         guard = next((line for line in said.splitlines() if "output guard:" in line), "")
@@ -105,7 +107,7 @@ def test_a_server_that_hangs_is_named_and_the_words_agree_with_the_code(
 def test_a_server_that_stays_away_ends_with_words_and_code_that_say_so(tmp_path: Path) -> None:
     gone = '[[faults]]\nwhat = "daq_write_refused"\nsince = "first_voltage"\nfrom_s = 1.0\n'
     with serving(tmp_path, world=gone) as rig:
-        process = rig.start()
+        process = rig.energised()
         assert process.wait(90) == 6
         assert "NOT KNOWN TO BE SAFE" in rig.said().splitlines()[-1]
         assert "0 V, read back" not in rig.said()
@@ -117,8 +119,7 @@ def test_a_run_refuses_boards_that_a_dead_one_holds_until_labrig_safe_has_freed_
     """Program and guard are both killed: the one case in which nobody writes 0 V."""
     with serving(tmp_path, more=INTERLOCK) as rig:
         file = rig.folder / "rig" / "rig.toml"
-        process = rig.start()
-        rig.until(rig.is_energised)
+        process = rig.energised()
         for pid in (*children(process.pid), process.pid):
             os.kill(pid, signal.SIGKILL)
         process.wait(5)
@@ -129,8 +130,7 @@ def test_a_run_refuses_boards_that_a_dead_one_holds_until_labrig_safe_has_freed_
         assert labrig("safe", file) == 0
         assert "0 V written and read back" in capsys.readouterr().out
         assert rig.drive_V() == pytest.approx(0.0, abs=0.02)
-        again = rig.start()
-        rig.until(rig.is_energised)
+        again = rig.energised()
         again.terminate()
         assert again.wait(30) == 4
 
@@ -151,8 +151,7 @@ def test_an_interlock_drops_the_supply_when_program_and_guard_are_both_killed(
     tmp_path: Path,
 ) -> None:
     with serving(tmp_path, world='[interlock]\nline = "port0/line0"\n', more=INTERLOCK) as rig:
-        process = rig.start()
-        rig.until(rig.is_energised)
+        process = rig.energised()
         killed_s = float(rig.rows()[-1]["time_s"])
         for pid in (*children(process.pid), process.pid):
             os.kill(pid, signal.SIGKILL)
@@ -163,3 +162,21 @@ def test_an_interlock_drops_the_supply_when_program_and_guard_are_both_killed(
     energised = [time_s for time_s, drive_V in rows if abs(drive_V) > 1.0]
     assert rows[-1][1] == 0.0  # nobody has written it
     assert max(energised) - killed_s < 0.3 + 0.05  # after an edge that came within 50 ms
+
+
+def test_a_run_that_is_killed_is_told_to_the_hooks_once_its_output_is_at_0_V(
+    tmp_path: Path,
+) -> None:
+    file = tmp_path / "told"
+    hook = json.dumps([sys.executable, "-c", KEEP, str(file)])
+    with serving(tmp_path, more=f"[hooks]\ncommand = {hook}\n") as rig:
+        process = rig.energised()
+        rig.until(rig.is_energised)
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait(5)
+        rig.until(lambda: file.exists() and file.read_text().endswith("\n"), 30.0)
+        assert rig.drive_V() == pytest.approx(0.0, abs=0.02)
+    (one,) = told(file)
+    assert (one["event"], one["session"]) == ("stopped", rig.session.name)
+    assert one["text"].startswith("the program that ran it was killed; the output guard has ended")
+    assert "0 V written and read back" in one["text"]

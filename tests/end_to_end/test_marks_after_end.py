@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from labrig.session import load_measurements, open_session
-from tests.end_to_end.small_rig import PROTOCOL, labrig, make_rig, run_rig
+from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig, run_rig
 
 pytestmark = pytest.mark.slow
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.slow
 def test_a_fit_after_a_mark_analyses_again_and_leaves_the_reading_out(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    path = run_rig(make_rig(tmp_path / "rig", PROTOCOL))
+    path = run_rig(make_rig(tmp_path / "rig", ONE_POSITION + 'mode = "paper"\n'))
     assert labrig("analyze", path) == 0
     before = sum(len(c.used()) for c in load_measurements(path).conditions)
     assert labrig("fit", path, "-o", path.with_suffix(".model.toml")) == 0

@@ -158,8 +158,7 @@ def test_parts_of_another_distribution_work_like_our_own(rig: ServedRig) -> None
 
 
 def test_the_guard_makes_their_boards_safe_when_labrig_is_killed(rig: ServedRig) -> None:
-    process = rig.start()
-    rig.until(rig.is_energised)
+    process = rig.energised()
     process.kill()
     rig.until(lambda: guard_report_path(rig.session).exists(), timeout_s=20.0)
     assert json.loads(guard_report_path(rig.session).read_text())["state"] == "safe"

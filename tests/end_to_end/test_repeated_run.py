@@ -69,7 +69,7 @@ def test_the_file_has_both_runs_and_is_whole(folder: Path) -> None:
 
 def test_the_analysis_takes_it_as_the_position_measured_again(folder: Path) -> None:
     with open_session(folder / "session.h5") as session:
-        found = measure(session)
+        found = measure(session, curves=False)
     runs = {
         (condition.configuration, round(1e3 * condition.position_m), condition.run)
         for condition in found.conditions

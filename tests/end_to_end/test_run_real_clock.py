@@ -57,8 +57,7 @@ def test_a_run_over_sockets_is_complete_and_never_exceeds_the_limit(rig: ServedR
 def test_a_stop_signal_ends_at_zero_volts_with_code_4(
     rig: ServedRig, number: signal.Signals, times: int
 ) -> None:
-    process = rig.start()
-    rig.until(rig.is_energised)
+    process = rig.energised()
     for _ in range(times):
         process.send_signal(number)
     assert process.wait(30) == 4
@@ -101,8 +100,7 @@ def test_safe_writes_zero_volts_from_another_process(rig: ServedRig) -> None:
 
 def test_a_vanished_server_ends_the_run_with_code_6_and_a_whole_session(tmp_path: Path) -> None:
     with serving(tmp_path) as rig:
-        process = rig.start()
-        rig.until(rig.is_energised)
+        process = rig.energised()
     assert process.wait(60) == 6
     assert "Traceback" not in rig.said()
     assert "switch the amplifier off" in rig.said()

@@ -215,7 +215,7 @@ def test_an_extractor_finds_a_curve(path, tmp_path):
 
 
 def test_a_section_and_a_command_use_an_analysed_session(path, tmp_path):
-    session(tmp_path / "made.h5", measure())
+    session(tmp_path / "made.h5", measure("long", curves=False))
     labrig(path, tmp_path, "report", "made.h5", "-o", "report")
     assert "Every force" in next((tmp_path / "report").glob("*.html")).read_text("utf-8")
     assert int(labrig(path, tmp_path, "count-readings", "made.h5")) > 0

@@ -6,6 +6,7 @@ import json
 import shutil
 import tomllib
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -14,7 +15,8 @@ import pytest
 
 from labrig.config.templates import template_text
 from tests.panel_browser import fake_panel
-from tests.panel_browser.every_page import fill
+from tests.panel_browser.every_page import every_page, fill
+from tests.panel_browser.rig_world import RigWorld, leave_alone, rig_world
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "msedge")
 WAIT_MS = 30_000  # a shared machine may be slow; nothing waits longer than it must
@@ -52,8 +54,8 @@ class Watched:
         page.on("pageerror", lambda error: self.faults.append(str(error)))
 
 
-@pytest.fixture
-def visit(chromium) -> Iterator[Visit]:
+@contextmanager
+def visits(chromium: Any) -> Iterator[Visit]:
     """`visit(url, width=, height=, dark=, **context)`: a page in a context of its own."""
     contexts = []
     watched = Watched()
@@ -80,11 +82,16 @@ def visit(chromium) -> Iterator[Visit]:
 
 
 @pytest.fixture
+def visit(chromium) -> Iterator[Visit]:
+    """Pages of one test."""
+    with visits(chromium) as go:
+        yield go
+
+
+@pytest.fixture
 def fake() -> Iterator[fake_panel.FakePanel]:
     """A panel without a rig, in the middle of a made-up session."""
-    with fake_panel.FakePanel() as panel:
-        panel.greeting = fake_panel.greeting()
-        serve_files(panel)
+    with made_up_session() as panel:
         yield panel
 
 
@@ -93,6 +100,54 @@ def full(fake: fake_panel.FakePanel) -> fake_panel.FakePanel:
     """A panel that has something to show on every page."""
     fill(fake)
     return fake
+
+
+@pytest.fixture(scope="module")
+def turn_to(chromium) -> Iterator[Callable[..., Any]]:
+    """`turn_to(name, width, height)`: a page of a full panel, in one document for each size.
+
+    For tests that only look: as an operator who goes from page to page, they load nothing anew.
+    """
+    opened: dict[tuple[int, int], Any] = {}
+    with made_up_session() as panel, visits(chromium) as visit:
+        fill(panel)
+
+        def turn(name: str, width: int = 1440, height: int = 900) -> Any:
+            url = f"{panel.url}#/{name}"
+            if (width, height) not in opened:
+                opened[width, height] = visit(url, width, height)
+            page = opened[width, height]
+            page.goto(url)
+            page.wait_for_selector(f"main.page-{name.partition('?')[0]}")
+            page.wait_for_selector(every_page()[name], state="attached")
+            return page
+
+        yield turn
+
+
+@pytest.fixture(scope="session")
+def shared_world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RigWorld]:
+    """A panel and a rig for all tests of a worker; use `world`."""
+    with rig_world(tmp_path_factory.mktemp("browser") / "rig") as found:
+        yield found
+
+
+@pytest.fixture
+def world(shared_world: RigWorld) -> Iterator[RigWorld]:
+    """A panel and a simulated rig that other tests have used and will use.
+
+    No job goes on and nothing is queued; sessions of others may be there.
+    """
+    yield shared_world
+    leave_alone(shared_world)
+
+
+@contextmanager
+def made_up_session() -> Iterator[fake_panel.FakePanel]:
+    with fake_panel.FakePanel() as panel:
+        panel.greeting = fake_panel.greeting()
+        serve_files(panel)
+        yield panel
 
 
 def serve_files(panel: fake_panel.FakePanel) -> None:

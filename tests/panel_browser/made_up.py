@@ -13,6 +13,21 @@ import numpy as np
 Message = dict[str, Any]
 POSITIONS_MM = (0, 5, 10, 15, 20, 25, 30)
 PULSE_S = 0.6
+CHANNELS = [
+    {
+        "key": key,
+        "name": name,
+        "quantity": quantity,
+        "unit": unit,
+        "column": column,
+        "factor": factor,
+    }
+    for key, name, quantity, unit, column, factor in (
+        ("drive_V", "drive", "voltage", "V", "drive_V", 1.0),
+        ("force_mN", "force", "force", "mN", "force_N", 1e3),
+        ("current_mA", "current", "electric current", "mA", "current_A", 1e3),
+    )
+]
 ROWS = ["run_s"] + [
     f"{name}_{end}" for name in ("drive_V", "force_mN", "current_mA") for end in ("least", "most")
 ]
@@ -57,6 +72,7 @@ def plan() -> Message:
         "type": "plan", "protocol": "pulse_train", "clock": "real", "session": "made-up.h5",
         "simulated": True, "estimate_s": 64.2 * 14, "running_s": 19.2 * 14, "frame_rate_hz": 25.0,
         "limits": {"sheet_voltage_V": 2.5, "time_under_voltage_s": 30.0, "capacity_mN": 98.1},
+        "channels": CHANNELS,
         "picture": {"width": 640, "height": 480, "clamp_px": [60, 400], "px_per_mm": 9.0},
         "done": [], "runs": runs,
     }  # fmt: skip
@@ -98,10 +114,12 @@ def picture(volts: float, number: int) -> bytes:
 def reading(run: int, planned: list[Any], noise: float, valid: bool = True) -> Message:
     """One that was taken."""
     index, run_s, volts, kind = planned
+    force_mN, current_mA = force_at(run, volts, noise), 8 * volts
+    values = {"drive_V": volts, "force_N": 1e-3 * force_mN, "current_A": 1e-3 * current_mA}
     return {
         "type": "reading", "time_s": plan()["runs"][run]["starts_s"] + run_s, "run": run,
         "run_s": run_s, "index": index, "step": max(0, index - 9), "kind": kind, "voltage_V": volts,
-        "force_mN": force_at(run, volts, noise), "drive_V": volts, "current_mA": 8 * volts,
+        "force_mN": force_mN, "drive_V": volts, "current_mA": current_mA, "values": values,
         "frame": index, "frame_offset_ms": 3.0, "valid": valid,
         "why": "" if valid else "the edge came 7 ms late",
     }  # fmt: skip

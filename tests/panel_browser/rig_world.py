@@ -57,14 +57,38 @@ class RigWorld:
 
 @contextmanager
 def rig_world(folder: Path, *options: str) -> Iterator[RigWorld]:
-    """A panel on a new rig: `short.toml` is done in seconds, `long.toml` takes half a minute."""
+    """A panel on a new rig: `short.toml` is done in seconds, `long.toml` takes half a minute.
+
+    `protocol.toml` has four positions.
+    """
     write_templates(folder, simulated=True)
-    kinds = {"short": ("true", 3, "5, 10"), "long": ("false", 20, "10")}
+    kinds = {
+        "short": ("true", 3, "5, 10"), "long": ("false", 20, "10"),
+        "protocol": ("true", 2, "0, 10, 20, 30"),
+    }  # fmt: skip
     for name, (moisten, readings, positions) in kinds.items():
         text = PROTOCOL.format(moisten=moisten, readings=readings, positions=positions)
         (folder / f"{name}.toml").write_text(text)
     with panel(folder / "rig.toml", *options) as server:
         yield RigWorld(server, folder)
+
+
+def leave_alone(world: RigWorld) -> None:
+    """End what goes on and empty the queue."""
+    world.server.ask("POST", "/api/stop", {"why": "the test is over"})
+    end_s = time.monotonic() + 30
+    while (job := world.server.ask("GET", "/api/status")[1]["job"]) is not None:
+        if job["state"] in ("ended", "lost"):
+            break
+        assert time.monotonic() < end_s
+        time.sleep(0.1)  # noqa: TID251 - another process is being watched
+    if entries := world.server.ask("GET", "/api/queue")[1]["entries"]:
+        page = Page(world.server)
+        page.take_control(force=True)
+        page.do("/api/queue/hold")
+        for entry in entries:
+            page.do("/api/queue/remove", id=entry["id"])
+        page.close()
 
 
 def enter(visit: Any, world: RigWorld, page: str = "run", **more: Any) -> Any:

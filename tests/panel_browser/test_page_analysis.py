@@ -2,23 +2,14 @@
 
 from __future__ import annotations
 
+import shutil
+
 import pytest
 
-from tests.end_to_end.small_rig import make_rig, run_rig
-from tests.labrig.panel.page import panel
+from tests.end_to_end.small_rig import two_positions
 from tests.panel_browser.conftest import text_of
-from tests.panel_browser.rig_world import RigWorld, enter
+from tests.panel_browser.rig_world import enter
 
-PROTOCOL = """
-[pulse_train]
-zero_readings = 2
-readings_per_voltage = 3
-[[places]]
-configuration = "long"
-positions_mm = [5, 15]
-[extras]
-mode = "paper"
-"""
 NAME = "s.h5"
 
 
@@ -96,14 +87,13 @@ def test_a_failed_job_says_why_and_a_refusal_too(fake, page):
 
 
 @pytest.fixture(scope="module")
-def world(tmp_path_factory):
-    folder = make_rig(tmp_path_factory.mktemp("analysis") / "rig", PROTOCOL)
-    run_rig(folder, NAME)
-    with panel(folder / "rig.toml") as server:
-        yield RigWorld(server, folder)
+def recorded(shared_world, tmp_path_factory):
+    """A session that is not analysed yet."""
+    shutil.copy(two_positions(tmp_path_factory), shared_world.folder / NAME)
 
 
-def test_a_session_is_fitted_and_reported_with_the_mouse_alone(world, visit):
+@pytest.mark.usefixtures("recorded")
+def test_a_session_is_fitted_with_the_mouse_alone(world, visit):
     page = enter(visit, world, f"session?name={NAME}")
     page.click(f"{row('fit')} button")
     page.locator(f"{row('fit')} progress").wait_for()
@@ -111,17 +101,9 @@ def test_a_session_is_fitted_and_reported_with_the_mouse_alone(world, visit):
     assert "long: B " in text_of(page, f"{row('fit')} .analysis-words")
     assert (world.folder / "s.model.toml").is_file()
     page.wait_for_function("document.querySelector('.facts').innerText.includes('B, long')")
-    page.click(f"{row('report')} button")
-    link = page.get_by_role("link", name="Open the report")
-    link.wait_for(timeout=180_000)
-    with page.context.expect_page() as opened:
-        link.click()
-    report = opened.value
-    report.wait_for_selector("h1")
-    assert NAME in report.title()
-    report.close()
 
 
+@pytest.mark.usefixtures("recorded")
 def test_a_job_is_cancelled_with_the_keyboard(world, visit):
     page = enter(visit, world, f"session?name={NAME}")
     page.focus(f"{row('diagnose')} button")
@@ -131,3 +113,32 @@ def test_a_job_is_cancelled_with_the_keyboard(world, visit):
     page.keyboard.press("Space")
     page.get_by_text("It was cancelled.").first.wait_for()
     assert not (world.folder / "s.diagnosis.json").exists()
+
+
+PROPOSED = """# To tell effects apart: what stands here is for those who read the file
+[pulse_train]
+zero_readings = 2
+readings_per_voltage = 4
+[[places]]
+configuration = "long"
+positions_mm = [7.5]
+"""
+
+
+@pytest.mark.usefixtures("recorded")
+def test_the_protocol_that_was_proposed_is_opened_and_checked_as_a_new_run(world, visit):
+    folder = world.folder / "night"
+    folder.mkdir()
+    shutil.copy(world.folder / NAME, folder)
+    (folder / "s.next.toml").write_text(PROPOSED)
+    page = enter(visit, world, f"result?session=night/{NAME}")
+    page.get_by_role("link", name="Open it as a new run").click()
+    page.locator(".file-choose select").first.wait_for()
+    page.get_by_text("s.next.toml, proposed after night/s.h5").wait_for()
+    page.get_by_label("save the changed protocol as").wait_for()
+    page.get_by_role("button", name="Start the run").and_(page.locator(":enabled")).wait_for()
+    page.get_by_role("button", name="Add to the queue").click()
+    page.locator("main.page-queue").get_by_text("s.next.toml").first.wait_for()
+    assert (world.folder / "s.next.toml").read_text() == PROPOSED
+    page.go_back()
+    page.locator("summary").get_by_text("s.next.toml", exact=True).wait_for()  # nothing to save

@@ -16,29 +16,9 @@ from tests.panel_browser.rig_world import (
     enter,
     listen_for_a_press,
     pressed_s,
-    rig_world,
     start,
     while_going,
 )
-
-
-@pytest.fixture(scope="module")
-def world(tmp_path_factory):
-    with rig_world(tmp_path_factory.mktemp("browser") / "rig") as found:
-        yield found
-
-
-@pytest.fixture(autouse=True)
-def nothing_goes_on(world):
-    """Each test leaves the rig alone."""
-    yield
-    world.server.ask("POST", "/api/stop", {"why": "the test is over"})
-    end = time.monotonic() + 30
-    while world.server.ask("GET", "/api/status")[1]["job"]:
-        if world.server.ask("GET", "/api/status")[1]["job"]["state"] in ("ended", "lost"):
-            break
-        assert time.monotonic() < end
-        time.sleep(0.1)  # noqa: TID251 - another process is being watched
 
 
 def tab_to(page, name):

@@ -172,6 +172,32 @@ def test_all_that_is_drawn_shares_the_frames_of_the_browser(fake, visit):
     assert found[0] == ["a", "b", "late", "a"], found  # `a` again: in the tick after
 
 
+def test_traces_give_way_to_images_where_the_browser_does_not_keep_up(fake, visit):
+    page = opened(fake, visit)
+    page.wait_for_function("labrig.page?.view.strips.points > 0")
+    at_once, later = page.evaluate(
+        """async () => {
+          const { frameDelay, nextFrame } = await import("/static/js/frames.js");
+          const strips = labrig.page.view.strips;
+          const frame = requestAnimationFrame;
+          window.requestAnimationFrame = (work) => setTimeout(() => frame(work), 60);
+          while (frameDelay() < 55) await new Promise(nextFrame);
+          let shown = 0;
+          const show = strips.show.bind(strips);
+          strips.show = () => { shown += 1; show(); };
+          strips.show();
+          for (let i = 0; i < 5; i += 1) strips.update(new Set(["signals"]));
+          const atOnce = shown - 1;
+          const end = performance.now() + 10000;
+          const pause = () => new Promise((go) => setTimeout(go, 50));
+          while (shown < 2 && performance.now() < end) await pause();
+          return [atOnce, shown - 1];
+        }"""
+    )
+    assert at_once == 0
+    assert later == 1  # what came last is drawn all the same
+
+
 def test_no_spike_is_lost_in_a_column_of_the_chart(fake, visit):
     page = opened(fake, visit)
     found = page.evaluate(

@@ -12,10 +12,9 @@ SIZES = {"desk": (1440, 900), "phone": (390, 844)}
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_nothing_is_wider_than_what_it_stands_in(full, visit, name):
-    for where, (width, height) in SIZES.items():
-        page = visit(f"{full.url}#/{name}", width, height)
-        page.wait_for_selector(PAGES[name], state="attached")
+def test_nothing_is_wider_than_what_it_stands_in(turn_to, name):
+    for where, size in SIZES.items():
+        page = turn_to(name, *size)
         page.wait_for_timeout(300)
         assert page.evaluate(CUT) == [], where
 
@@ -41,9 +40,8 @@ CUT = """() => {
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_labels_stand_above_their_fields_on_a_phone(full, visit, name):
-    page = visit(f"{full.url}#/{name}", *SIZES["phone"])
-    page.wait_for_selector(PAGES[name], state="attached")
+def test_labels_stand_above_their_fields_on_a_phone(turn_to, name):
+    page = turn_to(name, *SIZES["phone"])
     assert page.evaluate(BESIDE) == []
 
 

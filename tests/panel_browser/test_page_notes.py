@@ -7,32 +7,21 @@ import os
 import pytest
 
 from labrig.session import open_session
-from tests.end_to_end.small_rig import make_rig
-from tests.labrig.panel.page import panel
 from tests.labrig.test_about import FULL
 from tests.labrig.test_note_command import photograph
 from tests.panel_browser.conftest import text_of
-from tests.panel_browser.rig_world import RigWorld, enter
+from tests.panel_browser.rig_world import enter
 from tests.panel_browser.test_page_access import violations
 
-PROTOCOL = """
-[pulse_train]
-zero_readings = 2
-readings_per_voltage = 3
-[[places]]
-configuration = "long"
-positions_mm = [5, 15]
-[extras]
-mode = "paper"
-"""
 
-
-@pytest.fixture(scope="module")
-def world(tmp_path_factory):
-    folder = make_rig(tmp_path_factory.mktemp("notes") / "rig", PROTOCOL)
-    (folder / "about.toml").write_text(FULL)
-    with panel(folder / "rig.toml") as server:
-        yield RigWorld(server, folder)
+@pytest.fixture(scope="module", autouse=True)
+def about(shared_world):
+    """Who and what is stated of the sheets, while these tests run."""
+    file = shared_world.folder / "about.toml"
+    before = file.read_text()
+    file.write_text(FULL)
+    yield
+    file.write_text(before)
 
 
 def picture(page, name):

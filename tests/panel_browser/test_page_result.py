@@ -12,6 +12,7 @@ from labrig.analysis.results import result_of
 from labrig.session import load_measurements
 from tests.labrig.panel.page import Server
 from tests.labrig.report_data import measure, session
+from tests.panel_browser import every_page
 from tests.panel_browser.conftest import text_of
 from tests.panel_browser.rig_world import RigWorld, enter
 
@@ -246,6 +247,93 @@ def test_the_result_grows_with_each_position_of_the_run(fake, visit):
             arg=positions,
         )
         assert f"position {10 * positions - 10} mm" in text_of(page, ".result-choice")
+        assert f"After {positions} position" in text_of(page, ".result-right")
+        assert "B 1.30 µN·m², 90 %: 1.10 to 1.50." in text_of(page, ".result-right")
+        assert not page.get_by_role("link", name="Full report").is_visible()
+    missing = [{"kind": "analyze", "text": "It is the live fit."}, {"kind": "report", "text": ""}]
+    late = {**grown, "missing": missing, "complete": True, "live": True}
+    late["convergence"] = {"long": [*steps, {**steps[-1], "positions": 3, "conditions": 9}]}
+    fake.answers["GET", "/api/result"] = late
+    job = {"type": "job", "kind": "run", "id": "j", "session": "made-up.h5", "text": ""}
+    ended = {
+        "type": "ended",
+        "time_s": 900.0,
+        "outcome": "completed",
+        "reason": "",
+        "output": "safe",
+    }
+    fake.tell(
+        ended, {**job, "state": "ended", "code": 0}, {"type": "result", "session": "made-up.h5"}
+    )
+    page.get_by_text("After 3 positions: B").wait_for()  # of a run that was faster than the fit
+    assert "It is the live fit." in text_of(page, ".result-do")
+
+
+def test_the_result_shows_the_newest_position_unless_another_one_was_chosen(fake, visit):
+    page = visit(f"{fake.url}#/run")
+    page.get_by_role("link", name="The result so far").click()
+    page.locator(".result-said").filter(has_text="grows with each position").wait_for()
+    measured = {name: measure(name) for name in ("long", "short")}
+    both = replace(
+        measured["long"],
+        sheets={name: one.sheets[name] for name, one in measured.items()},
+        conditions=(*measured["long"].conditions[:6], *measured["short"].conditions[:6]),
+    )
+
+    def tell(conditions, **positions):
+        steps = {
+            name: [{"positions": n, "position_mm": 10.0 * (n - 1), "conditions": conditions,
+                    "B_uNm2": None, "EIBM_uNm": {}, "why": ""}]
+            for name, n in positions.items()
+        }  # fmt: skip
+        so_far = replace(both, conditions=both.conditions[:conditions])
+        grown = result_of(so_far, session="made-up.h5", convergence=steps)
+        fake.tell({"type": "result", "session": "made-up.h5", **grown})
+        page.wait_for_function(
+            "(n) => labrig.page.result?.configurations.flatMap((c) => c.conditions).length === n",
+            arg=conditions,
+        )
+        return text_of(page, ".result-choice output")
+
+    def sheet():
+        return page.evaluate("labrig.page.choice.chosen.configuration")
+
+    assert tell(6, long=2) == "10 mm"
+    page.get_by_label(re.compile("^position")).press("Home")
+    assert tell(9, long=2, short=1) == "0 mm"
+    assert sheet() == "long"
+    page.get_by_label(re.compile("^position")).press("End")
+    page.evaluate("labrig.page.choice.choose({ configuration: 'short', setup: 0 })")
+    assert tell(12, long=2, short=2) == "10 mm"
+    assert sheet() == "short"
+
+
+def test_of_a_session_that_is_not_analysed_no_curve_is_said_to_be_lacking(full, visit):
+    long, short = (dict(one) for one in every_page.result()["configurations"])
+    long["conditions"] = [{**one, "curve": None} for one in long["conditions"]]
+    told = {**every_page.result(), "configurations": [long, short]}
+    full.answers["GET", "/api/result"] = told
+    page = visit(f"{full.url}#/result?session=a.h5")
+    page.locator(".result-sheet").get_by_text("no curve was found here").wait_for()
+    told["missing"] = [{"kind": "analyze", "text": "It is not analysed yet."}]
+    page.reload()
+    page.locator(".result-sheet").get_by_text("Analyse looks for the curves").wait_for()
+    assert "no curve was found" not in text_of(page, ".result-sheet")
+    # the long sheet was measured first, and both are fitted together
+    later = "The parameters below take in what was measured after that, too."
+    assert later in text_of(page, ".result-right")
+    page.get_by_label("sheet", exact=True).select_option("short")
+    assert later not in text_of(page, ".result-right")
+    keys = [".result-sheet .line-key", ".result-right .line-key"]  # of +2 V, as they are drawn
+    colours = [
+        page.locator(one).first.evaluate("(key) => getComputedStyle(key).color") for one in keys
+    ]
+    assert colours[0] == colours[1]
+    told["configurations"] = [short]  # without a choice of sheets there is room for the others
+    page.reload()
+    position = page.locator(".choose label", has_text="position")
+    position.wait_for()
+    assert position.evaluate("(label) => label.scrollWidth <= label.clientWidth")
 
 
 def test_the_strip_charts_are_zoomed_together_and_read_with_a_cursor(fake, visit):

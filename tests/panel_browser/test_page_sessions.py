@@ -9,28 +9,17 @@ import pytest
 
 from labrig.panel.replay import Recording
 from labrig.session import open_session
-from tests.end_to_end.small_rig import labrig, make_rig, run_rig
+from tests.end_to_end.small_rig import TWO_POSITIONS, labrig, make_rig, run_rig
 from tests.labrig.panel.page import panel
 from tests.panel_browser.conftest import text_of
 from tests.panel_browser.rig_world import RigWorld, enter
-
-PROTOCOL = """
-[pulse_train]
-zero_readings = 2
-readings_per_voltage = 3
-[[places]]
-configuration = "long"
-positions_mm = [5, {second}]
-[extras]
-mode = "paper"
-"""
 
 
 @pytest.fixture(scope="module")
 def world(tmp_path_factory):
     folder = make_rig(tmp_path_factory.mktemp("sessions") / "rig")
     for name, second in (("a.h5", 10), ("b.h5", 15)):
-        (folder / "protocol.toml").write_text(PROTOCOL.format(second=second))
+        (folder / "protocol.toml").write_text(TWO_POSITIONS.replace("5, 15", f"5, {second}"))
         run_rig(folder, name)
     with panel(folder / "rig.toml") as server:
         yield RigWorld(server, folder)
@@ -141,7 +130,7 @@ def test_a_replay_opens_on_the_first_reading_with_the_curve_that_the_session_hol
 
 
 def test_two_sessions_are_compared_at_the_same_position_and_voltage(world, visit):
-    text = PROTOCOL.format(second=10).replace("[5, 10]", "[10, 5]")
+    text = TWO_POSITIONS.replace("5, 15", "10, 5")
     (world.folder / "protocol.toml").write_text(text)
     run_rig(world.folder, "c.h5")
     page = enter(visit, world, "compare?a=a.h5&b=c.h5")

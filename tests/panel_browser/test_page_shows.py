@@ -257,3 +257,31 @@ def test_a_run_that_is_measured_again_is_a_row_of_its_own(fake, visit):
     until(page, "#going .going-why", "5 again, of 14")
     until(page, ".readings tr.chosen", "long, 20 mm, run 5 again")
     assert page.evaluate("labrig.job.planned(14).position_mm") == 20
+
+
+def test_the_strips_and_the_readings_are_those_of_the_sessions_channels(fake, visit):
+    page = visit(f"{fake.url}#/run")
+    until(page, ".strips", "Current")
+    warmth = {
+        "key": "oven_temperature_degC", "name": "oven_temperature", "quantity": "temperature",
+        "unit": "degC", "column": "oven_temperature_degC", "factor": 1.0,
+    }  # fmt: skip
+    story = made_up.story()
+    for message in story:
+        if message["type"] == "plan":
+            message["channels"] = [*made_up.CHANNELS[:2], warmth]
+        if message["type"] == "reading":
+            message["values"]["oven_temperature_degC"] = 21.5
+            del message["values"]["current_A"]
+    fake.tell({"type": "story", "messages": story})
+    until(page, ".strips", "Oven temperature")
+    rows = page.locator(".strip").evaluate_all("(all) => all.map((one) => one.dataset.row)")
+    assert rows == ["drive_V", "force_mN", "oven_temperature_degC"]
+    labels = page.locator(".strip-plot").evaluate_all(
+        "(all) => all.map((one) => one.getAttribute('aria-label').split(' over')[0])"
+    )
+    assert labels == ["Drive in V", "Force in mN", "Oven temperature in degC"]
+    until(page, ".readings", "oven temperature, degC")
+    text = text_of(page, ".readings")
+    assert "21.500" in text
+    assert "current" not in text

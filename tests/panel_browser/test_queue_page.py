@@ -4,15 +4,31 @@ from __future__ import annotations
 
 import pytest
 
-from tests.panel_browser.rig_world import ENDED, enter, rig_world
+from labrig.config.templates import template_text
+from tests.panel_browser.rig_world import ENDED, enter, leave_alone, rig_world
 from tests.panel_browser.test_page_access import violations
 
 DONE_MS = 120_000
 
 
+@pytest.fixture(scope="module")
+def rig(tmp_path_factory):
+    """A rig of its own: others may have been calibrated and stopped by the tests before."""
+    with rig_world(tmp_path_factory.mktemp("queue") / "rig") as found:
+        yield found
+
+
 @pytest.fixture
-def world(tmp_path):
+def world(rig):
+    yield rig
+    leave_alone(rig)
+
+
+@pytest.fixture
+def own(tmp_path):
+    """A rig on which nothing has run, with the shipped protocol: long enough to be paused."""
     with rig_world(tmp_path / "rig") as found:
+        (found.folder / "protocol.toml").write_text(template_text("protocol.toml"))
         yield found
 
 
@@ -59,8 +75,8 @@ def test_a_protocol_with_a_fault_is_refused_with_its_sentence(world, visit):
     assert states(page) == []
 
 
-def test_the_run_pauses_after_a_position_and_continues(world, visit):
-    page = enter(visit, world, "new")
+def test_the_run_pauses_after_a_position_and_continues(own, visit):
+    page = enter(visit, own, "new")
     page.wait_for_selector("button:has-text('Start the run'):enabled")
     page.click("button:has-text('Start the run')")
     page.click("button:has-text('Pause after this position')")
