@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from model.discrepancy.data_checks.contract import Suspicion
-from model.discrepancy.verdict.json_object import diagnosis_object, number
+from model.effects import title
 from model.measurements import FloatArray
 from model.parameter import Parameter
 from model.sheet.beam_problem import Under
@@ -28,6 +28,16 @@ class ChosenValue:
     meaning: str
     probability: float  # posterior, given that the effect acts
     alternatives: tuple[tuple[str, float], ...]  # meaning and probability of the other ones
+
+    def to_json(self) -> dict[str, Any]:
+        """Return its object in a diagnosis."""
+        others = [{"meaning": m, "probability": round(p, 6)} for m, p in self.alternatives]
+        return {
+            "value": self.value,
+            "meaning": self.meaning,
+            "probability": round(self.probability, 6),
+            "alternatives": others,
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +61,35 @@ class Named:
     def probability(self) -> float:
         """Posterior of the name alone."""
         return self.probabilities.get(self.name, self.confidence)
+
+    def to_json(self) -> dict[str, Any]:
+        """Return its object in a diagnosis."""
+        return {
+            "name": self.name,
+            "title": title(self.name),
+            "slot": self.location,
+            "parameters": {k: _parameter_object(p) for k, p in self.parameters.items()},
+            "parameters_of": self.configuration or None,
+            "interval90": {
+                k: [_number(v) for v in p.interval()] for k, p in self.parameters.items()
+            },
+            "by_configuration": {
+                name: {
+                    k: {**_parameter_object(p), "interval90": [_number(v) for v in p.interval()]}
+                    for k, p in own.items()
+                }
+                for name, own in self.by_configuration.items()
+            },
+            "confidence": round(self.confidence, 6),
+            "confusable_with": list(self.confusable_with),
+            "probabilities": {k: round(p, 6) for k, p in self.probabilities.items()},
+            "form_share": round(self.form_share, 4),
+            **(
+                {"choices": {k: c.to_json() for k, c in self.choices.items()}}
+                if self.choices
+                else {}
+            ),
+        }
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +125,19 @@ class Unknown:
         """Where |profile| is largest."""
         return float(self.s_mm[int(np.argmax(np.abs(self.profile)))])
 
+    def to_json(self) -> dict[str, Any]:
+        """Return its object in a diagnosis."""
+        return {
+            "slot": self.location,
+            "s_mm": self.s_mm.tolist(),
+            "profile": self.profile.tolist(),
+            "band": self.band.tolist(),
+            "unit": self.unit,
+            "along": self.along,
+            "configuration": self.configuration,
+            "depends": self.depends,
+        }
+
 
 @dataclass(frozen=True, kw_only=True)
 class Where:
@@ -98,6 +150,17 @@ class Where:
     s_mm: float | None
     z: float
     detail: str = ""  # reading or time, where it is that
+
+    def to_json(self) -> dict[str, Any]:
+        """Return its object in a diagnosis."""
+        result: dict[str, Any] = {
+            "observable": self.observable, "configuration": self.configuration,
+            "voltage_V": self.voltage_V, "position_mm": self.position_mm, "s_mm": self.s_mm,
+            "z": round(self.z, 2),
+        }  # fmt: skip
+        if self.detail:
+            result["detail"] = self.detail
+        return result
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,8 +175,8 @@ class Gap:
     drift_rmse_mm: float = float("nan")  # how far out the readings' curves are, along the run
 
     def to_json(self) -> dict[str, float | None]:
-        """Return numbers that do not exist are null."""
-        return {k: number(v) for k, v in self.__dict__.items()}
+        """Return the numbers; what does not exist is null."""
+        return {k: _number(v) for k, v in self.__dict__.items()}
 
 
 @dataclass(frozen=True)
@@ -138,6 +201,13 @@ class ClosedGap:
     after: float
     floor: float  # RMS that noise and scatter alone cause
     unit: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Return its object in a diagnosis."""
+        return {
+            "share": round(self.share, 4), "quantity": self.quantity, "before": self.before,
+            "after": self.after, "floor": self.floor, "unit": self.unit,
+        }  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,6 +261,17 @@ class Next:
     protocol: Mapping[str, Any]  # tables of a protocol.toml
     between: tuple[str, ...] = ()  # the candidates; older diagnoses do not say
 
+    def to_json(self) -> dict[str, Any]:
+        """Return its object in a diagnosis."""
+        return {
+            "why": self.why,
+            "protocol": dict(self.protocol),
+            "between": list(self.between),
+            "separation_now": _number(self.separation),
+            "separation_expected": _number(self.expected),
+            "minutes": _number(self.minutes),
+        }
+
 
 @dataclass(frozen=True)
 class Promise:
@@ -198,6 +279,16 @@ class Promise:
 
     proposal: Next
     found: float  # sigmas between the candidates, the measurement included
+
+    def to_json(self) -> dict[str, Any]:
+        """Return its object in a diagnosis."""
+        return {
+            "between": list(self.proposal.between),
+            "extra": self.proposal.extra,
+            "separation_before": _number(self.proposal.separation),
+            "separation_promised": _number(self.proposal.expected),
+            "separation_found": _number(self.found),
+        }
 
 
 @dataclass(frozen=True)
@@ -249,5 +340,31 @@ class Diagnosis:
         return not any(one.severity == "stop" for one in self.data_checks)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the object that `diagnose --json` prints."""
-        return diagnosis_object(self)
+        """Return the object that `diagnose --json` prints; what does not exist is null."""
+        return {
+            "verdict": self.verdict,
+            "effects": [e.to_json() for e in self.effects],
+            "invisible": list(self.invisible),
+            "unknown": None if self.unknown is None else self.unknown.to_json(),
+            "where": [w.to_json() for w in self.where],
+            "gap": {"fitted": self.fitted.to_json(), "held_out": self.held_out.to_json()},
+            "gap_closed": None if self.closed_gap is None else self.closed_gap.to_json(),
+            "noise_floor": None if self.floor is None else self.floor.to_json(),
+            "next_measurement": None
+            if self.next_measurement is None
+            else self.next_measurement.to_json(),
+            "promises": [one.to_json() for one in self.promises],
+            "sentence": self.sentence,
+            "notes": list(self.notes),
+            "data_checks": [one.to_json() for one in self.data_checks],
+            **({"plugins": dict(self.plugins)} if self.plugins else {}),
+        }
+
+
+def _parameter_object(one: Parameter) -> dict[str, float | None]:
+    return {"value": _number(one.value), "sigma": _number(one.sigma)}
+
+
+def _number(value: float) -> float | None:
+    """Return a number that JSON has; others are null."""
+    return float(value) if np.isfinite(value) else None
