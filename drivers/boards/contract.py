@@ -85,9 +85,9 @@ class OutputRescue(Protocol):
     def make_safe(self, patience_s: float, on_held: Callable[[], None]) -> SafetyReport:
         """Take the output from whoever holds it, write 0 V, read it back, let go. Never raises.
 
-        A device that somebody still holds is tried again for `patience_s`; `on_held` is called each
-        time (the guard then ends the program that hangs). Safe may be reported only of 0 V that was
-        written and read back.
+        A device that somebody still holds is tried again for `patience_s`; `on_held` is called
+        where only the end of that program would free it (the guard then ends the one that hangs).
+        Safe may be reported only of 0 V that was written and read back.
         """
 
     def close(self) -> None:

@@ -22,6 +22,7 @@ from drivers.interfaces import Clock
 from drivers.safe_shutdown import READ_BACK_S, SafetyReport, attempt, judge, mean_when_low
 
 _RETRY_S = 0.01
+_HELD_S = 0.1
 _RATE_HZ = 1000.0
 
 
@@ -81,83 +82,80 @@ def shut_down(
 ) -> SafetyReport:
     """Free the named tasks, write 0 V, read it back, let go. Never raises.
 
-    `patience_s`: how long to wait for a device that somebody still holds; `on_held` is called each
-    time. A task that belongs to its process, as with a local driver, cannot be attached to: it
-    holds its device until that process ends.
+    `patience_s`: how long to wait for a device that somebody still holds. What can be attached to
+    is freed again: a server that hung may have answered too late the first time. A task that
+    belongs to its process, as with a local driver, cannot be attached to: it holds its device until
+    that process ends, and `on_held` is called. Not at once: a program that lives may be opening and
+    closing its tasks to write 0 V itself.
     """
     failures: list[str] = []
     until_s = clock.now() + patience_s
 
-    def retried(open_it: Callable[[], None]) -> None:
+    def free(name: str | None, action: str, end: Callable[[Any], object]) -> bool:
+        """End the task of that name; False: there is none that can be attached to."""
+        found: list[bool] = []
+        if not attempt(failures, lambda: found.append(_free(connection, name, action, end))):
+            return True  # nothing says that there is none
+        return found[0]
+
+    def free_output() -> bool:
+        return free(place.output_task, "writing 0 V through", lambda task: write_now(task, 0.0))
+
+    def free_input() -> bool:
+        return free(place.input_task, "stopping", lambda task: task.stop())
+
+    def insist(open_it: Callable[[], None], free_it: Callable[[], bool]) -> None:
+        held_s = clock.now()  # by a task that cannot be attached to, since then
         while True:
             try:
                 return open_it()
             except DeviceReservedError:
                 if clock.now() > until_s:
                     raise
-            on_held()
+            if free_it():
+                held_s = clock.now()
+            elif clock.now() > held_s + _HELD_S:
+                on_held()
             clock.sleep_until(clock.now() + _RETRY_S)
 
-    attempt(failures, lambda: _free_output(connection, place.output_task))
-    attempt(failures, lambda: _free_input(connection, place.input_task))
-    attempt(failures, lambda: _free_interlock(connection, place.interlock_task))
+    free_output()
+    free_input()
+    # Its edges have ended with the program that made them; the next one needs the line.
+    free(place.interlock_task, "freeing", lambda _: None)
     output = NiVoltageOutput(
         connection, clock, place.output_channel, place.limit_board_V, place.output_task
     )
-    written = attempt(failures, lambda: retried(output.open))
-    seen_V = _read_back(connection, clock, place, retried, failures)
+    drive = InputChannel("drive", place.drive_channel, place.drive_range_V, place.drive_terminals)
+    signals = NiSignalInput(connection, clock, [drive], _RATE_HZ, place.input_task)
+    written = attempt(failures, lambda: insist(output.open, free_output))
+    can_read = attempt(failures, lambda: insist(signals.open, free_input))
+    seen_V = _read_back(signals, place.safe_below_V, failures) if can_read else None
     attempt(failures, output.close)
     return judge(written, seen_V, place.safe_below_V, failures)
 
 
-def _free_output(connection: NiConnection, name: str) -> None:
-    task = connection.attach_task(name)
-    if task is None:
-        return
-    try:
-        with connection.errors(f"writing 0 V through the task '{name}'"):
-            write_now(task, 0.0)
-    finally:
-        with connection.errors(f"freeing the task '{name}'"):
-            task.close()
-
-
-def _free_input(connection: NiConnection, name: str) -> None:
-    task = connection.attach_task(name)
-    if task is None:
-        return
-    try:
-        with connection.errors(f"stopping the task '{name}'"):
-            task.stop()
-    finally:
-        with connection.errors(f"freeing the task '{name}'"):
-            task.close()
-
-
-def _free_interlock(connection: NiConnection, name: str | None) -> None:
-    """Its edges have ended with the program that made them; the next one needs the line."""
+def _free(
+    connection: NiConnection, name: str | None, action: str, end: Callable[[Any], object]
+) -> bool:
+    """End and free another program's task; False: none to attach to. Raises DeviceError."""
     task = None if name is None else connection.attach_task(name)
-    if task is not None:
+    if task is None:
+        return False
+    try:
+        with connection.errors(f"{action} the task '{name}'"):
+            end(task)
+    finally:
         with connection.errors(f"freeing the task '{name}'"):
             task.close()
+    return True
 
 
-def _read_back(
-    connection: NiConnection,
-    clock: Clock,
-    place: OutputPlace,
-    retried: Callable[[Callable[[], None]], None],
-    failures: list[str],
-) -> float | None:
-    drive = InputChannel("drive", place.drive_channel, place.drive_range_V, place.drive_terminals)
-    signals = NiSignalInput(connection, clock, [drive], _RATE_HZ, place.input_task)
+def _read_back(signals: NiSignalInput, safe_below_V: float, failures: list[str]) -> float | None:
     seen: list[float] = []
 
     def read() -> None:
-        retried(signals.open)
-        seen.append(
-            mean_when_low(lambda: float(np.mean(signals.measure(READ_BACK_S))), place.safe_below_V)
-        )
+        value = mean_when_low(lambda: float(np.mean(signals.measure(READ_BACK_S))), safe_below_V)
+        seen.append(value)
 
     attempt(failures, read)
     attempt(failures, signals.close)
