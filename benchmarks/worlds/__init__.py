@@ -1,0 +1,1 @@
+"""Generators of sessions that share nothing with the model, and what a method says of them."""
