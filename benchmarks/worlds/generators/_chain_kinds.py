@@ -82,7 +82,7 @@ def _stiffening(plant: Plant, size: float) -> None:
 
 def _softer(size: float) -> Bending:
     """Return u of v = moment over B, for a strip that stiffens by `size` at 10 per m."""
-    return lambda v: v / np.sqrt(1.0 + 2.0 * size * (v / 10.0) ** 2)
+    return lambda v: v / (1.0 + 4.0 * size * (v / 10.0) ** 2) ** 0.25
 
 
 # --------------------------------------------------------------------------------------- in time
@@ -234,7 +234,7 @@ KINDS: dict[str, Kind] = {
         "Stiffness grows as 1 + c s/l.", "nonuniform_stiffness", "compliance", (0.2, 5.0, "-"),
         _graded, lambda c: {"relative_change": c}),
     "stiffening": _kind(
-        "Bending u = v/sqrt(1 + 2 c (v/10 per m)^2), v the moment over B.", "nonlinear_stiffness",
+        "Bending u = v/(1 + 4 c (v/10 per m)^2)^(1/4), v the moment over B.", "nonlinear_stiffness",
         "compliance", (0.02, 0.3, "-"), _stiffening),
     "drying": _kind(
         "Stiffness goes as exp(c (tau - 1/2)) over the session.", "stiffness_drift", "time",
@@ -265,8 +265,8 @@ KINDS: dict[str, Kind] = {
         (30.0, 5e3, "rad/(N m)"), _set("clamp_give_rad_per_Nm"),
         lambda c: {"rotation_rad_per_Nm": c}),
     "crooked_clamp": _kind(
-        "The sheet leaves the clamp at an angle c.", "clamp_angle", "rest_curvature position camera",
-        (0.01, 0.2, "rad"), _set("clamp_angle_rad"), lambda c: {"angle_rad": c}),
+        "The sheet leaves the clamp at an angle c.", "clamp_angle",
+        "rest_curvature position camera", (0.01, 0.2, "rad"), _set("clamp_angle_rad"), lambda c: {"angle_rad": c}),
     "rubbing": _kind(
         "The rolls drag along the sheet with c |N|, each polarity against the other's way.",
         "roll_friction", "position load_cell", (0.1, 0.8, "-"), _set("friction")),

@@ -153,9 +153,7 @@ class Chain:
         out[:, n + 3] = force[:, 0] * np.cos(end) + force[:, 1] * np.sin(end) - drag
         return out, state
 
-    def _jacobian(
-        self, x: Floats, hold: Hold, extra: Floats, out: Floats, state: _State
-    ) -> Floats:
+    def _jacobian(self, x: Floats, hold: Hold, extra: Floats, out: Floats, state: _State) -> Floats:
         """Return derivatives (n, links + 4, links + 4), those by length and force by steps."""
         n, count = self.links, len(x)
         J = np.zeros((count, n + 4, n + 4))
@@ -183,7 +181,10 @@ class Chain:
             if np.max(np.abs(out)) < ENOUGH:
                 return x
             J = self._jacobian(x, hold, extra, out, state)
-            step = np.linalg.solve(J, out[..., None])[..., 0]
+            try:
+                step = np.linalg.solve(J, out[..., None])[..., 0]
+            except np.linalg.LinAlgError:
+                break
             size = np.max(np.abs(step[:, : self.links + 1]), axis=1, keepdims=True)
             x = x - step * np.minimum(1.0, 0.3 / np.maximum(size, 1e-300))
         raise ValueError("the chain cannot be held there")

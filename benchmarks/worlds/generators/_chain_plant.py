@@ -51,13 +51,15 @@ class Course:
 
     def risen(self) -> Floats:
         """Return the amplitude of the EIBM, behind the rise of the voltage."""
-        return lag(self.settled(), RISE_S)
+        kept = float(np.exp(-STEP_S / RISE_S))  # exact for the steps of the voltage
+        return np.asarray(lfilter([0.0, 1.0 - kept], [1.0, -kept], self.settled()))
 
 
 def lag(amplitude: Floats, constant_s: float) -> Floats:
-    """Return what follows an amplitude by a first-order lag, from rest."""
+    """Return what follows an amplitude, linear from step to step, by a first-order lag."""
     kept = float(np.exp(-STEP_S / constant_s))
-    return np.asarray(lfilter([0.0, 1.0 - kept], [1.0, -kept], amplitude))
+    share = -np.expm1(-STEP_S / constant_s) * constant_s / STEP_S
+    return np.asarray(lfilter([1.0 - share, share - kept], [1.0, -kept], amplitude))
 
 
 Along = Callable[[Sheet, Floats], Floats]  # along s (FINE,)

@@ -28,10 +28,8 @@ from benchmarks.worlds.generators._chain_links import (
 )
 from benchmarks.worlds.generators._chain_noise import SetUp
 from benchmarks.worlds.generators._chain_plant import (
-    LONG,
     RISE_S,
     RUN_S,
-    SHORT,
     STEP_S,
     WET_S,
     Course,
@@ -145,9 +143,7 @@ def _visits(design: Design, sheets: Mapping[str, Sheet], seed: int) -> Iterator[
         again = np.linspace(0, len(positions) - 1, design.remounts).round().astype(int)
         places += [(positions[k], 1) for k in again]
         for position_m, mounting in places:
-            yield Visit(
-                number=number, sheet=sheets[name], position_m=position_m, mounting=mounting
-            )
+            yield Visit(number=number, sheet=sheets[name], position_m=position_m, mounting=mounting)
             number += 1
 
 
@@ -214,7 +210,8 @@ class _Rig:
         for loose in (True, False):
             own = [r for r in runs if (r.place_m is None) == loose]
             if own:
-                found |= zip((r.visit.number for r in own), self._tables(sheet, own, nodes, loose))
+                tables = self._tables(sheet, own, nodes, loose)
+                found |= {r.visit.number: t for r, t in zip(own, tables, strict=True)}
         return [found[r.visit.number] for r in runs]
 
     def _tables(
@@ -280,12 +277,14 @@ class _Rig:
                 session_s=visit.number * RUN_S + time_s, wetted_s=WET_S + time_s,
                 curve=curves.single[k] if d.series else None,
             )))  # fmt: skip
-        for volts in (0.0, *d.voltages_V):
-            conditions.append(Condition(
+        conditions += [
+            Condition(
                 configuration=visit.sheet.name, position_m=visit.position_m, voltage_V=volts,
                 readings=tuple(r for v, r in readings if v == volts), curve=curves.mean[volts],
                 mounting=visit.mounting, approach="" if visit.position_m is None else "up",
-            ))  # fmt: skip
+            )
+            for volts in (0.0, *d.voltages_V)
+        ]  # fmt: skip
         if d.series and visit.position_m is not None:
             count = len(force) // SERIES_STEPS * SERIES_STEPS
             parts = (v[:count].reshape(-1, SERIES_STEPS) for v in (course.time_s, force))
