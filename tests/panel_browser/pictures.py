@@ -63,7 +63,7 @@ def _take(browser: object, world: RigWorld) -> None:
     # in the second run, while energised, with both curves on the picture
     ready = (
         "labrig.job.runs.get(1)?.readings.size >= 9 && labrig.job.output.state === 'energised'"
-        " && labrig.job.curve?.points_px.length && labrig.job.curve.model"
+        " && labrig.page.view.picture.curve()?.model"
     )
     answer_until(page, ready, 200)
     page.screenshot(path=IMAGES / "panel-run.png")

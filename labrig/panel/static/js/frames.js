@@ -13,10 +13,6 @@ let last = -Infinity;
 let asked = false;
 let urgent = false; // whether something that waits is
 let fallback = null;
-let requested = 0; // when a frame of the browser was asked for
-let delay = 0; // until it came, smoothed, in ms
-
-const SMOOTH = 0.1;
 
 /**
  * Run `work` with the next tick, together with all others, once. Asked for within a tick it runs in
@@ -31,11 +27,6 @@ export function nextFrame(work, { whenHidden = false, isUrgent = false } = {}) {
   if (!done) ask();
 }
 
-/** How long the browser takes for a frame, in ms: 17 at most while it keeps up with what it draws. */
-export function frameDelay() {
-  return delay;
-}
-
 /** Do not run it. */
 export function forgetFrame(work) {
   waiting.delete(work);
@@ -45,21 +36,15 @@ export function forgetFrame(work) {
 function ask() {
   if (asked) return;
   asked = true;
-  requestTick();
-  fallback = setTimeout(tickHidden, HIDDEN_MS);
-}
-
-function requestTick() {
-  requested = performance.now();
   requestAnimationFrame(tick);
+  fallback = setTimeout(tickHidden, HIDDEN_MS);
 }
 
 /** At each frame of the screen, while something waits: a timer would miss every other one. */
 function tick() {
   const now = performance.now();
-  delay += SMOOTH * (now - requested - delay);
   if (now - last < (urgent ? URGENT_MS : TICK_MS - SLACK_MS)) {
-    requestTick();
+    requestAnimationFrame(tick);
     return;
   }
   clearTimeout(fallback);

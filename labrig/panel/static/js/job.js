@@ -1,11 +1,14 @@
 // What is known of a job: the story's messages applied one after the other, and nothing else.
 //
-// Whoever shows an image tells `seen` when it is drawn. Whoever shows something calls `watch`; watchers are called once for all that came since the last
-// time, with the set of message types, at most once per tick.
+// Whoever shows an image tells `seen` when it is drawn. Whoever shows something calls `watch`;
+// watchers are called once for all that came since the last time, with the set of message types, at
+// most once per tick.
 
 import { statistics } from "./format.js";
 import { nextFrame } from "./frames.js";
 import { Signals } from "./signals.js";
+
+const SMOOTH = 0.1;
 
 /** State of a job; `alive` says whether it is heard of now. */
 export class Job {
@@ -38,6 +41,7 @@ export class Job {
       ended: null,
       curve: null,
       picture: null,
+      missed: 0, // frames between two images, smoothed: 0 where the page keeps up with the camera
       preflight: null,
       weighing: null,
       result: null, // of what was measured so far: { session, configurations, convergence, ... }
@@ -71,6 +75,7 @@ export class Job {
   applyBinary(header, buffer, start) {
     if (header.type === "picture") {
       this.counts.pictures += 1;
+      this.countMissed(header);
       this.picture = { ...header, bytes: new Uint8Array(buffer, start), came: performance.now() };
       this.setLatest(header.time_s);
       for (const show of this.onPicture) show(this.picture);
@@ -80,6 +85,13 @@ export class Job {
       this.signals.append(header.rows, header.count, buffer, start);
     }
     this.touch(header.type);
+  }
+
+  /** Of a live camera; a replay leaves out frames where it is quick. */
+  countMissed({ frame, exposed_s }) {
+    if (!this.picture || exposed_s == null) return;
+    const between = Math.max(0, frame - this.picture.frame - 1);
+    this.missed += SMOOTH * (between - this.missed);
   }
 
   /** An image is drawn, or nobody will draw it any more. */

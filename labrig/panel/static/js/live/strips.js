@@ -3,7 +3,7 @@
 import uPlot from "../../vendor/uplot/uPlot.esm.js";
 import { colourOf, h, newId } from "../dom.js";
 import { plain } from "../format.js";
-import { forgetFrame, frameDelay, nextFrame } from "../frames.js";
+import { forgetFrame, nextFrame } from "../frames.js";
 import { drawEnvelope } from "./envelope.js";
 import { drawMark } from "./marks.js";
 import { Numerals } from "./numerals.js";
@@ -13,10 +13,9 @@ import { stripRows, valueOf } from "./strip_rows.js";
 const WHOLE_S = 40; // a run up to so long is shown as a whole, a longer one by its last
 const ROLLING_S = 30;
 
-// Where a browser does not keep up, images come first: the later its frames, the longer the charts
-// wait between two updates.
-const KEEPS_UP_MS = 22;
-const WAIT_TIMES = 8;
+// Where a browser does not keep up, images come first: the more of them it misses, the longer the
+// charts wait between two updates.
+const WAIT_MS = 120; // for each frame that is missed between two images
 const MOST_WAIT_MS = 250;
 
 const REDRAWN_BY = [
@@ -208,7 +207,7 @@ export class Strips {
   update(dirty) {
     if (dirty.has("plan") || dirty.has("story")) this.follow(this.job.plan);
     if (!REDRAWN_BY.some((type) => dirty.has(type))) return;
-    const wait = Math.min(MOST_WAIT_MS, WAIT_TIMES * Math.max(0, frameDelay() - KEEPS_UP_MS));
+    const wait = Math.min(MOST_WAIT_MS, WAIT_MS * this.job.missed);
     const left = this.shown_ms + wait - performance.now();
     clearTimeout(this.timer);
     if (left > 0) this.timer = setTimeout(() => nextFrame(this.showLate), left);
