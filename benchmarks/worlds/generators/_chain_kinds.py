@@ -266,7 +266,8 @@ KINDS: dict[str, Kind] = {
         lambda c: {"rotation_rad_per_Nm": c}),
     "crooked_clamp": _kind(
         "The sheet leaves the clamp at an angle c.", "clamp_angle",
-        "rest_curvature position camera", (0.01, 0.2, "rad"), _set("clamp_angle_rad"), lambda c: {"angle_rad": c}),
+        "rest_curvature position camera", (0.01, 0.2, "rad"), _set("clamp_angle_rad"),
+        lambda c: {"angle_rad": c}),
     "rubbing": _kind(
         "The rolls drag along the sheet with c |N|, each polarity against the other's way.",
         "roll_friction", "position load_cell", (0.1, 0.8, "-"), _set("friction")),

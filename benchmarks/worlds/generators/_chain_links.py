@@ -108,7 +108,9 @@ class Chain:
                 row += _Along(strip.s_m, own).upto(at)
         return np.asarray(turned + strip.clamp_angle_rad)
 
-    def _joint_angles(self, moment: Floats, s_m: Floats, span: Floats, u: Floats) -> Floats:
+    def _joint_angles(
+        self, moment: Floats, s_m: Floats, span: tuple[Floats, Floats], u: Floats
+    ) -> Floats:
         """Return the angles (n, m) that springs take under moments over B (n, m)."""
         low, high = s_m - span[0], s_m + span[1]
         free = [p.upto(high) - p.upto(low) for p in (self._rest, self._driven, self._even)]
