@@ -1,8 +1,10 @@
 """What a generator of sessions offers, and what a method is asked.
 
-A generator is one file with one object, `WORLD`. It solves the sheet with numerics of its own,
-words every effect in its own way, and has a noise and set-ups of its own. It imports neither
-`model` (but for the table `model.measurements`) nor `sim_hardware` nor another generator.
+A generator is one file, NAME.py in `generators`, with one object, `WORLD`; files `_NAME_*.py` there
+are parts of it. It solves the sheet with numerics of its own, words every effect in its own way,
+and has a noise and set-ups of its own. It imports neither `model` (but for the table
+`model.measurements`) nor `sim_hardware` nor another generator. `conformance.faults(NAME)` says
+where it breaks this contract.
 """
 
 from __future__ import annotations
