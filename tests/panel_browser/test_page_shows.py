@@ -43,7 +43,7 @@ def test_the_output_is_unknown_once_the_panel_is_not_heard(fake, visit):
     assert "STOP still works" in text_of(page, "#net-said")
     fake.hangs = False
     until(page, LAMP, "ENERGISED")
-    assert page.is_hidden("#net-said")
+    assert "There is no page" not in page.inner_text("#page")
 
 
 def test_a_lost_run_is_not_shown_as_safe(fake, visit):
@@ -285,3 +285,11 @@ def test_the_strips_and_the_readings_are_those_of_the_sessions_channels(fake, vi
     text = text_of(page, ".readings")
     assert "21.500" in text
     assert "current" not in text
+
+
+def test_an_address_without_a_page_says_so(fake, visit):
+    page = visit(f"{fake.url}#/moonlight")
+    until(page, "#page", 'There is no page "moonlight" here: choose one from the menu.')
+    page.click(".tabs a")
+    page.wait_for_selector("main.page-run")
+    assert "There is no page" not in page.inner_text("#page")

@@ -155,7 +155,7 @@ function markLink() {
 async function show() {
   const [name, asked] = (location.hash.slice(2) || "").split("?");
   const listed = pages.get(name);
-  if (!listed) return;
+  if (!listed) return pages.size ? noPage(name) : undefined;
   const mine = ++turn;
   const module = await import(listed.script).catch((error) => error);
   if (mine !== turn) return; // another page was chosen meanwhile
@@ -168,6 +168,13 @@ async function show() {
   put(place);
   page = module.mount(place, app, new URLSearchParams(asked), listed);
   app.page = page;
+}
+
+function noPage(name) {
+  turn += 1;
+  page?.destroy?.();
+  page = app.page = null;
+  put(at("page"), h("p", { class: "card" }, `There is no page "${name}" here: choose one from the menu.`));
 }
 
 addEventListener("hashchange", () => {

@@ -9,8 +9,10 @@ export function parameters(choice) {
   const { part, chosen, result } = choice;
   const found = part?.parameters[chosen.model];
   const place = h("section", { class: "card" });
-  if (!found)
-    return put(place, h("h2", {}, "Parameters"), h("p", { class: "muted" }, "No model is fitted yet."));
+  if (!found) {
+    const said = result?.complete === false ? "fitting\u2026" : "No model is fitted yet.";
+    return put(place, h("h2", {}, "Parameters"), h("p", { class: "muted" }, said));
+  }
   const model = result.models.find((one) => one.id === chosen.model);
   const meaning = chosen.model === "constant" ? "constant EIBM" : "EIBM along the sheet, mean over [0, l],";
   const rows = [
