@@ -73,7 +73,7 @@ def _size_for(
     try:
         return found_size(made, wanted, first, form.largest, tolerance)
     except ValueError as error:
-        raise ValueError(f"{form.effect} ({form.form}): {error}") from None
+        raise ValueError(f"{form.effect} ({form.form}) of {error}") from None
 
 
 def found_size(
@@ -95,7 +95,7 @@ def found_size(
             raise ValueError(f"{size:g} makes {value:.3g}, not {wanted:g}")
         low, high = ((size, value), high) if value < wanted else (low, (size, value))
         size = min(_guess(low, high, wanted), largest)
-    raise ValueError(f"no size found at which it makes {wanted:g}")
+    raise ValueError(f"no size that was tried makes {wanted:g}")
 
 
 def _guess(
