@@ -41,7 +41,9 @@ class NoteBody(RequestModel):
 
 @router.get("")
 def listed(panel: Here, session: Annotated[str, Query(max_length=400)] = "") -> Any:
-    """Return all notes of a session."""
+    """Return all notes of a session; its name is null where none is named and none was run yet."""
+    if not session and _current(panel) is None:
+        return {"session": None, "notes": []}
     path = _path(panel, session or None)
     with open_session(path, live=True) as opened:
         notes = [_shown(note) for note in opened.notes]
@@ -136,15 +138,20 @@ def _shown(note: Note) -> dict[str, Any]:
 def _path(panel: Panel, session: str | None) -> Path:
     if session is not None:
         return existing(panel.settings.data, session, SUFFIX)
-    address = panel.jobs.address
-    if address is None or address.session is None:
+    current = _current(panel)
+    if current is None:
         raise BadInputError("no session has been run yet; name one.")
-    return existing(panel.settings.data, address.session, SUFFIX)
+    return existing(panel.settings.data, current, SUFFIX)
+
+
+def _current(panel: Panel) -> str | None:
+    """Return the session that is run now, or was last."""
+    address = panel.jobs.address
+    return None if address is None else address.session
 
 
 def _is_current(panel: Panel, path: Path) -> bool:
-    address = panel.jobs.address
-    session = None if address is None else address.session
+    session = _current(panel)
     return session is not None and panel.settings.data / session == path
 
 

@@ -98,6 +98,8 @@ def test_a_note_needs_control_a_session_and_a_text(page, server, closed):
     status, answer = page.ask("POST", "/api/notes", {"session": closed.name, "text": " "})
     assert (status, "needs a text" in answer["error"]) == (400, True)
     assert photograph_of(page, closed.name, {"identifier": "none"})[0] == 400
+    # a page asks for them at once; a new panel has none, and that is no fault
+    assert page.ask("GET", "/api/notes?") == (200, {"session": None, "notes": []})
 
 
 def test_what_is_edited_for_one_run_is_in_its_session_and_not_in_about_toml(page, rig_folder):

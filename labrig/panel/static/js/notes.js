@@ -63,8 +63,8 @@ export class Notes {
     const asked = (this.asked = {});
     const found = await get(`/api/notes?${query({ session: this.session })}`).catch(() => null);
     if (asked !== this.asked) return;
-    this.element.hidden = found === null;
-    if (found === null) return;
+    this.element.hidden = !found?.session;
+    if (!found?.session) return;
     this.name = found.session;
     put(this.list, found.notes.map((note) => this.item(note)));
     this.none.hidden = found.notes.length > 0;
