@@ -127,9 +127,12 @@ def _show(records: Sequence[Record], *, failed: bool) -> None:
     for name, own in by.items():
         for asked, found in own.items():
             seeds = sorted({r.key.split(":")[-1].split("/")[0] for r in found}, key=int)
-            codes = ", ".join(sorted({r.code for r in found}))
+            codes = sorted({r.code for r in found})
             lines = rows(found)
-            print(f"\n{name}, {asked}: {len(found)} cases, seeds {', '.join(seeds)}, {codes}\n")
+            told = f"seeds {', '.join(seeds)}, program/generator {', '.join(codes)}"
+            print(f"\n{name}, {asked}: {len(found)} cases, {told}\n")
+            if len(codes) > 1:
+                print("CAUTION: more than one state of the program or of the generator\n")
             print(table(lines))
             print("\nintervals by parameter:\n" + (by_parameter(found) or "  none"))
             if failed:

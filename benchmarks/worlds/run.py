@@ -17,6 +17,7 @@ from benchmarks.hidden_effects.run import code_digest
 from benchmarks.worlds.cases import Made, Task, made, names
 from benchmarks.worlds.conditions import left_out, unmeasured, without
 from benchmarks.worlds.methods._contract import Answer, Method
+from benchmarks.worlds.registry import digest
 from model import SheetModel
 from model.identification.fit import fit
 from model.measurements import Measurements
@@ -63,11 +64,16 @@ def _lost(task: Task) -> list[Record]:
 
 def _not_made(task: Task, why: str) -> list[Record]:
     plain = Record(
-        key="", family=task.family, code=code_digest(), truth=[], near={}, left={},
+        key="", family=task.family, code=_code(task), truth=[], near={}, left={},
         left_tolerant={}, force_gap_mN=0.0, curve_gap_mm=0.0, conditions=_in_words(task),
         error=f"not made: {why}",
     )  # fmt: skip
     return [replace(plain, method=name, key=key(task, name)) for name in task.methods]
+
+
+def _code(task: Task) -> str:
+    """Return what has a say in an answer: the states of the program and of the generator."""
+    return f"{code_digest()}/{digest(task.world)[:10]}"
 
 
 def _in_words(task: Task) -> str:
@@ -87,7 +93,7 @@ def _truth(one: Made) -> Record:
             d=d, alone=alone,
         ))  # fmt: skip
     return Record(
-        key="", family=one.task.family, code=code_digest(), truth=truth, near=dict(visible.near),
+        key="", family=one.task.family, code=_code(one.task), truth=truth, near=dict(visible.near),
         left=dict(visible.left), left_tolerant=dict(visible.left_tolerant), force_gap_mN=0.0,
         curve_gap_mm=0.0, conditions=_in_words(one.task),
     )  # fmt: skip

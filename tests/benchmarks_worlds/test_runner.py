@@ -15,6 +15,7 @@ from benchmarks.worlds.cases import SHARES, made, tasks
 from benchmarks.worlds.conditions import left_out, unmeasured, without
 from benchmarks.worlds.contract import Design
 from benchmarks.worlds.generators.chain import WORLD
+from benchmarks.worlds.methods import boosted
 from benchmarks.worlds.registry import digest
 from benchmarks.worlds.run import method, methods
 from benchmarks.worlds.table import confidently_wrong, rows
@@ -139,7 +140,32 @@ def test_a_sealed_world_is_refused_once_it_has_changed(tmp_path: Path) -> None:
         sealed.check("chain", 7, file)
 
 
-@pytest.mark.parametrize("name", methods())
-def test_a_method_answers_a_session_with_nothing_hidden(name: str) -> None:
-    found = method(name)(WORLD.measure(Design(), {}, 5))
-    assert found.unknown is None
+@pytest.mark.parametrize("name", [m for m in methods() if m != "boosted"])
+def test_a_method_says_of_nothing_hidden_that_nothing_is_unknown(name: str) -> None:
+    assert method(name)(WORLD.measure(Design(), {}, 5)).unknown is None
+
+
+@pytest.mark.parametrize("name", ["diagnose", "fixed_forms", "kennedy_ohagan", "stlsq"])
+def test_a_method_names_a_large_effect(name: str) -> None:
+    found = method(name)(WORLD.measure(Design(), {"crooked_clamp": 0.02}, 5))
+    assert "clamp_angle" in {n.name for n in found.named}
+
+
+def test_trees_without_training_say_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(boosted, "TRAINED", tmp_path / "none.npz")
+    with pytest.raises(ValueError, match="run python -m"):
+        boosted.answer(WORLD.measure(Design(), {}, 5))
+
+
+def test_trees_learn_what_is_hidden_in_their_examples() -> None:
+    pytest.importorskip("sklearn", reason="scikit-learn is missing: pip install -e .[worlds]")
+    random = np.random.default_rng(1)
+    truth = [("gravity",), ("zero",), ("gravity", "zero"), ()] * 20
+    there = np.array([["gravity" in t, "zero" in t] for t in truth], dtype=float)
+    trees = boosted.learned(there + 0.1 * random.standard_normal(there.shape), truth)
+    assert set(trees) == {"gravity", "zero"}
+    chance = {n: float(t.predict_proba(np.array([[1.0, 0.0]]))[0, 1]) for n, t in trees.items()}
+    assert chance["gravity"] > 0.9
+    assert chance["zero"] < 0.1
