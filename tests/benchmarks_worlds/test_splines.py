@@ -85,3 +85,16 @@ def test_what_never_was_is_refused_in_one_sentence() -> None:
         WORLD.measure(FEW, {"moonlight": 1.0}, 3)
     with pytest.raises(ValueError, match="friction must be from 0 to"):
         WORLD.measure(FEW, {"friction": -0.1}, 3)
+
+
+def test_free_curves_between_the_nodes_of_voltage_are_solved_ones() -> None:
+    design = Design(
+        positions_m={"long": (0.01,)}, readings=2, voltages_V=(1.7, -2.3), free_shapes=1
+    )
+    sheet, none = true_sheets(5)["long"], np.zeros(1)
+    for c in WORLD.measure(design, {}, 5, exact=True).conditions:
+        if c.position_m is None and c.curve is not None:
+            case = Cases(np.array([np.nan]), np.array([c.voltage_V / 2.0]), none, none)
+            wanted = solve(sheet, case, c.curve.s_m)
+            assert np.max(np.abs(c.curve.x_m - wanted.x_m[0])) < 1e-6
+            assert np.max(np.abs(c.curve.y_m - wanted.y_m[0])) < 1e-6

@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.worlds.generators._splines_sheet import A, Cases, Sheet, solve
 
-NODES = np.array([0.0, 0.5, 1.0, 1.5])  # of |alpha|, where equilibria are solved
+NODES = np.array([0.0, 0.4, 0.8, 1.0, 1.2, 1.5])  # of |alpha|, where equilibria are solved
 RATE_HZ = 100.0
 
 
@@ -152,7 +152,7 @@ def state(rig: Rig, run: Run) -> State:
 
 
 def values(table: Table, alpha: A, warp_per_m: A) -> A:
-    """Return rows of the table between its nodes: a cubic in |alpha| for either polarity."""
+    """Return rows of the table between its nodes: a polynomial in |alpha| for either polarity."""
     side = (alpha < 0.0).astype(int)
     weight = _lagrange(np.abs(alpha))
     found = np.einsum("tn,tnv->tv", weight, table.half[side])
