@@ -35,7 +35,8 @@ LAG = Case((Hiding("charging_lag"),), seed=12)
 STRONG_AND_WEAK = Case((Hiding("nonuniform_eibm"), Hiding("charging_lag", size=0.02)), seed=9)
 WITHOUT_DELAY = DiagnoseOptions(exclude=("frame_delay",))
 KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
-        "sentence", "notes", "data_checks", "gap_closed", "noise_floor", "promises"}  # fmt: skip
+        "sentence", "notes", "data_checks", "gap_closed", "noise_floor", "promises",
+        "checks"}  # fmt: skip
 NAMED_KEYS = {"name", "title", "slot", "parameters", "interval90", "by_configuration",
               "confidence", "confusable_with", "form_share", "parameters_of",
               "probabilities"}  # fmt: skip
