@@ -25,7 +25,7 @@ def gaussian_process(base: MixedModelFit, noise: FloatArray) -> float | None:
     configuration; length and noise by maximum likelihood, the same for all voltages.
     """
     where = gaps.cells(base)
-    series = _series(base)
+    series = along_arc(base)
     before, after = gaps.refitted(base), gaps.refitted(base)
     shape = {kind: _likeliest(gaps.refitted(base), own) for kind, own in series.items()}
     layout = base.problem.forward.layout
@@ -46,7 +46,7 @@ def gaussian_process(base: MixedModelFit, noise: FloatArray) -> float | None:
     return closed if np.isfinite(closed) else None
 
 
-def _series(base: MixedModelFit) -> dict[str, list[tuple[Index, FloatArray]]]:
+def along_arc(base: MixedModelFit) -> dict[str, list[tuple[Index, FloatArray]]]:
     """Rows along the arc, with their positions; those of all voltages have one smoothness."""
     found: dict[tuple[str, int, float, int], list[tuple[int, float]]] = {}
     forward = base.problem.forward
@@ -65,7 +65,7 @@ def _series(base: MixedModelFit) -> dict[str, list[tuple[Index, FloatArray]]]:
     return result
 
 
-def _kernel(a_m: FloatArray, b_m: FloatArray, length_m: float) -> FloatArray:
+def kernel(a_m: FloatArray, b_m: FloatArray, length_m: float) -> FloatArray:
     result: FloatArray = np.exp(-0.5 * ((a_m[:, None] - b_m) / length_m) ** 2)
     return result
 
@@ -77,7 +77,7 @@ def _likeliest(y: FloatArray, series: Sequence[tuple[Index, FloatArray]]) -> tup
         total = 0.0
         for rows, at_m in series:
             n = len(rows)
-            V = (1.0 - noise) * _kernel(at_m, at_m, length_m) + noise * np.eye(n)
+            V = (1.0 - noise) * kernel(at_m, at_m, length_m) + noise * np.eye(n)
             square = float(y[rows] @ np.linalg.solve(V, y[rows]))
             total += n * np.log(max(square, 1e-300)) + float(np.linalg.slogdet(V)[1])
         return total
@@ -88,8 +88,8 @@ def _likeliest(y: FloatArray, series: Sequence[tuple[Index, FloatArray]]) -> tup
 def _guess(
     at_m: FloatArray, y: FloatArray, wanted_m: FloatArray, length_m: float, noise: float
 ) -> FloatArray:
-    V = (1.0 - noise) * _kernel(at_m, at_m, length_m) + noise * np.eye(len(y))
-    result: FloatArray = (1.0 - noise) * _kernel(wanted_m, at_m, length_m) @ np.linalg.solve(V, y)
+    V = (1.0 - noise) * kernel(at_m, at_m, length_m) + noise * np.eye(len(y))
+    result: FloatArray = (1.0 - noise) * kernel(wanted_m, at_m, length_m) @ np.linalg.solve(V, y)
     return result
 
 

@@ -23,6 +23,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -30,6 +31,7 @@ import numpy as np
 import tomlkit
 
 from benchmarks.hidden_effects.cases import Case
+from benchmarks.hidden_effects.records import Errors, Foretold
 from benchmarks.hidden_effects.run import Made, made, options_of
 from benchmarks.hidden_effects.score import wilson
 from benchmarks.hidden_effects.suite import Task, tasks
@@ -39,36 +41,23 @@ from model import Measurements, SheetModel, predict
 from model.discrepancy import diagnose
 from model.identification.fit import fit
 from model.identification.options import FitOptions
+from model.sheet.prediction import Prediction
 
 FAMILIES = ("own_form", "other_form", "realistic", "pair", "outside", "excluded")
 LEAST_D = 12.0
 GOAL, WORSE_GOAL = 0.3, 0.02
-Errors = tuple[float, float]  # root mean squares of force, N, and of curve, m
 
 
 @dataclass(frozen=True, kw_only=True)
-class Compared:
+class Compared(Foretold):
     """One case: its errors at conditions not measured."""
 
     key: str
     hidden: str
     said: str
     d: float
-    base: Errors
-    written: Errors
-    floor: Errors  # of the base model where nothing is hidden
     stated: Errors  # what the file says of the measured conditions
     cpu_s: float
-
-    @property
-    def ratio(self) -> float:
-        """Return the written model's error over the base model's."""
-        return self._in_floors(self.written) / self._in_floors(self.base)
-
-    @property
-    def least(self) -> float:
-        """Return the share of the base model's error that noise and scatter leave."""
-        return self._in_floors(self.floor) / self._in_floors(self.base)
 
     def of(self, which: int) -> float | None:
         """Return the ratio of forces (0) or curves (1); None where the base model errs little."""
@@ -76,15 +65,19 @@ class Compared:
             return None
         return self.written[which] / self.base[which]
 
-    def _in_floors(self, errors: Errors) -> float:
-        return float(np.hypot(*(e / f for e, f in zip(errors, self.floor, strict=True))))
-
 
 def errors(model: SheetModel, truth: Sequence[TrueCondition]) -> Errors:
     """Return the RMS errors of force (N) and curve (m); infinite where it says: not reachable."""
+    return errors_of(partial(predict, model), truth)
+
+
+def errors_of(
+    foretell: Callable[[str, float, float], Prediction], truth: Sequence[TrueCondition]
+) -> Errors:
+    """Return the errors of predictions by configuration, position (m) and voltage."""
     force, curve = [], []
     for one in truth:
-        found = predict(model, one.configuration, one.position_m, one.voltage_V)
+        found = foretell(one.configuration, one.position_m, one.voltage_V)
         if not found.reachable:
             return np.inf, np.inf
         force.append(found.F_N - one.force_N)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
@@ -58,6 +59,39 @@ class Further:
     expected: float  # sigmas promised between the two that looked alike, at first
 
 
+Errors = tuple[float, float]  # root mean squares of force, N, and of curve, m
+
+
+@dataclass(frozen=True, kw_only=True)
+class Foretold:
+    """Errors at conditions that a model was not given."""
+
+    base: Errors
+    written: Errors  # of the model with what was found
+    floor: Errors  # of the base model where nothing is hidden
+
+    @property
+    def ratio(self) -> float:
+        """Return the written model's error over the base model's."""
+        return self.in_floors(self.written) / self.in_floors(self.base)
+
+    @property
+    def least(self) -> float:
+        """Return the share of the base model's error that noise and scatter leave."""
+        return self.in_floors(self.floor) / self.in_floors(self.base)
+
+    @property
+    def closed(self) -> float:
+        """Return the share of the excess over the floor that is gone; NaN: there is none."""
+        squares = [self.in_floors(e) ** 2 for e in (self.floor, self.base, self.written)]
+        floor, before, after = squares
+        return 1.0 - (after - floor) / (before - floor) if before > floor else math.nan
+
+    def in_floors(self, errors: Errors) -> float:
+        """Return force and curve together, each in units of its floor."""
+        return math.hypot(*(e / f for e, f in zip(errors, self.floor, strict=True)))
+
+
 @dataclass(frozen=True)
 class Record:
     """One case with the diagnosis's answer."""
@@ -85,6 +119,9 @@ class Record:
     error: str = ""
     further: Further | None = None  # all else is then what both sessions together say
     baselines: dict[str, dict[str, Any]] = field(default_factory=dict)
+    method: str = "diagnose"
+    foretold: Foretold | None = None  # at conditions that the session does not hold
+    left_out: Foretold | None = None  # at a position of the session that was not given
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -124,6 +161,9 @@ def from_json(line: str) -> Record:
     raw["unknown"] = None if raw["unknown"] is None else Unseen(**raw["unknown"])
     further = raw.get("further")
     raw["further"] = None if further is None else Further(**further)
+    for name in ("foretold", "left_out"):
+        if raw.get(name) is not None:
+            raw[name] = Foretold(**{k: (v[0], v[1]) for k, v in raw[name].items()})
     raw["ranking"] = [(n, g) for n, g in raw["ranking"]]
     known = {f.name for f in fields(Record)}
     return Record(**{k: v for k, v in raw.items() if k in known})

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import hashlib
-import signal
 import time
-from collections import Counter
-from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
-from multiprocessing import get_context
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.hidden_effects.cases import Case, Hiding
 from benchmarks.hidden_effects.further import with_further
+from benchmarks.hidden_effects.pool import worked
 from benchmarks.hidden_effects.records import Further, Hid, Name, Record, Unseen
 from benchmarks.hidden_effects.registry import form_of
 from benchmarks.hidden_effects.sessions import Hidden, hidden_session
@@ -26,10 +22,9 @@ from benchmarks.hidden_effects.suite import Task, as_in_catalogue
 from benchmarks.hidden_effects.visible import Visible, Yardstick
 from labrig.experiment.next_measurement.closed_loop import MOST_ROUNDS, to_measure
 from model import Measurements
-from model.discrepancy import DiagnoseOptions, Diagnosis, Named, diagnose
+from model.discrepancy import DiagnoseOptions, Diagnosis, Named, Unknown, diagnose
 
 TOLERANCE = 0.15  # of a size found for a wanted d or gap
-LIVES = 3  # pools that may die with a task under way
 ROOT = Path(__file__).parents[2]
 
 
@@ -99,7 +94,7 @@ def record(task: Task, baselines: Baselines | None = None) -> Record:
         found = diagnose(one.hidden.measurements, options_of(task))
     except Exception as error:  # noqa: BLE001 - whatever it is, the case has failed
         return replace(kept, error=f"{type(error).__name__}: {error}")
-    kept = _answered(kept, found)
+    kept = answered(kept, found)
     kept = replace(kept, seconds=time.perf_counter() - began, cpu_s=time.process_time() - cpu)
     if task.family == "ambiguous":
         kept = _measured_further(one, found, kept)
@@ -135,7 +130,7 @@ def _measured_further(one: Made, found: Diagnosis, first: Record) -> Record:
             left_tolerant=dict(visible.left_tolerant),
             further=further,
         )
-        now = _answered(seen, found)
+        now = answered(seen, found)
     return now
 
 
@@ -204,16 +199,14 @@ def _in_words(task: Task) -> str:
     return "; ".join(words)
 
 
-def _answered(kept: Record, found: Diagnosis) -> Record:
-    unknown = found.unknown
+def answered(kept: Record, found: Diagnosis) -> Record:
+    """Add what a diagnosis says."""
     return replace(
         kept,
         verdict=found.verdict,
         sentence=found.sentence,
-        named=[_named(n) for n in found.effects],
-        unknown=None
-        if unknown is None
-        else Unseen(unknown.location, unknown.configuration, unknown.along, unknown.peak_mm),
+        named=[name_of(n) for n in found.effects],
+        unknown=unseen_of(found.unknown),
         invisible=list(found.invisible),
         ranking=[(r.name, r.log_bayes) for r in found.ranking if not r.name.startswith("unknown")][
             :8
@@ -223,7 +216,15 @@ def _answered(kept: Record, found: Diagnosis) -> Record:
     )
 
 
-def _named(one: Named) -> Name:
+def unseen_of(unknown: Unknown | None) -> Unseen | None:
+    """Return what is kept of an unknown."""
+    if unknown is None:
+        return None
+    return Unseen(unknown.location, unknown.configuration, unknown.along, unknown.peak_mm)
+
+
+def name_of(one: Named) -> Name:
+    """Return what is kept of an effect that was named."""
     by: dict[str, dict[str, list[float]]] = {}
     own = one.by_configuration or {"": one.parameters}
     for configuration, parameters in own.items():
@@ -243,47 +244,9 @@ def code_digest() -> str:
 
 
 def run(todo: Sequence[Task], jobs: int, baselines: Baselines | None = None) -> Iterator[Record]:
-    """Records as they are done, in `jobs` processes.
-
-    Where a process is killed (by the system when memory is short, say) the tasks that were under
-    way are given to a new pool; one that was under way `LIVES` times is told as not made.
-    """
-    if jobs <= 1:
-        yield from (record(task, baselines) for task in todo)
-        return
-    rest, deaths = list(reversed(todo)), Counter[str]()
-    while rest:
-        lost = yield from _pooled(rest, jobs, baselines)
-        deaths.update(task.key for task in lost)
-        for task in reversed(lost):
-            if deaths[task.key] < LIVES:
-                rest.append(task)
-            else:
-                yield _not_made(task, "its process was killed")
+    """Yield records as they are done, in `jobs` processes."""
+    return worked(todo, jobs, partial(record, baselines=baselines), _lost)
 
 
-def _pooled(
-    rest: list[Task], jobs: int, baselines: Baselines | None
-) -> Generator[Record, None, list[Task]]:
-    """Work off a list from its end, in one pool; the tasks that it took with it when it died."""
-    waiting: dict[Future[Record], Task] = {}
-    with ProcessPoolExecutor(jobs, get_context("spawn"), _undisturbed) as pool:
-        try:
-            while rest or waiting:
-                while rest and len(waiting) < jobs:
-                    waiting[pool.submit(record, rest[-1], baselines)] = rest[-1]
-                    rest.pop()
-                for one in wait(waiting, return_when=FIRST_COMPLETED).done:
-                    found = one.result()
-                    del waiting[one]
-                    yield found
-        except BrokenProcessPool:
-            return list(waiting.values())
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-    return []
-
-
-def _undisturbed() -> None:
-    """Ctrl-C is for the process that keeps the records."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _lost(task: Task) -> Record:
+    return _not_made(task, "its process was killed")

@@ -206,9 +206,10 @@ def scored(records: Sequence[Record]) -> list[Row]:
                  [r for r in [*seen, *own] if not clear(r)], named_in_its_class),
         at_least("other form, d >= 8: truth in the reported set", 0.99, seen,
                  lambda r: r.names[0] in r.reported),
-        _mean("the same: mean size of the set", 1.2, [len(r.reported) for r in seen if r.reported]),
-        _mean("the same, nothing else within 4 sigma: mean size of the set", 1.2,
-              [len(r.reported) for r in seen if r.reported and clear(r)]),
+        mean_at_most("the same: mean size of the set", 1.2,
+                     [len(r.reported) for r in seen if r.reported]),
+        mean_at_most("the same, nothing else within 4 sigma: mean size of the set", 1.2,
+                     [len(r.reported) for r in seen if r.reported and clear(r)]),
         at_most("confidently wrong, all cases", 0.01,
                 [r for r in answered if judged_for_confidence(r)], confidently_wrong),
         at_least("realistic gap, other form: exactly the true effect", 0.97, realistic, exactly),
@@ -244,7 +245,8 @@ def _is_realistic(r: Record) -> bool:
     return felt or (r.force_gap_mN < 1e-6 and r.curve_gap_mm > 0.0)
 
 
-def _mean(what: str, most: float, values: Sequence[float]) -> Row:
+def mean_at_most(what: str, most: float, values: Sequence[float]) -> Row:
+    """A mean that should be small."""
     if not values:
         return Row(what, f"<= {most:g}", "-", 0)
     mean = float(np.mean(values))

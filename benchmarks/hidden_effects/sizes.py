@@ -65,20 +65,37 @@ def _size_for(
 ) -> float:
     (hiding,) = case.hidden
     form = form_of(hiding.effect, hiding.form)
-    size = form.size if hiding.size is None else hiding.size
+
+    def made(size: float) -> float:
+        return measure(hidden_session(replace(case, hidden=(replace(hiding, size=size),))))
+
+    first = form.size if hiding.size is None else hiding.size
+    try:
+        return found_size(made, wanted, first, form.largest, tolerance)
+    except ValueError as error:
+        raise ValueError(f"{form.effect} ({form.form}) of {error}") from None
+
+
+def found_size(
+    measure: Callable[[float], float], wanted: float, first: float, largest: float,
+    tolerance: float,
+) -> float:  # fmt: skip
+    """Return the size whose measure is within `tolerance` of `wanted`, searched from `first`.
+
+    Raises ValueError where even the largest is too small, or none is found.
+    """
+    size = first
     low: tuple[float, float] | None = None  # a size that is too small, and what it makes
     high: tuple[float, float] | None = None
     for _ in range(_ROUNDS):
-        value = measure(hidden_session(replace(case, hidden=(replace(hiding, size=size),))))
+        value = measure(size)
         if abs(value - wanted) <= tolerance * wanted:
             return size
-        if value < wanted and size >= form.largest:
-            raise ValueError(
-                f"{form.effect} ({form.form}) of {size:g} makes {value:.3g}, not {wanted:g}"
-            )
+        if value < wanted and size >= largest:
+            raise ValueError(f"{size:g} makes {value:.3g}, not {wanted:g}")
         low, high = ((size, value), high) if value < wanted else (low, (size, value))
-        size = min(_guess(low, high, wanted), form.largest)
-    raise ValueError(f"{form.effect} ({form.form}): no size found at which it makes {wanted:g}")
+        size = min(_guess(low, high, wanted), largest)
+    raise ValueError(f"no size that was tried makes {wanted:g}")
 
 
 def _guess(

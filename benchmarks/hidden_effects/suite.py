@@ -91,7 +91,7 @@ def forms(*, own: bool) -> list[Form]:
     return [f for f in every if as_in_catalogue(f.effect, f.form) == own]
 
 
-def _spread(i: int, low: float, high: float, offset: float = 0.0) -> float:
+def spread(i: int, low: float, high: float, offset: float = 0.0) -> float:
     """The i-th of numbers that fill a range evenly in their logarithms."""
     return float(low * (high / low) ** ((i * GOLDEN + offset) % 1.0))
 
@@ -125,7 +125,7 @@ def _single(low: float, high: float, *, own: bool) -> Callable[[int], Task]:
 
     def make(i: int) -> Task:
         turn, j = divmod(i, len(pool))
-        return Task("", "", _of((pool[j],)), "d", (_spread(turn + j, low, high),))
+        return Task("", "", _of((pool[j],)), "d", (spread(turn + j, low, high),))
 
     return make
 
@@ -136,12 +136,12 @@ def _gap(i: int) -> Task:
     case = _of((pool[j],))
     if pool[j].felt_by == "curve":
         return Task("", "", case)
-    return Task("", "", case, "gap", (_spread(turn + j, 0.2, 0.6),))
+    return Task("", "", case, "gap", (spread(turn + j, 0.2, 0.6),))
 
 
 def _means(i: int) -> Task:
     pool = _shuffled([*forms(own=False), *forms(own=True)])
-    task = Task("", "", _of((pool[i % len(pool)],)), "d", (_spread(i, 10.0, 100.0),))
+    task = Task("", "", _of((pool[i % len(pool)],)), "d", (spread(i, 10.0, 100.0),))
     return replace(task, case=replace(task.case, streams="means"))
 
 
@@ -154,7 +154,7 @@ def _pairs() -> Callable[[int], Task]:
         names = every[int(order[i % len(every)])]
         found = tuple(forms_of(n)[(i + k) % len(forms_of(n))] for k, n in enumerate(names))
         # a tenth more: what both can explain counts for neither
-        wanted = (_spread(i, 10.0, 30.0), _spread(i, 10.0, 30.0, 0.37))
+        wanted = (spread(i, 10.0, 30.0), spread(i, 10.0, 30.0, 0.37))
         return Task("", "", _of(found), "d", wanted)
 
     return make
@@ -162,7 +162,7 @@ def _pairs() -> Callable[[int], Task]:
 
 def _outside(i: int) -> Task:
     found = _shuffled([f for name in OUTSIDE for f in forms_of(name)])
-    return Task("", "", _of((found[i % len(found)],)), "d", (_spread(i, 36.0, 150.0),))
+    return Task("", "", _of((found[i % len(found)],)), "d", (spread(i, 36.0, 150.0),))
 
 
 def _excluded(i: int) -> Task:
@@ -170,7 +170,7 @@ def _excluded(i: int) -> Task:
     name = CATALOGUE[5 * j % len(CATALOGUE)]  # a step that meets all of them
     own = forms_of(name)
     form = own[turn % len(own)]
-    return Task("", "", _of((form,)), "d", (_spread(i, 36.0, 150.0),), exclude=(name,))
+    return Task("", "", _of((form,)), "d", (spread(i, 36.0, 150.0),), exclude=(name,))
 
 
 # Effects that have a neighbour within four sigmas at sizes at which others are clear.
@@ -192,7 +192,7 @@ def _ambiguous(i: int) -> Task:
     if j < 3:
         pool, low, high = [f for f in pool if f.effect in CLOSE], 8.0, 24.0
         form = pool[(3 * turn + j) % len(pool)]
-    task = Task("", "", _of((form,)), "d", (_spread(i, low, high),))
+    task = Task("", "", _of((form,)), "d", (spread(i, low, high),))
     return replace(task, case=replace(task.case, streams=("all", "means")[turn % 2]))
 
 

@@ -124,6 +124,10 @@ def _cracking(plant: Plant, size: float) -> None:
     plant.amplitude.append(lambda c, u: u * np.where(c.session > 0.62, 1.0 - size, 1.0))
 
 
+def _breathing(plant: Plant, size: float) -> None:
+    plant.amplitude.append(lambda c, u: u * (1.0 + size * np.sin(5 * np.pi * c.session)))
+
+
 def _stuttering(plant: Plant, size: float) -> None:
     plant.amplitude.append(lambda c, u: u * (1.0 + size * np.where(c.pulse % 4 < 2, 0.5, -0.5)))
 
@@ -140,11 +144,19 @@ def _set(name: str, scale: float = 1.0) -> Change:
 
 
 def _moved(plant: Plant, size: float) -> None:
-    plant.place.append(lambda p: p + size * 1e-3)
+    plant.place.append(lambda p, _: p + size * 1e-3)
 
 
 def _screw(plant: Plant, size: float) -> None:
-    plant.place.append(lambda p: p + size * 1e-3 * float(np.sin(2 * np.pi * p / 0.014)))
+    plant.place.append(lambda p, _: p + size * 1e-3 * float(np.sin(2 * np.pi * p / 0.014)))
+
+
+def _backlash(plant: Plant, size: float) -> None:
+    plant.place.append(lambda p, _: p + size * 0.5e-3 * (-1.0) ** round(p / 0.005))
+
+
+def _knocked(plant: Plant, size: float) -> None:
+    plant.place.append(lambda p, share: p + size * 1e-3 * (0.2 < share < 0.45))
 
 
 def _felt(more_mN: Callable[[Course, Load, float], Floats]) -> Change:
@@ -191,6 +203,10 @@ def _cable(c: Course, _: Load, size: float) -> Floats:
     return np.full(len(c.time_s), size * np.cos(2 * np.pi * p / 0.02))
 
 
+def _swinging(c: Course, _: Load, size: float) -> Floats:
+    return np.asarray(size * np.sin(5 * np.pi * c.session))
+
+
 # ------------------------------------------------------------------------------------ the camera
 
 
@@ -209,6 +225,16 @@ def _barrel(plant: Plant, size: float) -> None:
     def pictured(_: Course, xy: Floats) -> Floats:
         away = xy - centre
         return centre + away * (1.0 + size * np.sum(away**2, axis=-1, keepdims=True) / 0.025**2)
+
+    plant.seen.append(pictured)
+
+
+def _outer_face(plant: Plant, size: float) -> None:
+    def pictured(_: Course, xy: Floats) -> Floats:
+        along = np.gradient(xy, axis=-2)
+        along /= np.linalg.norm(along, axis=-1, keepdims=True)
+        bright = np.sign(xy[..., -1:, 1:])  # the face that is stretched
+        return xy + 1e-3 * size * bright * np.stack([-along[..., 1], along[..., 0]], axis=-1)
 
     plant.seen.append(pictured)
 
@@ -339,6 +365,21 @@ KINDS: dict[str, Kind] = {
     "cable": _kind(
         "The cell's cable pulls by c cos(2 pi p/20 mm).", None, "load_cell position",
         (0.1, 3.0, "mN"), _felt(_cable)),
+    "backlash": _kind(
+        "The stage has backlash: every second position is c farther than the others.", None,
+        "position", (0.3, 4.0, "mm"), _backlash),
+    "knocked_stage": _kind(
+        "Somebody knocks the stage: from 20 to 45 % of the session it stands c farther.", None,
+        "position time", (0.3, 4.0, "mm"), _knocked),
+    "breathing": _kind(
+        "The EIBM swings by c sin(5 pi tau) over the session.", None, "time", (0.05, 0.6, "-"),
+        _breathing),
+    "swinging_zero": _kind(
+        "The cell's zero swings with the room: c sin(5 pi tau) over the session.", None,
+        "load_cell time", (0.05, 3.0, "mN"), _felt(_swinging)),
+    "outer_face": _kind(
+        "The picture shows the face towards which the sheet's end points, c from its middle.",
+        None, "camera", (0.1, 2.0, "mm"), _outer_face),
     "barrel": _kind(
         "The lens widens the picture by c r^2/(25 mm)^2 about a point 25 mm from the clamp.", None,
         "camera", (0.005, 0.2, "-"), _barrel),

@@ -92,7 +92,8 @@ class Plant:
     friction: float = 0.0
     beside_m: float = 0.0
     cell_give_m_per_N: float = 0.0
-    place: list[Callable[[float], float]] = field(default_factory=list)  # true from stated
+    # true position from the stated one, and where in the session the run is
+    place: list[Callable[[float, float], float]] = field(default_factory=list)
     amplitude: list[Callable[[Course, Floats], Floats]] = field(default_factory=list)
     stiffness: list[InTime] = field(default_factory=list)  # factors of B in time
     felt: list[Felt] = field(default_factory=list)  # added to the force, N

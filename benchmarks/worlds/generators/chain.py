@@ -173,7 +173,7 @@ class _Rig:
         place_m = visit.position_m
         if place_m is not None:
             for move in self._plant.place:
-                place_m = move(place_m)
+                place_m = move(place_m, float(course.session[0]))
             place_m += setup.place_m
         return Run(
             visit=visit, course=course, slots=slots, stiffness=stiffness, place_m=place_m,

@@ -1,0 +1,138 @@
+"""The cases of a world: which kinds are hidden, how large, and how the session is designed.
+
+Case number i of a family is the same however many are asked for. Families are mixed by their
+shares, so that any first part of a run is a small run.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from benchmarks.hidden_effects.sizes import found_size
+from benchmarks.hidden_effects.suite import spread
+from benchmarks.hidden_effects.visible import Visible, Yardstick
+from benchmarks.worlds.contract import Design, World
+from benchmarks.worlds.registry import world
+from model.measurements import Measurements
+
+SHARES = {"nothing": 0.3, "single": 0.4, "pair": 0.15, "outside": 0.15}
+SINGLE_D, PAIR_D, OUTSIDE_D = (8.0, 120.0), (14.0, 60.0), (34.0, 150.0)
+TOLERANCE = 0.15  # of a size found for a wanted d
+PAPER = Design()
+THOROUGH = Design(free_shapes=1, remounts=2, random_order=True)
+EACH = 4  # of so many sessions one is measured thoroughly
+
+
+@dataclass(frozen=True)
+class Task:
+    """One case, and who is asked."""
+
+    key: str  # WORLD:FAMILY:NUMBER:SEED
+    world: str
+    family: str
+    hidden: tuple[tuple[str, float], ...]  # kinds, and the wanted d of each
+    thorough: bool
+    seed: int  # of the session
+    methods: tuple[str, ...] = ("diagnose",)
+    left_out: bool = False  # ask again without one position
+
+    @property
+    def design(self) -> Design:
+        """Return what is measured."""
+        return THOROUGH if self.thorough else PAPER
+
+
+def tasks(name: str, count: int, seed: int, families: Sequence[str] = tuple(SHARES)) -> list[Task]:
+    """Return so many cases of a world, the families mixed by their shares."""
+    whole = sum(SHARES[f] for f in families)
+    places = []
+    for family in families:
+        number = max(1, round(SHARES[family] * count / whole))
+        places += [((i + 0.5) / number, family, i) for i in range(number)]
+    return [_task(name, family, i, seed) for _, family, i in sorted(places)]
+
+
+def _task(name: str, family: str, i: int, seed: int) -> Task:
+    key = f"{name}:{family}:{i}:{seed}"
+    hidden = _hidden(world(name), family, i, seed)
+    free = any("free_shapes" in world(name).kinds[kind].needs for kind, _ in hidden)
+    return Task(
+        key=key, world=name, family=family, hidden=hidden, thorough=free or i % EACH == EACH - 1,
+        seed=zlib.crc32(key.encode()) % 2**31,
+    )  # fmt: skip
+
+
+def _hidden(one: World, family: str, i: int, seed: int) -> tuple[tuple[str, float], ...]:
+    """Return the kinds of a case and the wanted d of each: all in turn, in a random order."""
+    known = [name for name, kind in one.kinds.items() if (kind.known_as is None) == (
+        family == "outside")]  # fmt: skip
+    order = np.random.default_rng((seed, len(known)))
+    if family == "nothing":
+        return ()
+    if family == "pair":
+        pairs = [
+            p for p in combinations(known, 2)
+            if one.kinds[p[0]].known_as != one.kinds[p[1]].known_as
+        ]  # fmt: skip
+        chosen = pairs[order.permutation(len(pairs))[i % len(pairs)]]
+        return tuple((k, spread(i, *PAIR_D, 0.37 * j)) for j, k in enumerate(chosen))
+    kind = known[order.permutation(len(known))[i % len(known)]]
+    turn = i // len(known)
+    limits = OUTSIDE_D if family == "outside" else SINGLE_D
+    return ((kind, spread(turn + i % len(known), *limits)),)
+
+
+@dataclass(frozen=True)
+class Made:
+    """A session with all that is known of it."""
+
+    task: Task
+    world: World
+    sizes: Mapping[str, float]
+    bare: Measurements
+    session: Measurements
+    visible: Visible
+
+
+def made(task: Task) -> Made:
+    """Return the session, its sizes found so that each kind alone has the wanted d."""
+    one = world(task.world)
+    bare = one.measure(task.design, {}, task.seed)
+    yardstick = Yardstick(bare)
+    if not task.hidden:
+        return Made(task, one, {}, bare, bare, Visible((), (), {}, {}, {}))
+    sizes = {kind: _size(one, task, kind, d, yardstick) for kind, d in task.hidden}
+    session = one.measure(task.design, sizes, task.seed)
+    parts = [session]
+    if len(sizes) > 1:
+        parts = [one.measure(task.design, {k: v}, task.seed) for k, v in sizes.items()]
+    return Made(
+        task, one, sizes, bare, session, yardstick.visible(session, parts, names(one, sizes))
+    )
+
+
+def names(one: World, hidden: Mapping[str, float]) -> list[str]:
+    """Return the catalogue's names of kinds; their own where no catalogue has them."""
+    return [one.kinds[kind].known_as or kind for kind in hidden]
+
+
+def _size(one: World, task: Task, kind: str, wanted: float, yardstick: Yardstick) -> float:
+    """Return the size at which a kind alone has the wanted d, or the largest that can be held."""
+    told, held = one.kinds[kind], [0.0]
+
+    def length(size: float) -> float:
+        found = yardstick.length(one.measure(task.design, {kind: size}, task.seed))
+        held.append(max(held[-1], size))
+        return found
+
+    try:
+        return found_size(length, wanted, told.typical, told.largest, TOLERANCE)
+    except ValueError:  # not even the largest that makes sense, or that the rig can hold
+        if held[-1] == 0.0:
+            raise
+        return held[-1]

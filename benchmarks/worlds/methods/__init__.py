@@ -1,0 +1,1 @@
+"""One method a file: NAME.py with `answer(measurements) -> Answer`; see `contract`."""

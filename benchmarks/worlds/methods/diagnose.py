@@ -1,0 +1,30 @@
+"""labrig: `diagnose`, its model written to a file, read back and simulated."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+
+from benchmarks.hidden_effects.predicted import read_back
+from benchmarks.hidden_effects.run import name_of, unseen_of
+from benchmarks.worlds.methods._contract import Answer
+from model import predict
+from model.discrepancy import diagnose
+from model.measurements import Measurements
+
+RANKED = 8
+
+
+def answer(measurements: Measurements) -> Answer:
+    """Return what labrig says."""
+    found = diagnose(measurements)
+    ranking = [(r.name, r.log_bayes) for r in found.ranking if not r.name.startswith("unknown")]
+    return Answer(
+        named=[name_of(n) for n in found.effects],
+        unknown=unseen_of(found.unknown),
+        invisible=list(found.invisible),
+        ranking=ranking[:RANKED],
+        closed=float(found.closed) if np.isfinite(found.closed) else None,
+        foretell=partial(predict, read_back(found.model)),
+    )

@@ -1,0 +1,171 @@
+"""Cases of worlds are what they are said to be, records resume, and sealed worlds stay sealed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.hidden_effects.records import Foretold, Hid, Name, Record, Unseen, append, load
+from benchmarks.worlds import sealed
+from benchmarks.worlds.__main__ import main
+from benchmarks.worlds.cases import SHARES, made, tasks
+from benchmarks.worlds.conditions import left_out, unmeasured, without
+from benchmarks.worlds.contract import Design
+from benchmarks.worlds.generators.chain import WORLD
+from benchmarks.worlds.methods import boosted
+from benchmarks.worlds.registry import digest
+from benchmarks.worlds.run import method, methods
+from benchmarks.worlds.table import confidently_wrong, rows
+
+pytestmark = pytest.mark.thorough
+
+
+def test_a_longer_run_has_the_cases_of_a_shorter_one() -> None:
+    short, long = tasks("chain", 10, 5), tasks("chain", 40, 5)
+    assert {t.key for t in short} <= {t.key for t in long}
+    by_key = {t.key: t for t in long}
+    assert all(by_key[t.key] == t for t in short)
+    assert {t.family for t in short} == set(SHARES)
+
+
+def test_other_seeds_have_other_sessions() -> None:
+    assert not {t.seed for t in tasks("chain", 20, 1)} & {t.seed for t in tasks("chain", 20, 2)}
+
+
+def test_what_is_hidden_is_as_visible_as_wanted() -> None:
+    task = replace(tasks("chain", 8, 3, ["single"])[0], hidden=(("zero", 20.0),))
+    one = made(task)
+    assert one.visible.d[0] == pytest.approx(20.0, rel=0.15)
+    force = [np.mean([r.force_N for r in c.used()]) for c in one.session.conditions]
+    bare = [np.mean([r.force_N for r in c.used()]) for c in one.bare.conditions]
+    assert np.subtract(force, bare) * 1e3 == pytest.approx(one.sizes["zero"])
+
+
+def test_conditions_that_nobody_measured_lie_between_those_of_the_session() -> None:
+    found = unmeasured(WORLD, {}, 4)
+    measured = {p for places in Design().positions_m.values() for p in places}
+    assert len(found) == 20
+    assert not {c.position_m for c in found} & measured
+    assert {c.voltage_V for c in found} == {2.0, -2.0, 1.0, -1.0, 0.0}
+
+
+def test_a_position_that_is_left_out_is_in_neither_conditions_nor_series() -> None:
+    whole = WORLD.measure(Design(readings=2, curve_points=9), {}, 4)
+    part = without(whole, 0.01)
+    assert all(c.position_m != 0.01 for c in (*part.conditions, *part.series))
+    assert len(left_out(whole, 0.01)) == 6
+    assert len(part.conditions) == len(whole.conditions) - 6
+
+
+def _record(**other: object) -> Record:
+    hid = Hid("gravity", "heavy", 1.0, "even_moment", ["even_moment"], None, {}, True, 20.0, 20.0)
+    plain = Record(
+        key="chain:single:0:1/diagnose", family="single", code="", truth=[hid],
+        near={"clamp_angle": 9.0}, left={}, left_tolerant={}, force_gap_mN=0.0, curve_gap_mm=0.0,
+        conditions="",
+    )  # fmt: skip
+    return replace(plain, **other)  # type: ignore[arg-type]
+
+
+def _value(records: list[Record], begins: str) -> str:
+    return next(r.value for r in rows(records) if r.what.startswith(begins))
+
+
+def test_a_sure_name_is_wrong_only_where_its_set_lacks_the_truth() -> None:
+    sure = Name("clamp_angle", 0.95, ["gravity"], 0.0, {})
+    assert not confidently_wrong(_record(named=[sure]))
+    assert confidently_wrong(_record(named=[replace(sure, confusable_with=[])]))
+    assert not confidently_wrong(_record(named=[Name("clamp_angle", 0.8, [], 0.0, {})]))
+    assert confidently_wrong(_record(named=[sure], family="outside"))
+
+
+def test_lines_count_what_they_say() -> None:
+    right = _record(named=[Name("gravity", 0.99, [], 0.0, {})])
+    wrong = _record(named=[Name("clamp_angle", 0.99, [], 0.0, {})])
+    unknown = _record(unknown=Unseen("eibm", "long", "s", 3.0), verdict="unknown_effect")
+    assert _value([right, wrong, unknown, right], "single, d >= 12: exactly") == "50.0%"
+    assert _value([right, wrong], "confidently wrong") == "50.0%"
+    assert _value([right, unknown], "in the catalogue, d >= 12: 'unknown'") == "50.0%"
+    bare = replace(wrong, family="nothing", truth=[])
+    assert _value([bare], "nothing hidden: something named") == "100.0%"
+
+
+def test_a_gap_is_closed_above_its_floor() -> None:
+    told = Foretold(base=(5e-3, 0.0), written=(1e-3, 0.0), floor=(1e-3, 1e-3))
+    assert told.ratio == pytest.approx(0.2)
+    assert told.closed == pytest.approx(1 - (1 - 2) / (25 - 2))
+    assert _value([_record(left_out=told)], "left-out gap closed") == "104.3%"
+
+
+def test_a_record_with_predictions_is_read_back(tmp_path: Path) -> None:
+    told = Foretold(base=(5e-3, 1e-3), written=(1e-3, 1e-4), floor=(1e-3, 1e-3))
+    one = _record(foretold=told, method="stlsq")
+    append(tmp_path / "r.jsonl", [one])
+    assert load(tmp_path / "r.jsonl") == [one]
+
+
+def test_a_run_goes_on_where_it_was_broken_off(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    wanted = ["--worlds", "chain", "--family", "nothing", "--jobs", "1"]
+    wanted += ["-o", str(tmp_path / "r.jsonl")]
+    assert main([*wanted, "--cases", "1"]) == 0
+    assert main([*wanted, "--cases", "2"]) == 0
+    assert "1 cases to do" in capsys.readouterr().err
+    assert [r.key for r in load(tmp_path / "r.jsonl")] == [
+        "chain:nothing:0:0/diagnose", "chain:nothing:1:0/diagnose",
+    ]  # fmt: skip
+
+
+def test_unknown_worlds_and_methods_are_refused_in_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--worlds", "nowhere", "-o", str(tmp_path / "r.jsonl")]) == 2
+    assert main(["--methods", "nobody", "-o", str(tmp_path / "r.jsonl")]) == 2
+    assert "there is no generator 'nowhere'" in capsys.readouterr().err
+
+
+def test_a_sealed_world_is_refused_once_it_has_changed(tmp_path: Path) -> None:
+    file = tmp_path / "sealed.toml"
+    text = '[report]\nseeds = [7]\n[sealed]\nchain = "{}"\n'
+    file.write_text(text.format(digest("chain")))
+    sealed.check("chain", 7, file)
+    with pytest.raises(ValueError, match="only measured with the seeds"):
+        sealed.check("chain", 8, file)
+    file.write_text(text.format("0" * 64))
+    with pytest.raises(ValueError, match="not the one that was sealed"):
+        sealed.check("chain", 7, file)
+
+
+@pytest.mark.parametrize("name", [m for m in methods() if m != "boosted"])
+def test_a_method_says_of_nothing_hidden_that_nothing_is_unknown(name: str) -> None:
+    assert method(name)(WORLD.measure(Design(), {}, 5)).unknown is None
+
+
+@pytest.mark.parametrize("name", ["diagnose", "fixed_forms", "kennedy_ohagan", "stlsq"])
+def test_a_method_names_a_large_effect(name: str) -> None:
+    found = method(name)(WORLD.measure(Design(), {"crooked_clamp": 0.02}, 5))
+    assert "clamp_angle" in {n.name for n in found.named}
+
+
+def test_trees_without_training_say_what_to_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(boosted, "TRAINED", tmp_path / "none.npz")
+    with pytest.raises(ValueError, match="run python -m"):
+        boosted.answer(WORLD.measure(Design(), {}, 5))
+
+
+def test_trees_learn_what_is_hidden_in_their_examples() -> None:
+    pytest.importorskip("sklearn", reason="scikit-learn is missing: pip install -e .[worlds]")
+    random = np.random.default_rng(1)
+    truth = [("gravity",), ("zero",), ("gravity", "zero"), ()] * 20
+    there = np.array([["gravity" in t, "zero" in t] for t in truth], dtype=float)
+    trees = boosted.learned(there + 0.1 * random.standard_normal(there.shape), truth)
+    assert set(trees) == {"gravity", "zero"}
+    chance = {n: float(t.predict_proba(np.array([[1.0, 0.0]]))[0, 1]) for n, t in trees.items()}
+    assert chance["gravity"] > 0.9
+    assert chance["zero"] < 0.1
