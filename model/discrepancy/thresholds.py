@@ -116,9 +116,10 @@ LEFT_OUT_CHI2_RATIO, LEFT_OUT_SIGMA = 1.8, 5.0
 # Scatter between set-ups over the usual one, beside a name, at which something else hides in it.
 ALARMING_SCATTER_RATIO = 6.0
 # Ratio of an effect's amplitudes in two parts of the data below which it is another effect: of one
-# whose form may differ along the sheet or in time, and of others. Right names in other forms have
-# 0.52 and more. Its distance from that in standard deviations.
-LEAST_GROUP_RATIO, LEAST_RIGID_RATIO, STRUCTURE_SIGMA = 0.5, 0.67, 4.0
+# whose form may differ in time, along the sheet, and of others. Right names in other forms have
+# 0.22, 0.52 and 0.9 at least. Its distance from that in standard deviations.
+LEAST_TIMED_RATIO, LEAST_GROUP_RATIO, LEAST_RIGID_RATIO = 0.1, 0.5, 0.67
+STRUCTURE_SIGMA = 4.0
 # Highest confidence of a name beside which something is not in the model.
 DOUBTED_PROBABILITY = 0.5
 

@@ -34,7 +34,7 @@ class Criticism:
         return next(every, "")
 
     def rivals(self, name: str) -> dict[str, float]:
-        """Return names that are as good as one, with their chances."""
+        """Return names that are as good as one, with their chances, which it must yield."""
         own = [f for f in self.failures if f.consequence == "one_of" and name in f.effects]
         return {rival: chance for one in own for rival, chance in one.rivals}
 

@@ -10,8 +10,9 @@ import numpy as np
 
 from model.discrepancy.criticism.predictive import Predictive
 from model.discrepancy.search.cross_validation import position_groups
+from model.discrepancy.search.evidence import Candidate, candidates
 from model.discrepancy.search.forward_selection import SearchResult
-from model.discrepancy.thresholds import TOLERATED_SCATTER_RATIO
+from model.discrepancy.thresholds import CROSS_VALIDATED_NAMES, TOLERATED_SCATTER_RATIO
 from model.discrepancy.verdict.posterior import Choice
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import Found
@@ -43,6 +44,14 @@ class NamedModel:
         """The named effects with their values."""
         names = {one.effect.name for one in self.named}
         return tuple(one for one in self.fitted.found if one.effect.name in names)
+
+    @cached_property
+    def rivals(self) -> list[Candidate]:
+        """Return the best names of the first step and those that were named, as candidates."""
+        ranked = [c for c in self.outcome.turns[0].ranking if c.known][:CROSS_VALIDATED_NAMES]
+        effects = {c.name: c.score.candidate.effect for c in ranked}
+        effects |= {one.effect.name: one.effect for one in self.named}
+        return candidates(self.outcome.base, [e for e in effects.values() if e is not None])
 
     @cached_property
     def scatter_ratio(self) -> dict[str, float]:

@@ -307,10 +307,13 @@ def _named(one: Choice, decision: Decision, seen: Signatures) -> Named:
     found, (share, form) = final.found[place], form_of(decision.known, place)
     near = class_of(effect.name, seen)
     confusable = tuple(n for n, p in one.alternatives if p >= REPORTED_PROBABILITY or n in near)
-    rivals = decision.criticism.rivals(effect.name)
-    confusable = (*confusable, *(n for n in rivals if n not in confusable))
-    chances = {**rivals, **dict(one.alternatives)}
+    chances = dict(one.alternatives)
     members = {effect.name: one.confidence, **{name: chances[name] for name in confusable}}
+    rivals = decision.criticism.rivals(effect.name)
+    if rivals:  # which the evidence of all data passes over
+        left = 1.0 - sum(rivals.values())
+        members = {name: left * chance for name, chance in members.items()} | rivals
+        confusable = tuple(name for name in members if name != effect.name)
     own = {name: parameters_of(found, name, final) for name in found.values}
     first = next(iter(own))
     return Named(

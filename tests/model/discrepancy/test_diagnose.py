@@ -130,7 +130,7 @@ def test_a_lag_leaves_no_gap_in_the_means_but_one_within_the_pulses_that_is_clos
     before, after = found.held_out.before, found.held_out.after
     assert after.pulse_rmse_mN < 0.3 * before.pulse_rmse_mN
     assert found.closed > 0.9
-    assert "within a pulse from" in found.sentence
+    assert "of force within a pulse (" in found.sentence
 
 
 @pytest.mark.slow

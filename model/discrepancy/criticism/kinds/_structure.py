@@ -17,14 +17,14 @@ from model.discrepancy.criticism.named_model import NamedModel, limited_scatter
 from model.discrepancy.thresholds import (
     LEAST_GROUP_RATIO,
     LEAST_RIGID_RATIO,
+    LEAST_TIMED_RATIO,
     STRUCTURE_SIGMA,
 )
 from model.effects import title
 from model.effects.interface import Effect
 
 LEAST_WHOLE = 0.2  # of the named amplitude, that is in a group without doubt
-DISTRIBUTED = frozenset({"s", "curvature", "place", "time", "run"})
-ALONG_THE_SHEET = frozenset({"s", "curvature", "place"})
+IN_TIME, ALONG_THE_SHEET = frozenset({"time", "run"}), frozenset({"s", "curvature", "place"})
 
 
 def contradicted(
@@ -68,12 +68,11 @@ def _apart(
 
 
 def least_ratio(effect: Effect) -> float:
-    """Return the smallest ratio of amplitudes in two groups that the effect's form allows.
-
-    Where it may differ along the sheet or in time, forces and curves weigh other parts of it.
-    """
-    loose = DISTRIBUTED.intersection(effect.form_error_along)
-    return LEAST_GROUP_RATIO if loose else LEAST_RIGID_RATIO
+    """Return the smallest ratio of amplitudes in two groups that the effect's form allows."""
+    along = effect.form_error_along
+    if IN_TIME.intersection(along):  # readings, runs and sheets are at other times
+        return LEAST_TIMED_RATIO
+    return LEAST_GROUP_RATIO if ALONG_THE_SHEET.intersection(along) else LEAST_RIGID_RATIO
 
 
 def has_one_weight(effect: Effect) -> bool:
