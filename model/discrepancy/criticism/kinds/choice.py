@@ -12,7 +12,11 @@ from model.discrepancy.criticism.check_result import Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.search.cross_validation import position_groups, scores_without
-from model.discrepancy.thresholds import EQUAL_EVIDENCE_LN, EVIDENCE_THRESHOLD_LN
+from model.discrepancy.thresholds import (
+    EQUAL_EVIDENCE_LN,
+    EVIDENCE_THRESHOLD_LN,
+    REFINED_EVIDENCE_SHARE,
+)
 from model.effects import title
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.mixed_model import weigh
@@ -31,6 +35,8 @@ class ChoiceOfName(VerdictCheck):
         others = Counter(filter(None, (_other(named, runs, own) for runs in cases)))
         if others and sum(others.values()) > HALF * len(cases):
             rival, times = others.most_common(1)[0]
+            if not _comes_close(named, rival):
+                return
             first = max(named.named, key=lambda one: one.gain)
             yield Failure(
                 consequence="one_of",
@@ -41,6 +47,16 @@ class ChoiceOfName(VerdictCheck):
                 effects=(first.effect.name,),
                 rivals=((rival, min(HALF, times / len(cases))),),
             )
+
+
+def _comes_close(named: NamedModel, rival: str) -> bool:
+    """Return whether all data leave it about as likely as what was named first.
+
+    Of strong effects the evidence, which is linear, may misjudge a form that the fit decides.
+    """
+    gains = {c.name: c.gain for c in named.outcome.turns[0].ranking}
+    first = max(gains.get(one.effect.name, 0.0) for one in named.named)
+    return gains.get(rival, 0.0) > (1.0 - REFINED_EVIDENCE_SHARE) * first
 
 
 def _left_out(named: NamedModel) -> list[Index]:
