@@ -40,6 +40,7 @@ def rows(records: Sequence[Record]) -> list[Row]:
     pairs = [r for r in of["pair"] if r.d >= SEEN and clear(r)]
     beyond = [r for r in of["outside"] if outside(r)]
     caught = [r for r in beyond if is_unknown(r)]
+    found = [r for r in good if r.d >= SEEN and (r.said or is_unknown(r))]
     judged = [r for r in good if judged_for_confidence(r)]
     return [
         at_most("nothing hidden: something named", 0.01, of["nothing"], lambda r: bool(r.said)),
@@ -56,8 +57,8 @@ def rows(records: Sequence[Record]) -> list[Row]:
         at_least("outside, d >= 30: 'unknown'", 0.90, beyond, is_unknown),
         at_least("the unknown's location", 0.95, caught, located),
         at_most("in the catalogue, d >= 12: 'unknown'", 0.04, [*single, *pairs], is_unknown),
-        *_predicted([r for r in good if r.d >= SEEN and (r.said or is_unknown(r))]),
-        _closed("left-out gap closed, recomputed, median", good),
+        *_predicted(found),
+        _closed("left-out gap closed, recomputed, median", found),
         coverage(of["single"]),
         _times([r.cpu_s for r in good if not r.error]),
         at_most("refused or failed", 0.0, good, lambda r: bool(r.error)),

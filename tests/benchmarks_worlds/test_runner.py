@@ -97,7 +97,8 @@ def test_a_gap_is_closed_above_its_floor() -> None:
     told = Foretold(base=(5e-3, 0.0), written=(1e-3, 0.0), floor=(1e-3, 1e-3))
     assert told.ratio == pytest.approx(0.2)
     assert told.closed == pytest.approx(1 - (1 - 2) / (25 - 2))
-    assert _value([_record(left_out=told)], "left-out gap closed") == "104.3%"
+    named = [Name("gravity", 0.99, [], 0.0, {})]
+    assert _value([_record(left_out=told, named=named)], "left-out gap closed") == "104.3%"
 
 
 def test_a_record_with_predictions_is_read_back(tmp_path: Path) -> None:

@@ -67,6 +67,7 @@ class Equilibria:
     at: Floats  # (m,) share of the chain
     bent_per_m: Floats  # (n, m) curvature that the load adds
     root_rad: Floats  # by which the clamp gives way
+    unknowns: Floats  # of the coarser chain
 
 
 class _Along:
@@ -304,10 +305,10 @@ def _at(hold: Hold, position_m: Floats) -> Hold:
     return Hold(amplitude=hold.amplitude, position_m=position_m, radius_m=hold.radius_m)
 
 
-def held(strip: Strip, hold: Hold) -> Equilibria:
-    """Return equilibria of strips; raise `ValueError` where one cannot be held."""
+def held(strip: Strip, hold: Hold, near: Equilibria | None = None) -> Equilibria:
+    """Return equilibria of strips, from others near them if any; `ValueError`: they slip out."""
     coarse, fine = Chain(strip), Chain(strip, 2 * LINKS)
-    x = _solved(coarse, hold, None)
+    x = _solved(coarse, hold, None if near is None else near.unknowns)
     guess = _refined(x)
     z = _solved(fine, hold, guess)
     first, second = _described(coarse, hold, x), _described(fine, hold, z)
@@ -322,6 +323,7 @@ def held(strip: Strip, hold: Hold) -> Equilibria:
         # each second joint of the finer chain is one of the coarser
         bent_per_m=_extrapolated(first.bent_per_m, second.bent_per_m[:, ::2]),
         root_rad=_extrapolated(first.root_rad, second.root_rad),
+        unknowns=x,
     )
 
 
@@ -355,6 +357,7 @@ def _described(chain: Chain, hold: Hold, x: Floats) -> Equilibria:
         at=np.arange(n + 1) / n,
         bent_per_m=bent,
         root_rad=chain.strip.clamp_give_rad_per_Nm * B * state.moment[:, 0],
+        unknowns=x,
     )
 
 

@@ -248,7 +248,7 @@ class _Rig:
                 position_m=stated_m.position_m + give * force,
                 drag_N=friction * np.abs(normal) * np.tanh(2.0 * hold.amplitude) * way,
             )
-            found = held(strip, hold)
+            found = held(strip, hold, found)
         return hold, found
 
     def _places(self, sheet: Sheet) -> Floats:
