@@ -37,6 +37,7 @@ PLUGIN_FOLDERS = {
     "protocols/kinds",
     "model/effects",
     "model/locations",
+    "model/discrepancy/criticism/kinds",
     "model/discrepancy/data_checks/kinds",
     "sim_hardware/ni/boards",
     "sim_hardware/serial_devices",

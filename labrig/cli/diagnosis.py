@@ -60,6 +60,7 @@ def keep(session: Path, found: Diagnosis) -> None:
 def print_diagnosis(found: Diagnosis, session: Path | None) -> None:
     """Print the whole diagnosis in the order in which it was made; `session` keeps it."""
     from labrig.report.diagnosis import tables as made
+    from labrig.report.diagnosis.checks import check_table
     from labrig.report.diagnosis.parameters import choice_table, parameter_table
 
     if not found.searched:
@@ -76,6 +77,7 @@ def print_diagnosis(found: Diagnosis, session: Path | None) -> None:
     for text in made.verdict_sentences(found):
         say(text)
     say()
+    print_noted_table(check_table(found))
     print_noted_table(parameter_table(found))
     print_noted_table(choice_table(found))
     print_noted_table(made.improvement_table(found))

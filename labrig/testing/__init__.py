@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import (
         simulated_serial_device_faults as simulated_serial_device_faults,
     )
+    from labrig.testing.conformance import verdict_check_faults as verdict_check_faults
     from labrig.testing.fake_rig import FakeRig as FakeRig
     from labrig.testing.fake_rig import short_schedule as short_schedule
 
@@ -52,6 +53,7 @@ _HOMES = {
         "connection_faults",
         "curve_faults",
         "data_check_faults",
+        "verdict_check_faults",
         "effect_faults",
         "curve_extractor_faults",
         "force_sensor_faults",

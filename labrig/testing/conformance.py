@@ -27,6 +27,7 @@ from labrig.extractors.conformance import faults_of_curve as curve_faults
 from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
 from labrig.report.sections.conformance import faults as section_faults
+from model.discrepancy.criticism.conformance import faults as verdict_check_faults
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
 from model.effects.conformance import faults as effect_faults
 from model.locations.conformance import faults as location_faults
@@ -60,4 +61,5 @@ __all__ = [
     "signal_faults",
     "simulated_board_faults",
     "simulated_serial_device_faults",
+    "verdict_check_faults",
 ]

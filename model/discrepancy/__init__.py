@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from model.discrepancy.criticism import CheckResult, VerdictCheck
 from model.discrepancy.data_checks import DataCheck, Suspicion
 from model.discrepancy.data_checks.check import CheckedData, check_data
 from model.discrepancy.diagnose import diagnose, next_measurement
@@ -9,6 +10,7 @@ from model.discrepancy.prepare import Options as DiagnoseOptions
 from model.discrepancy.verdict.result import Diagnosis, Named, Next, Unknown
 
 __all__ = [
+    "CheckResult",
     "CheckedData",
     "DataCheck",
     "DiagnoseOptions",
@@ -17,6 +19,7 @@ __all__ = [
     "Next",
     "Suspicion",
     "Unknown",
+    "VerdictCheck",
     "check_data",
     "diagnose",
     "next_measurement",

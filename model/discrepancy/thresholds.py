@@ -106,6 +106,23 @@ NONPARAMETRIC_MARGIN_LN = 4.5
 # Scatter between set-ups over the usual one, beyond which no verdict 'nothing missing' is given.
 EXCESSIVE_SCATTER_RATIO = 6.0
 
+# -- Criticism of names (moves: wrong names with certainty, 'unknown' for effects that are named)
+
+# Scatter between set-ups over the usual one, up to which a name may be judged with it.
+TOLERATED_SCATTER_RATIO = 2.0
+# chi^2 per number of left-out residuals, and its distance from one in standard deviations, beyond
+# which a model does not explain them.
+LEFT_OUT_CHI2_RATIO, LEFT_OUT_SIGMA = 1.8, 5.0
+# Scatter between set-ups over the usual one, beside a name, at which something else hides in it.
+ALARMING_SCATTER_RATIO = 6.0
+# Ratio of an effect's amplitudes in two parts of the data below which it is another effect: of one
+# whose form may differ in time, along the sheet, and of others. Right names in other forms have
+# 0.22, 0.52 and 0.9 at least. Its distance from that in standard deviations.
+LEAST_TIMED_RATIO, LEAST_GROUP_RATIO, LEAST_RIGID_RATIO = 0.1, 0.5, 0.67
+STRUCTURE_SIGMA = 4.0
+# Highest confidence of a name beside which something is not in the model.
+DOUBTED_PROBABILITY = 0.5
+
 # -- What the data can show (moves: 'invisible', and which effects count as indistinguishable)
 
 # Standard deviations at which an effect is found in four of five sessions.

@@ -38,6 +38,8 @@ EFFECT = CameraScale(
             prior_scale=0.01,
             low=-0.5,
             high=0.5,
+            instrument_limit=0.2,
+            beyond="a scale wrong by a factor of 1 + {value} would be seen with a ruler",
         ),
         EffectParameter(
             name="axis",

@@ -39,6 +39,8 @@ EFFECT = ClampAngle(
             prior_scale=0.01,
             low=-0.5,
             high=0.5,
+            instrument_limit=0.17,
+            beyond="a clamp turned by {degrees} degrees would be seen",
         ),
     ),
     form_error_along=("position",),

@@ -49,6 +49,8 @@ EFFECT = ClampCompliance(
             prior_scale=20.0,
             low=0.0,
             high=2e4,
+            instrument_limit=5000.0,
+            beyond="a clamp that turns by {value} rad per N m would be seen to give way",
         ),
     ),
     form_error_along=("position", "voltage"),

@@ -66,6 +66,8 @@ EFFECT = Gravity(
             prior_scale=0.005,
             low=-0.5,
             high=0.5,
+            instrument_limit=0.1,
+            beyond="a sheet that weighs {value} N/m would be denser than lead",
         ),
     ),
     form_error_along=("s",),

@@ -61,6 +61,16 @@ class EffectParameter:
     # shapes to look for: values that are tried one by one; empty: the size, which is estimated
     starting_values: tuple[float, ...] = ()
     expected_sign: float = 0.0  # the sign that it has as a rule; the other one is a surprise
+    # |value| that nobody in a laboratory overlooks, and what is seen beyond it, a sentence with
+    # {value} in the parameter's unit or {degrees}; None: there is no such limit
+    instrument_limit: float | None = None
+    beyond: str = ""
+
+    def beyond_limit(self, value: float) -> str:
+        """Return what a value beyond the instrument limit would mean."""
+        return self.beyond.format(
+            value=f"{abs(value):.2g}", degrees=f"{np.degrees(abs(value)):.0f}"
+        )
 
     def meaning_of(self, value: float) -> str:
         """Return what a value stands for: by `meaning`, as in "0: evenly; 1: slower", or itself."""

@@ -38,6 +38,8 @@ EFFECT = LoadCellCompliance(
             prior_scale=0.005,
             low=0.0,
             high=5.0,
+            instrument_limit=3.0,
+            beyond="rolls that give way by {value} mm per mN would be seen",
         ),
     ),
     form_error_along=("position",),

@@ -44,6 +44,8 @@ EFFECT = LoadCellMisalignment(
             prior_scale=0.05,
             low=-0.8,
             high=0.8,
+            instrument_limit=0.44,
+            beyond="a load cell turned by {degrees} degrees would be seen",
         ),
     ),
     form_error_along=("position",),

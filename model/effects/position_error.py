@@ -46,6 +46,8 @@ EFFECT = PositionError(
             prior_scale=0.3,
             low=-10.0,
             high=10.0,
+            instrument_limit=5.0,
+            beyond="positions wrong by {value} mm would be seen on the scale of the arc",
         ),
         EffectParameter(
             name="scale",

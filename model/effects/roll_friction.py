@@ -77,6 +77,8 @@ EFFECT = RollFriction(
             prior_scale=0.1,
             low=0.0,
             high=1.0,
+            instrument_limit=0.7,
+            beyond="a coefficient of friction of {value} would not let the rolls slide",
         ),
         EffectParameter(
             name="force_alone",

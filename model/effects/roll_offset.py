@@ -45,6 +45,8 @@ EFFECT = RollOffset(
             prior_scale=0.3,
             low=-5.0,
             high=5.0,
+            instrument_limit=4.0,
+            beyond="a contact {value} mm off the curve would be seen: the rolls are smaller",
         ),
         EffectParameter(
             name="at_the_pressed",

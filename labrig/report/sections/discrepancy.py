@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from labrig.report.data.findings import Findings
-from labrig.report.diagnosis import parameters, tables
+from labrig.report.diagnosis import checks, parameters, tables
 from labrig.report.diagnosis.figures import FIGURES, draw_diagnosis
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.section import Folded, Item, Section
@@ -19,7 +19,10 @@ def make(findings: Findings, figures: FigureFolder) -> Section | str:
         said = (*tables.verdict_sentences(found), *tables.further_sentences(found))
         return Section(sentences=said)
     drawn = draw_diagnosis(found, figures)
-    folded = (tables.where_table(found), tables.ranking_table(found), tables.invisible_table(found))
+    folded = (
+        checks.check_table(found), tables.where_table(found), tables.ranking_table(found),
+        tables.invisible_table(found),
+    )  # fmt: skip
     items: tuple[Item | None, ...] = (
         parameters.parameter_table(found),
         parameters.choice_table(found),

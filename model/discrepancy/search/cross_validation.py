@@ -106,6 +106,11 @@ def _likely(fitted: MixedModelFit, runs: Index) -> float:
 
 def _best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -> Score:
     """Return the candidate that the other runs choose, with the noise as it was found."""
+    return max(scores_without(base, pool, runs), key=lambda s: s.log_bayes)
+
+
+def scores_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -> list[Score]:
+    """Return the evidence of each candidate in the other runs, with the noise as it was found."""
     forward, layout = base.problem.forward, base.problem.forward.layout
     weights = base.solution.weights.copy()
     weights[runs] = 0.0
@@ -115,7 +120,7 @@ def _best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -
     We = (weights @ error[:, :, None])[:, :, 0]
     WX = (weights @ base.linear.data.X)[layout.run_of, layout.row_of]
     projected = Projected(weights, WX, covariance, We[layout.run_of, layout.row_of])
-    return max((score(forward, projected, c) for c in pool), key=lambda s: s.log_bayes)
+    return [score(forward, projected, c) for c in pool]
 
 
 def position_groups(fitted: MixedModelFit) -> list[Index]:

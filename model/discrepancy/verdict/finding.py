@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from model.discrepancy.criticism.catalogue import origins as origins_of_checks
 from model.discrepancy.next_measurement.candidate_measurements import (
     Suspect,
     next_measurement,
@@ -24,16 +24,17 @@ from model.discrepancy.search.signatures import class_of, classes, forms, invisi
 from model.discrepancy.thresholds import (
     COMPARISON_SIGMA,
     CROSS_VALIDATED_NAMES,
+    DOUBTED_PROBABILITY,
     EXCESSIVE_SCATTER_RATIO,
     FEWEST_SETUPS,
     NONPARAMETRIC_MARGIN_LN,
     REPORTED_PROBABILITY,
-    UNEXPLAINED_SHARE,
 )
 from model.discrepancy.verdict import prediction_error as gaps
 from model.discrepancy.verdict.data_checks import remarks
-from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of, sheet_model
-from model.discrepancy.verdict.inferred_form import form_of, unknown_of, with_free_form
+from model.discrepancy.verdict.decision import Decision, Judgement
+from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of
+from model.discrepancy.verdict.inferred_form import form_of
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
     DIFFERS,
@@ -46,11 +47,7 @@ from model.discrepancy.verdict.messages import (
 )
 from model.discrepancy.verdict.posterior import (
     Choice,
-    Leftover,
-    choices,
     chosen_values,
-    leftover,
-    with_shapes,
 )
 from model.discrepancy.verdict.result import (
     BeforeAfter,
@@ -66,8 +63,6 @@ from model.discrepancy.verdict.result import (
     Unknown,
     Verdict,
 )
-from model.discrepancy.verdict.stated_errors import with_stated_errors
-from model.discrepancy.verdict.written_form import written
 from model.effects import Effect, catalogue
 from model.effects import origins as origins_of_effects
 from model.identification.likelihood.mixed_model import weigh
@@ -75,19 +70,6 @@ from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.random_effects import ASSUMED
 from model.locations import origins as origins_of_locations
 from model.measurements import Measurements, ModelError
-from model.sheet.sheet_model import SheetModel
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Decision:
-    """The decision at the end of the search."""
-
-    named: list[Choice]
-    known: MixedModelFit  # with the effects that are named
-    unknown: Unknown | None
-    final: MixedModelFit  # with the free form of what is unknown, too
-    written: MixedModelFit  # the same, solved with the inferred forms in the model
-    model: SheetModel  # as a file has it
 
 
 def _scatter(final: MixedModelFit) -> dict[str, float]:
@@ -121,7 +103,7 @@ class Finding:
     @cached_property
     def diagnosis(self) -> Diagnosis:
         """Return everything that is reported."""
-        base, decision = self.outcome.base, self._decision()
+        base, decision = self.outcome.base, self.decision
         pool = candidates(base, self.effects)
         seen = self._signatures(pool, decision)
         named = tuple(_named(c, decision, seen) for c in decision.named)
@@ -136,7 +118,15 @@ class Finding:
         outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
         return Diagnosis(
             verdict=verdict,
-            sentence=sentence(verdict, named, decision.unknown, apart.gap, doubt, apart.closed),
+            sentence=" ".join(
+                filter(
+                    None,
+                    [
+                        sentence(verdict, named, decision.unknown, apart.gap, doubt, apart.closed),
+                        decision.criticism.sentence,
+                    ],
+                )
+            ),
             effects=named,
             invisible=unseen,
             unknown=decision.unknown,
@@ -163,63 +153,24 @@ class Finding:
                 *notes(named, outliers, apart.chosen),
             ),
             model=decision.model,
-            plugins={**origins_of_locations(), **origins_of_effects()},
+            plugins={**origins_of_locations(), **origins_of_effects(), **origins_of_checks()},
             base=base_parameters(told),
+            checks=decision.criticism.results,
         )
 
     @property
     def _enough(self) -> bool:
         return setups(self.ready) >= FEWEST_SETUPS
 
-    def _decision(self) -> _Decision:
-        """Return the effects named, the unknown term, or both."""
-        base = self.outcome.base
-        named, known = choices(self.outcome, self.effects, self.threshold)
-        rest = self._unexplained(known)
-        if rest is not None and len(named) < len(self.outcome.chosen):
-            # what was taken for the rest of another one's form is more than that
-            more, full = choices(self.outcome, self.effects, self.threshold, rests=True)
-            if self._unexplained(full) is None:
-                named, known, rest = more, full, None
-        if rest is None:
-            known = with_shapes(known, named)
-            told, model = self._written(known, known, None)
-            return _Decision(
-                named=named, known=known, unknown=None, final=known, written=told, model=model
-            )
-        if _alone(rest, base, known):
-            named, known = [], base
-        free = rest.first if known is base or rest.last is None else rest.last
-        at = base if free is rest.first else known
-        final, known = with_free_form(known, free), with_shapes(known, named)
-        told, model = self._written(known, final, free)
-        unknown = unknown_of(at, free)
-        return _Decision(
-            named=named, known=known, unknown=unknown, final=final, written=told, model=model
-        )
+    @cached_property
+    def decision(self) -> Decision:
+        """Return the effects named, the unknown term, or both, after the criticism."""
+        return Judgement(
+            measurements=self.measurements, options=self.options, outcome=self.outcome,
+            effects=self.effects, threshold=self.threshold, enough=self._enough,
+        ).decision()  # fmt: skip
 
-    def _written(
-        self, known: MixedModelFit, final: MixedModelFit, free: RankedCandidate | None
-    ) -> tuple[MixedModelFit, SheetModel]:
-        """Return the fit with forms and what is unknown in the model, and the model it makes.
-
-        The first that predicts every condition that was measured.
-        """
-        forward, out = known.problem.forward, self.outcome.outliers
-        for told in written(known, final, free):
-            model = sheet_model(told, self.measurements, self.options)
-            with suppress(ModelError):
-                return told, with_stated_errors(model, forward, out)
-        return told, model
-
-    def _unexplained(self, known: MixedModelFit) -> Leftover | None:
-        """Return the nonparametric remainder, where it exceeds the rest of a form."""
-        rest = leftover(self.outcome, known, self.effects) if self._enough else None
-        if rest is None or rest.share < UNEXPLAINED_SHARE:
-            return None
-        return rest if rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN else None
-
-    def _signatures(self, pool: Sequence[Candidate], decision: _Decision) -> Signatures:
+    def _signatures(self, pool: Sequence[Candidate], decision: Decision) -> Signatures:
         """Return the signatures visible above the base model, at the final model's noise."""
         base = self.outcome.base
         solution = weigh(base.linear.data, decision.final.solution.log_sigma)
@@ -227,12 +178,17 @@ class Finding:
         sizes = {c.name: c.score.amplitude for c in chosen}
         return signatures(replace(base, solution=solution), forms(pool, {}), sizes)
 
-    def _doubt(self, decision: _Decision) -> str:
+    def _doubt(self, decision: Decision) -> str:
         """Return why these data cannot tell, where nothing is found; empty: they can."""
         if not self._enough:
             return too_few(setups(self.ready))
+        criticism = decision.criticism
+        if criticism.undecided:
+            return criticism.undecided
         if decision.named or decision.unknown is not None:
             return ""
+        if criticism.failures:  # what is wrong with the names has no place of its own
+            return criticism.failures[0].sentence
         log_sigma, usual = decision.final.solution.log_sigma, decision.final.problem.guess
         times = dict(zip(ASSUMED, np.exp(log_sigma - usual).tolist(), strict=False))
         most = max(DIFFERS, key=lambda name: times[name])
@@ -254,7 +210,7 @@ class Finding:
             return "indistinguishable"
         return "effect_named"
 
-    def _left_out(self, pool: Sequence[Candidate], decision: _Decision) -> _LeftOut:
+    def _left_out(self, pool: Sequence[Candidate], decision: Decision) -> _LeftOut:
         base, final = self.outcome.base, decision.written
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
         rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][
@@ -332,10 +288,10 @@ class Finding:
         )
 
 
-def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
-    """Return whether one free form explains more than all the names together."""
-    explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
-    return rest.first.gain * (1.0 - UNEXPLAINED_SHARE) > explained + NONPARAMETRIC_MARGIN_LN
+def _doubted(confidence: float, decision: Decision) -> float:
+    """Return the confidence of a name beside which something is not in the model."""
+    doubted = decision.criticism.incomplete
+    return min(confidence, DOUBTED_PROBABILITY) if doubted else confidence
 
 
 def _not_reported(unseen: Mapping[str, str], named: Sequence[Named]) -> dict[str, str]:
@@ -344,7 +300,7 @@ def _not_reported(unseen: Mapping[str, str], named: Sequence[Named]) -> dict[str
     return {name: needs for name, needs in unseen.items() if name not in reported}
 
 
-def _named(one: Choice, decision: _Decision, seen: Signatures) -> Named:
+def _named(one: Choice, decision: Decision, seen: Signatures) -> Named:
     """Return a name with the values that are written; its form as the search has it."""
     effect, final = one.effect, decision.written
     place = next(i for i, f in enumerate(final.found) if f.effect.name == effect.name)
@@ -353,12 +309,17 @@ def _named(one: Choice, decision: _Decision, seen: Signatures) -> Named:
     confusable = tuple(n for n, p in one.alternatives if p >= REPORTED_PROBABILITY or n in near)
     chances = dict(one.alternatives)
     members = {effect.name: one.confidence, **{name: chances[name] for name in confusable}}
+    rivals = decision.criticism.rivals(effect.name)
+    if rivals:  # which the evidence of all data passes over
+        left = 1.0 - sum(rivals.values())
+        members = {name: left * chance for name, chance in members.items()} | rivals
+        confusable = tuple(name for name in members if name != effect.name)
     own = {name: parameters_of(found, name, final) for name in found.values}
     first = next(iter(own))
     return Named(
         name=effect.name, location=effect.location, parameters=own[first],
         by_configuration=own if effect.by_configuration else {},
         configuration=first if effect.by_configuration else "",
-        confidence=min(sum(members.values()), 1.0), probabilities=members,
+        confidence=_doubted(min(sum(members.values()), 1.0), decision), probabilities=members,
         confusable_with=confusable, form_share=share, form=form, choices=chosen_values(one, found),
     )  # fmt: skip

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from model.discrepancy.criticism.check_result import CheckResult
 from model.discrepancy.data_checks.contract import Suspicion
 from model.effects import title
 from model.measurements import FloatArray
@@ -333,6 +334,7 @@ class Diagnosis:
     closed_gap: ClosedGap | None = None  # the gap whose share `closed` is
     floor: Gap | None = None  # prediction error that noise and scatter alone cause
     promises: tuple[Promise, ...] = ()  # of proposals that were measured
+    checks: tuple[CheckResult, ...] = ()  # what the verdict checks said of the names
 
     @property
     def searched(self) -> bool:
@@ -354,6 +356,7 @@ class Diagnosis:
             if self.next_measurement is None
             else self.next_measurement.to_json(),
             "promises": [one.to_json() for one in self.promises],
+            "checks": [one.to_json() for one in self.checks],
             "sentence": self.sentence,
             "notes": list(self.notes),
             "data_checks": [one.to_json() for one in self.data_checks],

@@ -35,7 +35,8 @@ LAG = Case((Hiding("charging_lag"),), seed=12)
 STRONG_AND_WEAK = Case((Hiding("nonuniform_eibm"), Hiding("charging_lag", size=0.02)), seed=9)
 WITHOUT_DELAY = DiagnoseOptions(exclude=("frame_delay",))
 KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
-        "sentence", "notes", "data_checks", "gap_closed", "noise_floor", "promises"}  # fmt: skip
+        "sentence", "notes", "data_checks", "gap_closed", "noise_floor", "promises",
+        "checks"}  # fmt: skip
 NAMED_KEYS = {"name", "title", "slot", "parameters", "interval90", "by_configuration",
               "confidence", "confusable_with", "form_share", "parameters_of",
               "probabilities"}  # fmt: skip
@@ -129,7 +130,7 @@ def test_a_lag_leaves_no_gap_in_the_means_but_one_within_the_pulses_that_is_clos
     before, after = found.held_out.before, found.held_out.after
     assert after.pulse_rmse_mN < 0.3 * before.pulse_rmse_mN
     assert found.closed > 0.9
-    assert "within a pulse from" in found.sentence
+    assert "of force within a pulse (" in found.sentence
 
 
 @pytest.mark.slow

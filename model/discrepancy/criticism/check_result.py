@@ -1,0 +1,38 @@
+"""What a verdict check says: its failures, and the result that is reported."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+# unknown: the names are wrong, or something is not in the model that has no name
+# one_of: rivals are as good, the class is the answer
+# cannot_tell: the data do not allow a verdict
+Consequence = Literal["unknown", "one_of", "cannot_tell"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Failure:
+    """Something that contradicts a verdict."""
+
+    consequence: Consequence
+    sentence: str  # what contradicts what, without its full stop
+    effects: tuple[str, ...] = ()  # names that it concerns; none: all of them together
+    rivals: tuple[tuple[str, float], ...] = ()  # of `one_of`: names that are as good, with chances
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckResult:
+    """What a check said of a verdict."""
+
+    name: str
+    passed: bool
+    sentence: str  # what was compared, or what failed
+    effects: tuple[str, ...] = ()  # names that a failure concerns
+
+    def to_json(self) -> dict[str, Any]:
+        """Return its object in a diagnosis."""
+        return {
+            "name": self.name, "passed": self.passed, "sentence": self.sentence,
+            "effects": list(self.effects),
+        }  # fmt: skip

@@ -1,0 +1,64 @@
+"""Ask all verdict checks about a model with named effects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from model.discrepancy.criticism.catalogue import verdict_checks
+from model.discrepancy.criticism.check_result import CheckResult, Failure
+from model.discrepancy.criticism.named_model import NamedModel
+
+
+@dataclass(frozen=True, kw_only=True)
+class Criticism:
+    """What the checks said."""
+
+    results: tuple[CheckResult, ...] = ()
+    failures: tuple[Failure, ...] = ()
+
+    def rejected(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return which of the names cannot stay: all of them where a failure is of no single."""
+        unknown = [one for one in self.failures if one.consequence == "unknown"]
+        return tuple(n for n in names if any(n in one.effects for one in unknown if one.effects))
+
+    @property
+    def incomplete(self) -> bool:
+        """Whether something is missing that no single name is to blame for."""
+        return any(one.consequence == "unknown" and not one.effects for one in self.failures)
+
+    @property
+    def undecided(self) -> str:
+        """Why the data do not allow a verdict; empty: they do."""
+        every = (one.sentence for one in self.failures if one.consequence == "cannot_tell")
+        return next(every, "")
+
+    def rivals(self, name: str) -> dict[str, float]:
+        """Return names that are as good as one, with their chances, which it must yield."""
+        own = [f for f in self.failures if f.consequence == "one_of" and name in f.effects]
+        return {rival: chance for one in own for rival, chance in one.rivals}
+
+    @property
+    def sentence(self) -> str:
+        """Name the checks that failed; empty: none did."""
+        failed = [one for one in self.results if not one.passed]
+        return " ".join(f"Check '{one.name}' failed: {one.sentence}." for one in failed)
+
+
+def criticise(named: NamedModel) -> Criticism:
+    """Return what all checks say of the names; nothing where nothing is named."""
+    if not named.named:
+        return Criticism()
+    results, failures = list[CheckResult](), list[Failure]()
+    for check in verdict_checks().values():
+        found = list(check.failures(named))
+        failures += found
+        results.append(
+            CheckResult(
+                name=check.name,
+                passed=not found,
+                sentence="; ".join(one.sentence for one in found) or check.meaning,
+                effects=tuple(dict.fromkeys(n for one in found for n in one.effects)),
+            )
+        )
+    return Criticism(results=tuple(results), failures=tuple(failures))

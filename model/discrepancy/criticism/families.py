@@ -1,0 +1,53 @@
+"""Rows of the data by what people measure: force, curve, course of a run, pulse; by voltage."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+
+MEANS = ("force", "neutral curve")
+
+
+@dataclass(frozen=True)
+class Family:
+    """Rows of one quantity in one configuration at one voltage."""
+
+    quantity: str  # "force", "neutral curve", "course of a run" or "course of a pulse"
+    configuration: str
+    voltage_V: float
+    rows: Index
+
+
+def families(fitted: MixedModelFit, without: Collection[int] = ()) -> list[Family]:
+    """Return all families; conditions `without`, by number over all, are in none."""
+    return [one for one in _each(fitted, without) if len(one.rows)]
+
+
+def _each(fitted: MixedModelFit, without: Collection[int]) -> Iterator[Family]:
+    forward, first = fitted.problem.forward, 0
+    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
+        name = scene.sheet.configuration
+        zero = np.array([one.zero for one in scene.look.seen], dtype=bool)
+        used = ~zero & ~np.isin(first + np.arange(scene.K), list(without))
+        for voltage_V in np.unique(scene.voltage_V).tolist():
+            here = used & (scene.voltage_V == voltage_V)
+            trend, course = here[part.trend_of], here[part.trend_of] & ~part.is_mean
+            force = part.trend_rows[part.is_mean & trend]
+            yield Family("force", name, voltage_V, force)
+            modes = part.mode_rows[here & scene.has_curve].ravel()
+            yield Family("neutral curve", name, voltage_V, modes)
+            run = np.concatenate([part.trend_rows[course], part.sway_rows[here[part.sway_of]]])
+            yield Family("course of a run", name, voltage_V, run)
+            yield Family("course of a pulse", name, voltage_V, part.bin_rows[here[part.bin_of]])
+        first += scene.K
+
+
+def joined(some: Collection[Family]) -> Index:
+    """Return the rows of several families."""
+    none = np.zeros(0, dtype=np.int64)
+    return np.sort(np.concatenate([none, *(one.rows for one in some)]))

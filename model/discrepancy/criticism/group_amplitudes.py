@@ -1,0 +1,66 @@
+"""The amplitude of a named effect in parts of the data: at each voltage, place, time, quantity.
+
+The effect's own form, without any tolerance, acts with a factor of its own in each group of rows;
+everything else stays in the model. An effect that is there acts everywhere with about the factor
+one. The factors follow from one linear solution (generalised least squares).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.discrepancy.search.evidence import Projected
+from model.discrepancy.search.form_share import steps_of
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.measurements import FloatArray
+
+VAGUE = 10.0  # prior standard deviation of a factor about one
+
+
+@dataclass(frozen=True)
+class Group:
+    """Rows in which an effect may have a factor of its own."""
+
+    title: str  # "at +2 V"
+    rows: Index
+
+
+@dataclass(frozen=True)
+class GroupAmplitude:
+    """The factor of an effect in a group; one: as the name says."""
+
+    title: str
+    factor: float
+    sigma: float
+
+
+def group_amplitudes(
+    fitted: MixedModelFit, index: int, groups: Sequence[Group], log_sigma: FloatArray
+) -> list[GroupAmplitude]:
+    """Return the factors of the effect at this place among the effects found, by group."""
+    forward = fitted.problem.forward
+    whole = np.zeros(forward.layout.size)
+    for c, step in steps_of(fitted, index):
+        whole += forward.rows_of(c, fitted.linear.states[c], step)
+    S = np.zeros((len(whole), len(groups)))
+    for column, group in enumerate(groups):
+        S[group.rows, column] = whole[group.rows]
+    keep = np.setdiff1d(
+        np.arange(fitted.linear.columns.shape[1]),
+        np.arange(fitted.spans[index].start, fitted.spans[index].stop),
+    )
+    data = fitted.linear.data
+    data = replace(data, X=data.X[:, :, keep], precision=data.precision[keep], away=data.away[keep])
+    linear = replace(fitted.linear, data=data, columns=fitted.linear.columns[:, keep])
+    A, b = Projected.of(forward, linear, weigh(data, log_sigma)).normal(forward, S)
+    covariance = np.linalg.inv(A + VAGUE**-2.0 * np.eye(len(groups)))
+    factors, sigma = 1.0 + covariance @ b, np.sqrt(np.diag(covariance))
+    return [
+        GroupAmplitude(group.title, float(f), float(s))
+        for group, f, s in zip(groups, factors, sigma, strict=True)
+    ]

@@ -1,0 +1,1 @@
+"""The verdict checks, one a file."""

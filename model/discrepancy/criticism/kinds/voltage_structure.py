@@ -1,0 +1,34 @@
+"""A named effect at each voltage."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.contract import VerdictCheck
+from model.discrepancy.criticism.families import families, joined
+from model.discrepancy.criticism.group_amplitudes import Group
+from model.discrepancy.criticism.kinds._structure import contradicted
+from model.discrepancy.criticism.named_model import NamedModel
+
+
+@dataclass(frozen=True)
+class VoltageStructure(VerdictCheck):
+    """An effect that is at one voltage what it is at another, but for the tolerance of its form."""
+
+    def failures(self, named: NamedModel) -> Iterator[Failure]:
+        """See `VerdictCheck.failures`."""
+        every = families(named.fitted, named.outcome.outliers)
+        groups = [
+            Group(f"at {v:+g} V", joined([f for f in every if f.voltage_V == v]))
+            for v in sorted({f.voltage_V for f in every})
+        ]
+        yield from contradicted(named, groups)
+
+
+CHECK = VoltageStructure(
+    name="voltage_structure",
+    meaning="each named effect acts alike at all voltages",
+    order=40,
+)

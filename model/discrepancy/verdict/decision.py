@@ -1,0 +1,148 @@
+"""From the result of the search to a decision: names, what has none, and the model with both."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
+
+from model.discrepancy.criticism.criticise import Criticism, criticise
+from model.discrepancy.criticism.named_model import NamedModel
+from model.discrepancy.prepare import Options
+from model.discrepancy.search.forward_selection import SearchResult
+from model.discrepancy.search.ranking import RankedCandidate
+from model.discrepancy.thresholds import NONPARAMETRIC_MARGIN_LN, UNEXPLAINED_SHARE
+from model.discrepancy.verdict.fitted_model import sheet_model
+from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
+from model.discrepancy.verdict.posterior import (
+    Choice,
+    Leftover,
+    choices,
+    leftover,
+    with_shapes,
+)
+from model.discrepancy.verdict.result import Unknown
+from model.discrepancy.verdict.stated_errors import with_stated_errors
+from model.discrepancy.verdict.written_form import written
+from model.effects import Effect
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
+from model.measurements import Measurements, ModelError
+from model.sheet.sheet_model import SheetModel
+
+
+@dataclass(frozen=True, kw_only=True)
+class Decision:
+    """The decision at the end of the search."""
+
+    named: list[Choice]
+    known: MixedModelFit  # with the effects that are named
+    unknown: Unknown | None
+    final: MixedModelFit  # with the free form of what is unknown, too
+    written: MixedModelFit  # the same, solved with the inferred forms in the model
+    model: SheetModel  # as a file has it
+    criticism: Criticism = field(default_factory=Criticism)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """A finished search, about to be decided."""
+
+    measurements: Measurements
+    options: Options
+    outcome: SearchResult
+    effects: Sequence[Effect]  # that were considered
+    threshold: float
+    enough: bool  # set-ups, to estimate the scatter between them
+
+    def decision(self) -> Decision:
+        """Return the effects named, the unknown term, or both, after the criticism."""
+        return self._revised(self.uncriticised())
+
+    def uncriticised(self) -> Decision:
+        """Return what the evidence names."""
+        base = self.outcome.base
+        named, known = choices(self.outcome, self.effects, self.threshold)
+        rest = self._unexplained(known)
+        if rest is not None and len(named) < len(self.outcome.chosen):
+            # what was taken for the rest of another one's form is more than that
+            more, full = choices(self.outcome, self.effects, self.threshold, rests=True)
+            if self._unexplained(full) is None:
+                named, known, rest = more, full, None
+        if rest is None:
+            known = with_shapes(known, named)
+            told, model = self._written(known, known, None)
+            return Decision(
+                named=named, known=known, unknown=None, final=known, written=told, model=model
+            )
+        if _alone(rest, base, known):
+            named, known = [], base
+        return self._with_unknown(named, known, rest)
+
+    def _with_unknown(self, named: list[Choice], known: MixedModelFit, rest: Leftover) -> Decision:
+        """Return the names with the nonparametric term that is left beside them."""
+        base = self.outcome.base
+        free = rest.first if known is base or rest.last is None else rest.last
+        at = base if free is rest.first else known
+        final, known = with_free_form(known, free), with_shapes(known, named)
+        told, model = self._written(known, final, free)
+        unknown = unknown_of(at, free)
+        return Decision(
+            named=named, known=known, unknown=unknown, final=final, written=told, model=model
+        )
+
+    def _revised(self, found: Decision) -> Decision:
+        """Return the decision without names that the checks reject."""
+        criticism = criticise(NamedModel(self.outcome, found.named, found.known))
+        names = [one.effect.name for one in found.named]
+        rejected = criticism.rejected(names)
+        if rejected or (criticism.incomplete and found.unknown is None):
+            found = self._without(found, rejected)
+        return replace(found, criticism=criticism)
+
+    def _without(self, found: Decision, rejected: Sequence[str]) -> Decision:
+        """Return a decision without these names, and with the best nonparametric term instead."""
+        base, named = self.outcome.base, [c for c in found.named if c.effect.name not in rejected]
+        known = found.known
+        if rejected:
+            kept = tuple(f for f in known.found if f.effect.name not in rejected)
+            known = fit_mixed_model(known.problem, known.theta, kept) if named else base
+        rest = leftover(self.outcome, known, self.effects)
+        if rest is not None and _alone(rest, base, known):
+            named, known = [], base
+        free = None if rest is None else rest.first if known is base else rest.last
+        nothing_else = rest is None or free is None or free.gain < self.threshold
+        if nothing_else and not rejected:
+            return found  # doubtful names, and nothing better
+        if rest is None or nothing_else:
+            told, model = self._written(base, base, None)
+            return Decision(
+                named=[], known=base, unknown=None, final=base, written=told, model=model
+            )
+        return self._with_unknown(named, known, rest)
+
+    def _written(
+        self, known: MixedModelFit, final: MixedModelFit, free: RankedCandidate | None
+    ) -> tuple[MixedModelFit, SheetModel]:
+        """Return the fit with forms and what is unknown in the model, and the model it makes.
+
+        The first that predicts every condition that was measured.
+        """
+        forward, out = known.problem.forward, self.outcome.outliers
+        for told in written(known, final, free):
+            model = sheet_model(told, self.measurements, self.options)
+            with suppress(ModelError):
+                return told, with_stated_errors(model, forward, out)
+        return told, model
+
+    def _unexplained(self, known: MixedModelFit) -> Leftover | None:
+        """Return the nonparametric remainder, where it exceeds the rest of a form."""
+        rest = leftover(self.outcome, known, self.effects) if self.enough else None
+        if rest is None or rest.share < UNEXPLAINED_SHARE:
+            return None
+        return rest if rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN else None
+
+
+def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
+    """Return whether one free form explains more than all the names together."""
+    explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
+    return rest.first.gain * (1.0 - UNEXPLAINED_SHARE) > explained + NONPARAMETRIC_MARGIN_LN
