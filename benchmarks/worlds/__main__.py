@@ -120,10 +120,13 @@ def _line(r: Record) -> str:
 
 
 def _show(records: Sequence[Record], *, failed: bool) -> None:
-    """Print a table for each world, with the seeds and states of the program."""
+    """Print a table for each world and for all, with the seeds and states of the program."""
     by: dict[str, dict[str, list[Record]]] = {}
     for r in records:
         by.setdefault(r.key.split(":")[0], {}).setdefault(r.method, []).append(r)
+    if len(by) > 1:
+        for r in records:
+            by.setdefault("all worlds", {}).setdefault(r.method, []).append(r)
     for name, own in by.items():
         for asked, found in own.items():
             seeds = sorted({r.key.split(":")[-1].split("/")[0] for r in found}, key=int)
@@ -131,7 +134,7 @@ def _show(records: Sequence[Record], *, failed: bool) -> None:
             lines = rows(found)
             told = f"seeds {', '.join(seeds)}, program/generator {', '.join(codes)}"
             print(f"\n{name}, {asked}: {len(found)} cases, {told}\n")
-            if len(codes) > 1:
+            if len({code.split("/")[0] for code in codes}) > 1 or len(codes) > len(by):
                 print("CAUTION: more than one state of the program or of the generator\n")
             print(table(lines))
             print("\nintervals by parameter:\n" + (by_parameter(found) or "  none"))

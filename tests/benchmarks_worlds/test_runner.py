@@ -121,6 +121,28 @@ def test_a_run_goes_on_where_it_was_broken_off(
     ]  # fmt: skip
 
 
+def test_several_worlds_are_also_scored_together(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    there = _record(named=[Name("gravity", 0.99, [], 0.0, {})], code="a/1")
+    other = replace(there, key="shooting:single:0:1/diagnose", named=[], code="a/2")
+    append(tmp_path / "r.jsonl", [there, other])
+    assert main(["--score", str(tmp_path / "r.jsonl")]) == 0
+    printed = capsys.readouterr().out
+    assert "all worlds, diagnose: 2 cases" in printed
+    assert "| single, d >= 12: exactly right | >= 92% | 50.0% | 2 |" in printed
+    assert "CAUTION" not in printed
+
+
+def test_records_of_two_states_of_the_program_are_not_mixed_silently(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    one = _record(code="a/1")
+    append(tmp_path / "r.jsonl", [one, replace(one, key="chain:single:1:1/x", code="b/1")])
+    main(["--score", str(tmp_path / "r.jsonl")])
+    assert "CAUTION" in capsys.readouterr().out
+
+
 def test_unknown_worlds_and_methods_are_refused_in_a_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

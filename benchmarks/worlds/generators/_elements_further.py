@@ -23,10 +23,6 @@ def _screw(cases: Cases, _at: Samples, _sheet: Sheet, size_mm: float) -> None:
     cases.position_m += size_mm * 1e-3 * np.sin(2.0 * np.pi * cases.position_m / PITCH_M)
 
 
-def _even(cases: Cases, at: Samples, _sheet: Sheet, size: float) -> None:
-    cases.bow_per_m += size * (at.sheet_V / 2.0) ** 2
-
-
 def _setting(cases: Cases, at: Samples, _sheet: Sheet, size: float) -> None:
     cases.bow_per_m += size * np.sqrt(np.maximum(at.pulse + 1.0, 0.0) / 22.0)
 
@@ -104,9 +100,10 @@ FURTHER: dict[str, Acting] = {
     "screw_pitch": _u(
         "The stage's screw is uneven: p + c sin(2 pi p/12 mm).",
         ("position",), sizes=(0.3, 2.0), unit="mm", cases=_screw),
-    "electrostatic_bow": _u(
-        "Either voltage bows the sheet the same way: k0 + c (V/2 V)^2.",
-        ("even_moment", "eibm", "rest_curvature"), sizes=(3.0, 25.0), unit="1/m", cases=_even),
+    "electrostatic_pull": _u(
+        "The holder of the rolls attracts the sheet at either voltage: F + c (V/2 V)^2.",
+        ("load_cell", "even_moment"), sizes=(0.08, 0.8), unit="mN",
+        force=lambda at, c: at.force_N + c * 1e-3 * (at.samples.sheet_V / 2.0) ** 2),
     "permanent_set": _u(
         "Each pulse leaves something of its bend: k0 + c sqrt((k + 1)/22), k counts the pulses.",
         ("rest_curvature", "time", "even_moment"), sizes=(1.5, 15.0), unit="1/m", cases=_setting),
@@ -124,7 +121,7 @@ FURTHER: dict[str, Acting] = {
         ("eibm",), sizes=(0.6, 1.0), unit="", law=_dip),
     "stretched_electrode": _u(
         "Where the sheet is bent its electrodes are torn: Me exp(-c (k/40 per m)^2).",
-        ("eibm", "compliance"), sizes=(0.15, 0.6), unit="", law=_stretched_electrode),
+        ("eibm", "compliance"), sizes=(0.1, 0.4), unit="", law=_stretched_electrode),
     "bead": _u(
         "A drop of glue hangs at the visible end and pulls towards negative deflection.",
         ("even_moment",), sizes=(1e-4, 1e-3), unit="N", setting=lambda w: {"bead_N": w}),

@@ -176,7 +176,7 @@ KNOWN: dict[str, Acting] = dict(
         _k("The stiffness dries towards an end, as 1 - exp(-2.5 tau), by c altogether.",
            "stiffness_drift", "time", sizes=(0.1, 0.8), unit="", cases=_drying),
         _k("In each run the stiffness relaxes as a hyperbola: B (1 - c t/(t + 3 s)).",
-           "viscoelastic_creep", "time", sizes=(0.06, 0.5), unit="", cases=_giving_way),
+           "viscoelastic_creep", "time", sizes=(0.06, 0.35), unit="", cases=_giving_way),
         _k("The sheet leaves the clamp at an angle.", "clamp_angle", "rest_curvature",
            sizes=(0.015, 0.2), unit="rad", cases=_turned, parameters=lambda c: {"angle_rad": c}),
         _k("The scale of the arc's positions is wrong, by c at 30 mm and nothing at 0.",

@@ -219,13 +219,14 @@ class Shooting:
         return np.asarray(q[:2] * self.strip.stiffness_Nm2 / self.strip.radius_m**2)
 
     def _beta(self, lanes: Lanes, force: Array) -> Array:
-        beta = lanes.position_m / self.strip.radius_m
-        a = self.around
-        if a.give_m_per_N or a.backlash_m:
+        """Return where the load cell is once it has given way, along the tangent there."""
+        stated = lanes.position_m / self.strip.radius_m
+        beta, a = stated, self.around
+        for _ in range(4 if a.give_m_per_N or a.backlash_m else 0):
             along = force[0] * np.sin(beta) - force[1] * np.cos(beta)
             moved = a.give_m_per_N * along / (1.0 + np.abs(along) / a.give_from_N)
             moved = moved + a.backlash_m * np.tanh(along / a.backlash_N)
-            beta = beta + moved / self.strip.radius_m
+            beta = stated + moved / self.strip.radius_m
         return beta
 
     def _hold(self, lanes: Lanes, force: Array) -> Array:

@@ -118,13 +118,13 @@ FURTHER: dict[str, Acting] = {
         law=_behind_the_front),
     "eibm_by_curvature": _u(
         "Where the sheet is bent its electrodes conduct less: Me (1 - c k/40 per m).",
-        ("eibm", "compliance"), sizes=(0.15, 0.6), unit="", law=_by_curvature),
+        ("eibm", "compliance"), sizes=(0.1, 0.4), unit="", law=_by_curvature),
     "wire_spring": _u(
         "Wires along the first 10 mm bend as a straight spring, c times as stiff as the sheet.",
         ("compliance", "rest_curvature"), sizes=(0.15, 1.5), unit="", law=_wires),
     "wrinkles": _u(
         "From a change of curvature of 35 per m on it wrinkles: B/(1 + c (u/35 per m - 1)).",
-        ("compliance", "eibm"), sizes=(0.3, 1.0), unit="", law=_wrinkles),
+        ("compliance", "eibm"), sizes=(0.3, 0.6), unit="", law=_wrinkles),
     "cracked_electrode": _u(
         "A crack of the electrode 28 mm from the clamp takes a share c of the EIBM beyond it.",
         ("eibm",), sizes=(0.4, 1.0), unit="", law=_crack),

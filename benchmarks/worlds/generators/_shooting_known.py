@@ -171,7 +171,7 @@ KNOWN: dict[str, Acting] = dict(
         _k("The stiffness changes with the square of the session's time: B (1 + c (tau^2 - 1/3)).",
            "stiffness_drift", ("time",), sizes=(0.1, 0.8), unit="", lanes=_stiffer),
         _k("In each run the polymer gives way: B (1 - c (1 - (1 + t/1.5 s)^(-1/2))).",
-           "viscoelastic_creep", ("time",), sizes=(0.06, 0.5), unit="", lanes=_creep),
+           "viscoelastic_creep", ("time",), sizes=(0.06, 0.35), unit="", lanes=_creep),
         _k("The sheet leaves the clamp at an angle.", "clamp_angle", ("rest_curvature",),
            sizes=(0.015, 0.2), unit="rad", lanes=_turned,
            parameters=lambda c: {"angle_rad": c}),

@@ -11,6 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from drivers.interfaces import RealClock
 from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.reading.guard_report import read_guard_report
@@ -22,6 +23,7 @@ _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # Deflate cannot pack denser than 1 : 1032; a file that claims more holds nothing but the claim.
 _DENSEST = 1100
 _SMALL_BYTES = 1 << 20
+_BEGINS_S, _AGAIN_S = 3.0, 0.05
 _DEEPEST = 8  # groups in one another; a session has four
 
 
@@ -33,10 +35,7 @@ def open_file(path: Path, *, live: bool = False) -> Any:
     check_is_hdf5(path)
     # The library would wait practically for ever for a writer that is dead to finish its work.
     live = live and is_locked(journal_path(path))
-    try:
-        file = h5py.File(path, "r", swmr=live, libver=layout.LIBVER if live else None)
-    except OSError as error:
-        raise BadInputError(_why_not(path, error)) from None
+    file = _open_live(path) if live else _open(path)
     try:
         with damage_told(path):
             check_format(file, path)
@@ -45,6 +44,29 @@ def open_file(path: Path, *, live: bool = False) -> Any:
         file.close()
         raise
     return file
+
+
+def _open(path: Path, **how: Any) -> Any:
+    try:
+        return h5py.File(path, "r", **how)
+    except OSError as error:
+        raise BadInputError(_why_not(path, error)) from None
+
+
+def _open_live(path: Path) -> Any:
+    """Return a file that is being written: one that has just begun takes a moment to allow it.
+
+    Its writer has not locked it, and HDF5 wants the same of all in one process.
+    """
+    clock = RealClock()
+    until_s = clock.now() + _BEGINS_S
+    while True:
+        try:
+            return _open(path, swmr=True, libver=layout.LIBVER, locking=False)
+        except BadInputError:
+            if clock.now() > until_s:
+                raise
+        clock.sleep_until(clock.now() + _AGAIN_S)
 
 
 def check_is_hdf5(path: Path) -> None:

@@ -169,7 +169,9 @@ class SessionWriter:
     def _work(self) -> None:
         file = None
         try:
-            file = h5py.File(self.path, "r+", libver=layout.LIBVER)
+            # Unlocked: the journal's lock keeps other writers out, and a viewer that has the file
+            # open at this moment must not end the recording.
+            file = h5py.File(self.path, "r+", libver=layout.LIBVER, locking=False)
             file.swmr_mode = True
             self._record(file)
             file.close()

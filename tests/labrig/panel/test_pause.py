@@ -94,7 +94,7 @@ def test_another_terminal_pauses_a_session(rig_folder, tmp_path):
         assert run(["pause", str(session)]) == 0
         assert PauseFile(session).asked_by()
         time.sleep(4.0)  # noqa: TID251 - longer than all the runs take
-        assert going.poll() is None
+        assert going.poll() is None, going.stderr.read()
         assert run(["pause", "--end", str(session)]) == 0
         assert going.wait(60) == 0
     finally:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+
 import h5py
 import numpy as np
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.session import SessionWriter, open_session
+from labrig.session import SessionWriter, open_session, verify
+from labrig.session.recording import writer
+from labrig.session.recording.create import create_file
+from labrig.session.recording.journal import journal_path
 from protocols.execution import events as ev
 from tests.labrig.session.session_recording import (
     FRAME_SHAPE,
@@ -195,3 +201,63 @@ def test_an_existing_file_is_never_overwritten(recorded):
 def test_a_folder_that_is_not_there_is_named(tmp_path):
     with pytest.raises(BadInputError, match=r"no/s\.h5 cannot be written"):
         SessionWriter(tmp_path / "no" / "s.h5", **settings(small_schedule()))
+
+
+HOLD = """
+import sys, h5py
+with h5py.File(sys.argv[1], "r"):
+    print("open", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_a_viewer_that_has_the_new_file_open_does_not_end_the_recording(tmp_path, monkeypatch):
+    path = tmp_path / "looked_at.h5"
+    viewers = []
+
+    def made_and_looked_at(beside, setup):
+        create_file(beside, setup)
+        viewer = subprocess.Popen(
+            [sys.executable, "-c", HOLD, beside], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        )
+        viewers.append(viewer)
+        assert viewer.stdout.readline() == b"open\n"
+
+    monkeypatch.setattr(writer, "create_file", made_and_looked_at)
+    try:
+        record(path, small_schedule())
+    finally:
+        for viewer in viewers:
+            viewer.communicate()
+    assert all(check.ok for check in verify(path))
+
+
+BEGIN = """
+import sys, time, h5py
+from pathlib import Path
+from labrig.session.format.layout import LIBVER
+from labrig.session.recording.locking import lock
+with open(sys.argv[2], "w+b") as journal, h5py.File(sys.argv[1], "r+", libver=LIBVER) as file:
+    assert lock(journal)
+    print("open", flush=True)
+    time.sleep(0.5)
+    file.swmr_mode = True
+    sys.stdin.read()
+"""
+
+
+def test_a_session_that_is_just_beginning_can_be_looked_at(tmp_path):
+    """The file cannot be read between its opening for writing and its switch to shared reading."""
+    path = tmp_path / "beginning.h5"
+    record(path, small_schedule())
+    begins = subprocess.Popen(
+        [sys.executable, "-c", BEGIN, path, journal_path(path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    )
+    try:
+        assert begins.stdout.readline() == b"open\n"
+        with open_session(path, live=True) as session:
+            assert session.runs
+    finally:
+        begins.communicate()

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
@@ -34,7 +35,7 @@ def found_with(alternatives: tuple[tuple[str, float], ...], confidence: float):
         effect=effect("gravity"), confidence=confidence, alternatives=alternatives, gain=50.0,
         of_location=1.0,
     )  # fmt: skip
-    return choice, SimpleNamespace(written=one, known=one)
+    return choice, SimpleNamespace(written=one, known=one, criticism=Criticism())
 
 
 @pytest.fixture
