@@ -61,6 +61,7 @@ class EffectParameter:
     # shapes to look for: values that are tried one by one; empty: the size, which is estimated
     starting_values: tuple[float, ...] = ()
     expected_sign: float = 0.0  # the sign that it has as a rule; the other one is a surprise
+    one_sign: bool = False  # where each configuration has its own, all have the same sign
     # |value| that nobody in a laboratory overlooks, and what is seen beyond it, a sentence with
     # {value} in the parameter's unit or {degrees}; None: there is no such limit
     instrument_limit: float | None = None

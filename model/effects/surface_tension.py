@@ -54,6 +54,7 @@ EFFECT = SurfaceTension(
             prior_scale=0.1,
             low=-5.0,
             high=5.0,
+            one_sign=True,
             instrument_limit=2.0,
             beyond="a meniscus as wide as the sheet cannot pull with {value} mN",
         ),

@@ -80,6 +80,20 @@ def test_an_amplitude_that_would_be_seen_is_no_name():
     assert found.verdict != "effect_named"
 
 
+def test_offsets_of_opposite_sign_are_no_meniscus():
+    apart = Foreign(
+        force_N=lambda force, at, volts, gamma, name: (
+            (1.5e-4 if name == "long" else -1e-4) + 0.0 * force
+        )
+    )
+    found = diagnose(foreign_session(apart, 2))
+    assert found.verdict == "unknown_effect"
+    assert found.unknown is not None
+    assert found.unknown.location == "load_cell"
+    failed = [one.name for one in found.checks if not one.passed]
+    assert "signs" in failed
+
+
 def test_an_effect_that_another_name_stands_in_for_is_unknown():
     drift = hidden_session(case("force_drift", "line", seed=7)).measurements
     found = diagnose(drift, DiagnoseOptions(exclude=("force_drift",)))

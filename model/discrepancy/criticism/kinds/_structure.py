@@ -21,7 +21,7 @@ from model.discrepancy.thresholds import (
     STRUCTURE_SIGMA,
 )
 from model.effects import title
-from model.effects.interface import Effect
+from model.effects.interface import Along, Effect
 
 LEAST_WHOLE = 0.2  # of the named amplitude, that is in a group without doubt
 IN_TIME, ALONG_THE_SHEET = frozenset({"time", "run"}), frozenset({"s", "curvature", "place"})
@@ -31,8 +31,12 @@ def contradicted(
     named: NamedModel,
     groups: Sequence[Group],
     applies: Callable[[Effect], bool] = lambda _: True,
+    along: Along | None = None,
 ) -> Iterator[Failure]:
-    """Yield a failure for each effect to which it applies that acts otherwise in another group."""
+    """Yield a failure for each effect to which it applies that acts otherwise in another group.
+
+    `along` is the coordinate that tells the groups apart, where a form may differ along it.
+    """
     if len(groups) < 2:
         return
     log_sigma = limited_scatter(named.fitted)
@@ -40,7 +44,7 @@ def contradicted(
         if one not in named.found or not applies(one.effect):
             continue
         every = group_amplitudes(named.fitted, index, groups, log_sigma)
-        pair = _apart(every, least_ratio(one.effect))
+        pair = _apart(every, least_ratio(one.effect, along))
         if pair is not None:
             weak, strong = pair
             yield Failure(
@@ -67,12 +71,17 @@ def _apart(
     return found
 
 
-def least_ratio(effect: Effect) -> float:
+def least_ratio(effect: Effect, along: Along | None) -> float:
     """Return the smallest ratio of amplitudes in two groups that the effect's form allows."""
-    along = effect.form_error_along
-    if IN_TIME.intersection(along):  # readings, runs and sheets are at other times
+    if in_time(effect):  # readings, runs and sheets are at other times
         return LEAST_TIMED_RATIO
-    return LEAST_GROUP_RATIO if ALONG_THE_SHEET.intersection(along) else LEAST_RIGID_RATIO
+    rigid = has_one_weight(effect) and along not in effect.form_error_along
+    return LEAST_RIGID_RATIO if rigid else LEAST_GROUP_RATIO
+
+
+def in_time(effect: Effect) -> bool:
+    """Return whether its form may differ in time."""
+    return bool(IN_TIME.intersection(effect.form_error_along))
 
 
 def has_one_weight(effect: Effect) -> bool:

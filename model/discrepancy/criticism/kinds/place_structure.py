@@ -23,7 +23,7 @@ class PlaceStructure(VerdictCheck):
 
     def failures(self, named: NamedModel) -> Iterator[Failure]:
         """See `VerdictCheck.failures`."""
-        yield from contradicted(named, _thirds(named))
+        yield from contradicted(named, _thirds(named), along="position")
 
 
 def _thirds(named: NamedModel) -> list[Group]:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 from model.discrepancy.criticism.check_result import Failure
 from model.discrepancy.criticism.contract import VerdictCheck
-from model.discrepancy.criticism.families import families, joined
+from model.discrepancy.criticism.families import MEANS, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group
-from model.discrepancy.criticism.kinds._structure import contradicted, has_one_weight
+from model.discrepancy.criticism.kinds._structure import contradicted, has_one_weight, in_time
 from model.discrepancy.criticism.named_model import NamedModel
 
 
@@ -23,11 +23,13 @@ class QuantityStructure(VerdictCheck):
     def failures(self, named: NamedModel) -> Iterator[Failure]:
         """See `VerdictCheck.failures`."""
         every = families(named.fitted, named.outcome.outliers)
-        groups = [
-            Group(f"in the {name}", joined([f for f in every if f.quantity == name]))
+        groups = {
+            name: Group(f"in the {name}", joined([f for f in every if f.quantity == name]))
             for name in dict.fromkeys(f.quantity for f in every)
-        ]
-        yield from contradicted(named, groups, has_one_weight)
+        }
+        means = [group for name, group in groups.items() if name in MEANS]
+        yield from contradicted(named, means, lambda one: has_one_weight(one) and not in_time(one))
+        yield from contradicted(named, list(groups.values()), in_time)
 
 
 CHECK = QuantityStructure(

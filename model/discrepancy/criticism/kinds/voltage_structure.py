@@ -24,7 +24,7 @@ class VoltageStructure(VerdictCheck):
             Group(f"at {v:+g} V", joined([f for f in every if f.voltage_V == v]))
             for v in sorted({f.voltage_V for f in every})
         ]
-        yield from contradicted(named, groups)
+        yield from contradicted(named, groups, along="voltage")
 
 
 CHECK = VoltageStructure(
