@@ -74,15 +74,20 @@ def errors(model: SheetModel, truth: Sequence[TrueCondition]) -> Errors:
 def errors_of(
     foretell: Callable[[str, float, float], Prediction], truth: Sequence[TrueCondition]
 ) -> Errors:
-    """Return the errors of predictions by configuration, position (m) and voltage."""
+    """Return the errors of predictions by configuration, position (m) and voltage.
+
+    Curves are compared at equal shares of their lengths: a camera of another scale sees another
+    length of the same sheet.
+    """
     force, curve = [], []
     for one in truth:
         found = foretell(one.configuration, one.position_m, one.voltage_V)
         if not found.reachable:
             return np.inf, np.inf
         force.append(found.F_N - one.force_N)
+        share = one.s_m / one.s_m[-1]
         for at, places in zip(one.points_m.T, (found.x_m, found.y_m), strict=True):
-            curve.append(np.interp(one.s_m, found.s_m, places) - at)
+            curve.append(np.interp(share, found.s_m / found.s_m[-1], places) - at)
     both = np.sum(np.square(np.concatenate(curve))) / sum(len(one.s_m) for one in truth)
     return float(np.sqrt(np.mean(np.square(force)))), float(np.sqrt(both))
 
