@@ -18,7 +18,7 @@ class Criticism:
     failures: tuple[Failure, ...] = ()
 
     def rejected(self, names: Iterable[str]) -> tuple[str, ...]:
-        """Return which of the names cannot stay: all of them where a failure is of no single."""
+        """Return which of the names a failure speaks against."""
         unknown = [one for one in self.failures if one.consequence == "unknown"]
         return tuple(n for n in names if any(n in one.effects for one in unknown if one.effects))
 
@@ -34,7 +34,7 @@ class Criticism:
         return next(every, "")
 
     def rivals(self, name: str) -> dict[str, float]:
-        """Return names that are as good as one, with their chances, which it must yield."""
+        """Return names that explain as much as this one, with their probabilities."""
         own = [f for f in self.failures if f.consequence == "one_of" and name in f.effects]
         return {rival: chance for one in own for rival, chance in one.rivals}
 
