@@ -22,7 +22,8 @@ from drivers.interfaces import Clock
 from drivers.safe_shutdown import READ_BACK_S, SafetyReport, attempt, judge, mean_when_low
 
 _RETRY_S = 0.01
-_HELD_S = 0.1
+_HELD_S = 0.1  # by a task that cannot be attached to
+_STUCK_S = 1.0  # by one that can be attached to, but not be freed
 _RATE_HZ = 1000.0
 
 
@@ -91,30 +92,31 @@ def shut_down(
     failures: list[str] = []
     until_s = clock.now() + patience_s
 
-    def free(name: str | None, action: str, end: Callable[[Any], object]) -> bool:
-        """End the task of that name; False: there is none that can be attached to."""
+    def free(name: str | None, action: str, end: Callable[[Any], object]) -> bool | None:
+        """End the task of that name; False: none can be attached to; None: that has failed."""
         found: list[bool] = []
-        if not attempt(failures, lambda: found.append(_free(connection, name, action, end))):
-            return True  # nothing says that there is none
-        return found[0]
+        attempt(failures, lambda: found.append(_free(connection, name, action, end)))
+        return found[0] if found else None
 
-    def free_output() -> bool:
+    def free_output() -> bool | None:
         return free(place.output_task, "writing 0 V through", lambda task: write_now(task, 0.0))
 
-    def free_input() -> bool:
+    def free_input() -> bool | None:
         return free(place.input_task, "stopping", lambda task: task.stop())
 
-    def insist(open_it: Callable[[], None], free_it: Callable[[], bool]) -> None:
-        held_s = clock.now()  # by a task that cannot be attached to, since then
+    def insist(open_it: Callable[[], None], free_it: Callable[[], bool | None]) -> None:
+        held_s: float | None = None  # since when it is held by what cannot be freed
         while True:
             try:
                 return open_it()
             except DeviceReservedError:
                 if clock.now() > until_s:
                     raise
-            if free_it():
-                held_s = clock.now()
-            elif clock.now() > held_s + _HELD_S:
+            held_s = clock.now() if held_s is None else held_s
+            freed = free_it()
+            if freed:
+                held_s = None
+            elif clock.now() > held_s + (_STUCK_S if freed is None else _HELD_S):
                 on_held()
             clock.sleep_until(clock.now() + _RETRY_S)
 
