@@ -62,20 +62,22 @@ class Judgement:
         """Return what the evidence names."""
         base = self.outcome.base
         named, known = choices(self.outcome, self.effects, self.threshold)
-        rest = self._unexplained(known)
+        left = leftover(self.outcome, known, self.effects) if self.enough else None
+        rest = self._unexplained(left)
         if rest is not None and len(named) < len(self.outcome.chosen):
             # what was taken for the rest of another one's form is more than that
             more, full = choices(self.outcome, self.effects, self.threshold, rests=True)
-            if self._unexplained(full) is None:
-                named, known, rest = more, full, None
+            of_more = leftover(self.outcome, full, self.effects)
+            if self._unexplained(of_more) is None:
+                named, known, rest, left = more, full, None, of_more
+        if left is not None and alone(left, base, known):
+            named, known, rest = [], base, left
         if rest is None:
             known = with_shapes(known, named)
             told, model = self._written(known, known, None)
             return Decision(
                 named=named, known=known, unknown=None, final=known, written=told, model=model
             )
-        if _alone(rest, base, known):
-            named, known = [], base
         return self._with_unknown(named, known, rest)
 
     def _with_unknown(self, named: list[Choice], known: MixedModelFit, rest: Leftover) -> Decision:
@@ -107,7 +109,7 @@ class Judgement:
             kept = tuple(f for f in known.found if f.effect.name not in rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
         rest = leftover(self.outcome, known, self.effects)
-        if rest is not None and _alone(rest, base, known):
+        if rest is not None and alone(rest, base, known):
             named, known = [], base
         free = None if rest is None else rest.first if known is base else rest.last
         nothing_else = rest is None or free is None or free.gain < self.threshold
@@ -134,15 +136,21 @@ class Judgement:
                 return told, with_stated_errors(model, forward, out)
         return told, model
 
-    def _unexplained(self, known: MixedModelFit) -> Leftover | None:
+    def _unexplained(self, rest: Leftover | None) -> Leftover | None:
         """Return the nonparametric remainder, where it exceeds the rest of a form."""
-        rest = leftover(self.outcome, known, self.effects) if self.enough else None
         if rest is None or rest.share < UNEXPLAINED_SHARE:
             return None
         return rest if rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN else None
 
 
-def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
-    """Return whether one free form explains more than all the names together."""
-    explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
-    return rest.first.gain * (1.0 - UNEXPLAINED_SHARE) > explained + NONPARAMETRIC_MARGIN_LN
+def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
+    """Return whether one free form explains more than all the names together.
+
+    A single name may be of another form, and lose some of what a free form explains.
+    """
+    names = len(known.found) - len(base.found)
+    if not names:
+        return False
+    explained = 0.5 * (base.deviance - known.deviance)
+    form = UNEXPLAINED_SHARE if names == 1 else 0.0
+    return rest.first.gain * (1.0 - form) > explained + NONPARAMETRIC_MARGIN_LN
