@@ -31,6 +31,7 @@ SIDES: tuple[Function, ...] = (
     lambda t: 1e3 * SIDE_M * (2.0 * t - 1.0) ** 3,
     lambda t: 1e3 * SIDE_M * np.tanh(8.0 * (2.0 * t - 1.0)),
 )  # of the curvature, from the largest one way to that the other way
+NODES = 201  # between which sides change
 WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
 
 
@@ -83,7 +84,9 @@ class Camera(Location):
         """Return what shows the sheet towards its concave or its convex side."""
         most = max(at.bent_per_m, LEAST_BENDING_PER_M)
         for function in SIDES:
-            term = BasisTerm(along="curvature", function=function, low=-most, high=most)
+            term = BasisTerm(
+                along="curvature", function=function, low=-most, high=most, nodes=NODES
+            )
             step = perturbation(self, at, term)
             step.points_m = step.points_m * at.has_curve[:, None]
             yield Basis(

@@ -48,11 +48,11 @@ class BasisShape:
 
 def shapes(fitted: MixedModelFit, name: str, part: str = "") -> list[BasisShape]:
     """Return the basis shapes of a location as a whole, each once, or those of a part."""
-    every = _every(fitted, name)
+    every = all_shapes(fitted, name)
     return [shape for shape in every if (shape.part == part if part else not shape.alone)]
 
 
-def _every(fitted: MixedModelFit, name: str) -> list[BasisShape]:
+def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
     """Return the basis shapes of all parts of a location, each once."""
     forward, result = fitted.problem.forward, dict[tuple[str, int, str], BasisShape]()
     for c, state in enumerate(fitted.linear.states):
@@ -79,7 +79,7 @@ def unknowns(fitted: MixedModelFit) -> list[Candidate]:
     """Return for each location all of its shapes, and each part that has a profile alone."""
     result = []
     for name in locations():
-        every = _every(fitted, name)
+        every = all_shapes(fitted, name)
         whole = [s for s in every if not s.alone]
         several = len({s.part for s in whole}) > 1
         parts = dict.fromkeys(s.part for s in every if s.alone or (several and s.function))
