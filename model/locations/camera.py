@@ -27,11 +27,10 @@ AMPLITUDE_OF_AGE = 0.1  # of the EIBM
 WAVES_IN_SESSION = 4  # of the whole image
 SIDE_M = 2e-4  # towards the concave side, where the sheet is bent most
 SIDES: tuple[Function, ...] = (
-    lambda t: 1e3 * SIDE_M * (2.0 * t - 1.0),
-    lambda t: 1e3 * SIDE_M * (2.0 * t - 1.0) ** 3,
-    lambda t: 1e3 * SIDE_M * np.tanh(8.0 * (2.0 * t - 1.0)),
+    lambda t: 1e3 * SIDE_M * _odd(t),
+    lambda t: 1e3 * SIDE_M * _odd(t) ** 3,
+    lambda t: 1e3 * SIDE_M * np.tanh(8.0 * _odd(t)),
 )  # of the curvature, from the largest one way to that the other way
-NODES = 201  # between which sides change
 WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
 
 
@@ -84,9 +83,7 @@ class Camera(Location):
         """Return what shows the sheet towards its concave or its convex side."""
         most = max(at.bent_per_m, LEAST_BENDING_PER_M)
         for function in SIDES:
-            term = BasisTerm(
-                along="curvature", function=function, low=-most, high=most, nodes=NODES
-            )
+            term = BasisTerm(along="curvature", function=function, low=-most, high=most)
             step = perturbation(self, at, term)
             step.points_m = step.points_m * at.has_curve[:, None]
             yield Basis(
@@ -123,6 +120,11 @@ def _curvature_per_m(points: ImagePoints) -> FloatArray:
     phi = np.unwrap(np.arctan2(-points.normal_x, points.normal_y), axis=-1)
     length, turned = np.gradient(points.s_m, axis=-1), np.gradient(phi, axis=-1)
     return np.asarray(np.where(length > 0.0, turned / np.where(length > 0.0, length, 1.0), 0.0))
+
+
+def _odd(t: FloatArray) -> FloatArray:
+    """Return -1 .. 1 of 0 .. 1, and no more beyond."""
+    return np.asarray(np.clip(2.0 * t - 1.0, -1.0, 1.0))
 
 
 def _only(number: int) -> Function:
