@@ -32,7 +32,6 @@ ATTRIBUTES = {
     "uneven": "largest sure difference of its amplitude in a part of the data, as a share of it",
     # of something unknown
     "unknown": "1",
-    "unknown_considered": "called unknown by the search",
     "unknown_reported": "called unknown by search and checks",
     "unknown_ahead": "ln(1 + log Bayes factor of the best nonparametric term over the best name)",
     "unknown_ahead_share": "that log Bayes factor over the larger of the two",

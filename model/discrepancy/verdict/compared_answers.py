@@ -68,9 +68,10 @@ class ComparedAnswers:
         names = self._names(one.ranking, one.effect.name)
         free = _free_gain(one.before, one.ranking)
         rejected = one.effect.name not in self.kept
-        unknown = self._unknown(one.ranking, free, considered=False)
-        unknown.attributes["unknown_reported"] = float(rejected and self.reported_unknown)
-        unknown.attributes["unknown_failed"] = self._failed(one.effect.name)
+        unknown = self._unknown(
+            one.ranking, free, reported=rejected and self.reported_unknown,
+            failed=self._failed(one.effect.name),
+        )  # fmt: skip
         gone = rejected and not self.reported_unknown
         worth = apart(one.before, one.ranking[0])
         nothing = _nothing(one.gain, worth, further=len(self.named) > 1, reported=gone)
@@ -86,7 +87,7 @@ class ComparedAnswers:
             0.0 if best is None else best.gain, worth,
             further=bool(self.named), reported=not self.unknown,
         )  # fmt: skip
-        unknown = self._unknown(ranking, free, considered=self.unknown)
+        unknown = self._unknown(ranking, free, reported=self.unknown)
         considered = UNKNOWN if self.unknown else NOTHING
         return ChoiceSet(considered, (*self._names(ranking, ""), unknown, nothing))
 
@@ -130,7 +131,12 @@ class ComparedAnswers:
         return float(min(len(own), MOST_FAILURES))
 
     def _unknown(
-        self, ranking: Sequence[RankedCandidate], free: float, *, considered: bool
+        self,
+        ranking: Sequence[RankedCandidate],
+        free: float,
+        *,
+        reported: bool,
+        failed: float = 0.0,
     ) -> Alternative:
         best = max((c.gain for c in ranking if c.known), default=0.0)
         rest = self.rest
@@ -143,8 +149,8 @@ class ComparedAnswers:
             "unexplained": 0.0 if rest is None else float(np.log1p(max(rest.apart, 0.0))),
             "unexplained_share": 0.0 if rest is None else min(rest.share, 1.0),
             "scatter": self._scatter,
-            "unknown_considered": float(considered),
-            "unknown_reported": float(considered),
+            "unknown_reported": float(reported),
+            "unknown_failed": failed,
         }
         return Alternative(UNKNOWN, attributes)
 
@@ -195,9 +201,7 @@ class ComparedAnswers:
         return {name: times / len(groups) for name, times in chosen.items()}
 
 
-def _parts(
-    some: Sequence[Family], kind: Callable[[Family], str]
-) -> Iterator[tuple[str, Index]]:
+def _parts(some: Sequence[Family], kind: Callable[[Family], str]) -> Iterator[tuple[str, Index]]:
     """Yield the rows of each part of the data of a kind, by its name."""
     for name in dict.fromkeys(map(kind, some)):
         yield name, joined([f for f in some if kind(f) == name])
