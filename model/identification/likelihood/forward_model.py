@@ -200,7 +200,7 @@ class ForwardModel:
         scene = self.scenes[c]
         return ImagePoints(
             s_m=scene.curve_s, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx,
-            normal_y=solved.ny, scale_m=scene.length,
+            normal_y=solved.ny, scale_m=scene.length, session_number=scene.session_number[:, None],
         )  # fmt: skip
 
     def _rise_s(self, c: int) -> float:
