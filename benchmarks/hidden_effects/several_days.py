@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.hidden_effects.cases import NOTHING, Case
-from benchmarks.hidden_effects.recipe import BOTH, Recipe
+from benchmarks.hidden_effects.recipe import BOTH, LONG, Recipe
 from benchmarks.hidden_effects.registry import form_of
 from benchmarks.hidden_effects.sessions import hidden_session
 from labrig.analysis.together import together
@@ -55,10 +55,17 @@ DIFFERING = {
 
 
 def values(effect: str, days: int, seed: int) -> list[float]:
-    """Return a value for each day; none where nothing differs."""
-    random = np.random.default_rng((seed, days))
-    size = DIFFERING[effect].size if effect in DIFFERING else 0.0
-    return (size * random.standard_normal(days)).tolist()
+    """Return a value for each day: 0 where nothing differs.
+
+    Their mean is 0 where differences are told: a mean rest curvature that is not the stated one
+    would be a further effect.
+    """
+    if effect not in DIFFERING:
+        return [0.0] * days
+    own = DIFFERING[effect].size * np.random.default_rng((seed, days)).standard_normal(days)
+    if DIFFERING[effect].from_first:
+        own = own - np.mean(own)
+    return np.asarray(own).tolist()
 
 
 def measured(effect: str, own: Sequence[float], seed: int) -> Measurements:
@@ -83,10 +90,9 @@ def inside(effect: str, own: Sequence[float], found: Diagnosis) -> list[bool]:
         return []
     truth = np.array(own)
     if DIFFERING[effect].from_first:
-        relative = effect != "session_curvature"
-        scale = 1.0 + np.mean(truth) if relative else 1.0
-        truth = (truth[1:] - truth[0]) / scale
-    ends = [p.interval() for p in named.parameters.values()]
+        truth = truth[1:] - truth[0]
+    own_of_long = named.by_configuration.get(LONG, named.parameters)  # where it was changed
+    ends = [p.interval() for p in own_of_long.values()]
     return [low <= value <= high for value, (low, high) in zip(truth, ends, strict=True)]
 
 

@@ -47,4 +47,5 @@ EFFECT = SessionCurvature(
     ),
     form_error_along=("s",),
     from_first=True,
+    by_configuration=True,
 )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from model.effects.between_sessions import sessions_in
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import Field
 from model.parameter import Parameter, finite
@@ -170,6 +171,12 @@ class SheetModel:
     def with_effects(self, *effects: ActiveEffect) -> SheetModel:
         """Return the same model with these effects."""
         return replace(self, effects=effects)
+
+    @property
+    def sessions(self) -> int:
+        """How many sessions its effects tell apart; 0: none differs between sessions."""
+        values = (v for e in self.effects for v in (e.parameters, *e.by_configuration.values()))
+        return max(map(sessions_in, values), default=0)
 
     def in_session(self, number: int) -> SheetModel:
         """Return the same model as it was in one of the sessions that it was fitted to."""

@@ -107,11 +107,11 @@ def candidates(
 def _further(
     forward: ForwardModel, states: Sequence[ModelState], effect: Effect, size: EffectParameter
 ) -> FloatArray:
-    """Return the column of a further size, the first one absent: (N, 1)."""
+    """Return the columns of a further size, the first one absent: (N, 1); (N, C) of each sheet."""
     values = {k.name: k.neutral for k in effect.parameters} | {size.name: size.prior_scale}
     steps = [forward.step(c, state, effect, values) for c, state in enumerate(states)]
     rows = [forward.rows_of(c, states[c], step) for c, step in enumerate(steps)]
-    return np.asarray(np.sum(rows, axis=0))[:, None]
+    return np.stack(rows if effect.by_configuration else [np.sum(rows, axis=0)], axis=1)
 
 
 @dataclass(frozen=True)

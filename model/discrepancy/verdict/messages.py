@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from model.discrepancy.thresholds import FEWEST_SETUPS, REPORTED_FORM_SHARE, REPORTED_GAP_RATIO
 from model.discrepancy.verdict.result import (
@@ -70,7 +70,14 @@ def _capital(text: str) -> str:
 
 def in_sessions(one: Named) -> str:
     """Return an effect's values in each session with their 90 % intervals; empty: it has none."""
-    own = {session_of(name): p for name, p in one.parameters.items() if session_of(name)}
+    sheets = one.by_configuration or {"": one.parameters}
+    return "; ".join(
+        f"{name}{': ' * bool(name)}{told}" for name, own in sheets.items() if (told := _told(own))
+    )
+
+
+def _told(parameters: Mapping[str, Parameter]) -> str:
+    own = {session_of(name): p for name, p in parameters.items() if session_of(name)}
     less = " less session 1" if own and 1 not in own else ""
     return ", ".join(f"session {number}{less} {_with_interval(p)}" for number, p in own.items())
 
