@@ -156,6 +156,7 @@ class Finding:
             plugins={**origins_of_locations(), **origins_of_effects(), **origins_of_checks()},
             base=base_parameters(told),
             checks=decision.criticism.results,
+            choice_sets=decision.choice_sets,
         )
 
     @property
