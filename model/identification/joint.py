@@ -254,6 +254,7 @@ def joint_fit(
         symmetric=options.symmetric,
         along=options.eibm_form == "along",
         rest_sigma_per_m=options.initial_curvature_sigma_per_m,
+        stiffness_Nm2=options.stiffness_Nm2,
     )
     bases = bases_of(forward, known, base)
     problem = FitProblem.of(forward, bases, noise_of(forward, WIDE))

@@ -98,7 +98,7 @@ def linearised(forward: ForwardModel, c: int, state: ModelState) -> Linearised:
     """Return a configuration as the locations see it."""
     scene, part = forward.scenes[c], forward.part(c)
     measured_at = part.mean(part.clock.session)
-    measured_at[scene.free] = scene.free_clock.session
+    measured_at[scene.unread] = scene.unread_clock.session
     return Linearised(
         beam=state.beam, contact=state.solved.contact, weighed=state.weighed,
         points=forward.points(c, state.solved), clock=part.clock,
