@@ -232,7 +232,7 @@ def _notes(
     for name, one in configurations.items():
         if not one.B_known:
             notes.append(not_weighed(name, one.B.value))
-        if one.B.sigma > POOR * one.B.value:
+        elif one.B.sigma > POOR * one.B.value:
             share = 100.0 * one.B.sigma / one.B.value
             notes.append(
                 f"B of '{name}' is hardly fixed by these data (±{share:.0f} %): only forces fix it,"

@@ -101,9 +101,8 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     scene, theta = forward.scenes[c], final.theta
     sigma = np.sqrt(np.maximum(np.diag(final.solution.covariance), 0.0))
     B = float(np.exp(theta[part.stiffness]))
-    stiffness = Parameter(
-        value=B, sigma=B * float(sigma[part.stiffness]), unit="N m^2", freedom=INTERVAL_FREEDOM
-    )
+    share = float(sigma[part.stiffness]) if weighs(scene.look) else 1.0  # then nothing is known
+    stiffness = Parameter(value=B, sigma=B * share, unit="N m^2", freedom=INTERVAL_FREEDOM)
     stated = scene.sheet.initial_curvature
     if stated is not None:
         along = Along(stated[0], stated[1], np.zeros(len(stated[0])), "1/m")
