@@ -101,6 +101,8 @@ class Effect:
     # whether each configuration may have its own size
     by_configuration: bool = False
     of_the_rig: bool = False  # not of the sheet: the same for all configurations
+    # whether at 0 V it depends on how the sheet came there, which its form cannot know
+    by_history: bool = False
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
     # whether the base model has it as a parameter, unless it is asked to be symmetric
     in_base_model: bool = False

@@ -20,7 +20,7 @@ Coordinate = Literal[
     "driven", "time", "clamp", "image_x", "image_y",
 ]  # fmt: skip
 Under = Literal["", "voltage", "polarity"]
-Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp"]
+Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp", "moment"]
 UNKNOWN = "unknown"  # the name of what is in no catalogue
 
 
