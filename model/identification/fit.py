@@ -257,11 +257,14 @@ def _notes(
 
 
 def _to_json(one: ConfigurationFit) -> dict[str, Any]:
-    known = {"B_Nm2": one.B.to_json(), "E_Pa": one.E.to_json()}
-    ratio = {str(float(v)): p.to_json() for v, p in one.eibm_over_B.items()}
+    stiffness: dict[str, Any] = {"B_Nm2": one.B.to_json(), "E_Pa": one.E.to_json()}
+    if not one.B_known:
+        ratio = {str(float(v)): p.to_json() for v, p in one.eibm_over_B.items()}
+        stiffness = {
+            "B_Nm2": None, "E_Pa": None, "B_taken_Nm2": one.B.value, "EIBM_over_B_per_m": ratio
+        }  # fmt: skip
     return {
-        **(known if one.B_known else {"B_Nm2": None, "E_Pa": None, "B_stated_Nm2": one.B.value}),
-        "EIBM_over_B_per_m": ratio,
+        **stiffness,
         "EIBM_Nm": {str(float(v)): p.to_json() for v, p in one.eibm.items()},
         "EIBM_along_sheet": {
             str(float(v)): {
