@@ -34,6 +34,8 @@ class MessageEncoder:
             ev.RunStarted: self._run_started,
             ev.VoltageSet: self._voltage,
             ev.ReadingTaken: self._reading,
+            ev.LoadCellLeft: lambda event: self._moved(event, "leaves for"),
+            ev.LoadCellArrived: lambda event: self._moved(event, "is at"),
             ev.ReadingMarked: self._marked,
             ev.ActionTaken: self._action,
             ev.OutputChanged: self._output,
@@ -108,6 +110,16 @@ class MessageEncoder:
             "stage_position_mm": _milli(event.stage_position_m),
             "since_wetting_s": event.since_wetting_s,
             "log": f"run {run.index + 1} begins: {run.configuration}, {where}{again}",
+        }
+
+    def _moved(self, event: ev.LoadCellLeft | ev.LoadCellArrived, what: str) -> Message:
+        position_mm = 1e3 * event.position_m
+        return {
+            "type": "load_cell",
+            "time_s": self.since_begin(event.time_s),
+            "run": event.run,
+            "position_mm": position_mm,
+            "log": f"the load cell {what} {position_mm:g} mm",
         }
 
     def _voltage(self, event: ev.VoltageSet) -> Message:
@@ -264,6 +276,7 @@ def _run(run: PlannedRun) -> Message:
         "run": run.index,
         "repeats": run.repeats,
         "purpose": run.purpose.value,
+        "extra": run.extra,
         "configuration": run.configuration,
         "position_mm": _milli(run.position_m),
         "mounting": run.mounting,
