@@ -103,7 +103,8 @@ def estimated_size(plan: Plan, frame_bytes: int) -> int:
     samples = len(inputs_of(plan.rig)) * 8 * seconds * plan.rig.boards.sample_rate_hz
     readings = sum(len(run.readings) for run in plan.schedule.runs)
     every = plan.protocol.camera.keep_all_frames
-    frames = seconds * plan.schedule.frame_rate_hz if every else readings
+    filmed_s = sum(run.duration_s for run in plan.schedule.runs if every or run.keep_all_frames)
+    frames = readings + filmed_s * plan.schedule.frame_rate_hz
     return math.ceil(samples + frames * frame_bytes) + 1_000_000
 
 
