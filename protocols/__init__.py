@@ -17,6 +17,7 @@ from protocols.planning.description import (
     ScheduleDescription,
     Timeline,
     describe,
+    free_shapes_in_words,
     timeline,
 )
 from protocols.planning.encoding import (
@@ -70,6 +71,7 @@ __all__ = [
     "VoltageStep",
     "check_schedule",
     "describe",
+    "free_shapes_in_words",
     "lateness_of",
     "lateness_s",
     "make_schedule",

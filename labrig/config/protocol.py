@@ -115,7 +115,6 @@ class ExtrasConfig(ClosedModel):
             dead_weights_N=tuple(load / 1000 for load in self.dead_weights_mN),
         )
 
-
     def _added(self, *, default: bool) -> Iterator[Extra]:
         for name, part in EXTRAS.parts().items():
             asked = getattr(self, name, None)
@@ -189,7 +188,7 @@ class ProtocolConfig(ClosedModel):
 
 
 def protocol_model() -> type[ProtocolConfig]:
-    """Return the model of protocol.toml with all kinds of protocol and extras that there are now."""
+    """Return the model of protocol.toml with the kinds of protocol and extras there are now."""
     return _model_of(
         tuple((name, part.part) for name, part in PROTOCOLS.parts().items()),
         tuple((name, part.part) for name, part in EXTRAS.parts().items()),
@@ -202,11 +201,11 @@ Named = tuple[tuple[str, type], ...]
 @lru_cache(maxsize=8)
 def _model_of(kinds: Named, extras: Named) -> type[ProtocolConfig]:
     tables: dict[str, Any] = {name: (model_of(kind) | None, None) for name, kind in kinds}
+    keys: dict[str, Any] = {
+        name: (bool | model_of(extra) | None, _key_of(extra)) for name, extra in extras
+    }
     added = create_model(
-        "ExtrasConfig",
-        __base__=ExtrasConfig,
-        __doc__=ExtrasConfig.__doc__,
-        **{name: (bool | model_of(extra) | None, _key_of(extra)) for name, extra in extras},
+        "ExtrasConfig", __base__=ExtrasConfig, __doc__=ExtrasConfig.__doc__, **keys
     )
     tables["extras"] = (added, added())
     made: type[ProtocolConfig] = create_model(

@@ -40,8 +40,8 @@ from protocols import (
     StopRequest,
     make_schedule,
 )
+from protocols.execution.devices import MOVING
 from protocols.execution.events import Event
-from protocols.execution.stage_move import THREAD
 from protocols.kinds.pulse_train import PulseTrain
 
 CHANNELS = (
@@ -62,7 +62,7 @@ def _require(holds: bool, what: str) -> None:
 
 
 # What is done in threads of its own, so that a device that hangs or blocks holds up nothing.
-THREADS = frozenset({"writing 0 V", "reading the drive voltage back", THREAD})
+THREADS = frozenset({"writing 0 V", "reading the drive voltage back", MOVING})
 
 
 class FakeClock:

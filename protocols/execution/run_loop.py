@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 
 from drivers.interfaces import CameraCounts, Clock, DeviceError, DeviceTimeoutError, VoltageWrite
-from protocols.execution.devices import Devices
+from protocols.execution.devices import Devices, StageMove
 from protocols.execution.events import (
     Event,
     LoadCellArrived,
@@ -21,7 +21,6 @@ from protocols.execution.events import (
 from protocols.execution.output import GuardedOutput
 from protocols.execution.readings import ReadingMaker
 from protocols.execution.rules import LoopTiming, Rules
-from protocols.execution.stage_move import StageMove
 from protocols.execution.states import RunState
 from protocols.execution.stop import StopLevel, StopRequest
 from protocols.planning.schedule import PlannedMove, PlannedRun
@@ -173,9 +172,7 @@ class RunLoop:
         if not self._until(self._zero_s + move.time_s, maker):
             return None
         moving = StageMove(loop.devices.stage, loop.clock, move.position_m)
-        loop.emit(
-            LoadCellLeft(moving.began_s, run=self._run.index, position_m=move.position_m)
-        )
+        loop.emit(LoadCellLeft(moving.began_s, run=self._run.index, position_m=move.position_m))
         try:
             while not moving.ended:
                 if not self._until(loop.clock.now() + loop.timing.service_s, maker):

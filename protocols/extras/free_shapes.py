@@ -12,7 +12,7 @@ from protocols.kinds.contract import ProtocolKind
 from protocols.kinds.fields import duration
 from protocols.planning.builder import Builder, StepsAndReadings
 from protocols.planning.pulses import Pulses
-from protocols.planning.schedule import ReadingKind
+from protocols.planning.schedule import AT_REST_S, ReadingKind
 
 EACH = 2  # shapes at every voltage
 
@@ -29,7 +29,7 @@ class FreeShapes(Extra):
     name: ClassVar[str] = "free_shapes"
     by_default: ClassVar[bool] = True
 
-    rest_s: float = duration(3.0, "at 0 V, before the first shape")
+    rest_s: float = duration(AT_REST_S, "at 0 V, before the first shape")
     settled_s: float = duration(
         0.0,
         "after an edge, when the sheet has settled: shapes under voltage are taken then; 0: none",
@@ -70,9 +70,7 @@ class FreeShapes(Extra):
         return run.finish()
 
 
-def _take(
-    run: Builder, pulses: Pulses, voltage_V: float, wait_s: float, kind: ReadingKind
-) -> None:
+def _take(run: Builder, pulses: Pulses, voltage_V: float, wait_s: float, kind: ReadingKind) -> None:
     """Take shapes at one voltage after a wait, as far apart as pulses are long."""
     wait_s = max(wait_s, pulses.half_window_s)
     run.step(voltage_V, wait_s + (EACH - 1) * pulses.pulse_s + pulses.half_window_s)

@@ -37,7 +37,9 @@ def faults(kind: object) -> list[str]:
         protocol = kind()
     except ScheduleError as error:
         return [f"its defaults are refused: {error}"]
-    return list(islice(_run_faults(protocol), _MAX_FAULTS)) or list(accepted_out_of_bounds(protocol))
+    return list(islice(_run_faults(protocol), _MAX_FAULTS)) or list(
+        accepted_out_of_bounds(protocol)
+    )
 
 
 def declared_faults(kind: type[Any], method: str) -> Iterator[str]:

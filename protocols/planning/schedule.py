@@ -11,6 +11,8 @@ from enum import StrEnum
 
 from protocols.serialise import OMITTED_AS_DEFAULT
 
+AT_REST_S = 3.0  # a free sheet has stopped swinging, with the losses of Nafion in air
+
 
 class ReadingKind(StrEnum):
     """What a reading is for."""

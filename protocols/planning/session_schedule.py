@@ -116,8 +116,8 @@ class _Planner:
         added = list(self._added(place))
         if not place.positions_m and not any(run.position_m is None for _, run in added):
             raise ScheduleError(
-                f"places: {name} has no positions; only free_shapes and release of [extras] can be "
-                "taken without any"
+                f"places: {name} has no positions; only extras without the load cell, such as "
+                "free shapes, can be taken without any"
             )
         for extra, run in added:
             if run.position_m is None:

@@ -20,7 +20,11 @@ from protocols.extras.free_shapes import FreeShapes
 from protocols.kinds.pulse_train import PulseTrain
 
 EXTRAS = Extras(
-    random_order_seed=3, remounts=1, no_touch_zero=True, added=(FreeShapes(),), dead_weights_N=(0.02,)
+    random_order_seed=3,
+    remounts=1,
+    no_touch_zero=True,
+    added=(FreeShapes(),),
+    dead_weights_N=(0.02,),
 )
 SCHEDULE = make_schedule(PulseTrain(), [Place("long", (0.0, 0.005))], extras=EXTRAS)
 

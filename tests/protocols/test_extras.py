@@ -185,7 +185,7 @@ def test_a_place_without_positions_takes_what_needs_no_load_cell():
     assert [r.extra for r in runs_of(Release(), Chirp(), LoadCellStep(), places=[nowhere])] == [
         "release"
     ]
-    with pytest.raises(ScheduleError, match="only free_shapes and release"):
+    with pytest.raises(ScheduleError, match="only extras without the load cell"):
         runs_of(Chirp(), places=[nowhere])
 
 

@@ -13,9 +13,7 @@ from protocols import (
     make_schedule,
 )
 from protocols.extras.free_shapes import FreeShapes
-from protocols.kinds.hold import Hold
 from protocols.kinds.pulse_train import PulseTrain
-from protocols.kinds.staircase import Staircase
 
 POSITIONS_M = (0.0, 0.005, 0.010, 0.015, 0.020, 0.025, 0.030)
 LONG = Place("long", POSITIONS_M)

@@ -8,7 +8,7 @@ from typing import Any
 
 from drivers.interfaces import Prompt
 from labrig.panel.live.strip_rows import rows_message, strip_rows
-from protocols import describe
+from protocols import describe, free_shapes_in_words
 from protocols.execution import events as ev
 from protocols.execution.channels import CURRENT_A, DRIVE_V, FORCE_N, Channel
 from protocols.execution.operator import REPEAT
@@ -241,6 +241,7 @@ def plan_message(
     picture: Message | None,
     channels: Sequence[Channel],
     done: Collection[int] = (),
+    warnings: Sequence[str] = (),
 ) -> Message:
     """Return what is going to be done, for the timeline."""
     found = describe(schedule)
@@ -258,6 +259,8 @@ def plan_message(
         "picture": picture,
         "channels": rows_message(strip_rows(channels)),
         "done": sorted(done),
+        "free_shapes": free_shapes_in_words(schedule),
+        "warnings": list(warnings),
         "runs": [
             {
                 "starts_s": rows[run.index].starts_s,

@@ -6,7 +6,6 @@ holds what they know of a run, and `/session/setup/extras` the rest.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -23,7 +22,7 @@ class _Rest:
     move: PlannedMove | None = None
 
 
-_NONE = {field.name: field.default for field in fields(_Rest)}
+_NONE: dict[str, Any] = {field.name: field.default for field in fields(_Rest)}
 
 
 def without_extras(schedule: Schedule) -> Schedule:
@@ -39,7 +38,7 @@ def extras_of(schedule: Schedule) -> dict[str, Any]:
 
 def with_extras(schedule: Schedule, plain: Any) -> Schedule:
     """Return the schedule with the rest. Raises ValueError for data that are none."""
-    found = from_plain(Mapping[int, _Rest], plain, "extras", lenient=True)
+    found = from_plain(dict[int, _Rest], plain, "extras", lenient=True)
     return replace(
         schedule,
         runs=tuple(
