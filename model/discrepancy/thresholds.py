@@ -93,6 +93,8 @@ CERTAIN_PROBABILITY = 0.8
 REPORTED_PROBABILITY, NEGLIGIBLE_PROBABILITY = 0.05, 0.02
 # Best names among which the choice is repeated with each position left out.
 CROSS_VALIDATED_NAMES = 6
+# Best names that are compared for each place in the verdict.
+COMPARED_NAMES = 8
 # Degrees of freedom of the reported intervals: about the number of set-ups of a session. Moves the
 # coverage in benchmarks/hidden_effects.
 INTERVAL_FREEDOM = 12.0
