@@ -8,6 +8,7 @@ gives every frame at its recorded time after the run's first sample.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,8 @@ def replay_plan(session: RecordedSession) -> Plan:
         raise BadInputError(
             f"{session.path}: no run of it was ever begun; nothing can be replayed."
         )
-    return make_plan(on_simulated_boards(rig), session.texts)
+    plan = make_plan(on_simulated_boards(rig), session.texts)
+    return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise
 
 
 def on_simulated_boards(rig: RigConfig) -> RigConfig:

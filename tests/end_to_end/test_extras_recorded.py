@@ -9,8 +9,13 @@ import h5py
 import numpy as np
 import pytest
 
+from labrig.config import ProtocolConfig
+from labrig.experiment.replay import replay_plan
+from labrig.experiment.resume import Resumption, resumed_plan
 from labrig.session import load_measurements, open_session
 from labrig.session.format.layout import MOVE_BEGAN, MOVE_ENDED
+from labrig.testing import short_schedule
+from protocols.execution import events as ev
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
 from tests.made_once import made_once
 
@@ -133,6 +138,28 @@ def test_replay_serves_the_series_and_the_frames(recorded):
         missing = one.frame_count - two.frame_count
         assert missing in (0, 1)  # a frame of the lead-in comes before the camera looks
         assert np.array_equal(one.image(missing), two.image(0))
+
+
+def test_a_resumed_session_gets_all_that_was_recorded_of_an_extra(recorded):
+    events = []
+    with open_session(recorded) as session:
+        Resumption(session).publish(events.append, 1e4)
+        frames = run_of(session, "release").frame_count
+        log = {e.kind: e.time_s for e in session.events}
+    kept = [f for e in events if isinstance(e, ev.FramesArrived) for f in e.frames]
+    assert len(kept) == frames
+    (left,) = [e for e in events if isinstance(e, ev.LoadCellLeft)]
+    (arrived,) = [e for e in events if isinstance(e, ev.LoadCellArrived)]
+    assert (left.position_m, arrived.reported_m) == (0.02, None)  # moved by hand
+    assert arrived.time_s - left.time_s == pytest.approx(log[MOVE_ENDED] - log[MOVE_BEGAN])
+
+
+def test_a_session_is_replayed_and_resumed_with_its_own_schedule(recorded, monkeypatch):
+    other = short_schedule(0.01)  # what another version of labrig makes of the same files
+    monkeypatch.setattr(ProtocolConfig, "schedule", lambda _self, _name: other)
+    with open_session(recorded) as session:
+        assert replay_plan(session).schedule == session.schedule != other
+        assert resumed_plan(session).schedule == session.schedule
 
 
 def test_exports_say_which_series_is_an_extras(recorded, tmp_path):

@@ -60,7 +60,7 @@ EVENTS: Final = "/session/events"
 MORE: Final = "+"  # kind of an event row that continues the text of the row before
 NOBODY_ANSWERED: Final = "nobody answered"  # text of an event `answered`: as if "done"
 MOVE_BEGAN: Final = "load cell left"  # kinds of the events of a load cell moved during a run
-MOVE_ENDED: Final = "load cell arrived"
+MOVE_ENDED: Final = "load cell arrived"  # subject: where by the stage, "9.9980 mm", if it says
 NO_FRAME: Final = -1
 EVENT_TEXT_BYTES: Final = 240
 

@@ -272,9 +272,10 @@ class Translator:
 
     def _arrived(self, event: ev.LoadCellArrived) -> list[EventRows]:
         text = f"at {1e3 * event.position_m:g} mm"
-        if event.reported_m is not None:
-            text += f", the stage reports {1e3 * event.reported_m:.3f} mm"
-        return self._log(event, layout.MOVE_ENDED, text, run=event.run)
+        reported = "" if event.reported_m is None else f"{1e3 * event.reported_m:.4f} mm"
+        if reported:
+            text += f"; the stage reports {reported}"
+        return self._log(event, layout.MOVE_ENDED, text, run=event.run, subject=reported)
 
     def _reading(self, event: ev.ReadingTaken) -> list[EventRows]:
         started, planned = self._started[event.run], event.planned
