@@ -11,7 +11,11 @@ from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.thresholds import NONPARAMETRIC_MARGIN_LN, UNEXPLAINED_SHARE
+from model.discrepancy.thresholds import (
+    MISSED_BY_FORM_SHARE,
+    NONPARAMETRIC_MARGIN_LN,
+    UNEXPLAINED_SHARE,
+)
 from model.discrepancy.verdict.choice_set import ChoiceSet
 from model.discrepancy.verdict.compared_answers import ComparedAnswers
 from model.discrepancy.verdict.fitted_model import sheet_model
@@ -169,5 +173,5 @@ def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
     if not names:
         return False
     explained = 0.5 * (base.deviance - known.deviance)
-    form = UNEXPLAINED_SHARE if names == 1 else 0.0
+    form = MISSED_BY_FORM_SHARE if names == 1 else 0.0
     return rest.first.gain * (1.0 - form) > explained + NONPARAMETRIC_MARGIN_LN
