@@ -207,6 +207,7 @@ def _condition(key: _Key, gathered: _Gathered) -> Condition:
 def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries, ...]:
     """Return a time series for each run; times that start again begin the next run."""
     rows: dict[tuple[str, float | None, int, int], list[tuple[float, ...]]] = {}
+    extras: dict[tuple[str, float | None, int, int], str] = {}
     turns: dict[tuple[str, float | None, int], int] = {}
     for row in read_rows(path, columns.SIGNALS, columns.SIGNALS_OPTIONAL):
         position_m = row.optional("position_mm", from_milli, NUMBER, None)
@@ -219,6 +220,7 @@ def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries,
             turn += 1
         turns[place] = turn
         values = rows.setdefault((*place, turn), [])
+        extras[(*place, turn)] = row.optional("extra", str, "a text", "")
         if values and time_s <= values[-1][0]:
             raise row.fault("column time_s: times must rise within a position")
         values.append(
@@ -233,7 +235,10 @@ def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries,
             raise row.fault("force_mN and current_mA must be there for all of a position, or none")
     if not rows:
         raise BadInputError(f"{path}: holds no samples.")
-    return tuple(_one_series(*key, np.array(values)) for key, values in rows.items())
+    return tuple(
+        replace(_one_series(*key, np.array(values)), extra=extras[key])
+        for key, values in rows.items()
+    )
 
 
 def _one_series(

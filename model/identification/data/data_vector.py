@@ -142,7 +142,7 @@ def look(measurements: Measurements, configuration: str) -> DataVector:
         raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
     zeros_N = (_load_cell_zero(c, session, begun) for c in own)
     seen += tuple(s for s in zeros_N if s is not None)
-    series = [s for s in measurements.series if s.configuration == configuration]
+    series = [s for s in measurements.series if s.configuration == configuration and not s.extra]
     pulses = [p for s in series for p in _pulses(s, seen)]
     return DataVector(
         sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.last_s - session.first_s
