@@ -167,14 +167,15 @@ def _search(problem: _Problem, theta: FloatArray, tolerance: float) -> _Found:
     """Step until a step is short; a step shorter by far than the last needs no new matrices."""
     at = problem.point(theta)
     jacobians, fresh, damping, before = problem.jacobians(at), True, 0.0, 0.0
-    for steps in range(1, MOST_STEPS + 1):
+    steps, length, ended = 0, np.inf, False
+    while not ended and steps < MOST_STEPS:
+        steps += 1
         hessian, gradient, length = problem.equations(at, jacobians)
         if not fresh and length > CONTRACTION * before:
             jacobians, fresh = problem.jacobians(at), True
             hessian, gradient, length = problem.equations(at, jacobians)
         at, damping, moved = _step(problem, at, hessian, gradient, damping)
-        if length < tolerance or (fresh and not moved):
-            break
+        ended = length < tolerance or (fresh and not moved)
         before, fresh = length if moved else 0.0, False
     data = hessian - np.diag(problem.parameters.precision)
     return _Found(at, data, steps, length < tolerance)

@@ -84,9 +84,10 @@ class RunResiduals:
             if run.current else None
         )  # fmt: skip
 
-    def count(self, data: RecordedRun | None) -> int:
+    def count(self, data: RecordedRun) -> int:
         """Return the number of values that are compared."""
-        seen = 0 if data is None or data.x_m is None else np.isfinite(data.x_m + data.y_m).sum()
+        both = () if data.x_m is None or data.y_m is None else data.x_m + data.y_m
+        seen = np.isfinite(np.asarray(both, dtype=float)).sum()
         return int(
             len(self.run.time_s) * self.run.force + self._away.sum() * self.run.current + seen
         )
@@ -109,6 +110,7 @@ class RunResiduals:
             across = [
                 np.cos(a.phi_rad) * (b.y_m - a.y_m) - np.sin(a.phi_rad) * (b.x_m - a.x_m)
                 for a, b in columns
+                if b.x_m is not None and b.y_m is not None
             ]
             flat = np.stack([part.ravel() for part in across], axis=1)
             parts.append(np.where(np.isfinite(flat), flat, 0.0) / self._curve_m)

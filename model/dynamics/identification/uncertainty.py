@@ -56,4 +56,4 @@ def judged(
         )
         for q, s, p in zip(parameters.quantities, sigma, share, strict=True)
     )  # fmt: skip
-    return judged, covariance
+    return judged, np.asarray(covariance, dtype=float)
