@@ -25,7 +25,6 @@ class Ladder(NamedTuple):
 
     source_S: float  # from the source to the first cell
     side_S: float  # from cell to cell
-    feed_S: float  # from V's mean to a rung's current, U at its start being 0
     charge: float  # h/(rho (1 + y/2)): current that U at its start gives back
     y: float  # dt/(rho c)
     factor: Floats  # (n,) of the elimination
@@ -57,9 +56,10 @@ def ladder(
     back_S = source_S * by_charge[0]
     rate = 1 / (bulk_ohm_m * farad_per_m)
     return Ladder(
-        source_S, side_S, h * leak_S_per_m + charge, charge, y, factor, pivot,
-        source_S * (1 - by_source[0]), back_S,
-        rate * float(back_S @ by_source), rate * (back_S - by_charge.T @ back_S),
+        source_S=source_S, side_S=side_S, charge=charge, y=y,
+        factor=factor, pivot=pivot, now_S=source_S * (1 - by_source[0]), back_S=back_S,
+        rise_S_per_s=rate * float(back_S @ by_source),
+        sink_S_per_s=rate * (back_S - by_charge.T @ back_S),
     )  # fmt: skip
 
 

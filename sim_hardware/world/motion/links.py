@@ -151,13 +151,17 @@ def _pulls(links: Links, dt: float, towards: Floats, at: Floats, pull: Floats) -
         for k in range(3):
             x[k] = at[k, i]
         nx, ny = -ty / size, tx / size
-        _pull(links, dt, links.mass_kg[i], links.span_m[i], nx, ny, x, pull[i])
+        _pull(
+            links, dt, mass=links.mass_kg[i], span=links.span_m[i], nx=nx, ny=ny, x=x, out=pull[i]
+        )
     for b in range(2):
         for k in range(3):
             x[k] = at[k, last] + links.bar_at_m[b] * towards[k, last]
         nx, ny = -towards[1, last, 1], towards[1, last, 0]
-        row = pull[last + 1 + b]
-        _pull(links, dt, links.bar_kg[b], links.bar_span_m[b], nx, ny, x, row)
+        _pull(
+            links, dt, mass=links.bar_kg[b], span=links.bar_span_m[b], nx=nx, ny=ny, x=x,
+            out=pull[last + 1 + b],
+        )  # fmt: skip
 
 
 @brief_jit
@@ -332,7 +336,7 @@ def step(
         _solve(links, spring, towards, space.pull, space.work, right)
         largest = 0.0
         if held:
-            slid = _hold(towards[2], h, place, roll_x, roll_y, lever, other, right)
+            slid = _hold(towards[2], h, place, roll_x, roll_y, lever=lever, old=other, right=right)
             largest = abs(slid) / h * 1e-3
         for i in range(1, last + 1):
             phi[2, i] -= right[i, 0]

@@ -52,7 +52,7 @@ class Course(NamedTuple):
     clamp_rad: Floats  # and the clamp's direction
 
 
-class State(NamedTuple):
+class MotionState(NamedTuple):
     """All that the next step depends on; changed in place."""
 
     phi: Floats  # (3, n + 1): before, now, next
@@ -101,7 +101,7 @@ def _moments(law: Law, share: float, U: Floats, moment: Floats) -> None:
 
 
 @brief_jit
-def _disturbed(state: State, course: Course, k: int) -> bool:
+def _disturbed(state: MotionState, course: Course, k: int) -> bool:
     """Whether anything outside has changed since it last did; remember it."""
     now = (
         course.drive_V[k], course.share[k], course.stiff[k],
@@ -117,7 +117,7 @@ def _disturbed(state: State, course: Course, k: int) -> bool:
 
 
 @brief_jit
-def _still(state: State) -> bool:
+def _still(state: MotionState) -> bool:
     for i in range(state.phi.shape[1]):
         if abs(state.phi[2, i] - state.phi[1, i]) > _STILL_RAD:
             return False
@@ -131,7 +131,7 @@ def _still(state: State) -> bool:
 
 @brief_jit
 def _move(
-    links: Links, law: Law, dt: float, course: Course, k: int, end_m: float, state: State,
+    links: Links, law: Law, dt: float, course: Course, k: int, end_m: float, state: MotionState,
     moment: Floats, space: Room,
 ) -> int:  # fmt: skip
     """Step the chain; a sheet that cannot be held any longer slips out of the rolls."""
@@ -144,8 +144,9 @@ def _move(
         phi[2] = 2.0 * phi[1] - phi[0]
         phi[2, 0] = course.clamp_rad[k]
         status = step(
-            links, course.stiff[k], dt, phi, state.lag, state.flags[0], moment, contact, held,
-            course.roll_x_m[k], course.roll_y_m[k], end_m, space,
+            links, course.stiff[k], dt, phi, state.lag, now=state.flags[0], moment=moment,
+            contact=contact, held=held, roll_x=course.roll_x_m[k], roll_y=course.roll_y_m[k],
+            end_m=end_m, space=space,
         )  # fmt: skip
         if status == STEPPED or not held:
             break
@@ -157,7 +158,7 @@ def _move(
 @brief_jit
 def march(
     links: Links, line: Ladder, law: Law, omega: float, damping: float, dt: float, end_m: float,
-    course: Course, state: State, space: Room, rows: Floats, shapes: Floats,
+    course: Course, state: MotionState, space: Room, rows: Floats, shapes: Floats,
 ) -> int:  # fmt: skip
     """Fill `rows` (m, COLUMNS) and `shapes` (m, n + 1); return how many could be made."""
     row, contact = state.row, state.contact
@@ -170,7 +171,10 @@ def march(
         before = row[FORCE]
         if state.flags[1] == 0:
             change_V = charge(line, course.drive_V[k], state.U, work)
-            if _move(links, law, dt, course, k, end_m, state, moment, space) == LOST:
+            moved = _move(
+                links, law, dt, course, k, end_m=end_m, state=state, moment=moment, space=space
+            )
+            if moved == LOST:
                 return k
             state.flags[1] = 1 if change_V < _STILL_V and _still(state) else 0
             row[BACK] = np.sum(line.back_S * state.U)

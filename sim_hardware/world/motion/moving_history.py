@@ -183,14 +183,15 @@ class MovingHistory:
         self._watcher(times[1:], drive_V, moved[:, march.FORCE])
 
     def _march(
-        self, sheet: MovingSheet, course: march.Course, state: march.State
+        self, sheet: MovingSheet, course: march.Course, state: march.MotionState
     ) -> tuple[FloatArray, FloatArray]:
         """Return rows and shapes of as many steps as can be made."""
         count, cell = course.drive_V.size, self._settings.load_cell
         rows, shapes = np.empty((count, march.COLUMNS)), np.empty((count, state.phi.shape[1]))
         made = march.march(
-            sheet.links, sheet.line, sheet.law, 2 * math.pi * cell.resonance_hz, cell.damping,
-            self._step_s, sheet.chain.sheet.visible_m, course, state, self._room, rows, shapes,
+            sheet.links, sheet.line, sheet.law, omega=2 * math.pi * cell.resonance_hz,
+            damping=cell.damping, dt=self._step_s, end_m=sheet.chain.sheet.visible_m,
+            course=course, state=state, space=self._room, rows=rows, shapes=shapes,
         )  # fmt: skip
         return rows[:made], shapes[:made]
 
@@ -256,7 +257,7 @@ class MovingHistory:
         self._from[_TURNED] = stage.first_turned(np.append(reach, 0.0))[:2]
         self._put(self._from)
 
-    def _at_rest(self, stage: Stage, sheet: MovingSheet, U: FloatArray) -> march.State:
+    def _at_rest(self, stage: Stage, sheet: MovingSheet, U: FloatArray) -> march.MotionState:
         slow = self._from[None, _SLOW]
         self._clamp_before = sheet.chain.sheet.clamp_rad
         stiff = float(stage.stiffening(slow[:, _DRY_S])[0])

@@ -23,8 +23,8 @@ from sim_hardware.world.motion.march import (
     HELD,
     SINK,
     Law,
+    MotionState,
     S,
-    State,
 )
 from sim_hardware.world.setup import MILLI, MountedSheet
 
@@ -182,7 +182,7 @@ class MovingSheet:
 
     def at_rest(
         self, U: FloatArray, share: float, stiff: float, *, beside_N: float, held_N: float
-    ) -> State:
+    ) -> MotionState:
         """Return the state in which nothing moves and all has relaxed.
 
         A sheet that the rolls cannot hold is free. `stiff`: B over that of a wet sheet;
@@ -203,7 +203,7 @@ class MovingSheet:
             row[FORCE] = B * float(self.setup.along_axis(along)[0]) + held_N
         row[FORCE] += beside_N
         row[CELL] = row[FORCE]
-        return State(
+        return MotionState(
             phi=np.array([phi, phi, phi]),
             lag=lag,
             U=U.copy(),
