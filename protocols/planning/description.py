@@ -31,6 +31,7 @@ class PlanRow:
 
     run: int
     purpose: Purpose
+    extra: str  # that added it, in words; empty: a run of the protocol itself
     configuration: str
     position_m: float | None
     approach: str
@@ -127,6 +128,7 @@ def _row(run: PlannedRun, actions: list[Action], starts_s: float) -> PlanRow:
     return PlanRow(
         run=run.index,
         purpose=run.purpose,
+        extra=run.in_words if run.extra else "",
         configuration=run.configuration,
         position_m=run.position_m,
         approach=run.approach,

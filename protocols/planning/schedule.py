@@ -96,6 +96,11 @@ class PlannedRun:
         """Whether it is one of the protocol's own measurements, in contact."""
         return self.purpose is Purpose.MEASUREMENT and not self.extra
 
+    @property
+    def in_words(self) -> str:
+        """What it is for: the extra that added it, else its purpose."""
+        return (self.extra or self.purpose.value).replace("_", " ")
+
     def time_of(self, reading: PlannedReading) -> float:
         """Planned time of a reading's sampling point, s."""
         return self.steps[reading.step].time_s + reading.delay_s

@@ -186,6 +186,7 @@ def test_plan_prints_the_warning_and_the_time_under_voltage(tmp_path, capsys):
     out, err = capsys.readouterr()
     # 3 measurements (one from the other side) of 6 pulses of 0.6 s, and the sweep of 12 s
     assert "22.8 s of it under voltage" in out
+    assert "free shapes: 2 zero" in out
     assert "add [extras] release = true" in err
 
 
