@@ -19,7 +19,7 @@ from model.dynamics.beam import (
     HeldVoltage,
     PrescribedMoment,
 )
-from model.dynamics.body import SLIPPED, Given, MotionState, Track, new_track, scheme
+from model.dynamics.body import SLIPPED, Given, MotionState, StepHistory, new_history, scheme
 from model.dynamics.equations import at_contact
 from model.dynamics.line import LineModes
 from model.dynamics.load_cell import LoadCellFilter
@@ -77,7 +77,7 @@ class Steps(NamedTuple):
     """The steps of a piece of a motion: what was given, what came of it."""
 
     given: Given
-    track: Track
+    track: StepHistory
     line: tuple[FloatArray, FloatArray, FloatArray]  # source, V(0) and current at their ends
 
 
@@ -176,7 +176,7 @@ class Simulation:
             step_s=step_s, moment=moment, clamp=self._clamp(ends), place=self._places(ends),
             contact=self.setup is not None,
         )  # fmt: skip
-        made = Steps(given, new_track(given, self.body.space.size), line)
+        made = Steps(given, new_history(given, self.body.space.size), line)
         self.made = made
         if self.slipped_s is None:
             self._march(made, ends)
