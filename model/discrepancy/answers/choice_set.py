@@ -20,7 +20,6 @@ ATTRIBUTES = {
     "behind": "ln(1 + log Bayes factor of the best name over it)",
     "behind_share": "that log Bayes factor over the evidence of the best name",
     "first": "the best name",
-    "named": "named by search and checks",
     "considered": "named by the search",
     "not_fitted": "its evidence is that of the linearised model",
     "form_share": "share of its contribution that is model-form error",
@@ -32,7 +31,7 @@ ATTRIBUTES = {
     "uneven": "largest sure difference of its amplitude in a part of the data, as a share of it",
     # of something unknown
     "unknown": "1",
-    "unknown_reported": "called unknown by search and checks",
+    "unknown_considered": "called unknown by the search",
     "unknown_ahead": "ln(1 + log Bayes factor of the best nonparametric term over the best name)",
     "unknown_ahead_share": "that log Bayes factor over the larger of the two",
     "unexplained": "ln(1 + evidence of a nonparametric term beside the names)",
@@ -42,7 +41,7 @@ ATTRIBUTES = {
     # of nothing
     "nothing": "1",
     "nothing_further": "something is named already",
-    "nothing_reported": "called nothing by search and checks",
+    "nothing_considered": "called nothing by the search",
     "nothing_gain": "ln(1 + evidence of the best alternative)",
     "nothing_apart": "the same, the effects that are named being uncertain by a few per cent",
 }  # by name
