@@ -26,6 +26,7 @@ from benchmarks.hidden_effects.score import (
     named_in_its_class,
     outside,
 )
+from benchmarks.worlds.reliability import Told, reliability
 from model.discrepancy.answers.choice_set import UNKNOWN
 
 SEEN, SURE = 12.0, 0.9
@@ -52,6 +53,7 @@ def rows(records: Sequence[Record]) -> list[Row]:
         mean_at_most("single, d >= 12: mean size of the set", 1.3,
                      [len(r.reported) for r in single if r.reported]),
         at_most("confidently wrong (0.9), all cases", 0.01, judged, confidently_wrong),
+        *reliability("named: it is there", _named(judged)),
         at_least("pairs, both d >= 12: exactly both", 0.85, pairs, exactly),
         at_least("pairs: both in the reported set", 0.95, pairs,
                  lambda r: set(r.names) <= r.reported),
@@ -82,6 +84,15 @@ def confidently_wrong(r: Record) -> bool:
     """Whether something was named surely that is not there, nor what it may be confused with."""
     there = {UNKNOWN} if r.family == "outside" else set(r.names)
     return any(n.confidence >= SURE and not _set(n) & there for n in r.named)
+
+
+def _named(records: Sequence[Record]) -> list[Told]:
+    """Return the confidence of each name, of its class, and whether that is there."""
+    return [
+        (r.key, n.confidence, r.family != "outside" and bool({n.name, *n.confusable_with} & {
+            *r.names}))
+        for r in records for n in r.named
+    ]  # fmt: skip
 
 
 def _set(n: Name) -> set[str]:
