@@ -137,8 +137,9 @@ def _base(measurements: Measurements) -> SheetModel:
 def _foretold(one: Made, said: Answer) -> Foretold:
     """Compare with conditions half-way between the session's, without noise."""
     assert said.foretell is not None
-    truth = unmeasured(one.world, one.sizes, one.task.seed)
-    plain = unmeasured(one.world, {}, one.task.seed)
+    seed, design = one.task.seed, one.task.design
+    truth = unmeasured(one.world, one.sizes, seed, design)
+    plain = unmeasured(one.world, {}, seed, design)
     return Foretold(
         base=errors(_base(one.session), truth), written=errors_of(said.foretell, truth),
         floor=errors(_base(one.bare), plain),

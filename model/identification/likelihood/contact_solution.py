@@ -42,7 +42,8 @@ class SolvedConditions:
     contact: ContactSolution
     force_N: FloatArray  # (K,) NaN: free
     modes_m: FloatArray  # (K, M) of the distance measured - predicted; NaN: no curve
-    x_m: FloatArray  # (K, S) predicted points at the measured s, in the frame of the picture
+    s_m: FloatArray  # (K, S) place along the sheet that each measured point is compared with
+    x_m: FloatArray  # (K, S) predicted points there, in the frame of the picture
     y_m: FloatArray
     nx: FloatArray  # (K, S) normal there
     ny: FloatArray
@@ -202,6 +203,26 @@ class ConfigurationModel:
             self._hold(beam, rows, found, contact)
         for k in self.free.tolist():
             x[k], y[k], phi[k] = self._hang(beam, k, contact)
+        return self._compared(beam, contact, self.curve_s, (x, y, phi))
+
+    def at(self, beam: BeamProblem, solved: SolvedConditions, s_m: FloatArray) -> SolvedConditions:
+        """Return the last solution with its curves at other places along the sheet (K, S)."""
+        x, y, phi = (np.zeros(s_m.shape) for _ in range(3))
+        for rows, found in self._found:
+            shapes = found.shapes(s_m[rows])
+            x[rows], y[rows], phi[rows] = shapes.x_m, shapes.y_m, shapes.phi_rad
+        for k in self.free.tolist():
+            kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
+            places, back = np.unique(s_m[k], return_inverse=True)
+            x[k], y[k], phi[k] = (a[back] for a in free_shape(kappa, places)[:3])
+        return self._compared(beam, solved.contact, s_m, (x, y, phi))
+
+    def _compared(
+        self, beam: BeamProblem, contact: ContactSolution, s_m: FloatArray,
+        curves: tuple[FloatArray, FloatArray, FloatArray],
+    ) -> SolvedConditions:  # fmt: skip
+        """Return a solution with its curves (x, y, phi) compared with the measured ones."""
+        x, y, phi = curves
         tilt = beam.tilt_rad[:, None]
         cos, sin = np.cos(tilt), np.sin(tilt)
         px, py = cos * x - sin * y, sin * x + cos * y
@@ -210,14 +231,9 @@ class ConfigurationModel:
         modes = np.einsum("kms,ks->km", self.project, off)
         modes[~self.has_curve] = np.nan
         return SolvedConditions(
-            contact=contact,
-            force_N=contact.force_N.copy(),
-            modes_m=modes,
-            x_m=px,
-            y_m=py,
-            nx=nx,
-            ny=ny,
-        )
+            contact=contact, force_N=contact.force_N.copy(), modes_m=modes, s_m=s_m,
+            x_m=px, y_m=py, nx=nx, ny=ny,
+        )  # fmt: skip
 
     def forces(self, beam: BeamProblem) -> FloatArray:
         """Return forces alone (K,); the solution kept for derivatives is not changed."""
@@ -229,10 +245,11 @@ class ConfigurationModel:
         self._last, self._found = last, kept
         return result
 
-    def modes_of(self, beam: BeamProblem) -> FloatArray:
-        """Modes of the distances measured - predicted alone (K, M), likewise."""
+    def modes_of(self, beam: BeamProblem, s_m: FloatArray) -> FloatArray:
+        """Modes of the distances measured - predicted at s (K, S) alone (K, M), likewise."""
         last, kept = self._last, self._found
-        result = self.solve(beam).modes_m
+        found = self.solve(beam)
+        result = (found if s_m is self.curve_s else self.at(beam, found, s_m)).modes_m
         self._last, self._found = last, kept
         return result
 
@@ -274,26 +291,16 @@ class ConfigurationModel:
         return found
 
     def _solve(
-        self,
-        beam: BeamProblem,
-        rows: Index,
-        angle: FloatArray,
-        radius_m: float,
+        self, beam: BeamProblem, rows: Index, angle: FloatArray, radius_m: float,
         start: Equilibria | None = None,
-    ) -> Equilibria:
+    ) -> Equilibria:  # fmt: skip
         reach = self.length + self.sheet.elongation_m + 10.0 * radius_m
         kappa, soft = self._kappa(beam, rows), self._soft(beam, rows)
-        found = solve(
-            Problems(
-                breaks_m=self.breaks,
-                kappa=kappa,
-                softness=soft,
-                radius_m=radius_m,
-                reach_m=reach,
-                angle_rad=angle,
-            ),
-            start,
-        )
+        made = Problems(
+            breaks_m=self.breaks, kappa=kappa, softness=soft, radius_m=radius_m, reach_m=reach,
+            angle_rad=angle,
+        )  # fmt: skip
+        found = solve(made, start)
         if np.any(found.status != SolverStatus.SOLVED):
             bad = self.look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
@@ -343,26 +350,19 @@ class ConfigurationModel:
         K, G, M, Q = self.K, self.count, self.modes, self.columns
         force, modes = np.zeros((K, Q)), np.zeros((K, M, Q))
         kappa = np.concatenate([self.rows, np.zeros((G + 3, *self.rows.shape[1:]))])
-        soft = np.concatenate(
-            [
-                np.zeros_like(self.rows),
-                self.rows,
-                self.stiff_end[None],
-                np.zeros((2, *self.rows.shape[1:])),
-            ]
-        )
+        none = np.zeros_like(self.rows)
+        soft = np.concatenate([none, self.rows, self.stiff_end[None], none[:1], none[:1]])
         one = np.zeros((1, 2 * G + 3))
         angle, radius = one.copy(), one.copy()
         angle[0, -2], radius[0, -1] = 1.0, 1.0
         to = Directions.of(kappa[None], soft[None], angle, radius)
         for rows, equilibria in self._found:
             B, gamma = beam.stiffness[rows], solved.contact.gamma_rad[rows]
-            _, found = equilibria.answers(self.curve_s[rows], to)
+            _, found = equilibria.answers(solved.s_m[rows], to)
             turn = solved.contact.normal_N[rows] * np.sin(gamma)
             n = 2 * G + 3
-            force[rows, :n] = (B * np.cos(gamma))[:, None] * found.nu - turn[
-                :, None
-            ] * found.phi_hat
+            force[rows, :n] = (B * np.cos(gamma))[:, None] * found.nu
+            force[rows, :n] -= turn[:, None] * found.phi_hat
             force[rows, n] = turn  # gamma = phi_hat - beta
             force[rows, n + 1] = solved.contact.force_N[rows]
             cos, sin = (f(beam.tilt_rad[rows])[:, None, None] for f in (np.cos, np.sin))
@@ -378,7 +378,7 @@ class ConfigurationModel:
     def _free_answers(self, beam: BeamProblem, k: int, solved: SolvedConditions) -> FloatArray:
         kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
         _, _, _, found = free_shape(
-            kappa, self.curve_s[k], [Field(self.breaks, r) for r in self.rows]
+            kappa, solved.s_m[k], [Field(self.breaks, r) for r in self.rows]
         )
         cos, sin = np.cos(beam.tilt_rad[k]), np.sin(beam.tilt_rad[k])
         dx = cos * found[..., 0] - sin * found[..., 1]
