@@ -67,7 +67,7 @@ def _fit(found: Sequence[Record], output: Path) -> None:
     }
     whole = {
         "made": made,
-        "thresholds": {k: round(v, 6) for k, v in answers.thresholds.items()},
+        "contents": {k: round(v, 6) for k, v in answers.contents.items()},
         "weights": {k: round(v, 6) for k, v in answers.weights.items()},
     }
     output.write_text(json.dumps(whole, indent=2) + "\n", encoding="utf-8")
@@ -75,7 +75,7 @@ def _fit(found: Sequence[Record], output: Path) -> None:
 
 def _read(file: Path) -> CalibratedAnswers:
     whole = json.loads(file.read_text(encoding="utf-8"))
-    return CalibratedAnswers(whole["weights"], whole["thresholds"])
+    return CalibratedAnswers(whole["weights"], whole["contents"])
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Fits the weights and thresholds of `model.discrepancy.answers.calibrated_answers`."""
+"""Fits the weights and contents of `model.discrepancy.answers.calibrated_answers`."""
 
 from __future__ import annotations
 
@@ -10,18 +10,35 @@ from scipy.optimize import minimize
 
 from benchmarks.worlds.cases import SHARES
 from benchmarks.worlds.right_answers import Labelled
-from model.discrepancy.answers.calibrated_answers import KINDS, CalibratedAnswers, kind_of
+from model.discrepancy.answers.calibrated_answers import (
+    KINDS,
+    CalibratedAnswers,
+    kind_of,
+    likelier,
+)
 from model.discrepancy.answers.choice_set import ATTRIBUTES
 from model.measurements import FloatArray
 
 COVERAGE = 0.95
+LEAST_CONTENT = 0.95
 ROUNDING = 1e-9
-RIDGE = 1.0  # prior precision of a weight, over the mean square of its attribute
+RIDGE = 0.3  # prior precision of a weight, over the mean square of its attribute
 NAMES = tuple(ATTRIBUTES)
+# attributes that can only speak for an answer, or against it, whatever a few cases say
+FOR = {
+    "first", "considered", "votes", "unknown_considered", "unknown_ahead", "unknown_ahead_share",
+    "unexplained", "unexplained_share", "scatter", "unknown_failed", "nothing_considered",
+}  # fmt: skip
+AGAINST = {
+    "behind", "behind_share", "not_fitted", "form_share", "large", "freedom", "failed", "misfit",
+    "uneven", "nothing_gain", "nothing_apart",
+}  # fmt: skip
 
 
 def weights(questions: Sequence[Labelled]) -> dict[str, float]:
-    """Return the most likely weights with a ridge; families count as they do in the benchmark.
+    """Return the most likely weights with a ridge, of the sign that each can have.
+
+    Families count as they do in the benchmark.
 
     Questions whose right answers are not among the alternatives tell nothing of them.
     """
@@ -43,7 +60,8 @@ def weights(questions: Sequence[Labelled]) -> dict[str, float]:
             slope = slope + count * ((all_p - own_p) @ (X / scale))
         return value, slope
 
-    found = minimize(loss, np.zeros(len(NAMES)), jac=True, method="L-BFGS-B")
+    bounds = [(0.0 if k in FOR else None, 0.0 if k in AGAINST else None) for k in NAMES]
+    found = minimize(loss, np.zeros(len(NAMES)), jac=True, method="L-BFGS-B", bounds=bounds)
     return dict(zip(NAMES, (found.x / scale).tolist(), strict=True))
 
 
@@ -54,37 +72,40 @@ def _shares(questions: Sequence[Labelled]) -> FloatArray:
     return each / np.mean(each) if len(each) else each
 
 
-def of_right(questions: Sequence[Labelled], answers: CalibratedAnswers) -> FloatArray:
-    """Return the probability of the likeliest right answer of each question."""
-    found = [(q, answers.probabilities(q.asked)) for q in questions]
-    return np.array([max(p.get(name, 0.0) for name in q.right) for q, p in found])
+def likelier_than_right(questions: Sequence[Labelled], answers: CalibratedAnswers) -> FloatArray:
+    """Return the probability of all answers before the first right one; infinite: there is none."""
+    found = [(q, likelier(answers.probabilities(q.asked))) for q in questions]
+    return np.array([min(before.get(name, np.inf) for name in q.right) for q, before in found])
 
 
-def threshold(found: FloatArray, each: FloatArray, coverage: float = COVERAGE) -> float:
-    """Return the largest value that a share `coverage` of further ones reaches at least.
+def content(found: FloatArray, each: FloatArray, coverage: float = COVERAGE) -> float:
+    """Return the smallest value that a share `coverage` of further ones does not exceed.
 
-    `each`: how much each value counts. Where all count alike it is the k-th smallest of n with
-    k = floor((1 - coverage)(n + 1)); 0 where n is too small (Vovk, Gammerman and Shafer 2005; with
-    weights Tibshirani et al. 2019, Adv. Neural Inf. Process. Syst. 32, the next one counting as
-    much as any).
+    `each`: how much each value counts. Where all count alike it is the k-th smallest of n, with k
+    the next whole number above coverage (n + 1); 1 where n is too small (Vovk, Gammerman and Shafer
+    2005, Algorithmic Learning in a Random World; with weights Tibshirani et al. 2019, Adv. Neural
+    Inf. Process. Syst. 32, the next one counting as much as any).
     """
     if not len(found):
-        return 0.0
+        return 1.0
     order = np.argsort(found)
     below = np.cumsum(each[order])
-    k = int(np.sum(below <= (1.0 - coverage) * (below[-1] + np.max(each)) * (1.0 + ROUNDING)))
-    return float(found[order[k - 1]]) if k else 0.0
+    enough = below >= coverage * (below[-1] + np.max(each)) * (1.0 - ROUNDING)
+    return float(min(found[order[np.argmax(enough)]], 1.0)) if np.any(enough) else 1.0
 
 
 def calibrated(questions: Sequence[Labelled]) -> CalibratedAnswers:
-    """Return weights from all questions, thresholds from worlds that weights were not fitted to."""
+    """Return weights from all questions, contents from worlds that weights were not fitted to."""
     none, foreign = dict.fromkeys(KINDS, 0.0), np.zeros(len(questions))
     for world in {q.world for q in questions}:
         own = np.array([q.world == world for q in questions])
         others = [q for q in questions if q.world != world]
-        foreign[own] = of_right(
+        foreign[own] = likelier_than_right(
             [q for q in questions if q.world == world], CalibratedAnswers(weights(others), none)
         )
     kinds, each = np.array([kind_of(q.asked.considered) for q in questions]), _shares(questions)
-    limits = {kind: threshold(foreign[kinds == kind], each[kinds == kind]) for kind in KINDS}
-    return CalibratedAnswers(weights(questions), limits)
+    contents = {
+        kind: max(content(foreign[kinds == kind], each[kinds == kind]), LEAST_CONTENT)
+        for kind in KINDS
+    }
+    return CalibratedAnswers(weights(questions), contents)

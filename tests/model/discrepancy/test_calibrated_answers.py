@@ -46,13 +46,13 @@ def test_probabilities_are_those_of_a_conditional_logit():
 @pytest.mark.parametrize(
     ("considered", "answers"),
     [
-        ("gravity", ("gravity", UNKNOWN, "clamp_angle")),
+        ("gravity", ("gravity",)),
         (UNKNOWN, ("gravity", UNKNOWN)),
-        (NOTHING, ("gravity",)),  # never empty
+        (NOTHING, ("gravity", UNKNOWN, "clamp_angle", NOTHING)),
     ],
 )
-def test_what_the_search_says_has_its_own_threshold(considered, answers):
-    own = CalibratedAnswers(WEIGHTS, {NAME: 0.03, UNKNOWN: 0.1, NOTHING: 0.99})
+def test_a_set_has_the_likeliest_answers_up_to_the_content_of_what_is_said(considered, answers):
+    own = CalibratedAnswers(WEIGHTS, {NAME: 0.7, UNKNOWN: 0.9, NOTHING: 1.0})
     judged = own.judged(replace(ASKED, considered=considered))
     assert judged.answers == answers
     assert judged.likeliest == "gravity"
@@ -69,6 +69,6 @@ def test_large_utilities_do_not_overflow():
 def test_the_file_that_is_shipped_has_a_number_for_every_attribute_and_kind():
     used = calibrated()
     assert set(used.weights) == set(ATTRIBUTES)
-    assert set(used.thresholds) == set(KINDS)
-    assert all(0.0 < limit < 0.9 for limit in used.thresholds.values())
+    assert set(used.contents) == set(KINDS)
+    assert all(0.95 <= content < 1.0 for content in used.contents.values())
     assert used.weights["behind"] <= 0.0
