@@ -60,7 +60,8 @@ class Visible:
 def known(symmetric: bool, exclude: Sequence[str] = ()) -> list[Effect]:
     """The effects that `diagnose` considers."""
     skip = {*exclude} if symmetric else {*exclude, "eibm_asymmetry"}
-    return [e for name, e in catalogue().items() if name not in skip]
+    asked = [e.for_sessions(1) for name, e in catalogue().items() if name not in skip]
+    return [e for e in asked if e is not None]
 
 
 class Yardstick:

@@ -11,10 +11,10 @@ from scipy.optimize import minimize
 from benchmarks.worlds.cases import SHARES
 from benchmarks.worlds.right_answers import Labelled
 from model.discrepancy.answers.calibrated_answers import (
-    KINDS,
+    SAID,
     CalibratedAnswers,
-    kind_of,
     likelier,
+    said,
 )
 from model.discrepancy.answers.choice_set import ATTRIBUTES
 from model.measurements import FloatArray
@@ -96,16 +96,15 @@ def content(found: FloatArray, each: FloatArray, coverage: float = COVERAGE) -> 
 
 def calibrated(questions: Sequence[Labelled]) -> CalibratedAnswers:
     """Return weights from all questions, contents from worlds that weights were not fitted to."""
-    none, foreign = dict.fromkeys(KINDS, 0.0), np.zeros(len(questions))
+    none, foreign = dict.fromkeys(SAID, 1.0), np.zeros(len(questions))
     for world in {q.world for q in questions}:
         own = np.array([q.world == world for q in questions])
         others = [q for q in questions if q.world != world]
         foreign[own] = likelier_than_right(
             [q for q in questions if q.world == world], CalibratedAnswers(weights(others), none)
         )
-    kinds, each = np.array([kind_of(q.asked.considered) for q in questions]), _shares(questions)
+    of, each = np.array([said(q.asked) for q in questions]), _shares(questions)
     contents = {
-        kind: max(content(foreign[kinds == kind], each[kinds == kind]), LEAST_CONTENT)
-        for kind in KINDS
+        what: max(content(foreign[of == what], each[of == what]), LEAST_CONTENT) for what in SAID
     }
     return CalibratedAnswers(weights(questions), contents)

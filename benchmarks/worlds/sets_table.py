@@ -12,28 +12,31 @@ from benchmarks.hidden_effects.score import Row, mean_at_most
 from benchmarks.worlds.fit_answers import COVERAGE
 from benchmarks.worlds.reliability import Told, reliability, share
 from benchmarks.worlds.right_answers import Labelled, labelled
-from model.discrepancy.answers.calibrated_answers import CalibratedAnswers
+from model.discrepancy.answers.calibrated_answers import CalibratedAnswers, is_name
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
 
 SURE, LARGEST_SET = 0.9, 1.3
 
 
 def rows(records: Sequence[Record], answers: CalibratedAnswers) -> list[Row]:
-    """Return the lines: truth in the set and its size by kind of truth, and by probability."""
+    """Return the lines: truth in the set and its size, by truth and by what is said; odds."""
     asked = [(r.key, q) for r in records for q in labelled(r)]
     kinds: dict[str, Callable[[Labelled], bool]] = {
-        "a name": lambda q: not q.right & {UNKNOWN, NOTHING},
-        "unknown": lambda q: UNKNOWN in q.right,
-        "nothing": lambda q: NOTHING in q.right,
-        "any": lambda q: bool(q.right),
+        "truth: a name": lambda q: not q.right & {UNKNOWN, NOTHING},
+        "truth: unknown": lambda q: UNKNOWN in q.right and NOTHING not in q.right,
+        "truth: nothing": lambda q: NOTHING in q.right,
+        "said: a name": lambda q: is_name(q.asked.considered),
+        "said: unknown": lambda q: q.asked.considered == UNKNOWN,
+        "said: nothing": lambda q: q.asked.considered == NOTHING,
+        "all questions": lambda q: bool(q.right),
     }
     lines = []
     for what, chosen in kinds.items():
         some = [(key, q) for key, q in asked if chosen(q)]
         sizes = [len(answers.judged(q.asked).answers) for _, q in some]
         lines += [
-            _share(f"truth: {what}; in the set", COVERAGE, some, answers),
-            mean_at_most(f"truth: {what}; mean size of the set", LARGEST_SET, sizes),
+            _share(f"{what}; truth in the set", COVERAGE, some, answers),
+            mean_at_most(f"{what}; mean size of the set", LARGEST_SET, sizes),
         ]
     likeliest = _likeliest(asked, answers)
     wrong = [(key, p >= SURE and not right) for key, p, right in likeliest]

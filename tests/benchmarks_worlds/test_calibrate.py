@@ -13,10 +13,10 @@ from benchmarks.worlds.calibrate import main
 from benchmarks.worlds.fit_answers import calibrated, content, weights
 from benchmarks.worlds.right_answers import Labelled, labelled
 from model.discrepancy.answers.calibrated_answers import (
-    KINDS,
-    NAME,
+    SAID,
+    SOMETHING,
     CalibratedAnswers,
-    kind_of,
+    said,
 )
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
 
@@ -35,9 +35,9 @@ def question(random: np.random.Generator, world: str) -> Labelled:
     unknown = Alternative(UNKNOWN, {"unknown": 1.0})
     nothing = Alternative(NOTHING, {"nothing": 1.0, "nothing_gain": float(random.uniform(0, 3))})
     asked = ChoiceSet("gravity", (*names, unknown, nothing))
-    true = CalibratedAnswers(TRUE, dict.fromkeys(KINDS, 0.0)).probabilities(asked)
-    said = next(iter(true)) if random.uniform() < 0.5 else str(random.choice(list(true)))
-    asked = replace(asked, considered=said)
+    true = CalibratedAnswers(TRUE, dict.fromkeys(SAID, 1.0)).probabilities(asked)
+    says = next(iter(true)) if random.uniform() < 0.5 else str(random.choice(list(true)))
+    asked = replace(asked, considered=says)
     right = random.choice(list(true), p=list(true.values()))
     return Labelled(world, "single", asked, frozenset({str(right)}))
 
@@ -60,10 +60,10 @@ def test_sets_hold_the_truth_in_95_percent_of_further_questions_whatever_is_said
     random = np.random.default_rng(2)
     further = [question(random, "d") for _ in range(3000)]
     judged = [answers.judged(q.asked) for q in further]
-    for kind in KINDS:
+    for what in SAID:
         held = [
             bool(q.right & {*j.answers}) for q, j in zip(further, judged, strict=True)
-            if kind_of(q.asked.considered) == kind
+            if said(q.asked) == what
         ]  # fmt: skip
         assert 0.94 < np.mean(held) < 0.995
     assert np.mean([len(j.answers) for j in judged]) < 4.0
@@ -162,13 +162,13 @@ def test_the_command_fits_and_says_what_to(tmp_path, capsys):
     ]  # fmt: skip
     append(kept, every)
     assert main([str(kept), "-o", str(made)]) == 0
-    assert "truth: a name; in the set" in capsys.readouterr().out
+    assert "truth: a name; truth in the set" in capsys.readouterr().out
     told = json.loads(made.read_text())
     assert told["made"]["worlds"] == {"chain": 12, "shooting": 12}
     assert told["made"]["seeds"] == [500]
     assert told["made"]["program"] == ["program"]
-    assert told["contents"][NAME] == 0.95  # of 24, all of them right
-    assert told["contents"][UNKNOWN] == 1.0  # of none
+    assert told["contents"][SOMETHING] == 0.95  # of 24, all of them right
+    assert told["contents"][NOTHING] == 0.95
 
 
 def test_nothing_is_fitted_to_a_sealed_world(tmp_path, capsys):

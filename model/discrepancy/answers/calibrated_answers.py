@@ -9,9 +9,9 @@ with the attributes x and weights w that were fitted to sessions in which it is 
 hidden. A set has the likeliest answers, until they have a probability together that is its content
 (adaptive prediction sets; Romano, Sesia and Candes 2020, Adv. Neural Inf. Process. Syst. 33). The
 content is 0.95, or as much more as it takes for the sets to hold the right answer in 95 % of the
-training questions, with weights that were fitted to other worlds. Each kind of what the search
-says, a name, UNKNOWN, NOTHING, has its own content, so that the promise holds for whoever reads one
-of them. The numbers are in `calibrated_answers.json`, made by
+training questions, with weights that were fitted to other worlds. Where the search says something
+and where it says NOTHING sets have contents of their own, so that the promise holds for whoever
+reads one or the other. The numbers are in `calibrated_answers.json`, made by
 `python -m benchmarks.worlds.calibrate`.
 """
 
@@ -28,13 +28,18 @@ import numpy as np
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, ChoiceSet
 
 FILE = Path(__file__).with_name("calibrated_answers.json")
-NAME = "name"  # the kind of all effects of the catalogue
-KINDS = (NAME, UNKNOWN, NOTHING)
+SOMETHING = "something"  # a name, or `UNKNOWN`
+SAID = (SOMETHING, NOTHING)
 
 
-def kind_of(answer: str) -> str:
-    """Return the kind of an answer."""
-    return answer if answer in (UNKNOWN, NOTHING) else NAME
+def said(one: ChoiceSet) -> str:
+    """Return whether the search says something, or nothing."""
+    return NOTHING if one.considered == NOTHING else SOMETHING
+
+
+def is_name(answer: str) -> bool:
+    """Return whether an answer is an effect of the catalogue."""
+    return answer not in (UNKNOWN, NOTHING)
 
 
 @dataclass(frozen=True)
@@ -52,12 +57,12 @@ class Judged:
     @property
     def of_names(self) -> float:
         """The probability that it is some effect of the catalogue."""
-        return sum(p for name, p in self.probabilities.items() if kind_of(name) == NAME)
+        return sum(p for name, p in self.probabilities.items() if is_name(name))
 
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the catalogue in the set."""
-        return tuple(one for one in self.answers if kind_of(one) == NAME)
+        return tuple(one for one in self.answers if is_name(one))
 
 
 @dataclass(frozen=True)
@@ -65,11 +70,11 @@ class CalibratedAnswers:
     """Weights of attributes, and how much probability a set has."""
 
     weights: Mapping[str, float]
-    contents: Mapping[str, float]  # by the kind of what the search says
+    contents: Mapping[str, float]  # by what the search says
 
     def judged(self, one: ChoiceSet) -> Judged:
         """Return the probabilities of a choice set, and its answers."""
-        chances, content = self.probabilities(one), self.contents[kind_of(one.considered)]
+        chances, content = self.probabilities(one), self.contents[said(one)]
         before = likelier(chances)
         return Judged(chances, tuple(name for name in chances if before[name] <= content))
 

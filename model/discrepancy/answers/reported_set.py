@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from model.discrepancy.answers.calibrated_answers import NAME, Judged, kind_of
+from model.discrepancy.answers.calibrated_answers import Judged, is_name
 from model.discrepancy.answers.choice_set import UNKNOWN
 from model.discrepancy.verdict.decision import Decision
 from model.discrepancy.verdict.result import Unknown
@@ -27,7 +27,7 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     """Return the set of a name that is reported; rivals that a check found are in it."""
     judged = answer_about(name, decision)
     names = dict.fromkeys([name, *judged.names, *decision.criticism.rivals(name)])
-    or_else = tuple(one for one in judged.answers if kind_of(one) != NAME)
+    or_else = tuple(one for one in judged.answers if not is_name(one))
     chances = {one: judged.probabilities.get(one, 0.0) for one in (*names, *or_else)}
     return ReportedSet(
         confidence=min(sum(chances[one] for one in names), 1.0),

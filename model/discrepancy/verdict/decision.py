@@ -79,14 +79,15 @@ class Judgement:
             beside = self._leftover(full)
             if not self._unexplained(beside):
                 named, known, rest = more, full, beside
-        if rest is None or not self._unexplained(rest):
+        only = rest is not None and alone(rest, base, known)
+        if rest is None or not (only or self._unexplained(rest)):
             known = with_shapes(known, named)
             told, model = self._written(known, known, None)
             return Decision(
                 named=named, known=known, unknown=None, final=known, written=told, model=model,
                 rest=rest,
             )  # fmt: skip
-        if _alone(rest, base, known):
+        if only:
             named, known, rest = [], base, self._leftover(base) or rest
         return self._with_unknown(named, known, rest)
 
@@ -127,7 +128,7 @@ class Judgement:
             kept = tuple(f for f in known.found if f.effect.name not in rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
         rest = leftover(self.outcome, known, self.effects)
-        if rest is not None and _alone(rest, base, known):
+        if rest is not None and alone(rest, base, known):
             named, known = [], base
         free = None if rest is None else rest.first if known is base else rest.last
         nothing_else = rest is None or free is None or free.gain < self.threshold
@@ -165,7 +166,14 @@ class Judgement:
         return rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN
 
 
-def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
-    """Return whether one free form explains more than all the names together."""
-    explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
-    return rest.first.gain * (1.0 - UNEXPLAINED_SHARE) > explained + NONPARAMETRIC_MARGIN_LN
+def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
+    """Return whether one free form explains more than all the names together.
+
+    A single name may be of another form, and lose some of what a free form explains.
+    """
+    names = len(known.found) - len(base.found)
+    if not names:
+        return False
+    explained = 0.5 * (base.deviance - known.deviance)
+    form = UNEXPLAINED_SHARE if names == 1 else 0.0
+    return rest.first.gain * (1.0 - form) > explained + NONPARAMETRIC_MARGIN_LN

@@ -64,6 +64,7 @@ class ConditionData:
     identical: bool = False  # the readings were, which no load cell's are
     tilt_rad: float = 0.0  # of the rig about the sheet's long axis
     zero: bool = False  # the load cell's own, with nothing to touch: no shape of the sheet
+    session: int = 1  # its number among those analysed together
 
     @property
     def free(self) -> bool:
@@ -214,7 +215,7 @@ def _seen(
         up=-1.0 if condition.approach == "down" else 1.0, force_N=forces,
         clock=timing.of_no_reading(begun) if free else timing.of(readings, at),
         counts=np.arange(len(forces)) >= len(early), curve=curve, own_curves=() if free else own,
-        identical=identical, tilt_rad=condition.tilt_rad,
+        identical=identical, tilt_rad=condition.tilt_rad, session=condition.session,
     )  # fmt: skip
 
 
@@ -240,7 +241,7 @@ def _load_cell_zero(
         voltage_V=0.0, up=1.0, force_N=forces,
         clock=timing.of(readings, times),
         counts=np.ones(len(forces), dtype=bool), curve=None, own_curves=(),
-        tilt_rad=condition.tilt_rad, zero=True,
+        tilt_rad=condition.tilt_rad, zero=True, session=condition.session,
     )  # fmt: skip
 
 

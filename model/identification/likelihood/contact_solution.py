@@ -75,6 +75,7 @@ class ConfigurationModel:
         self.stated_m = np.array([o.position_m for o in seen])
         self.up = np.array([o.up for o in seen])
         self.upright = np.array([np.cos(o.tilt_rad) for o in seen])
+        self.session_number = np.array([float(o.session) for o in seen])
         self.touching = np.flatnonzero(~np.isnan(self.stated_m))
         # not those in which the load cell alone is read
         self.free = np.flatnonzero([o.free and not o.zero for o in seen])
@@ -170,6 +171,7 @@ class ConfigurationModel:
             bend=np.zeros((K, G)), soft=np.ones((K, G)), elongation_soft=none,
             shift_m=none.copy(), tilt_rad=none.copy(), offset_m=none.copy(), piece_m=self.piece_m,
             clock=self.clock, reading_of=self.reading_of, share=self.share, upright=self.upright,
+            session_number=self.session_number,
         )  # fmt: skip
 
     # -- solving

@@ -252,7 +252,7 @@ def _points(scene: ConfigurationModel, solved: SolvedConditions) -> ImagePoints:
     """Return the points of all curves, (K, S)."""
     return ImagePoints(
         s_m=solved.s_m, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx, normal_y=solved.ny,
-        scale_m=scene.length,
+        scale_m=scene.length, session_number=scene.session_number[:, None],
     )  # fmt: skip
 
 

@@ -122,7 +122,7 @@ class Found:
     def parameters(self) -> list[tuple[EffectParameter, tuple[str, ...]]]:
         """Knobs that are refined, each with the configurations that share its value."""
         names = tuple(self.values)
-        free = [k for i, k in enumerate(self.effect.parameters) if i == 0 or k.log]
+        free = [k for i, k in enumerate(self.effect.parameters) if i == 0 or k.log or k.estimated]
         if not self.effect.by_configuration:
             return [(k, names) for k in free]
         return [(k, (name,)) for k in free for name in names]

@@ -8,8 +8,8 @@ from dataclasses import replace
 import pytest
 
 from model.discrepancy.answers.calibrated_answers import (
-    KINDS,
-    NAME,
+    SAID,
+    SOMETHING,
     CalibratedAnswers,
     calibrated,
 )
@@ -34,7 +34,7 @@ WEIGHTS = {"first": 1.0, "behind": -1.0, "unknown": -0.5, "nothing": -4.0}
 
 
 def test_probabilities_are_those_of_a_conditional_logit():
-    found = CalibratedAnswers(WEIGHTS, dict.fromkeys(KINDS, 0.1)).probabilities(ASKED)
+    found = CalibratedAnswers(WEIGHTS, dict.fromkeys(SAID, 0.95)).probabilities(ASKED)
     total = sum(math.exp(u) for u in (1.0, -2.0, -0.5, -4.0))
     assert found == pytest.approx({
         "gravity": math.exp(1.0) / total, UNKNOWN: math.exp(-0.5) / total,
@@ -46,13 +46,13 @@ def test_probabilities_are_those_of_a_conditional_logit():
 @pytest.mark.parametrize(
     ("considered", "answers"),
     [
-        ("gravity", ("gravity",)),
+        ("gravity", ("gravity", UNKNOWN)),
         (UNKNOWN, ("gravity", UNKNOWN)),
         (NOTHING, ("gravity", UNKNOWN, "clamp_angle", NOTHING)),
     ],
 )
 def test_a_set_has_the_likeliest_answers_up_to_the_content_of_what_is_said(considered, answers):
-    own = CalibratedAnswers(WEIGHTS, {NAME: 0.7, UNKNOWN: 0.9, NOTHING: 1.0})
+    own = CalibratedAnswers(WEIGHTS, {SOMETHING: 0.9, NOTHING: 1.0})
     judged = own.judged(replace(ASKED, considered=considered))
     assert judged.answers == answers
     assert judged.likeliest == "gravity"
@@ -62,13 +62,13 @@ def test_a_set_has_the_likeliest_answers_up_to_the_content_of_what_is_said(consi
 
 def test_large_utilities_do_not_overflow():
     weights = {"first": 2000.0}
-    found = CalibratedAnswers(weights, dict.fromkeys(KINDS, 0.1)).probabilities(ASKED)
+    found = CalibratedAnswers(weights, dict.fromkeys(SAID, 0.95)).probabilities(ASKED)
     assert found["gravity"] == 1.0
 
 
 def test_the_file_that_is_shipped_has_a_number_for_every_attribute_and_kind():
     used = calibrated()
     assert set(used.weights) == set(ATTRIBUTES)
-    assert set(used.contents) == set(KINDS)
+    assert set(used.contents) == set(SAID)
     assert all(0.95 <= content < 1.0 for content in used.contents.values())
     assert used.weights["behind"] <= 0.0
