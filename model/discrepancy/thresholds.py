@@ -105,6 +105,10 @@ INTERVAL_FREEDOM = 12.0
 
 # Share of the excess evidence that a right catalogue may leave to nonparametric terms.
 UNEXPLAINED_SHARE = 0.2
+# Share of what a nonparametric term explains by itself that a single name may miss, since its form
+# may be another one. On open worlds 20 right names missed 0.11 at most, four of seven wrong ones
+# 0.16 to 0.28.
+MISSED_BY_FORM_SHARE = 0.15
 # Log Bayes factor by which a nonparametric term must exceed all names.
 NONPARAMETRIC_MARGIN_LN = 4.5
 # Scatter between set-ups over the usual one, beyond which no verdict 'nothing missing' is given.

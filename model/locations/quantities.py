@@ -36,9 +36,12 @@ class AcquisitionTimes:
     def of(self, use: npt.NDArray[np.bool_]) -> AcquisitionTimes:
         """Return some of these times."""
         shape = self.voltage_V.shape
-        return AcquisitionTimes(
-            **{f.name: np.broadcast_to(getattr(self, f.name), shape)[use] for f in fields(self)}
-        )
+
+        def some(values: FloatArray | float) -> FloatArray:
+            whole = np.asarray(values)
+            return (whole if whole.shape == shape else np.broadcast_to(whole, shape))[use]
+
+        return AcquisitionTimes(**{f.name: some(getattr(self, f.name)) for f in fields(self)})
 
     @staticmethod
     def joined(clocks: Sequence[AcquisitionTimes]) -> AcquisitionTimes:

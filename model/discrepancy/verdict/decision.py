@@ -16,6 +16,7 @@ from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     LEAST_PROBABILITY,
+    MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
     UNEXPLAINED_SHARE,
 )
@@ -175,5 +176,5 @@ def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
     if not names:
         return False
     explained = 0.5 * (base.deviance - known.deviance)
-    form = UNEXPLAINED_SHARE if names == 1 else 0.0
+    form = MISSED_BY_FORM_SHARE if names == 1 else 0.0
     return rest.first.gain * (1.0 - form) > explained + NONPARAMETRIC_MARGIN_LN

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -70,6 +71,12 @@ class ConditionData:
     def free(self) -> bool:
         """Whether nothing touches the sheet."""
         return bool(np.isnan(self.position_m))
+
+    @cached_property
+    def own_points_m(self) -> FloatArray:
+        """X and y of the readings' own curves, (2, readings, points)."""
+        curves = self.own_curves
+        return np.array([[c.x_m for c in curves], [c.y_m for c in curves]])
 
     @property
     def kept_N(self) -> FloatArray:

@@ -19,12 +19,13 @@ from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.equilibrium import Directions, Equilibria, Problems, SolverStatus, finer, solve
 from model.mechanics.field import Field, legendre_field, merged_breaks, padded
-from model.mechanics.free_shape import free_shape
+from model.mechanics.free_shape import free_shape, turns
 
 STEEPEST_PER_M = 90.0  # free curvature that panels are made for
 NODES_LONG, NODES_SHORT = 14, 6
 MODES_LONG, MODES_SHORT = 10, 5
 MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the arc
+MOST_KEPT = 64  # places along free shapes whose integrals are kept
 
 
 @dataclass(frozen=True)
@@ -90,6 +91,7 @@ class ConfigurationModel:
         # by condition: angle and solution where the contact was last beside the point on the arc
         self._beside: dict[int, tuple[float, Equilibria]] = {}
         self._last: Equilibria | None = None
+        self._turns: dict[bytes, FloatArray] = {}
         self._found: list[tuple[Index, Equilibria]] = []
 
     def _make_panels(self, look: DataVector, G: int) -> None:
@@ -192,7 +194,7 @@ class ConfigurationModel:
         K, G, S = self.K, self.count, self.curve_s.shape[1]
         contact = replace(_nothing_held(K, G), at_rest=self.at_rest)
         x, y, phi = np.zeros((K, S)), np.zeros((K, S)), np.zeros((K, S))
-        self._found = self._equilibria(beam) if len(self.touching) else []
+        self._found = self._equilibria(beam, self.touching) if len(self.touching) else []
         for rows, found in self._found:
             at = [self._grid_s[rows], self.curve_s[rows], np.full((len(rows), 1), self.length)]
             shapes = found.shapes(np.concatenate(at, axis=1))
@@ -237,21 +239,29 @@ class ConfigurationModel:
             x_m=px, y_m=py, nx=nx, ny=ny,
         )  # fmt: skip
 
-    def forces(self, beam: BeamProblem) -> FloatArray:
-        """Return forces alone (K,); the solution kept for derivatives is not changed."""
+    def forces(self, beam: BeamProblem, some: Index | None = None) -> FloatArray:
+        """Return forces alone (K,), of some touching conditions (None: all); others are NaN.
+
+        The solution kept for derivatives is not changed.
+        """
         last, kept = self._last, self._found
         result = np.full(self.K, np.nan)
-        for rows, found in self._equilibria(beam) if len(self.touching) else []:
+        asked = self.touching if some is None else some
+        if last is not None and some is not None:
+            self._last = last.of(np.searchsorted(self.touching, some))
+        for rows, found in self._equilibria(beam, asked) if len(asked) else []:
             gamma = found.phi_hat_rad - self._beta(beam, rows)
             result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
         self._last, self._found = last, kept
         return result
 
-    def modes_of(self, beam: BeamProblem, s_m: FloatArray) -> FloatArray:
-        """Modes of the distances measured - predicted at s (K, S) alone (K, M), likewise."""
+    def modes_of(self, beam: BeamProblem, s_m: FloatArray | None = None) -> FloatArray:
+        """Modes of the distances measured - predicted alone (K, M), likewise; at s (K, S)."""
         last, kept = self._last, self._found
         found = self.solve(beam)
-        result = (found if s_m is self.curve_s else self.at(beam, found, s_m)).modes_m
+        if s_m is not None and s_m is not self.curve_s:
+            found = self.at(beam, found, s_m)
+        result = found.modes_m
         self._last, self._found = last, kept
         return result
 
@@ -260,9 +270,9 @@ class ConfigurationModel:
         at: FloatArray = (self.stated_m[rows] + beam.shift_m[rows]) / self.sheet.arc_radius_m
         return at + self.sheet.arc_origin_rad - beam.tilt_rad[rows]
 
-    def _equilibria(self, beam: BeamProblem) -> list[tuple[Index, Equilibria]]:
+    def _equilibria(self, beam: BeamProblem, rows: Index) -> list[tuple[Index, Equilibria]]:
         """Return groups of conditions with contacts at the same radius, and their equilibria."""
-        rows, R = self.touching, self.sheet.arc_radius_m
+        R = self.sheet.arc_radius_m
         beta, offset = self._beta(beam, rows), beam.offset_m[rows]
         if not np.any(offset):
             start = self._last
@@ -379,9 +389,13 @@ class ConfigurationModel:
 
     def _free_answers(self, beam: BeamProblem, k: int, solved: SolvedConditions) -> FloatArray:
         kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
-        _, _, _, found = free_shape(
-            kappa, solved.s_m[k], [Field(self.breaks, r) for r in self.rows]
-        )
+        key = solved.s_m[k].tobytes()
+        if key not in self._turns:
+            if len(self._turns) >= MOST_KEPT:  # a camera that distorts asks at other s each time
+                self._turns.clear()
+            fields = [Field(self.breaks, r) for r in self.rows]
+            self._turns[key] = turns(kappa, solved.s_m[k], fields)
+        _, _, _, found = free_shape(kappa, solved.s_m[k], self._turns[key])
         cos, sin = np.cos(beam.tilt_rad[k]), np.sin(beam.tilt_rad[k])
         dx = cos * found[..., 0] - sin * found[..., 1]
         dy = sin * found[..., 0] + cos * found[..., 1]

@@ -125,7 +125,7 @@ def test_rolls_that_turn_the_sheet_are_predicted_from_a_model_file(truth):
     assert abs(found.F_N - plain.F_N) > 1e-5
 
 
-def test_one_free_form_that_explains_more_than_two_names_stands_for_them():
+def test_one_free_form_that_explains_more_than_the_names_stands_for_them():
     def fits(names: int) -> tuple[MixedModelFit, MixedModelFit]:
         base = SimpleNamespace(found=(), deviance=200.0)
         return base, SimpleNamespace(found=("name",) * names, deviance=0.0)
@@ -136,6 +136,8 @@ def test_one_free_form_that_explains_more_than_two_names_stands_for_them():
     assert not alone(free, *fits(0))
     less = SimpleNamespace(first=SimpleNamespace(gain=102.0))
     assert not alone(less, *fits(2))
+    much_more = SimpleNamespace(first=SimpleNamespace(gain=125.0))
+    assert alone(much_more, *fits(1))
 
 
 @pytest.mark.parametrize(
