@@ -19,7 +19,7 @@ from pathlib import Path
 from benchmarks.hidden_effects import records as kept
 from benchmarks.hidden_effects.records import Record
 from benchmarks.hidden_effects.score import table
-from benchmarks.worlds.fit_answers import COVERAGE, RIDGE, calibrated
+from benchmarks.worlds.fit_answers import COVERAGE, fitted
 from benchmarks.worlds.right_answers import labelled
 from benchmarks.worlds.sealed import is_sealed
 from benchmarks.worlds.sets_table import rows
@@ -55,7 +55,9 @@ def _fit(found: Sequence[Record], output: Path) -> None:
     sealed = [name for name in worlds if is_sealed(name)]
     if sealed:
         raise ValueError(f"nothing may be fitted to the sealed world '{sealed[0]}'")
-    answers = calibrated([q for r in found for q in labelled(r)])
+    questions = [q for r in found for q in labelled(r)]
+    result = fitted(questions)
+    answers = result.answers
     states = {r.code for r in found}
     made = {
         "worlds": dict(sorted(worlds.items())),
@@ -63,7 +65,9 @@ def _fit(found: Sequence[Record], output: Path) -> None:
         "program": sorted({code.split("/")[0] for code in states}),
         "generators": sorted({code.split("/")[1] for code in states if "/" in code}),
         "coverage": COVERAGE,
-        "ridge": RIDGE,
+        "questions": len(questions),
+        "ridge": result.ridge,
+        "log_loss_in_other_worlds": round(result.log_loss, 4),
     }
     whole = {
         "made": made,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize
@@ -22,7 +23,9 @@ from model.measurements import FloatArray
 COVERAGE = 0.95
 LEAST_CONTENT = 0.95
 ROUNDING = 1e-9
-RIDGE = 0.3  # prior precision of a weight, over the mean square of its attribute
+# prior precisions of a weight, over the mean square of its attribute where that is not 0; tried
+RIDGES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
+LEAST_PROBABILITY = 1e-4  # that a single question is judged by
 NAMES = tuple(ATTRIBUTES)
 # attributes that can only speak for an answer, or against it, whatever a few cases say
 FOR = {
@@ -35,22 +38,23 @@ AGAINST = {
 }  # fmt: skip
 
 
-def weights(questions: Sequence[Labelled]) -> dict[str, float]:
+def weights(questions: Sequence[Labelled], ridge: float) -> dict[str, float]:
     """Return the most likely weights with a ridge, of the sign that each can have.
 
-    Families count as they do in the benchmark.
-
-    Questions whose right answers are not among the alternatives tell nothing of them.
+    Families count as they do in the benchmark. Questions whose right answers are not among the
+    alternatives tell nothing of them.
     """
     use = [q for q in questions if q.right & {a.name for a in q.asked.alternatives}]
     tables = [np.array([[a.attributes.get(k, 0.0) for k in NAMES] for a in q.asked.alternatives])
               for q in use]  # fmt: skip
     right = [np.array([a.name in q.right for a in q.asked.alternatives]) for q in use]
     each = _shares(use)
-    scale = np.sqrt(np.mean(np.concatenate(tables) ** 2, axis=0)) + 1e-12
+    every = np.concatenate(tables)
+    scale = np.sqrt(np.sum(every**2, axis=0) / np.maximum(np.sum(every != 0.0, axis=0), 1))
+    scale = np.where(scale > 0.0, scale, 1.0)
 
     def loss(w: FloatArray) -> tuple[float, FloatArray]:
-        value, slope = 0.5 * RIDGE * float(w @ w), RIDGE * w
+        value, slope = 0.5 * ridge * float(w @ w), ridge * w
         for X, good, count in zip(tables, right, each, strict=True):
             u = (X / scale) @ w
             all_p = np.exp(u - np.logaddexp.reduce(u))
@@ -72,10 +76,10 @@ def _shares(questions: Sequence[Labelled]) -> FloatArray:
     return each / np.mean(each) if len(each) else each
 
 
-def likelier_than_right(questions: Sequence[Labelled], answers: CalibratedAnswers) -> FloatArray:
+def likelier_than_right(one: Labelled, answers: CalibratedAnswers) -> float:
     """Return the probability of all answers before the first right one; infinite: there is none."""
-    found = [(q, likelier(answers.probabilities(q.asked))) for q in questions]
-    return np.array([min(before.get(name, np.inf) for name in q.right) for q, before in found])
+    before = likelier(answers.probabilities(one.asked))
+    return min(before.get(name, np.inf) for name in one.right)
 
 
 def content(found: FloatArray, each: FloatArray, coverage: float = COVERAGE) -> float:
@@ -94,17 +98,45 @@ def content(found: FloatArray, each: FloatArray, coverage: float = COVERAGE) -> 
     return float(min(found[order[np.argmax(enough)]], 1.0)) if np.any(enough) else 1.0
 
 
-def calibrated(questions: Sequence[Labelled]) -> CalibratedAnswers:
-    """Return weights from all questions, contents from worlds that weights were not fitted to."""
-    none, foreign = dict.fromkeys(SAID, 1.0), np.zeros(len(questions))
-    for world in {q.world for q in questions}:
-        own = np.array([q.world == world for q in questions])
-        others = [q for q in questions if q.world != world]
-        foreign[own] = likelier_than_right(
-            [q for q in questions if q.world == world], CalibratedAnswers(weights(others), none)
-        )
+def in_other_worlds(questions: Sequence[Labelled], ridge: float) -> list[CalibratedAnswers]:
+    """Return for each question answers whose weights were fitted to the other worlds only."""
+    all_in = dict.fromkeys(SAID, 1.0)
+    of = {
+        world: CalibratedAnswers(weights([q for q in questions if q.world != world], ridge), all_in)
+        for world in {q.world for q in questions}
+    }
+    return [of[q.world] for q in questions]
+
+
+def log_loss(questions: Sequence[Labelled], answers: Sequence[CalibratedAnswers]) -> float:
+    """Return the mean of -ln of the probability of what is right, each question by its own."""
+    found = [(q, one.probabilities(q.asked)) for q, one in zip(questions, answers, strict=True)]
+    right = [sum(chances.get(name, 0.0) for name in q.right) for q, chances in found]
+    return float(-np.mean(_shares(questions) * np.log(np.maximum(right, LEAST_PROBABILITY))))
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """What was fitted, and how well it does in worlds that weights were not fitted to."""
+
+    answers: CalibratedAnswers
+    ridge: float
+    log_loss: float
+
+
+def fitted(questions: Sequence[Labelled]) -> Fitted:
+    """Return weights from all questions, contents from worlds that weights were not fitted to.
+
+    The ridge is that with which probabilities do best in such worlds.
+    """
+    foreign = {ridge: in_other_worlds(questions, ridge) for ridge in RIDGES}
+    losses = {ridge: log_loss(questions, answers) for ridge, answers in foreign.items()}
+    ridge = min(losses, key=lambda one: losses[one])
+    before = np.array([
+        likelier_than_right(q, one) for q, one in zip(questions, foreign[ridge], strict=True)
+    ])  # fmt: skip
     of, each = np.array([said(q.asked) for q in questions]), _shares(questions)
     contents = {
-        what: max(content(foreign[of == what], each[of == what]), LEAST_CONTENT) for what in SAID
+        what: max(content(before[of == what], each[of == what]), LEAST_CONTENT) for what in SAID
     }
-    return CalibratedAnswers(weights(questions), contents)
+    return Fitted(CalibratedAnswers(weights(questions, ridge), contents), ridge, losses[ridge])

@@ -10,7 +10,14 @@ import pytest
 
 from benchmarks.hidden_effects.records import Hid, Record, append
 from benchmarks.worlds.calibrate import main
-from benchmarks.worlds.fit_answers import calibrated, content, weights
+from benchmarks.worlds.fit_answers import (
+    RIDGES,
+    content,
+    fitted,
+    in_other_worlds,
+    log_loss,
+    weights,
+)
 from benchmarks.worlds.right_answers import Labelled, labelled
 from model.discrepancy.answers.calibrated_answers import (
     SAID,
@@ -49,16 +56,16 @@ def questions():
 
 
 def test_the_weights_that_made_the_answers_are_found(questions):
-    found = weights(questions)
+    found = weights(questions, 0.1)
     for name, value in TRUE.items():
         assert found[name] == pytest.approx(value, abs=0.5)
     assert found["form_share"] == 0.0  # which no alternative has
 
 
 def test_sets_hold_the_truth_in_95_percent_of_further_questions_whatever_is_said(questions):
-    answers = calibrated(questions)
+    answers = fitted(questions).answers
     random = np.random.default_rng(2)
-    further = [question(random, "d") for _ in range(3000)]
+    further = [question(random, "d") for _ in range(1500)]
     judged = [answers.judged(q.asked) for q in further]
     for what in SAID:
         held = [
@@ -94,8 +101,30 @@ def test_families_count_as_in_the_benchmark_however_many_were_run(questions):
     random = np.random.default_rng(3)
     sure = [replace(question(random, "a"), family="nothing", right=frozenset({NOTHING}))
             for _ in range(100)]  # fmt: skip
-    few, many = weights([*questions, *sure[:50]]), weights([*questions, *sure, *sure, *sure])
+    few, many = (
+        weights([*questions, *sure[:50]], 0.1),
+        weights([*questions, *sure, *sure, *sure], 0.1),
+    )
     assert many["nothing"] == pytest.approx(few["nothing"], abs=0.7)
+
+
+def test_a_weight_never_has_a_sign_that_it_cannot_have():
+    random, right = np.random.default_rng(4), frozenset({"gravity"})
+    absurd = [
+        Labelled(world, "single", ChoiceSet("gravity", (
+            Alternative("gravity", {"large": 1.0 + random.uniform()}),
+            Alternative("clamp_angle", {"large": random.uniform()}), Alternative(NOTHING, {}),
+        )), right)
+        for world in ("a", "b") for _ in range(40)
+    ]  # fmt: skip
+    assert weights(absurd, 0.1)["large"] == 0.0
+
+
+def test_the_ridge_is_the_one_that_does_best_in_other_worlds(questions):
+    few = questions[::30]
+    losses = {ridge: log_loss(few, in_other_worlds(few, ridge)) for ridge in RIDGES}
+    found = fitted(few)
+    assert losses[found.ridge] == min(losses.values()) == found.log_loss
 
 
 # ------------------------------------------------------------------------------- labels
@@ -167,6 +196,8 @@ def test_the_command_fits_and_says_what_to(tmp_path, capsys):
     assert told["made"]["worlds"] == {"chain": 12, "shooting": 12}
     assert told["made"]["seeds"] == [500]
     assert told["made"]["program"] == ["program"]
+    assert told["made"]["questions"] == 48
+    assert told["made"]["ridge"] in RIDGES
     assert told["contents"][SOMETHING] == 0.95  # of 24, all of them right
     assert told["contents"][NOTHING] == 0.95
 

@@ -26,7 +26,7 @@ from model.measurements import FloatArray
 VERDICTS = {
     "effect_named": "effects that are not in the model",
     "nothing_missing": "nothing seen that is not in the model",
-    "indistinguishable": "one of several effects that these data cannot tell apart",
+    "indistinguishable": "one of several answers that these data cannot tell apart",
     "unknown_effect": "something that is neither in the model nor in the catalogue",
     "cannot_tell": "no verdict from these data",
 }

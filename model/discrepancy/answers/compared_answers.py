@@ -133,15 +133,16 @@ class ComparedAnswers:
         failed: float = 0.0,
     ) -> Alternative:
         best = max((c.gain for c in ranking if c.known), default=0.0)
-        rest = self.rest
+        beside, share = (0.0, 0.0) if self.rest is None else (self.rest.apart, self.rest.share)
+        beside = max(beside, 0.0)
         attributes = {
             "unknown": 1.0,
             "unknown_ahead": _signed_log(free - best),
             "unknown_ahead_share": float(
                 np.clip((free - best) / max(free, best, LEAST_EVIDENCE_LN), -1.0, 1.0)
             ),
-            "unexplained": 0.0 if rest is None else float(np.log1p(max(rest.apart, 0.0))),
-            "unexplained_share": 0.0 if rest is None else min(rest.share, 1.0),
+            "unexplained": float(np.log1p(beside)),
+            "unexplained_share": min(share, 1.0, beside / LEAST_EVIDENCE_LN),
             "scatter": self._scatter,
             "unknown_considered": float(considered),
             "unknown_failed": failed,

@@ -41,7 +41,7 @@ def decided(
         ranking=(),
     )  # fmt: skip
     failures = tuple(
-        Failure(consequence="one_of", sentence="", effects=("gravity",), rivals=((name, 0.5),))
+        Failure(consequence="one_of", sentence="", effects=("gravity",), rivals=(name,))
         for name in rivals
     )
     return SimpleNamespace(
