@@ -33,8 +33,8 @@ FOR = {
     "unexplained", "unexplained_share", "scatter", "unknown_failed", "nothing_considered",
 }  # fmt: skip
 AGAINST = {
-    "behind", "behind_share", "not_fitted", "form_share", "large", "freedom", "failed", "misfit",
-    "uneven", "nothing_gain", "nothing_apart",
+    "behind", "behind_share", "not_fitted", "form_share", "large", "freedom", "beside", "failed",
+    "misfit", "uneven", "nothing_gain", "nothing_apart",
 }  # fmt: skip
 
 
