@@ -21,7 +21,7 @@ from model.discrepancy.answers.choice_set import ATTRIBUTES
 from model.measurements import FloatArray
 
 COVERAGE = 0.95
-LEAST_CONTENT = 0.95
+LEAST_CONTENT = 0.8  # what is less probable than that never stands alone
 ROUNDING = 1e-9
 # prior precisions of a weight, over the mean square of its attribute where that is not 0; tried
 RIDGES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
