@@ -112,7 +112,7 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
     ("make", "says"),
     [
         (made.nothing_missing, "Verdict: Nothing is seen that is not in the model:"),
-        (made.indistinguishable, "One of EIBM along the sheet and load cell hysteresis: 97 %"),
+        (made.indistinguishable, "One of EIBM along the sheet or load cell hysteresis: 97 %"),
         (made.indistinguishable, "Measure next: Six free shapes"),
         (
             made.indistinguishable,
