@@ -58,9 +58,10 @@ import threading
 from collections.abc import Callable, Collection
 from dataclasses import replace
 
-from drivers.interfaces import Clock, DeviceError, OverloadError, Prompt
+from drivers.interfaces import Clock, DeviceError, Prompt
 from protocols.errors import ScheduleError
 from protocols.execution.devices import Devices
+from protocols.execution.endings import DeclinedError, NoAnswerError, reason_of
 from protocols.execution.event_bus import SubscriberError
 from protocols.execution.events import (
     ActionTaken,
@@ -77,7 +78,7 @@ from protocols.execution.events import (
 from protocols.execution.operator import LostReadings, RecordedOperator, dismounts, offers
 from protocols.execution.output import GuardedOutput, MakeSafe
 from protocols.execution.rules import LoopTiming, Rules
-from protocols.execution.runs.control_loop import ControlFaultError, FeedbackLaw
+from protocols.execution.runs.control_loop import FeedbackLaw
 from protocols.execution.runs.loop import Loop, Stopped
 from protocols.execution.runs.run_loop import RunLoop
 from protocols.execution.states import FinishReason, RunState, Status
@@ -85,14 +86,6 @@ from protocols.execution.stop import Pause, StopLevel, StopRequest, wait_for_end
 from protocols.planning.limits import SafetyLimits, check_schedule, limit_faults
 from protocols.planning.preparation import Action, Move, Situation, preparation
 from protocols.planning.schedule import PlannedRun, Schedule
-
-
-class _Declined(Exception):  # noqa: N818 - not an error: an answer
-    """The operator has answered no."""
-
-
-class _NoAnswer(Exception):  # noqa: N818 - the text is what went wrong while asking
-    """The operator could not be asked."""
 
 
 def utc_now() -> str:
@@ -193,7 +186,7 @@ class Scheduler:
         try:
             self._run_all(schedule, done)
         except BaseException as error:
-            finish, text = _reason(error)
+            finish, text = reason_of(error)
             outcome = self._finish(finish, text, error)
             if finish is FinishReason.INTERNAL_ERROR and not isinstance(error, Exception):
                 raise  # the interpreter is being ended
@@ -285,7 +278,7 @@ class Scheduler:
             done, request = self._have_done(action)
             self._obey_stop()
             if not done:
-                raise _Declined(f"the operator was asked {request} and stopped the session")
+                raise DeclinedError(f"the operator was asked {request} and stopped the session")
         self._situation = after
         return self._reported_position(run)
 
@@ -299,7 +292,7 @@ class Scheduler:
         except (DeviceError, SubscriberError):
             raise
         except Exception as error:
-            raise _NoAnswer(str(error) or type(error).__name__) from error
+            raise NoAnswerError(str(error) or type(error).__name__) from error
 
     def _ask(self, prompt: Prompt) -> bool:
         done = self._operator.ask(prompt)
@@ -383,25 +376,3 @@ class Scheduler:
                 error=error,
             )
         return finish.outcome
-
-
-def _reason(error: BaseException) -> tuple[FinishReason, str]:
-    """Return what an exception means for the session, and the sentence for the operator."""
-    text = str(error) or type(error).__name__
-    if isinstance(error, Stopped):
-        return FinishReason.STOP_REQUESTED, text
-    if isinstance(error, KeyboardInterrupt):
-        return FinishReason.STOP_REQUESTED, "interrupted from the keyboard"
-    if isinstance(error, _Declined):
-        return FinishReason.DECLINED, text
-    if isinstance(error, _NoAnswer):
-        return FinishReason.NO_ANSWER, text
-    if isinstance(error, OverloadError):
-        return FinishReason.OVERLOAD, text
-    if isinstance(error, ControlFaultError):
-        return FinishReason.CONTROL_FAULT, text
-    if isinstance(error, DeviceError):
-        return FinishReason.DEVICE_FAULT, text
-    if isinstance(error, SubscriberError):
-        return FinishReason.RECORDING_FAULT, f"the session could not be recorded: {text}"
-    return FinishReason.INTERNAL_ERROR, f"an error in labrig itself: {type(error).__name__}: {text}"
