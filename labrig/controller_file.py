@@ -85,7 +85,7 @@ class LawMatrices(ClosedModel):
     A: Matrix
     B: Matrix
     C: Row
-    D: Annotated[list[float], Field(min_length=2, max_length=2)]
+    D: Row
     anti_windup: Row
 
 
