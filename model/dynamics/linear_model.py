@@ -61,7 +61,8 @@ class _Parts:
 
     @property
     def size(self) -> int:
-        return self.moments.shape[1]
+        """Return the number of states."""
+        return int(self.moments.shape[1])
 
 
 def _parts(small: SmallMotion, line: LineModes) -> _Parts:

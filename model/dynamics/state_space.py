@@ -16,6 +16,8 @@ from model.measurements import FloatArray, ModelError
 
 ComplexArray = npt.NDArray[np.complex128]
 
+# Hankel singular values are known to the root of the rounding error; smaller ones are noise.
+_LEAST_VALUE = 1e-7  # of the largest
 _SAME_TIME = 1e-9  # of a sample: a delay this close to whole samples is whole
 
 
@@ -176,7 +178,7 @@ def balanced(system: StateSpace, states: int) -> tuple[StateSpace, float]:
     of_inputs = _factor(_gramian(system, system.A, system.B))
     of_outputs = _factor(_gramian(system, system.A.T, system.C.T))
     left, values, right = np.linalg.svd(of_outputs.T @ of_inputs)
-    kept = min(states, int(np.sum(values > 1e-12 * values[0])))
+    kept = min(states, int(np.sum(values > _LEAST_VALUE * values[0])))
     scale = 1.0 / np.sqrt(values[:kept])
     into = scale[:, None] * (left[:, :kept].T @ of_outputs.T)
     back = of_inputs @ right[:kept].T * scale
