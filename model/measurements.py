@@ -97,6 +97,7 @@ class Condition:
     approach: Literal["up", "down", ""] = ""
     tilt_rad: float = 0.0  # of the rig about the sheet's long axis
     run: int = 0  # a position measured again
+    session: int = 1  # its number among the sessions analysed together
     contact: Contact | None = None  # from the mean image; None: not seen, or there is none
 
     def used(self) -> tuple[Reading, ...]:

@@ -27,7 +27,7 @@ def gaussian_process(base: MixedModelFit, noise: FloatArray) -> float | None:
     where = gaps.cells(base)
     series = along_arc(base)
     before, after = gaps.refitted(base), gaps.refitted(base)
-    shape = {kind: _likeliest(gaps.refitted(base), own) for kind, own in series.items()}
+    shape = likeliest(base)
     layout = base.problem.forward.layout
     positions = np.array([run[1] for run in layout.runs])
     for at in np.unique(positions[np.isfinite(positions)]):
@@ -39,8 +39,8 @@ def gaussian_process(base: MixedModelFit, noise: FloatArray) -> float | None:
                 mine = out[rows]
                 if mine.any() and not mine.all():
                     known_y = left[rows[~mine]]
-                    guess = _guess(at_m[~mine], known_y, at_m[mine], *shape[kind])
-                    after[rows[mine]] = left[rows[mine]] - guess
+                    foretold = guess(at_m[~mine], known_y, at_m[mine], *shape[kind])
+                    after[rows[mine]] = left[rows[mine]] - foretold
     both = BeforeAfter(gaps.gap(before, noise, where), gaps.gap(after, noise, where))
     closed = gaps.closed_share(both, gaps.floor(noise, where))
     return closed if np.isfinite(closed) else None
@@ -70,6 +70,11 @@ def kernel(a_m: FloatArray, b_m: FloatArray, length_m: float) -> FloatArray:
     return result
 
 
+def likeliest(base: MixedModelFit) -> dict[str, tuple[float, float]]:
+    """Return length (m) and share of noise of each kind of row along the arc."""
+    return {k: _likeliest(gaps.refitted(base), own) for k, own in along_arc(base).items()}
+
+
 def _likeliest(y: FloatArray, series: Sequence[tuple[Index, FloatArray]]) -> tuple[float, float]:
     """Length and share of noise; each series has its own size."""
 
@@ -85,9 +90,10 @@ def _likeliest(y: FloatArray, series: Sequence[tuple[Index, FloatArray]]) -> tup
     return min(((a, b) for a in LENGTHS_M for b in NOISES), key=lambda p: misfit(*p))
 
 
-def _guess(
+def guess(
     at_m: FloatArray, y: FloatArray, wanted_m: FloatArray, length_m: float, noise: float
 ) -> FloatArray:
+    """Return the process's mean at wanted positions, from values y at others."""
     V = (1.0 - noise) * kernel(at_m, at_m, length_m) + noise * np.eye(len(y))
     result: FloatArray = (1.0 - noise) * kernel(wanted_m, at_m, length_m) @ np.linalg.solve(V, y)
     return result

@@ -41,10 +41,10 @@ def answers(one: Made) -> dict[str, dict[str, object]]:
     base = fit_mixed_model(ready.problem, ready.theta)
     pool = candidates(base, effects)
     return {
-        "repeats_bic": {"named": repeats_bic(base, pool)},
-        "fixed_forms": {"named": fixed_forms(ready, effects)},
+        "repeats_bic": {"named": [c.name for c in repeats_bic(base, pool)]},
+        "fixed_forms": {"named": fixed_forms(ready, effects)[0]},
         "gp": {"closed": gaussian_process(base, _honest_noise(one))},
-        "stlsq": {"named": stlsq(base, pool)},
+        "stlsq": {"named": [c.name for c in stlsq(base, pool)]},
     }
 
 
@@ -57,28 +57,28 @@ def _honest_noise(one: Made) -> FloatArray:
 # -------------------------------------------------------------- repeats alone, stepwise by BIC
 
 
-def repeats_bic(base: MixedModelFit, pool: Sequence[Candidate]) -> list[str]:
-    """Names, in the order in which they were added."""
+def repeats_bic(base: MixedModelFit, pool: Sequence[Candidate]) -> list[Candidate]:
+    """Return the effects in the order in which they were added."""
     data = base.linear.data
     log_sigma = base.problem.guess.copy()  # of the readings: what the repeats say
     log_sigma[: len(data.groups)] = NOT_THERE
     gram = _gram(base, pool, weigh(data, log_sigma))
     chosen: list[int] = []
     while len(chosen) < MOST:
-        names = {gram.names[i] for i in chosen}
-        free = [i for i, name in enumerate(gram.names) if name not in names]
+        names = {gram.seen[i].name for i in chosen}
+        free = [i for i, one in enumerate(gram.seen) if one.name not in names]
         best = min(free, key=lambda i: gram.bic([*chosen, i]))
         if gram.bic([*chosen, best]) >= gram.bic(chosen):
             break
         chosen.append(best)
-    return [gram.names[i] for i in chosen]
+    return [gram.seen[i] for i in chosen]
 
 
 @dataclass(frozen=True)
 class _Gram:
     """Columns as products among themselves and with the data, the base refitted."""
 
-    names: list[str]
+    seen: list[Candidate]
     A: FloatArray  # (n, n)
     b: FloatArray  # (n,)
     rows: int
@@ -101,31 +101,32 @@ def _gram(base: MixedModelFit, pool: Sequence[Candidate], solution: Solution) ->
     projected = Projected.of(forward, base.linear, solution)
     A, b = projected.normal(forward, np.stack([c.columns[:, 0] for c in pool], axis=1))
     seen = [int(i) for i in np.flatnonzero(np.diag(A) > 1e-6)]
-    return _Gram([pool[i].name for i in seen], A[np.ix_(seen, seen)], b[seen], forward.layout.size)
+    return _Gram([pool[i] for i in seen], A[np.ix_(seen, seen)], b[seen], forward.layout.size)
 
 
 # ------------------------------------------------------------------ without tolerance of form
 
 
-def fixed_forms(ready: Prepared, effects: Sequence[Effect]) -> list[str]:
-    """Names by the same search, every effect as the catalogue writes it."""
+def fixed_forms(ready: Prepared, effects: Sequence[Effect]) -> tuple[list[str], MixedModelFit]:
+    """Return names by the same search, every effect as the catalogue writes it, and the model."""
     rigid = [replace(e, form_error_along=()) for e in effects]
     outcome = search(ready.problem, ready.theta, rigid, EVIDENCE_THRESHOLD_LN)
-    return [c.effect.name for c in choices(outcome, rigid, EVIDENCE_THRESHOLD_LN)[0]]
+    chosen, final = choices(outcome, rigid, EVIDENCE_THRESHOLD_LN)
+    return [c.effect.name for c in chosen], final
 
 
 # ------------------------------------------------------------------------ sparse regression
 
 
-def stlsq(base: MixedModelFit, pool: Sequence[Candidate]) -> list[str]:
-    """Names of the signatures that are left, the threshold by BIC; noise as `diagnose` has it."""
+def stlsq(base: MixedModelFit, pool: Sequence[Candidate]) -> list[Candidate]:
+    """Return the effects whose signatures are left, the threshold by BIC; `diagnose`'s noise."""
     gram = _gram(base, forms(pool, {}), base.solution)
     best: list[int] = []
     for threshold in THRESHOLDS:
         chosen = _thresholded(gram, threshold)
         if gram.bic(chosen) < gram.bic(best):
             best = chosen
-    return [gram.names[i] for i in best]
+    return [gram.seen[i] for i in best]
 
 
 def _thresholded(gram: _Gram, threshold: float) -> list[int]:

@@ -122,6 +122,8 @@ class Record:
     method: str = "diagnose"
     foretold: Foretold | None = None  # at conditions that the session does not hold
     left_out: Foretold | None = None  # at a position of the session that was not given
+    # answers that labrig compared, with their attributes (`ChoiceSet.to_json`)
+    choice_sets: list[dict[str, Any]] = field(default_factory=list)
 
     @property
     def names(self) -> tuple[str, ...]:

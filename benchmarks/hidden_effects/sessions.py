@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,9 +36,10 @@ class Hidden:
     truth: Truth
 
 
-def hidden_session(case: Case) -> Hidden:
-    """Measure. The same case gives the same data."""
+def hidden_session(case: Case, change: Callable[[Recipe], None] = lambda _: None) -> Hidden:
+    """Measure. The same case gives the same data; `change` is made to its world, too."""
     recipe, effects = prepared(case)
+    change(recipe)
     world = recipe.settings()
     planned = list(visits(case))
     outlier = _outlier(case, planned)

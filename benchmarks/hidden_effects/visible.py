@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from benchmarks.hidden_effects.in_common import in_common
 from model import Measurements
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
@@ -59,23 +60,35 @@ class Visible:
 def known(symmetric: bool, exclude: Sequence[str] = ()) -> list[Effect]:
     """The effects that `diagnose` considers."""
     skip = {*exclude} if symmetric else {*exclude, "eibm_asymmetry"}
-    return [e for name, e in catalogue().items() if name not in skip]
+    asked = [e.for_sessions(1) for name, e in catalogue().items() if name not in skip]
+    return [e for e in asked if e is not None]
 
 
 class Yardstick:
-    """The session with nothing hidden, fitted."""
+    """The session with nothing hidden, fitted.
+
+    What is hidden may make conditions invalid; then those that are left are compared.
+    """
 
     def __init__(self, bare: Measurements, symmetric: bool = False) -> None:
-        self._options = Options(symmetric=symmetric)
+        self._session, self._options = bare, Options(symmetric=symmetric)
         ready = prepare(bare, self._options)
         self._fitted = fit_mixed_model(ready.problem, ready.theta)
         self._bare = linearise(
             ready.problem.forward, ready.problem.bases, ready.problem.noise, self._fitted.theta
         ).residual
 
+    def _beside(self, hidden: Sequence[Measurements]) -> tuple[Yardstick, list[Measurements]]:
+        """Return the yardstick of what all of the sessions hold, and the sessions so."""
+        bare, *others = in_common([self._session, *hidden])
+        if bare is self._session:
+            return self, others
+        return Yardstick(bare, self._options.symmetric), others
+
     def signature(self, hidden: Measurements) -> tuple[FloatArray, MixedModelFit]:
         """What the base model cannot take up of a change, (N,), and the model where it is so.
 
+        Of a session that holds what the yardstick's does.
         Parameters that are known beforehand, within a little, may take up as much as that allows.
         """
         problem, theta = self._problem(hidden), self._fitted.theta
@@ -99,7 +112,8 @@ class Yardstick:
 
     def length(self, hidden: Measurements) -> float:
         """The detectability d."""
-        S, fitted = self.signature(hidden)
+        yardstick, (hidden,) = self._beside([hidden])
+        S, fitted = yardstick.signature(hidden)
         return float(np.sqrt(_products(fitted, S[:, None])[0, 0]))
 
     def _problem(self, hidden: Measurements) -> FitProblem:
@@ -117,8 +131,9 @@ class Yardstick:
         exclude: Sequence[str] = (),
     ) -> Visible:
         """Of the effects of a session, each hidden alone in one of `parts`."""
-        whole, fitted = self.signature(hidden)
-        alone = [whole] if len(parts) == 1 else [self.signature(part)[0] for part in parts]
+        yardstick, (hidden, *parts) = self._beside([hidden, *parts])
+        whole, fitted = yardstick.signature(hidden)
+        alone = [whole] if len(parts) == 1 else [yardstick.signature(part)[0] for part in parts]
         effects = known(self._options.symmetric, exclude)
         return _compared(fitted, np.stack(alone, axis=1), names, effects)
 

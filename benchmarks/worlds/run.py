@@ -110,7 +110,8 @@ def _asked(one: Made, kept: Record) -> Record:
     kept = replace(
         kept, verdict=_verdict(said), named=said.named, unknown=said.unknown,
         invisible=said.invisible, ranking=said.ranking, closed=said.closed,
-        seconds=time.perf_counter() - began, cpu_s=time.process_time() - cpu,
+        choice_sets=said.choice_sets, seconds=time.perf_counter() - began,
+        cpu_s=time.process_time() - cpu,
     )  # fmt: skip
     if not one.sizes or said.foretell is None:
         return kept
@@ -136,8 +137,9 @@ def _base(measurements: Measurements) -> SheetModel:
 def _foretold(one: Made, said: Answer) -> Foretold:
     """Compare with conditions half-way between the session's, without noise."""
     assert said.foretell is not None
-    truth = unmeasured(one.world, one.sizes, one.task.seed)
-    plain = unmeasured(one.world, {}, one.task.seed)
+    seed, design = one.task.seed, one.task.design
+    truth = unmeasured(one.world, one.sizes, seed, design)
+    plain = unmeasured(one.world, {}, seed, design)
     return Foretold(
         base=errors(_base(one.session), truth), written=errors_of(said.foretell, truth),
         floor=errors(_base(one.bare), plain),

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from multiprocessing import get_context
+from multiprocessing import current_process, get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from drivers.interfaces import FloatArray, GreyImage
+from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
 from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.session.format.layout import NO_FRAME, Array
@@ -69,7 +71,7 @@ def measure_curves(
     chosen_extractor(extractor)  # an unknown name fails before any work
     jobs = list(curve_jobs(session, optics, sheets, extractor))
     found: list[ConditionCurves] = []
-    for done, curves in enumerate(_results(session, jobs, workers), start=1):
+    for done, curves in enumerate(shared_out(session, jobs, workers), start=1):
         found.append(curves)
         if progress is not None:
             run = session.run(curves.run).planned
@@ -216,14 +218,29 @@ def _full_scale(job: CurveJob, session: RecordedSession) -> float:
 _worker_session: RecordedSession | None = None
 
 
-def _results(
+def shared_out(
     session: RecordedSession, jobs: list[CurveJob], workers: int
 ) -> Iterator[ConditionCurves]:
+    """Yield the curves of all jobs in their order; `workers` processes share them.
+
+    Raises BadInputError where these processes end.
+    """
     if workers <= 1 or len(jobs) < 4:
         yield from (curves_of(job, session) for job in jobs)
         return
-    with _pool(session.path, workers) as pool:
-        yield from pool.map(_in_worker, jobs, chunksize=1)
+    if getattr(current_process(), "_inheriting", False):
+        # A script that is not importable begins anew in each of its own workers: end quietly, the
+        # process that started them says why.
+        raise SystemExit(1)
+    try:
+        with _pool(session.path, workers) as pool:
+            yield from pool.map(_in_worker, jobs, chunksize=1)
+    except BrokenProcessPool:
+        raise BadInputError(
+            f"{session.path}: the processes that look for curves ended; a script that calls"
+            ' labrig.analyze with workers must do so under `if __name__ == "__main__":`, and one'
+            " that does may have run out of memory: take fewer workers."
+        ) from None
 
 
 @contextmanager

@@ -25,13 +25,17 @@ def together(parts: Sequence[tuple[Path, Measurements]]) -> Measurements:
         for name, sheet in one.sheets.items():
             _check_same(whole.sheets.get(name), sheet, first_path, path)
         mounting = 1 + max((c.mounting for c in whole.conditions), default=-1)
+        before = max((c.session for c in whole.conditions), default=0)
         later_s = _end_s(whole) + BETWEEN_S
         whole = replace(
             whole,
             sheets={**one.sheets, **whole.sheets},
             conditions=(
                 *whole.conditions,
-                *(_moved(c, mounting, later_s) for c in one.conditions),
+                *(
+                    replace(_moved(c, mounting, later_s), session=before + c.session)
+                    for c in one.conditions
+                ),
             ),
             series=(
                 *whole.series,

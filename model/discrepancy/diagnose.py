@@ -10,7 +10,7 @@ import numpy as np
 
 from model.discrepancy.data_checks.check import check_data
 from model.discrepancy.data_checks.outcome import contradiction, stopped, with_checks
-from model.discrepancy.prepare import Options, prepare, setups
+from model.discrepancy.prepare import Options, prepare, sessions, setups
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import search
 from model.discrepancy.search.nonparametric_terms import unknowns
@@ -55,7 +55,7 @@ def next_measurement(
     checked = check_data(measurements)
     if checked.stops:
         raise ModelError(contradiction(checked))
-    chosen = [effect(name) for name in between]
+    chosen = [_in_sessions(name, sessions(checked.measurements)) for name in between]
     if len(chosen) < 2:
         raise ModelError("name two effects to be told apart, for example gravity and clamp_angle")
     finding = _searched(checked.measurements, options or Options(), lambda *_: None)
@@ -69,7 +69,7 @@ def _searched(measurements: Measurements, options: Options, say: Progress) -> Fi
     """Return the finished search of measurements that passed the data checks."""
     say("fitting the base model", 0.01)
     ready = prepare(measurements, options)
-    effects = _effects(options)
+    effects = _effects(options, sessions(measurements))
 
     def searching(step: str, share: float) -> None:
         say(step, _SEARCH_FROM + (_SEARCH_TO - _SEARCH_FROM) * share)
@@ -101,12 +101,21 @@ def _searched(measurements: Measurements, options: Options, say: Progress) -> Fi
     )
 
 
-def _effects(options: Options) -> list[Effect]:
+def _in_sessions(name: str, count: int) -> Effect:
+    found = effect(name).for_sessions(count)
+    if found is None:
+        raise ModelError(f"'{name}' needs several sessions analysed together; give all of them")
+    return found
+
+
+def _effects(options: Options, count: int) -> list[Effect]:
+    """Return the effects to look for in so many sessions analysed together."""
     every = catalogue()
     unknown = [name for name in options.exclude if name not in every]
     if unknown:
         raise ModelError(f"there is no effect called '{unknown[0]}'; `labrig effects` lists them")
-    return [
-        one for name, one in every.items()
+    asked = [
+        one.for_sessions(count) for name, one in every.items()
         if name not in options.exclude and (options.symmetric or not one.in_base_model)
     ]  # fmt: skip
+    return [one for one in asked if one is not None]

@@ -194,6 +194,11 @@ def setups(prepared: Prepared) -> int:
     return len([r for r in prepared.problem.forward.layout.runs if np.isfinite(r[1])])
 
 
+def sessions(measurements: Measurements) -> int:
+    """Return how many sessions are analysed together."""
+    return max((c.session for c in measurements.conditions), default=1)
+
+
 def _check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
     """Raise a `ModelError` where the model was fitted to another sheet than this one."""
     for what, a, b in (

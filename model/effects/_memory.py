@@ -26,7 +26,9 @@ def before_edge(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | fl
     """
     n, forgotten = np.maximum(clock.pulse, 0.0), np.exp(-PULSE_S / tau_s)
     settled = opposite * (1.0 - forgotten) / (1.0 + forgotten)
-    return np.asarray(np.where(n > 0.0, settled * (1.0 - (-forgotten) ** n), 0.0))
+    # (-forgotten)^n, n whole numbers: NumPy's power is ten times slower
+    swings = np.where(n.astype(np.int64) % 2, -1.0, 1.0) * np.exp(-PULSE_S / tau_s * n)
+    return np.asarray(np.where(n > 0.0, settled * (1.0 - swings), 0.0))
 
 
 def lagging(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | float) -> FloatArray:

@@ -62,6 +62,7 @@ class EffectParameter:
     starting_values: tuple[float, ...] = ()
     expected_sign: float = 0.0  # the sign that it has as a rule; the other one is a surprise
     one_sign: bool = False  # where each configuration has its own, all have the same sign
+    estimated: bool = False  # though not the first: a further size, refined like that
     # |value| that nobody in a laboratory overlooks, and what is seen beyond it, a sentence with
     # {value} in the parameter's unit or {degrees}; None: there is no such limit
     instrument_limit: float | None = None
@@ -100,6 +101,8 @@ class Effect:
     # whether each configuration may have its own size
     by_configuration: bool = False
     of_the_rig: bool = False  # not of the sheet: the same for all configurations
+    # whether at 0 V it depends on how the sheet came there, which its form cannot know
+    by_history: bool = False
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
     # whether the base model has it as a parameter, unless it is asked to be symmetric
     in_base_model: bool = False
@@ -110,6 +113,11 @@ class Effect:
     def amplitude(self) -> EffectParameter:
         """The parameter that says how much of the effect there is."""
         return self.parameters[0]
+
+    def for_sessions(self, count: int) -> Effect | None:
+        """Return the effect for so many sessions analysed together; None: it needs more."""
+        del count
+        return self
 
     @property
     def choices(self) -> tuple[EffectParameter, ...]:

@@ -73,5 +73,6 @@ EFFECT = LoadCellHysteresis(
         ),
     ),
     form_error_along=("position", "voltage"),
+    by_history=True,
     of_the_rig=True,
 )

@@ -91,4 +91,5 @@ EFFECT = RollFriction(
         ),
     ),
     form_error_along=("position", "voltage"),
+    by_history=True,
 )

@@ -84,4 +84,5 @@ EFFECT = RollSticking(
         ),
     ),
     form_error_along=("position", "voltage"),
+    by_history=True,
 )

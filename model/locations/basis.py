@@ -8,7 +8,7 @@ import numpy as np
 from numpy.polynomial import legendre
 
 from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
-from model.locations.quantities import BeamProblem, Perturbation
+from model.locations.quantities import BeamProblem, ContactSolution, Perturbation
 from model.measurements import FloatArray
 
 FEW_NODES, FEW_WAVES, WAVES = 8, 3, 9  # waves along a sheet of few nodes, and of more
@@ -17,6 +17,7 @@ SPANS_S = {
     "session": (1.0, "of the session"), "run": (20.0, "s into the run"),
     "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
 }  # fmt: skip
+LEAST_BENDING_PER_M = 1e-6
 FALLING = 0.4  # by which each finer wave is smaller: 1/(1 + FALLING j)
 
 
@@ -40,6 +41,20 @@ def polynomial(degree: int, amplitude: float) -> Function:
         return np.asarray(share * legendre.legval(2.0 * t - 1.0, number))
 
     return value
+
+
+def power(exponent: int, amplitude: float) -> Function:
+    """Return a power of a coordinate 0 .. 1."""
+
+    def value(t: FloatArray) -> FloatArray:
+        return np.asarray(amplitude * t**exponent)
+
+    return value
+
+
+def bending_per_m(contact: ContactSolution) -> FloatArray:
+    """Return by how much the sheet is bent from its initial shape, 1/m, whichever way: (K, G)."""
+    return np.asarray(np.abs(contact.curvature - contact.at_rest))
 
 
 def decay(length: float, amplitude: float) -> Function:
@@ -75,30 +90,36 @@ def bases_of(
     along: str,
     part: str,
     under: str = "",
+    adds: str = "",
     shared: bool = False,
+    alone: bool = False,
 ) -> Iterator[Basis]:
     """Return basis shapes that act as the location's terms do."""
     low, high = _range(at, along)
     factor, unit = _DISPLAYED[along]
     for function in functions:
-        term = BasisTerm(along=along, function=function, low=low, high=high, under=under)
+        term = BasisTerm(along=along, function=function, low=low, high=high, under=under, adds=adds)
         yield Basis(
             part=part, along=along, function=function, unit=location.unit,
             span=(factor * low, factor * high, unit),
-            step=perturbation(location, at, term), shared=shared, term=term,
+            step=perturbation(location, at, term), shared=shared, term=term, alone=alone,
         )  # fmt: skip
 
 
 # factor from SI, and unit, in which a coordinate is reported
-_DISPLAYED = {"s": (1e3, "mm"), "position": (1e3, "mm"), "force": (1e3, "mN")}
+_DISPLAYED = {
+    "s": (1e3, "mm"), "position": (1e3, "mm"), "force": (1e3, "mN"), "curvature": (1.0, "1/m"),
+}  # fmt: skip
 
 
 def _range(at: Linearised, along: str) -> tuple[float, float]:
-    """Return the ends of a coordinate, in m or N."""
+    """Return the ends of a coordinate, in m, N or 1/m."""
     if along == "position":
         return at.positions_m
     if along == "force":
         return at.forces_N
+    if along == "curvature":
+        return 0.0, max(at.bent_per_m, LEAST_BENDING_PER_M)
     return 0.0, at.beam.sheet.free_length_m
 
 

@@ -7,7 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.locations.basis import bases_of, cosine_wave, perturbation
+from model.locations.basis import (
+    LEAST_BENDING_PER_M,
+    bases_of,
+    cosine_wave,
+    perturbation,
+    time_span,
+)
 from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
 from model.locations.quantities import AcquisitionTimes, ImagePoints
 from model.measurements import FloatArray
@@ -18,6 +24,13 @@ COUNT = DEGREE * (DEGREE + 1) // 2
 IMAGE = ("image_x", "image_y")  # coordinates of terms that move points one way
 IMAGE_X_M, IMAGE_Y_M, BELOW_M = 0.05, 0.08, 0.03  # what the waves across the image span
 AMPLITUDE_OF_AGE = 0.1  # of the EIBM
+WAVES_IN_SESSION = 4  # of the whole image
+SIDE_M = 2e-4  # towards the concave side, where the sheet is bent most
+SIDES: tuple[Function, ...] = (
+    lambda t: 1e3 * SIDE_M * _odd(t),
+    lambda t: 1e3 * SIDE_M * _odd(t) ** 3,
+    lambda t: 1e3 * SIDE_M * np.tanh(8.0 * _odd(t)),
+)  # of the curvature, from the largest one way to that the other way
 WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
 
 
@@ -33,9 +46,9 @@ class Camera(Location):
             off = 1e-3 * np.sum([size * wave for size, wave in waves], axis=0)
             none = np.zeros_like(off)
             return (off, none) if term.along == "image_x" else (none, off)
-        if term.along != "s":
+        if term.along not in ("s", "curvature"):
             return None
-        off = 1e-3 * term(points.s_m)
+        off = 1e-3 * term(points.s_m if term.along == "s" else _curvature_per_m(points))
         return off * points.normal_x, off * points.normal_y
 
     def pictured(
@@ -60,9 +73,36 @@ class Camera(Location):
                     span=(0.0, 1e3 * at.beam.sheet.free_length_m, "mm"), step=step, shared=True,
                     term=term,
                 )  # fmt: skip
+        yield from self._by_side(at)
+        yield from self._moved(at)
         waves = (cosine_wave(j, AMPLITUDE_OF_AGE) for j in range(WAVES_OF_AGE))
         for one in bases_of(self, at, waves, along="position", part="age"):
             yield replace(one, unit="relative")
+
+    def _by_side(self, at: Linearised) -> Iterator[Basis]:
+        """Return what shows the sheet towards its concave or its convex side."""
+        most = max(at.bent_per_m, LEAST_BENDING_PER_M)
+        for function in SIDES:
+            term = BasisTerm(along="curvature", function=function, low=-most, high=most)
+            step = perturbation(self, at, term)
+            step.points_m = step.points_m * at.has_curve[:, None]
+            yield Basis(
+                part="side", along="curvature", function=function, unit="mm",
+                span=(-most, most, "1/m"), step=step, shared=True, term=term, alone=True,
+            )  # fmt: skip
+
+    def _moved(self, at: Linearised) -> Iterator[Basis]:
+        """Return how the whole image moves in the course of the session."""
+        for j in range(1, WAVES_IN_SESSION + 1):
+            wave = cosine_wave(j, AMPLITUDE_M)
+            off = (wave(at.measured_at) * at.has_curve)[:, None]
+            for normal in (at.points.normal_x, at.points.normal_y):
+                step = at.nothing()
+                step.points_m = off * normal
+                yield Basis(
+                    part="place, session", along="time", function=wave, unit="mm",
+                    span=time_span(at, "place, session"), step=step, shared=True, alone=True,
+                )  # fmt: skip
 
 
 def _waves(points: ImagePoints) -> Iterator[FloatArray]:
@@ -71,6 +111,20 @@ def _waves(points: ImagePoints) -> Iterator[FloatArray]:
     for i in range(DEGREE):
         for j in range(DEGREE - i):
             yield np.cos(i * np.pi * x) * np.cos(j * np.pi * y) / (1.0 + 0.5 * (i + j))
+
+
+def _curvature_per_m(points: ImagePoints) -> FloatArray:
+    """Return the curvature of curves at their points, of their shape."""
+    if points.s_m.shape[-1] < 2:
+        return np.zeros_like(points.s_m)
+    phi = np.unwrap(np.arctan2(-points.normal_x, points.normal_y), axis=-1)
+    length, turned = np.gradient(points.s_m, axis=-1), np.gradient(phi, axis=-1)
+    return np.asarray(np.where(length > 0.0, turned / np.where(length > 0.0, length, 1.0), 0.0))
+
+
+def _odd(t: FloatArray) -> FloatArray:
+    """Return -1 .. 1 of 0 .. 1, and no more beyond."""
+    return np.asarray(np.clip(2.0 * t - 1.0, -1.0, 1.0))
 
 
 def _only(number: int) -> Function:

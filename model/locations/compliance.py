@@ -7,13 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.locations.basis import bases_of, cosine_wave, perturbation, waves_along_sheet
-from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
+from model.locations.basis import (
+    bases_of,
+    bending_per_m,
+    cosine_wave,
+    perturbation,
+    power,
+    waves_along_sheet,
+)
+from model.locations.contract import Basis, BasisTerm, Linearised, Location, Term
 from model.locations.quantities import BeamProblem, ContactSolution
-from model.measurements import FloatArray
 
 AMPLITUDE = 0.3  # relative
 WAVES_UNDER_VOLTAGE = 3  # along the sheet, of what is there under voltage only
+POWERS, POWERS_UNDER_VOLTAGE = (1, 2, 4, 8), (0, 1, 2)  # of the bending, over the largest
 BENT_PER_M = 30.0  # bending at which a compliance that goes with it has changed by AMPLITUDE
 
 
@@ -32,9 +39,8 @@ class Compliance(Location):
         """See `Location.bent`."""
         if term.along != "curvature":
             return self.beam(beam, term)
-        return replace(
-            beam, soft=beam.soft * (1.0 + term(np.abs(contact.curvature - contact.at_rest)))
-        )
+        share = term.share(beam.voltage_V)[:, None]
+        return replace(beam, soft=beam.soft * (1.0 + share * term(bending_per_m(contact))))
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
@@ -43,8 +49,8 @@ class Compliance(Location):
         few = waves[:WAVES_UNDER_VOLTAGE]
         yield from bases_of(self, at, few, along="s", part="voltage", under="voltage")
         most = float(np.max(np.abs(at.contact.curvature - at.initial_curvature_per_m)))
-        for power in (1, 2):
-            function = _power(most / BENT_PER_M, power)
+        for number in (1, 2):
+            function = power(number, AMPLITUDE * (most / BENT_PER_M) ** number)
             term = BasisTerm(
                 along="curvature", function=function, low=0.0, high=max(most, BENT_PER_M * 1e-9)
             )
@@ -53,16 +59,14 @@ class Compliance(Location):
                 span=(0.0, 1e3 * at.beam.sheet.free_length_m, "mm"),
                 step=perturbation(self, at, term), term=term,
             )  # fmt: skip
-
-
-def _power(most: float, power: int) -> Function:
-    """Return what a compliance changes by that goes with the bending, 0 .. 1 of the largest."""
-
-    def value(t: FloatArray) -> FloatArray:
-        result: FloatArray = AMPLITUDE * (most * t) ** power
-        return result
-
-    return value
+        for part, under, powers in (
+            ("bending", "", POWERS), ("bending, voltage", "voltage", POWERS_UNDER_VOLTAGE)
+        ):  # fmt: skip
+            functions = [power(number, AMPLITUDE) for number in powers]
+            yield from bases_of(
+                self, at, functions, along="curvature", part=part, under=under, shared=True,
+                alone=True,
+            )  # fmt: skip
 
 
 LOCATION = Compliance(

@@ -95,13 +95,15 @@ class Basis:
     """One basis shape of one configuration."""
 
     part: str  # what it changes, and along what: one of several that a location may have
-    along: str  # s | position | force | time | place | curvature
+    along: str  # s | position | force | time | place | curvature, as it is reported
     # of `span` brought to 0 .. 1, in `unit`; None: it has no profile
     function: Function | None
     unit: str
     span: tuple[float, float, str]  # of the coordinate, with its unit
     step: Perturbation
     shared: bool = False  # whether the rig does it to all configurations alike
+    # whether its part is looked for by itself only, and is none of the location as a whole
+    alone: bool = False
     # what a model file has of it; None: nothing that a prediction of means could show
     term: BasisTerm | None = None
 
@@ -138,6 +140,7 @@ class Linearised:
     has_curve: npt.NDArray[np.bool_]  # (K,)
     positions_m: tuple[float, float]  # range over all configurations
     forces_N: tuple[float, float]  # range of what was measured
+    bent_per_m: float  # the largest bending over all configurations
     bin_clock: AcquisitionTimes  # parts of the pulses (m,)
     bin_sample: AcquisitionTimes  # the sampling points of the same pulses (m,)
     bin_mean: Function  # mean over the pulses, (m,) to (b,)

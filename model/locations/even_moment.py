@@ -7,11 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.locations.basis import bases_of, cosine_wave, waves_along_sheet
+from model.locations.basis import (
+    bases_of,
+    bending_per_m,
+    cosine_wave,
+    power,
+    waves_along_sheet,
+)
 from model.locations.contract import Basis, Linearised, Location, Term
-from model.locations.quantities import BeamProblem
+from model.locations.quantities import BeamProblem, ContactSolution
+from model.measurements import FloatArray
 
 AMPLITUDE = 0.3  # of the EIBM
+POWERS = (1, 2)  # of the bending
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,18 +28,29 @@ class EvenMoment(Location):
 
     def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
         """See `Location.beam`."""
-        if term.along != "s":
-            return beam
+        return self._added(beam, term, term(beam.s_m)) if term.along == "s" else beam
+
+    def bent(self, beam: BeamProblem, contact: ContactSolution, term: Term) -> BeamProblem:
+        """See `Location.bent`."""
+        if term.along != "curvature":
+            return self.beam(beam, term)
+        return self._added(beam, term, term(bending_per_m(contact)))
+
+    def _added(self, beam: BeamProblem, term: Term, values: FloatArray) -> BeamProblem:
         driven = beam.voltage_V != 0.0
         typical = float(np.mean(np.abs(beam.eibm[driven]))) if np.any(driven) else 0.0
         # the size of the EIBM goes with the voltage, what is even in it with its square
         share = typical * driven * term.share(beam.voltage_V) * term.part(beam.voltage_V)
-        return replace(beam, bend=beam.bend + share[:, None] * term(beam.s_m))
+        return replace(beam, bend=beam.bend + share[:, None] * values)
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
         waves = (cosine_wave(j, AMPLITUDE) for j in range(waves_along_sheet(at)))
         yield from bases_of(self, at, waves, along="s", part="s")
+        by_bending = (power(number, AMPLITUDE) for number in POWERS)
+        yield from bases_of(
+            self, at, by_bending, along="curvature", part="curvature", shared=True, alone=True
+        )
 
 
 LOCATION = EvenMoment(

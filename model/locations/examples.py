@@ -59,6 +59,7 @@ def example_beam(*, touched: bool = True) -> tuple[BeamProblem, ContactSolution]
         elongation_soft=zero.copy(), shift_m=zero.copy(), tilt_rad=zero.copy(),
         offset_m=zero.copy(), piece_m=LENGTH_M * 0.5 * np.polynomial.legendre.leggauss(NODES)[1],
         clock=clock, reading_of=reading_of, share=share,
+        session_number=np.array([1.0, 1, 1, 2, 2, 2, 2]),
     )  # fmt: skip
     contact = ContactSolution(
         force_N=normal * np.cos(gamma), normal_N=normal, gamma_rad=gamma,
@@ -130,6 +131,7 @@ def example_weighed(*, touched: bool = True) -> LoadCellInput:
         position_m=np.full(READINGS, 0.025 if touched else np.nan), voltage_V=volts,
         session=example_clock().session, touching=np.full(READINGS, float(touched)),
         wetted_s=example_clock().wetted_s,
+        session_number=np.where(np.arange(READINGS) < READINGS // 2, 1.0, 2.0),
     )  # fmt: skip
 
 
@@ -140,6 +142,7 @@ def example_points() -> ImagePoints:
     return ImagePoints(
         s_m=np.broadcast_to(s, (2, len(s))), x_m=np.sin(k * s) / k, y_m=(1.0 - np.cos(k * s)) / k,
         normal_x=-np.sin(k * s), normal_y=np.cos(k * s), scale_m=LENGTH_M,
+        session_number=np.array([[1.0], [2.0]]),
     )  # fmt: skip
 
 
@@ -179,6 +182,7 @@ def example_linearised() -> Linearised:
         position_m=beam.stated_m[of], reading_of=of, initial_curvature_per_m=np.full(NODES, 20.0),
         force_at_0V_N=np.full(7, 1e-3), measured_at=np.linspace(0.0, 1.0, 7),
         has_curve=np.ones(7, dtype=bool), positions_m=(0.005, 0.025), forces_N=(-3e-3, 3e-3),
+        bent_per_m=25.0,
         bin_clock=pulse, bin_sample=pulse, bin_mean=np.asarray, periodic=None, nothing=nothing,
         change=change,
     )  # fmt: skip

@@ -47,7 +47,9 @@ class LoadCell(Location):
             )
         zero = np.full_like(at.weighed.force_N, waves[0](np.array(0.0)))
         constant = BasisTerm(along="configuration", function=waves[0], low=0.0, high=1.0, nodes=1)
-        yield self._added(at, waves[0], zero, part="zero", along="position", term=constant)
+        yield self._added(
+            at, waves[0], zero, part="zero", along="position", term=constant, alone=True
+        )
         powers = (polynomial(degree, AMPLITUDE_MN) for degree in DEGREES)
         yield from bases_of(self, at, powers, along="force", part="force", shared=True)
         yield from self._in_time(at)
@@ -67,7 +69,7 @@ class LoadCell(Location):
 
     def _added(
         self, at: Linearised, function: Function, added_mN: FloatArray, *, part: str, along: str,
-        term: BasisTerm | None = None,
+        term: BasisTerm | None = None, alone: bool = False,
     ) -> Basis:  # fmt: skip
         """Return a force that is added to every reading, without contact, too."""
         step = at.nothing()
@@ -76,7 +78,7 @@ class LoadCell(Location):
         span = (1e3 * low, 1e3 * high, "mm") if along == "position" else time_span(at, part)
         return Basis(
             part=part, along=along, function=function, unit=self.unit, span=span, step=step,
-            shared=True, term=term,
+            shared=True, term=term, alone=alone,
         )  # fmt: skip
 
 

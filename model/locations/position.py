@@ -7,24 +7,41 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.locations.basis import bases_of, cosine_wave
-from model.locations.contract import Basis, Linearised, Location, Term
-from model.locations.quantities import BeamProblem
+from model.locations.basis import bases_of, cosine_wave, polynomial
+from model.locations.contract import Basis, Function, Linearised, Location, Term
+from model.locations.quantities import BeamProblem, ContactSolution
+from model.measurements import FloatArray
 
 AMPLITUDE_MM = 1.0
+DEGREES = range(1, 4)  # of the force
+PLAY_N = (3e-4, 1.5e-3)  # forces that take up the play of a stage
+MOMENT_PER_M = 1.0  # of the rolls, over the stiffness
+MOMENTS = {"": 4, "voltage": 3, "polarity": 3}  # waves on the arc, by the voltages that turn them
 WAVES_ON_ARC = 7  # one for each position of the paper: a screw's error may be anything
 
 
 @dataclass(frozen=True, kw_only=True)
 class Position(Location):
-    """An error of the position, from position to position."""
+    """An error of the position, from position to position or by the force, and a moment there."""
 
     def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
         """See `Location.beam`."""
-        if term.along != "position":
+        if term.along != "position" or term.adds == "moment":
             return beam
         on_arc = term.share(beam.voltage_V) * term(np.nan_to_num(beam.stated_m))
         return replace(beam, shift_m=beam.shift_m + 1e-3 * on_arc)
+
+    def bent(self, beam: BeamProblem, contact: ContactSolution, term: Term) -> BeamProblem:
+        """See `Location.bent`: what takes the force up, and a moment from clamp to contact."""
+        if term.along == "force":
+            given_way = term.share(beam.voltage_V) * term(np.nan_to_num(contact.force_N))
+            given_way = np.where(np.isfinite(contact.force_N), given_way, 0.0)
+            return replace(beam, shift_m=beam.shift_m + 1e-3 * given_way)
+        if term.along == "position" and term.adds == "moment":
+            before = beam.s_m <= np.nan_to_num(contact.s_hat_m)[:, None]
+            turned = term.share(beam.voltage_V) * term(np.nan_to_num(beam.stated_m))
+            return replace(beam, bend=beam.bend + turned[:, None] * before)
+        return self.beam(beam, term)
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
@@ -33,8 +50,31 @@ class Position(Location):
             ("position", "", WAVES_ON_ARC), ("polarity", "polarity", WAVES_ON_ARC), ("zero", "", 1)
         ):  # fmt: skip
             yield from bases_of(
-                self, at, waves[:count], along="position", part=part, under=under, shared=True
-            )
+                self, at, waves[:count], along="position", part=part, under=under, shared=True,
+                alone=part == "zero",
+            )  # fmt: skip
+        by_force = [polynomial(degree, AMPLITUDE_MM) for degree in DEGREES]
+        by_force += [_play(at.forces_N, full_N) for full_N in PLAY_N]
+        yield from bases_of(
+            self, at, by_force, along="force", part="force", shared=True, alone=True
+        )
+        for under, count in MOMENTS.items():
+            moments = (cosine_wave(j, MOMENT_PER_M) for j in range(count))
+            for one in bases_of(
+                self, at, moments, along="position", part="moment", under=under, adds="moment",
+                shared=True, alone=True,
+            ):  # fmt: skip
+                yield replace(one, unit="1/m")
+
+
+def _play(forces_N: tuple[float, float], full_N: float) -> Function:
+    """Return how far the force moves what has play, mm; 0 .. 1 of the range of the force."""
+    low, high = forces_N
+
+    def value(t: FloatArray) -> FloatArray:
+        return np.asarray(AMPLITUDE_MM * np.tanh((low + t * (high - low)) / full_N))
+
+    return value
 
 
 LOCATION = Position(

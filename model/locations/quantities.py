@@ -36,9 +36,12 @@ class AcquisitionTimes:
     def of(self, use: npt.NDArray[np.bool_]) -> AcquisitionTimes:
         """Return some of these times."""
         shape = self.voltage_V.shape
-        return AcquisitionTimes(
-            **{f.name: np.broadcast_to(getattr(self, f.name), shape)[use] for f in fields(self)}
-        )
+
+        def some(values: FloatArray | float) -> FloatArray:
+            whole = np.asarray(values)
+            return (whole if whole.shape == shape else np.broadcast_to(whole, shape))[use]
+
+        return AcquisitionTimes(**{f.name: some(getattr(self, f.name)) for f in fields(self)})
 
     @staticmethod
     def joined(clocks: Sequence[AcquisitionTimes]) -> AcquisitionTimes:
@@ -78,6 +81,8 @@ class BeamProblem:
     share: FloatArray  # (n,) of each reading in the mean of its condition; 0: it is in none
     # (K,) share of the weight's push towards -y: -1 where the rig is turned over
     upright: FloatArray | float = 1.0
+    # (K,) number of the session among those analysed together, from 1; 0: of none in particular
+    session_number: FloatArray | float = 0.0
 
 
 @dataclass(kw_only=True)
@@ -113,6 +118,7 @@ class LoadCellInput:
     slid: FloatArray | float = 0.0  # which way along the sheet the rolls last slid: 1, to its end
     run_s: FloatArray | float = 0.0  # since the run began
     pulse_s: FloatArray | float = 0.0  # since this voltage was set
+    session_number: FloatArray | float = 0.0  # as of the beam problem
 
 
 @dataclass(kw_only=True)
@@ -125,6 +131,7 @@ class ImagePoints:
     normal_x: FloatArray  # unit normal of the curve
     normal_y: FloatArray
     scale_m: float  # half the width of the image of the sheet
+    session_number: FloatArray | float = 0.0  # (K, 1) as of the beam problem
 
 
 @dataclass(kw_only=True)

@@ -41,7 +41,7 @@ class RestCurvature(Location):
             yield Basis(
                 part=part, along="s", function=_kink(length_m), unit=self.unit,
                 span=(0.0, 1e3 * length_m, "mm"), step=perturbation(self, at, turned),
-                term=turned,
+                term=turned, alone=part == "clamp",
             )  # fmt: skip
 
 

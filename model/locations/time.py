@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,7 +27,7 @@ from model.measurements import FloatArray
 AMPLITUDE = 0.1  # relative
 FORCE_MN, TURN_RAD = 2.0, 0.3  # times AMPLITUDE
 WAVES = {"session": 8, "run": 3}
-DECAYS_PULSES, PULSES = (1.0, 3.0), 22.0  # to 1/e, of the train's
+DECAYS_PULSES, PULSES = (1.0, 3.0, 9.0), 22.0  # to 1/e, of the train's
 WAVES_IN_PULSE = 3
 # coordinates of terms; what goes with the pulse or a period is in no mean
 ALONG = {"session": "session", "run": "run", "train": "driven"}
@@ -45,7 +45,8 @@ class Time(Location):
         times = {"session": clock.session, "run": clock.run_s, "driven": clock.driven_s}
         if term.along not in times or term.adds not in ("EIBM", "stiffness"):
             return None
-        values, none = term(np.asarray(times[term.along])), np.zeros(clock.voltage_V.shape)
+        values = term.share(clock.voltage_V) * term(np.asarray(times[term.along]))
+        none = np.zeros(clock.voltage_V.shape)
         return (values, none) if term.adds == "EIBM" else (none, values)
 
     def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
@@ -91,11 +92,28 @@ class Time(Location):
         yield self._basis(at, wave, f"stress, {during}", stress)
 
     def _train(self, at: Linearised) -> Iterator[Basis]:
-        t = np.clip(at.clock.driven_s / SPANS_S["train"][0], 0.0, 1.0)
+        """Return what goes with the time under voltage: of the EIBM, of one polarity, of B."""
         for pulses in DECAYS_PULSES:
             wave = decay(pulses / PULSES, AMPLITUDE)
-            step = replace(at.nothing(), eibm=wave(t) * _on(at))
-            yield self._basis(at, wave, "EIBM, train", step)
+
+            def course(clock: AcquisitionTimes, wave: Function = wave) -> FloatArray:
+                t = np.clip(clock.driven_s / SPANS_S["train"][0], 0.0, 1.0)
+                return np.asarray(wave(t) * (clock.voltage_V != 0.0))
+
+            def polar(
+                clock: AcquisitionTimes, course: Callable[..., FloatArray] = course
+            ) -> FloatArray:
+                return np.asarray(course(clock) * np.sign(clock.voltage_V))
+
+            for of_time, under in ((course, ""), (polar, "polarity")):
+                step = replace(
+                    at.nothing(), eibm=of_time(at.clock), bin_eibm=_within_pulse(at, of_time)
+                )
+                yield self._basis(at, wave, "EIBM, train", step, under=under)
+            step = replace(
+                at.nothing(), stiffness=course(at.clock), bin_stiffness=_within_pulse(at, course)
+            )
+            yield self._basis(at, wave, "stiffness, train", step, under="voltage")
 
     def _period(self, at: Linearised) -> Iterator[Basis]:
         if at.periodic is None or at.periodic.what != "EIBM":
@@ -115,15 +133,23 @@ class Time(Location):
             yield self._basis(at, wave, "EIBM, pulse", step)
 
     def _basis(
-        self, at: Linearised, function: Function, part: str, step: Perturbation, unit: str = ""
-    ) -> Basis:
+        self, at: Linearised, function: Function, part: str, step: Perturbation, unit: str = "",
+        under: str = "",
+    ) -> Basis:  # fmt: skip
         adds, _, during = part.partition(", ")
         span, along = time_span(at, part), ALONG.get(during)
-        term = along and BasisTerm(along=along, function=function, low=0.0, high=span[1], adds=adds)
+        term = along and BasisTerm(
+            along=along, function=function, low=0.0, high=span[1], adds=adds, under=under
+        )
         return Basis(
             part=part, along="time", function=function, unit=unit or self.unit, span=span,
             step=step, shared=True, term=term or None,
         )  # fmt: skip
+
+
+def _within_pulse(at: Linearised, course: Callable[[AcquisitionTimes], FloatArray]) -> FloatArray:
+    """Return a course in the parts of the pulses, less that at the sampling points: (b,)."""
+    return np.asarray(at.bin_mean(course(at.bin_clock)) - at.bin_mean(course(at.bin_sample)))
 
 
 def _force_at_0V_N(weighed: LoadCellInput) -> FloatArray:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from itertools import pairwise
 from math import isfinite
@@ -206,6 +206,16 @@ class Equilibria:
     def l_hat_m(self) -> FloatArray:
         """Length of the sheet that is loaded."""
         return np.minimum(self.s_hat_m, self.problems.length_m)
+
+    def of(self, rows: npt.NDArray[np.int64]) -> Equilibria:
+        """Return some of them."""
+        p = self.problems
+        soft = p.softness if len(p.softness) == 1 else p.softness[rows]
+        some = replace(p, kappa=p.kappa[rows], softness=soft, angle_rad=p.angle_rad[rows])
+        return replace(
+            self, problems=some, status=self.status[rows], nu=self.nu[rows],
+            s_hat_m=self.s_hat_m[rows], phi_hat_rad=self.phi_hat_rad[rows], psi=self.psi[rows],
+        )  # fmt: skip
 
     def force(self, B_Nm2: npt.ArrayLike) -> FloatArray:
         """(5) F, the force on the object along the arc's tangent, in N."""

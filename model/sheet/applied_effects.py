@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects import Effect, catalogue
+from model.effects.between_sessions import sessions_in
 from model.effects.interface import BeamProblem, ContactSolution
 from model.locations import location
 from model.measurements import FloatArray, ModelError
@@ -47,7 +48,9 @@ def effect_of(one: ActiveEffect) -> Effect:
     known = catalogue()
     if one.name not in known:
         raise ModelError(f"the model includes the effect '{one.name}', unknown to this version")
-    return known[one.name]
+    effect = known[one.name]
+    values = one.parameters or next(iter(one.by_configuration.values()), {})
+    return effect.for_sessions(sessions_in(values)) or effect
 
 
 def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
@@ -56,7 +59,8 @@ def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
     for parameter in effect.parameters:
         if parameter.name not in values and parameter is effect.amplitude:
             raise ModelError(f"the effect '{effect.name}' of the model lacks its {parameter.name}")
-        value = values.get(parameter.name, parameter.prior_scale)
+        usual = parameter.neutral if parameter.estimated else parameter.prior_scale
+        value = values.get(parameter.name, usual)
         if not parameter.low <= value <= parameter.high:
             raise ModelError(
                 f"the effect '{effect.name}' of the model has {parameter.name} = {value:g}; it must"
@@ -134,6 +138,7 @@ def beam_problem(
         offset_m=np.array([one.offset_m for one in setups]),
         piece_m=sheet.free_length_m * np.asarray(rule(NODES).b), clock=clock, reading_of=of,
         share=1.0 / np.bincount(of)[of], upright=np.ones(len(setups)),
+        session_number=np.array([float(one.session) for one in setups]),
     )  # fmt: skip
 
 

@@ -20,7 +20,7 @@ Coordinate = Literal[
     "driven", "time", "clamp", "image_x", "image_y",
 ]  # fmt: skip
 Under = Literal["", "voltage", "polarity"]
-Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp"]
+Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp", "moment"]
 UNKNOWN = "unknown"  # the name of what is in no catalogue
 
 
@@ -38,6 +38,7 @@ class ConditionProblem:
     clamp_rad: float = 0.0  # direction in which the sheet leaves the clamp
     elongation_soft: float = 0.0  # B over the elongation's stiffness; 0: rigid
     offset_m: float = 0.0  # from the neutral curve to the point on the arc, along the normal
+    session: int = 0  # number of the session it stands for; 0: of none in particular
 
     @property
     def touches(self) -> bool:

@@ -211,6 +211,7 @@ def load_cell_input(
         wetted_s=np.broadcast_to(clock.wetted_s, of.shape), slid=slid(beam, contact)[of],
         run_s=np.broadcast_to(clock.run_s, of.shape),
         pulse_s=np.broadcast_to(clock.pulse_s, of.shape),
+        session_number=np.broadcast_to(beam.session_number, beam.voltage_V.shape)[of],
     )  # fmt: skip
 
 

@@ -76,6 +76,7 @@ def camera_m(
     points = ImagePoints(
         s_m=s_m[None], x_m=x_m[None], y_m=y_m[None], normal_x=-np.sin(phi_rad)[None],
         normal_y=np.cos(phi_rad)[None], scale_m=setup.sheet.free_length_m,
+        session_number=float(setup.session),
     )  # fmt: skip
     (dx,), (dy,) = image_displacement_m(acting(effects, setup.sheet.configuration), points)
     return dx, dy

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from model.effects.between_sessions import sessions_in
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import Field
 from model.parameter import Parameter, finite
@@ -112,6 +113,8 @@ class SheetModel:
     merit: Mapping[str, float] = field(default_factory=dict)  # names with their unit; of all sheets
     # the same of each configuration alone, where the file states it
     own_merit: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    # whose prediction is asked for, where effects differ between sessions; 0: their mean
+    session: int = 0
 
     def sheet(self, configuration: str) -> ConfiguredSheet:
         """Return a configuration's parameters."""
@@ -156,7 +159,7 @@ class SheetModel:
         return ConditionProblem(
             sheet=one.sheet, voltage_V=voltage_V, angle_rad=one.sheet.arc_origin_rad + along,
             B_Nm2=one.B.value, rest=one.rest.field(one.sheet.free_length_m),
-            eibm=one.eibm_at(voltage_V),
+            eibm=one.eibm_at(voltage_V), session=self.session,
         )  # fmt: skip
 
     def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction:
@@ -168,6 +171,16 @@ class SheetModel:
     def with_effects(self, *effects: ActiveEffect) -> SheetModel:
         """Return the same model with these effects."""
         return replace(self, effects=effects)
+
+    @property
+    def sessions(self) -> int:
+        """How many sessions its effects tell apart; 0: none differs between sessions."""
+        values = (v for e in self.effects for v in (e.parameters, *e.by_configuration.values()))
+        return max(map(sessions_in, values), default=0)
+
+    def in_session(self, number: int) -> SheetModel:
+        """Return the same model as it was in one of the sessions that it was fitted to."""
+        return replace(self, session=number)
 
     def with_merit(
         self, merit: Mapping[str, float], own: Mapping[str, Mapping[str, float]]

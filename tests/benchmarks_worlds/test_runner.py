@@ -45,7 +45,7 @@ def test_what_is_hidden_is_as_visible_as_wanted() -> None:
 
 
 def test_conditions_that_nobody_measured_lie_between_those_of_the_session() -> None:
-    found = unmeasured(WORLD, {}, 4)
+    found = unmeasured(WORLD, {}, 4, Design())
     measured = {p for places in Design().positions_m.values() for p in places}
     assert len(found) == 20
     assert not {c.position_m for c in found} & measured

@@ -52,7 +52,7 @@ def plausible(name: str) -> ActiveEffect:
 
 @pytest.mark.parametrize("name", sorted(catalogue()))
 def test_every_effect_of_the_catalogue_can_be_in_a_model(truth: SheetModel, name: str):
-    model = truth.with_effects(plausible(name))
+    model = truth.with_effects(plausible(name)).in_session(2)
     for configuration in truth.sheets:
         for voltage in (0.0, -2.0):
             found = predict(model, configuration, POSITION_M, voltage)
@@ -73,7 +73,7 @@ def seen_difference(model: SheetModel, other: SheetModel) -> float:
 @pytest.mark.parametrize("name", sorted(catalogue()))
 def test_an_effect_at_its_neutral_value_changes_nothing(truth: SheetModel, name: str):
     parameters = catalogue()[name].parameters
-    values = {parameter.name: parameter.prior_scale for parameter in parameters}
+    values = {p.name: p.neutral if p.estimated else p.prior_scale for p in parameters}
     if not np.isfinite(parameters[0].neutral):
         pytest.skip("its absence is no number that a file could hold")
     values[parameters[0].name] = max(parameters[0].neutral, parameters[0].low)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import Any
 
 from benchmarks.hidden_effects.records import Name, Unseen
 from model.measurements import Measurements
@@ -29,6 +30,7 @@ class Answer:
     ranking: list[tuple[str, float]] = field(default_factory=list)  # best first
     closed: float | None = None  # share of the gap on left-out conditions, as the method states it
     foretell: Foretell | None = None  # None: the method predicts nothing
+    choice_sets: list[dict[str, Any]] = field(default_factory=list)  # for `calibrate`; labrig's own
 
 
 Method = Callable[[Measurements], Answer]

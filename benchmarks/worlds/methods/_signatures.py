@@ -7,7 +7,7 @@ from functools import cached_property
 
 from benchmarks.hidden_effects.records import Name
 from benchmarks.hidden_effects.visible import known
-from benchmarks.worlds.methods._contract import Answer
+from benchmarks.worlds.methods._contract import Answer, Foretell
 from model.discrepancy.prepare import Options, Prepared, prepare
 from model.discrepancy.search.evidence import Candidate, candidates
 from model.effects.interface import Effect
@@ -35,6 +35,6 @@ class Started:
         return candidates(self.base, self.effects)
 
 
-def taken_at_their_word(names: list[str]) -> Answer:
+def taken_at_their_word(names: list[str], foretell: Foretell) -> Answer:
     """Return names without intervals, and without a probability other than 1."""
-    return Answer(named=[Name(name, 1.0, [], 0.0, {}) for name in names])
+    return Answer(named=[Name(name, 1.0, [], 0.0, {}) for name in names], foretell=foretell)

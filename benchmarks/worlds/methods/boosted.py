@@ -27,6 +27,7 @@ from benchmarks.hidden_effects.records import Name, Unseen
 from benchmarks.hidden_effects.run import ROOT
 from benchmarks.worlds.cases import Task, made, names, tasks
 from benchmarks.worlds.methods._contract import Answer
+from benchmarks.worlds.methods._foretell import likeliest_shapes, of_effects
 from benchmarks.worlds.methods._signatures import Started
 from benchmarks.worlds.sealed import open_worlds
 from model.discrepancy.search.evidence import Projected, score
@@ -43,15 +44,19 @@ TRAINING_SEEDS_FROM = 500_000  # seeds from here on are for training, others nev
 
 def answer(measurements: Measurements) -> Answer:
     """Return what is more likely than not; raise `ValueError` where nothing was trained."""
-    chances = {name: p for name, p in _chances(features(measurements)).items() if p > LIKELY}
+    started = Started.of(measurements)
+    chances = {name: p for name, p in _chances(features(started)).items() if p > LIKELY}
     unknown = Unseen("", "", "", 0.0) if OUTSIDE in chances else None
     named = sorted((p, name) for name, p in chances.items() if name != OUTSIDE)
-    return Answer(named=[Name(n, p, [], 0.0, {}) for p, n in named[::-1]], unknown=unknown)
+    chosen = likeliest_shapes(started.base, started.pool, [name for _, name in named])
+    return Answer(
+        named=[Name(n, p, [], 0.0, {}) for p, n in named[::-1]], unknown=unknown,
+        foretell=of_effects(started.base, chosen, measurements),
+    )  # fmt: skip
 
 
-def features(measurements: Measurements) -> FloatArray:
+def features(started: Started) -> FloatArray:
     """Return the evidence of each effect and each location, and each less the largest."""
-    started = Started.of(measurements)
     forward, base = started.base.problem.forward, started.base
     projected = Projected.of(forward, base.linear, base.solution)
     best: dict[str, float] = {}
@@ -100,7 +105,7 @@ def example(task: Task) -> tuple[str, FloatArray, str]:
     """Return the key of a case, its features and what is hidden; no features: it failed."""
     try:
         one = made(task)
-        found = features(one.session)
+        found = features(Started.of(one.session))
     except Exception as error:  # noqa: BLE001 - one example less, and it is told
         return task.key, np.zeros(0), f"{type(error).__name__}: {error}"
     told = [OUTSIDE] if task.family == "outside" else names(one.world, one.sizes)

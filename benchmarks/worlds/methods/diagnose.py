@@ -27,4 +27,5 @@ def answer(measurements: Measurements) -> Answer:
         ranking=ranking[:RANKED],
         closed=float(found.closed) if np.isfinite(found.closed) else None,
         foretell=partial(predict, read_back(found.model)),
+        choice_sets=[one.to_json() for one in found.choice_sets],
     )

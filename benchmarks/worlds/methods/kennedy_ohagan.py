@@ -14,9 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import norm
 
-from benchmarks.hidden_effects.baseline_gp import along_arc, kernel
+from benchmarks.hidden_effects.baseline_gp import along_arc as along_the_arc
+from benchmarks.hidden_effects.baseline_gp import kernel
 from benchmarks.hidden_effects.records import Name, Unseen
 from benchmarks.worlds.methods._contract import Answer
+from benchmarks.worlds.methods._foretell import along_arc
 from benchmarks.worlds.methods._signatures import Started
 from model.discrepancy.search.evidence import Projected
 from model.discrepancy.search.signatures import forms
@@ -28,6 +30,7 @@ WIDTH = 10.0
 LENGTHS_M, SIZES = (8e-3, 20e-3), (0.0, 0.1, 0.3, 1.0, 3.0)
 SURE_Z, EVIDENCE_LN, ALIKE = 4.0, 6.0, 0.9
 SEEN = 1e-6
+SMOOTH = 1e-3  # share of noise in what was fitted
 
 
 @dataclass(frozen=True)
@@ -36,11 +39,14 @@ class _Posterior:
     size: float
     mean: FloatArray
     covariance: FloatArray
+    length_m: float
+    added: FloatArray  # (N,) to the base model's rows, its parameters refitted
 
 
 def answer(measurements: Measurements) -> Answer:
     """Return the names, and whether a discrepancy remains."""
     started = Started.of(measurements)
+    kinds = along_the_arc(started.base)
     pool = forms(started.pool, {})
     signatures = np.stack([c.columns[:, 0] for c in pool], axis=1)
     found = [p for length in LENGTHS_M for p in _posteriors(started.base, signatures, length)]
@@ -59,15 +65,20 @@ def answer(measurements: Measurements) -> Answer:
     if not named and best.evidence - without > EVIDENCE_LN:
         unknown = Unseen("", "", "", 0.0)
     return Answer(
-        named=named, unknown=unknown, ranking=[(pool[i].name, float(z[i])) for i in order]
-    )
+        named=named, unknown=unknown, ranking=[(pool[i].name, float(z[i])) for i in order],
+        foretell=along_arc(
+            started.base, best.added, dict.fromkeys(kinds, (best.length_m, SMOOTH)),
+            measurements,
+        ),
+    )  # fmt: skip
 
 
 def _posteriors(base: MixedModelFit, signatures: FloatArray, length_m: float) -> list[_Posterior]:
     """Return the amplitudes' posterior for each size of the discrepancy."""
     forward, count = base.problem.forward, signatures.shape[1]
     columns = np.concatenate([signatures, _process(base, length_m)], axis=1)
-    A, b = Projected.of(forward, base.linear, base.solution).normal(forward, columns)
+    projected = Projected.of(forward, base.linear, base.solution)
+    A, b = projected.normal(forward, columns)
     result = []
     for size in SIZES:
         use = np.arange(len(b)) < (len(b) if size else count)
@@ -77,14 +88,18 @@ def _posteriors(base: MixedModelFit, signatures: FloatArray, length_m: float) ->
         mean = inverse @ (prior * b[use])
         evidence = 0.5 * float(prior * b[use] @ mean) - 0.5 * float(np.linalg.slogdet(scaled)[1])
         covariance = (prior[:, None] * inverse * prior)[:count, :count]
-        result.append(_Posterior(evidence, size, (prior * mean)[:count], covariance))
+        added = columns[:, use] @ (prior * mean)
+        added = added - base.linear.columns @ (projected.covariance @ (projected.WX.T @ added))
+        result.append(
+            _Posterior(evidence, size, (prior * mean)[:count], covariance, length_m, added)
+        )
     return result
 
 
 def _process(base: MixedModelFit, length_m: float) -> FloatArray:
     """Return columns (N, n) whose normal amplitudes make a process of the residuals' size."""
     left, columns = refitted(base), []
-    for own in along_arc(base).values():
+    for own in along_the_arc(base).values():
         size = float(np.sqrt(np.mean(np.concatenate([left[rows] for rows, _ in own]) ** 2)))
         for rows, at_m in own:
             smooth = kernel(at_m, at_m, length_m) + SEEN * np.eye(len(at_m))

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from benchmarks.hidden_effects.baselines import stlsq
 from benchmarks.worlds.methods._contract import Answer
+from benchmarks.worlds.methods._foretell import of_effects
 from benchmarks.worlds.methods._signatures import Started, taken_at_their_word
 from model.measurements import Measurements
 
 
 def answer(measurements: Measurements) -> Answer:
-    """Return the names."""
+    """Return the names, and what the base model foretells with them."""
     started = Started.of(measurements)
-    return taken_at_their_word(stlsq(started.base, started.pool))
+    chosen = stlsq(started.base, started.pool)
+    return taken_at_their_word(
+        [c.name for c in chosen], of_effects(started.base, chosen, measurements)
+    )

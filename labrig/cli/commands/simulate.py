@@ -22,6 +22,12 @@ def simulate(
         list[float] | None, typer.Option(help="along the arc; repeatable")
     ] = None,
     voltage: Annotated[list[float] | None, typer.Option(help="in V; repeatable")] = None,
+    session: Annotated[
+        int,
+        typer.Option(
+            min=0, help="as in this one of the sessions diagnosed together; 0: as in their mean"
+        ),
+    ] = 0,
     as_json: Json = False,
 ) -> None:
     """Force and shape that a model predicts, for all combinations of what is given."""
@@ -31,6 +37,12 @@ def simulate(
     if not position_mm or not voltage:
         raise BadInputError("give at least one --position-mm and one --voltage.")
     known = load_model(model)
+    if session > known.sessions:
+        many = f"more than {known.sessions} sessions" if known.sessions else "sessions"
+        raise BadInputError(
+            f"--session {session}: {model.name} has nothing that differs between {many}."
+        )
+    known = known.in_session(session)
     found = [
         predict(known, name, 1e-3 * position, volts)
         for name in configuration or known.sheets

@@ -398,7 +398,7 @@ def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFi
     problem = fitted.problem
     looks = [replace(one, seen=(*one.seen, *entry.add(one))) for one in problem.forward.looks]
     rests = [scene.rest for scene in problem.forward.scenes]
-    forward = ForwardModel(looks, rests)
+    forward = ForwardModel(looks, rests, like=problem.forward)
     noise = noise_of(forward)
     larger = FitProblem.of(forward, problem.bases, noise)
     bases = problem.bases

@@ -36,7 +36,7 @@ def left_out(
     for runs in groups:
         rows = np.flatnonzero(np.isin(base.problem.forward.layout.run_of, runs))
         before[rows] = _predicted(base, base.linear.columns, runs)[rows]
-        best = _best_without(judge, pool, runs) if own and pool else None
+        best = best_without(judge, pool, runs) if own and pool else None
         name = "" if best is None or best.log_bayes <= 0.0 else best.candidate.name
         if final is base or (own and not name):
             after[rows] = before[rows]
@@ -104,7 +104,7 @@ def _likely(fitted: MixedModelFit, runs: Index) -> float:
     return -0.5 * float(np.linalg.slogdet(V)[1] + error @ np.linalg.solve(V, error))
 
 
-def _best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -> Score:
+def best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -> Score:
     """Return the candidate that the other runs choose, with the noise as it was found."""
     return max(scores_without(base, pool, runs), key=lambda s: s.log_bayes)
 

@@ -13,12 +13,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.discrepancy.thresholds import BOUNDS_FACTOR, UNEXPECTED_SIGN_LN
-from model.effects.interface import Effect, Values
+from model.effects.interface import Effect, EffectParameter, Values
 from model.identification.likelihood.form_ways import atoms
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Linearisation
 from model.identification.likelihood.mixed_model import Solution, deviance, estimate
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.model_state import ModelState
 from model.measurements import FloatArray
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
@@ -78,7 +79,17 @@ def candidates(
             continue
         for values in members(effect):
             steps = [forward.step(c, states[c], effect, values) for c in range(len(states))]
-            columns = atoms(forward, states, effect, steps, tolerant=tolerant)
+            columns = np.concatenate(
+                [
+                    atoms(forward, states, effect, steps, tolerant=tolerant),
+                    *(
+                        _further(forward, states, effect, k)
+                        for k in effect.parameters
+                        if k.estimated
+                    ),
+                ],
+                axis=1,
+            )
             sizes = FULL if effect.amplitude.starting_values else SIZES
             result.append(
                 Candidate(
@@ -91,6 +102,16 @@ def candidates(
                 )
             )
     return result
+
+
+def _further(
+    forward: ForwardModel, states: Sequence[ModelState], effect: Effect, size: EffectParameter
+) -> FloatArray:
+    """Return the columns of a further size, the first one absent: (N, 1); (N, C) of each sheet."""
+    values = {k.name: k.neutral for k in effect.parameters} | {size.name: size.prior_scale}
+    steps = [forward.step(c, state, effect, values) for c, state in enumerate(states)]
+    rows = [forward.rows_of(c, states[c], step) for c, step in enumerate(steps)]
+    return np.stack(rows if effect.by_configuration else [np.sum(rows, axis=0)], axis=1)
 
 
 @dataclass(frozen=True)

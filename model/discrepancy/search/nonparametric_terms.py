@@ -15,15 +15,13 @@ import numpy as np
 from model.discrepancy.search.evidence import Candidate
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from model.identification.likelihood.model_state import ModelState
 from model.locations import location, locations
+from model.locations.basis import bending_per_m
 from model.locations.contract import BasisTerm, Function, Linearised
 from model.measurements import FloatArray
 
 AMPLITUDES = (0.01, 0.03, 0.1, 0.3, 1.0)  # of the basis shapes, to begin with
 LEAST_RANGE_N = 1e-6
-# parts of one shape that another part has, too: by itself what is constant costs least
-ALONE = ("clamp", "zero")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,19 +35,29 @@ class BasisShape:
     function: Function | None
     unit: str
     span: tuple[float, float, str]
+    alone: bool = False  # see `Basis`
     points_m: FloatArray | None = None  # (K, S) where the camera moves points along the normal
     # by configuration, as a model file has it; none: no prediction of means could show it
     terms: Mapping[str, BasisTerm] = field(default_factory=dict)
 
+    @property
+    def under(self) -> str:
+        """At which voltages it acts, and which way: see `BasisTerm`."""
+        return next((term.under for term in self.terms.values()), "")
+
 
 def shapes(fitted: MixedModelFit, name: str, part: str = "") -> list[BasisShape]:
-    """Return all basis shapes of a location, each once, or those of a part."""
+    """Return the basis shapes of a location as a whole, each once, or those of a part."""
+    every = all_shapes(fitted, name)
+    return [shape for shape in every if (shape.part == part if part else not shape.alone)]
+
+
+def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
+    """Return the basis shapes of all parts of a location, each once."""
     forward, result = fitted.problem.forward, dict[tuple[str, int, str], BasisShape]()
     for c, state in enumerate(fitted.linear.states):
         configuration, counts = forward.names[c], dict[str, int]()
-        for basis in location(name).bases(linearised(forward, c, state)):
-            if basis.part != part if part else basis.part in ALONE:
-                continue
+        for basis in location(name).bases(linearised(fitted, c)):
             number = counts[basis.part] = counts.get(basis.part, 0) + 1
             key = (basis.part, number, "" if basis.shared else configuration)
             rows = forward.rows_of(c, state, basis.step)
@@ -62,7 +70,7 @@ def shapes(fitted: MixedModelFit, name: str, part: str = "") -> list[BasisShape]
                 result[key] = BasisShape(
                     rows=rows, configuration=configuration, part=basis.part, along=basis.along,
                     function=basis.function, unit=basis.unit, span=basis.span, points_m=points,
-                    terms=terms,
+                    terms=terms, alone=basis.alone,
                 )  # fmt: skip
     return [shape for shape in result.values() if np.any(shape.rows)]
 
@@ -71,12 +79,11 @@ def unknowns(fitted: MixedModelFit) -> list[Candidate]:
     """Return for each location all of its shapes, and each part that has a profile alone."""
     result = []
     for name in locations():
-        whole = shapes(fitted, name)
-        parts = list(dict.fromkeys(s.part for s in whole if s.function))
+        every = all_shapes(fitted, name)
+        whole = [s for s in every if not s.alone]
         several = len({s.part for s in whole}) > 1
-        pool = {"": whole}
-        pool |= {part: [s for s in whole if s.part == part] for part in parts if several}
-        pool |= {part: shapes(fitted, name, part) for part in ALONE}
+        parts = dict.fromkeys(s.part for s in every if s.alone or (several and s.function))
+        pool = {"": whole} | {part: [s for s in every if s.part == part] for part in parts}
         for part, found in pool.items():
             if found:
                 columns = np.stack([s.rows for s in found], axis=1)
@@ -94,8 +101,9 @@ def unknowns(fitted: MixedModelFit) -> list[Candidate]:
     return result
 
 
-def linearised(forward: ForwardModel, c: int, state: ModelState) -> Linearised:
+def linearised(fitted: MixedModelFit, c: int) -> Linearised:
     """Return a configuration as the locations see it."""
+    forward, state = fitted.problem.forward, fitted.linear.states[c]
     scene, part = forward.scenes[c], forward.part(c)
     measured_at = part.mean(part.clock.session)
     measured_at[scene.free] = scene.free_clock.session
@@ -107,7 +115,9 @@ def linearised(forward: ForwardModel, c: int, state: ModelState) -> Linearised:
         force_at_0V_N=np.nan_to_num(state.solved.force_N) - state.by_eibm,
         measured_at=measured_at, has_curve=scene.has_curve,
         positions_m=_ends(np.concatenate([one.stated_m for one in forward.scenes])),
-        forces_N=_force_range_N(forward), bin_clock=part.bin_clock, bin_sample=part.bin_sample,
+        forces_N=_force_range_N(forward),
+        bent_per_m=_most_bent_per_m(fitted),
+        bin_clock=part.bin_clock, bin_sample=part.bin_sample,
         bin_mean=part.bin_mean, periodic=forward.wave, nothing=lambda: forward.no_step(c),
         change=lambda other: scene.change(state.beam, other, state.solved.contact),
     )  # fmt: skip
@@ -117,6 +127,10 @@ def _ends(values: FloatArray) -> tuple[float, float]:
     """Return the smallest and the largest finite value; 0 where there is none."""
     finite = values[np.isfinite(values)]
     return (float(finite.min()), float(finite.max())) if len(finite) else (0.0, 0.0)
+
+
+def _most_bent_per_m(fitted: MixedModelFit) -> float:
+    return max(float(np.max(bending_per_m(s.solved.contact))) for s in fitted.linear.states)
 
 
 def _force_range_N(forward: ForwardModel) -> tuple[float, float]:

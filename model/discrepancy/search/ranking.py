@@ -165,7 +165,7 @@ def _shape(one: Score) -> tuple[float, ...]:
     """Return values of the parameters that stay as they are tried."""
     effect = one.candidate.effect
     stay = () if effect is None else effect.parameters[1:]
-    return tuple(one.candidate.values[k.name] for k in stay if not k.log)
+    return tuple(one.candidate.values[k.name] for k in stay if not (k.log or k.estimated))
 
 
 def _alike(one: Score, other: Score) -> bool:

@@ -11,7 +11,13 @@ from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.thresholds import NONPARAMETRIC_MARGIN_LN, UNEXPLAINED_SHARE
+from model.discrepancy.thresholds import (
+    MISSED_BY_FORM_SHARE,
+    NONPARAMETRIC_MARGIN_LN,
+    UNEXPLAINED_SHARE,
+)
+from model.discrepancy.verdict.choice_set import ChoiceSet
+from model.discrepancy.verdict.compared_answers import ComparedAnswers
 from model.discrepancy.verdict.fitted_model import sheet_model
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
 from model.discrepancy.verdict.posterior import (
@@ -40,7 +46,9 @@ class Decision:
     final: MixedModelFit  # with the free form of what is unknown, too
     written: MixedModelFit  # the same, solved with the inferred forms in the model
     model: SheetModel  # as a file has it
+    rest: Leftover | None = None  # what nonparametric terms find beside the names
     criticism: Criticism = field(default_factory=Criticism)
+    choice_sets: tuple[ChoiceSet, ...] = ()  # of the questions that it answers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,20 +70,23 @@ class Judgement:
         """Return what the evidence names."""
         base = self.outcome.base
         named, known = choices(self.outcome, self.effects, self.threshold)
-        rest = self._unexplained(known)
-        if rest is not None and len(named) < len(self.outcome.chosen):
+        rest = self._leftover(known)
+        if self._unexplained(rest) and len(named) < len(self.outcome.chosen):
             # what was taken for the rest of another one's form is more than that
             more, full = choices(self.outcome, self.effects, self.threshold, rests=True)
-            if self._unexplained(full) is None:
-                named, known, rest = more, full, None
-        if rest is None:
+            beside = self._leftover(full)
+            if not self._unexplained(beside):
+                named, known, rest = more, full, beside
+        only = rest is not None and alone(rest, base, known)
+        if rest is None or not (only or self._unexplained(rest)):
             known = with_shapes(known, named)
             told, model = self._written(known, known, None)
             return Decision(
-                named=named, known=known, unknown=None, final=known, written=told, model=model
-            )
-        if _alone(rest, base, known):
-            named, known = [], base
+                named=named, known=known, unknown=None, final=known, written=told, model=model,
+                rest=rest,
+            )  # fmt: skip
+        if only:
+            named, known, rest = [], base, self._leftover(base) or rest
         return self._with_unknown(named, known, rest)
 
     def _with_unknown(self, named: list[Choice], known: MixedModelFit, rest: Leftover) -> Decision:
@@ -87,17 +98,25 @@ class Judgement:
         told, model = self._written(known, final, free)
         unknown = unknown_of(at, free)
         return Decision(
-            named=named, known=known, unknown=unknown, final=final, written=told, model=model
-        )
+            named=named, known=known, unknown=unknown, final=final, written=told, model=model,
+            rest=rest,
+        )  # fmt: skip
 
     def _revised(self, found: Decision) -> Decision:
         """Return the decision without names that the checks reject."""
-        criticism = criticise(NamedModel(self.outcome, found.named, found.known))
-        names = [one.effect.name for one in found.named]
+        judged = NamedModel(self.outcome, found.named, found.known)
+        criticism = criticise(judged)
+        names, before = [one.effect.name for one in found.named], found
         rejected = criticism.rejected(names)
         if rejected or (criticism.incomplete and found.unknown is None):
             found = self._without(found, rejected)
-        return replace(found, criticism=criticism)
+        compared = ComparedAnswers(
+            judged=judged, rest=before.rest, unknown=before.unknown is not None,
+            criticism=criticism,
+            kept=[one.effect.name for one in found.named],
+            reported_unknown=found.unknown is not None,
+        )  # fmt: skip
+        return replace(found, criticism=criticism, choice_sets=compared.choice_sets())
 
     def _without(self, found: Decision, rejected: Sequence[str]) -> Decision:
         """Return a decision without these names, and with the best nonparametric term instead."""
@@ -107,7 +126,7 @@ class Judgement:
             kept = tuple(f for f in known.found if f.effect.name not in rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
         rest = leftover(self.outcome, known, self.effects)
-        if rest is not None and _alone(rest, base, known):
+        if rest is not None and alone(rest, base, known):
             named, known = [], base
         free = None if rest is None else rest.first if known is base else rest.last
         nothing_else = rest is None or free is None or free.gain < self.threshold
@@ -134,15 +153,25 @@ class Judgement:
                 return told, with_stated_errors(model, forward, out)
         return told, model
 
-    def _unexplained(self, known: MixedModelFit) -> Leftover | None:
-        """Return the nonparametric remainder, where it exceeds the rest of a form."""
-        rest = leftover(self.outcome, known, self.effects) if self.enough else None
+    def _leftover(self, known: MixedModelFit) -> Leftover | None:
+        """Return what nonparametric terms find beside the names."""
+        return leftover(self.outcome, known, self.effects) if self.enough else None
+
+    def _unexplained(self, rest: Leftover | None) -> bool:
+        """Return whether that exceeds the rest of a form."""
         if rest is None or rest.share < UNEXPLAINED_SHARE:
-            return None
-        return rest if rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN else None
+            return False
+        return rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN
 
 
-def _alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
-    """Return whether one free form explains more than all the names together."""
-    explained = 0.5 * (base.deviance - known.deviance) if known.found else 0.0
-    return rest.first.gain * (1.0 - UNEXPLAINED_SHARE) > explained + NONPARAMETRIC_MARGIN_LN
+def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
+    """Return whether one free form explains more than all the names together.
+
+    A single name may be of another form, and lose some of what a free form explains.
+    """
+    names = len(known.found) - len(base.found)
+    if not names:
+        return False
+    explained = 0.5 * (base.deviance - known.deviance)
+    form = MISSED_BY_FORM_SHARE if names == 1 else 0.0
+    return rest.first.gain * (1.0 - form) > explained + NONPARAMETRIC_MARGIN_LN

@@ -156,6 +156,7 @@ class Finding:
             plugins={**origins_of_locations(), **origins_of_effects(), **origins_of_checks()},
             base=base_parameters(told),
             checks=decision.criticism.results,
+            choice_sets=decision.choice_sets,
         )
 
     @property
@@ -238,7 +239,7 @@ class Finding:
 
     def _promises(self) -> tuple[Promise, ...]:
         """Return what was promised of measurements that these data hold, and what is found."""
-        known = catalogue()
+        known = {**catalogue(), **{one.name: one for one in self.effects}}
         made = [
             one for one in self.options.promised
             if len(one.between) > 1 and all(name in known for name in one.between)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
@@ -22,8 +23,7 @@ from model.measurements import FloatArray
 from model.sheet.beam_problem import Under
 
 POINTS = 51
-UNDER: dict[str, Under] = {"voltage": "voltage", "polarity": "polarity"}  # by part
-Key = tuple[str, str, str]  # configuration, part, along
+Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
 
 
 def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
@@ -47,11 +47,11 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     by = np.stack([s.function(t) for s in own if s.function is not None], axis=1)
     band = np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
     start, end, at_unit = own[0].span
-    configuration, part, along = key
+    configuration, part, along, under = key
     return Unknown(
         location=name, configuration=configuration, s_mm=start + t * (end - start),
         profile=by @ beta[use], band=band, unit=own[0].unit, along=along,
-        depends=_depends(name, part, along), at_unit=at_unit, under=UNDER.get(part, ""),
+        depends=_depends(name, part, along, under), at_unit=at_unit, under=cast("Under", under),
     )  # fmt: skip
 
 
@@ -69,7 +69,7 @@ def _strongest(
 
 
 def _key(shape: BasisShape) -> Key:
-    return shape.configuration, shape.part, shape.along
+    return shape.configuration, shape.part, shape.along, shape.under
 
 
 def _seen_wrong(
@@ -92,7 +92,7 @@ def _seen_wrong(
     return Unknown(
         location=location_name, configuration=name, s_mm=s * 1e3, profile=moved[k][keep] * 1e3,
         band=band * 1e3, unit="mm", along="s",
-        depends=_depends(location_name, found[moving[0]].part, "s"),
+        depends=_depends(location_name, found[moving[0]].part, "s", ""),
     )  # fmt: skip
 
 
@@ -110,15 +110,18 @@ def with_free_form(fitted: MixedModelFit, contender: RankedCandidate) -> MixedMo
     )  # fmt: skip
 
 
-def _depends(location_name: str, part: str, along: str) -> str:
+def _depends(location_name: str, part: str, along: str, under: str) -> str:
     """Return the coordinate a nonparametric term depends on, for messages."""
     depends = location(location_name).depends
     if along == "time":
         during = part.rpartition(", ")[2]
-        return f"{depends}, in the course of {'each' if during != 'session' else 'the'} {during}"
-    depends += ", a function of the force" if along == "force" else ""
-    depends += ", only under voltage" if part == "voltage" else ""
-    return depends + (", the other way at the other polarity" if part == "polarity" else "")
+        depends += f", in the course of {'each' if during != 'session' else 'the'} {during}"
+        return depends + (", the other way at the other polarity" if under == "polarity" else "")
+    depends += {"force": ", a function of the force", "curvature": ", by how far the sheet is bent"
+                }.get(along, "")  # fmt: skip
+    depends += ", as a moment" if part == "moment" else ""
+    depends += ", only under voltage" if under == "voltage" else ""
+    return depends + (", the other way at the other polarity" if under == "polarity" else "")
 
 
 def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]:

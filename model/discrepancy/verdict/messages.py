@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from model.discrepancy.thresholds import FEWEST_SETUPS, REPORTED_FORM_SHARE, REPORTED_GAP_RATIO
 from model.discrepancy.verdict.result import (
@@ -15,6 +15,8 @@ from model.discrepancy.verdict.result import (
     Verdict,
 )
 from model.effects import title
+from model.effects.between_sessions import session_of
+from model.parameter import Parameter
 
 DIFFERS = {
     "stiffness": "the sheet's stiffness", "eibm": "the EIBM", "position": "the place on the arc",
@@ -47,7 +49,10 @@ def sentence(
         )
     is_not = "are not" if len(named) > 1 else "is not"
     names = listed([class_name(n) for n in named])
-    said = f"{names[:1].upper()}{names[1:]} {is_not} in the model. {_gap(left_out)}."
+    values = "".join(
+        f" {_capital(title(one.name))}: {in_sessions(one)}." for one in named if in_sessions(one)
+    )
+    said = f"{_capital(names)} {is_not} in the model.{values} {_gap(left_out)}."
     return said if closed is None else f"{said} {closed_sentence(closed)}"
 
 
@@ -57,6 +62,30 @@ def class_name(one: Named) -> str:
         return title(one.name)
     names = " or ".join(title(name) for name in (one.name, *one.confusable_with))
     return f"{names} (which these data cannot tell apart; together {percent(one.confidence)})"
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def in_sessions(one: Named) -> str:
+    """Return an effect's values in each session with their 90 % intervals; empty: it has none."""
+    sheets = one.by_configuration or {"": one.parameters}
+    return "; ".join(
+        f"{name}{': ' * bool(name)}{told}" for name, own in sheets.items() if (told := _told(own))
+    )
+
+
+def _told(parameters: Mapping[str, Parameter]) -> str:
+    own = {session_of(name): p for name, p in parameters.items() if session_of(name)}
+    less = " less session 1" if own and 1 not in own else ""
+    return ", ".join(f"session {number}{less} {_with_interval(p)}" for number, p in own.items())
+
+
+def _with_interval(parameter: Parameter) -> str:
+    p = parameter if parameter.unit else parameter.scaled(100.0, "%")
+    low, high = p.interval()
+    return f"{p.value:+.3g} {p.unit} ({low:+.3g} to {high:+.3g})"
 
 
 def percent(share: float) -> str:

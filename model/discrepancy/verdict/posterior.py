@@ -33,6 +33,8 @@ class Choice:
     alternatives: tuple[tuple[str, float], ...]  # name, posterior; only those worth mentioning
     gain: float
     of_location: float  # posterior of all effects of its location
+    before: MixedModelFit  # the model without it, the other names in place
+    ranking: Sequence[RankedCandidate]  # of what could be added to that, best first
     tried: tuple[MixedModelFit, ...] = ()  # fits of its shapes
     compared: tuple[Score, ...] = ()  # all of its shapes, linearised
 
@@ -47,7 +49,9 @@ def posterior(ranking: Sequence[RankedCandidate]) -> dict[str, float]:
     return dict(zip((c.name for c in known), (weights / weights.sum()).tolist(), strict=True))
 
 
-def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choice:
+def choice(
+    chosen: RankedCandidate, ranking: Sequence[RankedCandidate], before: MixedModelFit
+) -> Choice:
     """Return the choice from a ranking, with its posterior probability."""
     effect = chosen.score.candidate.effect
     if effect is None:
@@ -66,6 +70,8 @@ def choice(chosen: RankedCandidate, ranking: Sequence[RankedCandidate]) -> Choic
         alternatives=tuple(others),
         gain=chosen.gain,
         of_location=of_location,
+        before=before,
+        ranking=ranking,
         tried=chosen.tried,
         compared=chosen.compared,
     )
@@ -135,7 +141,7 @@ def choices(
         if turn.chosen is None:
             continue
         if i == len(turns) - 1:
-            result.append(choice(turn.chosen, turn.ranking))
+            result.append(choice(turn.chosen, turn.ranking, turn.before))
             continue
         rest = tuple(f for j, f in enumerate(final.found) if j != first + i)
         without = fit_mixed_model(final.problem, final.theta, rest, final.solution.log_sigma)
@@ -145,7 +151,7 @@ def choices(
         if min(gain, apart(without, own)) < threshold + FURTHER_EFFECT_LN:
             shorter = SearchResult(outcome.base, turns[:i] + turns[i + 1 :], without)
             return choices(shorter, effects, threshold, rests)
-        result.append(choice(own, ranking if own is not turn.chosen else turn.ranking))
+        result.append(choice(own, ranking if own is not turn.chosen else turn.ranking, without))
     left = None if rests else rest_of_another(result)
     if left is None:
         return result, final
@@ -221,6 +227,7 @@ class Leftover:
     first: RankedCandidate  # the free form on the base model
     last: RankedCandidate | None  # the same on the final model
     apart: float  # its gain beside what the names explain
+    ranking: Sequence[RankedCandidate] = ()  # of everything, on the final model
 
     @property
     def share(self) -> float:
@@ -237,11 +244,8 @@ def leftover(
         return None
     best = max(first, key=lambda c: c.gain)
     explained = 0.5 * (outcome.base.deviance - final.deviance) if final.found else 0.0
-    same = (
-        outcome.turns[-1]
-        if outcome.turns[-1].before is final
-        else SelectionStep(final, rank(final, effects))
-    )
+    ranked = (turn for turn in outcome.turns if turn.before is final)
+    same = next(ranked, None) or SelectionStep(final, rank(final, effects))
     last = [c for c in same.ranking if c.name.startswith("unknown:")]
     rest = max(last, key=lambda c: c.gain, default=None)
     gain = rest.gain if rest is not None else 0.0
@@ -254,4 +258,5 @@ def leftover(
         first=best,
         last=rest,
         apart=beside,
+        ranking=same.ranking,
     )

@@ -10,6 +10,7 @@ import numpy as np
 
 from model.discrepancy.criticism.check_result import CheckResult
 from model.discrepancy.data_checks.contract import Suspicion
+from model.discrepancy.verdict.choice_set import ChoiceSet
 from model.effects import title
 from model.measurements import FloatArray
 from model.parameter import Parameter
@@ -335,6 +336,7 @@ class Diagnosis:
     floor: Gap | None = None  # prediction error that noise and scatter alone cause
     promises: tuple[Promise, ...] = ()  # of proposals that were measured
     checks: tuple[CheckResult, ...] = ()  # what the verdict checks said of the names
+    choice_sets: tuple[ChoiceSet, ...] = ()  # the answers that were compared, for benchmarks
 
     @property
     def searched(self) -> bool:

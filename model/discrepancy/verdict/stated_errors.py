@@ -37,11 +37,20 @@ def with_stated_errors(
             if k not in without and not (one.free or one.zero or one.tilt_rad)
         ]  # fmt: skip
         first += len(look.seen)
-        places = [(float(one.position_m), float(one.voltage_V)) for one in some]
-        found = seen_at(model, name, places) if places else []
-        own[name] = [_error(*both) for both in zip(some, found, strict=True)]
+        own[name] = [
+            error for number in sorted({one.session for one in some})
+            for error in _errors(
+                model.in_session(number), name, [o for o in some if o.session == number]
+            )
+        ]  # fmt: skip
     every = [error for errors in own.values() for error in errors]
     return model.with_merit(_merit(every), {name: _merit(errors) for name, errors in own.items()})
+
+
+def _errors(model: SheetModel, name: str, some: Sequence[ConditionData]) -> list[Error]:
+    """Return those of conditions of one session and configuration."""
+    places = [(float(one.position_m), float(one.voltage_V)) for one in some]
+    return [_error(*both) for both in zip(some, seen_at(model, name, places), strict=True)]
 
 
 def _error(one: ConditionData, found: Seen) -> Error:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -64,11 +65,18 @@ class ConditionData:
     identical: bool = False  # the readings were, which no load cell's are
     tilt_rad: float = 0.0  # of the rig about the sheet's long axis
     zero: bool = False  # the load cell's own, with nothing to touch: no shape of the sheet
+    session: int = 1  # its number among those analysed together
 
     @property
     def free(self) -> bool:
         """Whether nothing touches the sheet."""
         return bool(np.isnan(self.position_m))
+
+    @cached_property
+    def own_points_m(self) -> FloatArray:
+        """X and y of the readings' own curves, (2, readings, points)."""
+        curves = self.own_curves
+        return np.array([[c.x_m for c in curves], [c.y_m for c in curves]])
 
     @property
     def kept_N(self) -> FloatArray:
@@ -214,7 +222,7 @@ def _seen(
         up=-1.0 if condition.approach == "down" else 1.0, force_N=forces,
         clock=timing.of_no_reading(begun) if free else timing.of(readings, at),
         counts=np.arange(len(forces)) >= len(early), curve=curve, own_curves=() if free else own,
-        identical=identical, tilt_rad=condition.tilt_rad,
+        identical=identical, tilt_rad=condition.tilt_rad, session=condition.session,
     )  # fmt: skip
 
 
@@ -240,7 +248,7 @@ def _load_cell_zero(
         voltage_V=0.0, up=1.0, force_N=forces,
         clock=timing.of(readings, times),
         counts=np.ones(len(forces), dtype=bool), curve=None, own_curves=(),
-        tilt_rad=condition.tilt_rad, zero=True,
+        tilt_rad=condition.tilt_rad, zero=True, session=condition.session,
     )  # fmt: skip
 
 

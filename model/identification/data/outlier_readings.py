@@ -25,13 +25,13 @@ class WithoutOutliers:
 
     measurements: Measurements
     readings: int  # left out
-    conditions: tuple[str, ...]  # in which
+    places: tuple[str, ...]  # conditions, sessions where there are several, and readings
 
     def sentences(self) -> tuple[str, ...]:
         """Return what was left out, or nothing."""
         if not self.readings:
             return ()
-        many, where = self.readings > 1, self.conditions
+        many, where = self.readings > 1, self.places
         more = f" and {len(where) - NAMED} more" if len(where) > NAMED else ""
         told = (
             f"{self.readings} reading{'s' * many} far from the others of their condition"
@@ -55,11 +55,12 @@ def without_outliers(measurements: Measurements) -> WithoutOutliers:
     wild = [own - usual for own in wild]
     if not any(wild):
         return WithoutOutliers(measurements, 0, ())
+    sessions = max(one.session for one in measurements.conditions)
     pairs = list(zip(measurements.conditions, wild, strict=True))
     return WithoutOutliers(
         replace(measurements, conditions=tuple(_marked(one, own) for one, own in pairs)),
         sum(map(len, wild)),
-        tuple(_name(one) for one, own in pairs if own),
+        tuple(_place(one, own, of_several=sessions > 1) for one, own in pairs if own),
     )
 
 
@@ -72,9 +73,12 @@ def _marked(one: Condition, places: set[int]) -> Condition:
     return replace(one, readings=readings)
 
 
-def _name(one: Condition) -> str:
-    place = "free" if one.position_m is None else f"{one.position_m * 1e3:g} mm"
-    return f"{one.configuration}, {place}, {one.voltage_V:+g} V"
+def _place(one: Condition, places: set[int], *, of_several: bool) -> str:
+    where = "free" if one.position_m is None else f"{one.position_m * 1e3:g} mm"
+    session = f", session {one.session}" if of_several else ""
+    numbers = [str(_ordered(one)[place].index) for place in sorted(places)]
+    readings = f"reading{'s' * (len(numbers) > 1)} {' and '.join(numbers)}"
+    return f"{one.configuration}, {where}, {one.voltage_V:+g} V{session}, {readings}"
 
 
 def _wild(one: Condition, noise_N: float) -> set[int]:

@@ -19,12 +19,13 @@ from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.equilibrium import Directions, Equilibria, Problems, SolverStatus, finer, solve
 from model.mechanics.field import Field, legendre_field, merged_breaks, padded
-from model.mechanics.free_shape import free_shape
+from model.mechanics.free_shape import free_shape, turns
 
 STEEPEST_PER_M = 90.0  # free curvature that panels are made for
 NODES_LONG, NODES_SHORT = 14, 6
 MODES_LONG, MODES_SHORT = 10, 5
 MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the arc
+MOST_KEPT = 64  # places along free shapes whose integrals are kept
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,8 @@ class SolvedConditions:
     contact: ContactSolution
     force_N: FloatArray  # (K,) NaN: free
     modes_m: FloatArray  # (K, M) of the distance measured - predicted; NaN: no curve
-    x_m: FloatArray  # (K, S) predicted points at the measured s, in the frame of the picture
+    s_m: FloatArray  # (K, S) place along the sheet that each measured point is compared with
+    x_m: FloatArray  # (K, S) predicted points there, in the frame of the picture
     y_m: FloatArray
     nx: FloatArray  # (K, S) normal there
     ny: FloatArray
@@ -74,6 +76,7 @@ class ConfigurationModel:
         self.stated_m = np.array([o.position_m for o in seen])
         self.up = np.array([o.up for o in seen])
         self.upright = np.array([np.cos(o.tilt_rad) for o in seen])
+        self.session_number = np.array([float(o.session) for o in seen])
         self.touching = np.flatnonzero(~np.isnan(self.stated_m))
         # not those in which the load cell alone is read
         self.free = np.flatnonzero([o.free and not o.zero for o in seen])
@@ -88,6 +91,7 @@ class ConfigurationModel:
         # by condition: angle and solution where the contact was last beside the point on the arc
         self._beside: dict[int, tuple[float, Equilibria]] = {}
         self._last: Equilibria | None = None
+        self._turns: dict[bytes, FloatArray] = {}
         self._found: list[tuple[Index, Equilibria]] = []
 
     def _make_panels(self, look: DataVector, G: int) -> None:
@@ -169,6 +173,7 @@ class ConfigurationModel:
             bend=np.zeros((K, G)), soft=np.ones((K, G)), elongation_soft=none,
             shift_m=none.copy(), tilt_rad=none.copy(), offset_m=none.copy(), piece_m=self.piece_m,
             clock=self.clock, reading_of=self.reading_of, share=self.share, upright=self.upright,
+            session_number=self.session_number,
         )  # fmt: skip
 
     # -- solving
@@ -189,7 +194,7 @@ class ConfigurationModel:
         K, G, S = self.K, self.count, self.curve_s.shape[1]
         contact = replace(_nothing_held(K, G), at_rest=self.at_rest)
         x, y, phi = np.zeros((K, S)), np.zeros((K, S)), np.zeros((K, S))
-        self._found = self._equilibria(beam) if len(self.touching) else []
+        self._found = self._equilibria(beam, self.touching) if len(self.touching) else []
         for rows, found in self._found:
             at = [self._grid_s[rows], self.curve_s[rows], np.full((len(rows), 1), self.length)]
             shapes = found.shapes(np.concatenate(at, axis=1))
@@ -202,6 +207,26 @@ class ConfigurationModel:
             self._hold(beam, rows, found, contact)
         for k in self.free.tolist():
             x[k], y[k], phi[k] = self._hang(beam, k, contact)
+        return self._compared(beam, contact, self.curve_s, (x, y, phi))
+
+    def at(self, beam: BeamProblem, solved: SolvedConditions, s_m: FloatArray) -> SolvedConditions:
+        """Return the last solution with its curves at other places along the sheet (K, S)."""
+        x, y, phi = (np.zeros(s_m.shape) for _ in range(3))
+        for rows, found in self._found:
+            shapes = found.shapes(s_m[rows])
+            x[rows], y[rows], phi[rows] = shapes.x_m, shapes.y_m, shapes.phi_rad
+        for k in self.free.tolist():
+            kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
+            places, back = np.unique(s_m[k], return_inverse=True)
+            x[k], y[k], phi[k] = (a[back] for a in free_shape(kappa, places)[:3])
+        return self._compared(beam, solved.contact, s_m, (x, y, phi))
+
+    def _compared(
+        self, beam: BeamProblem, contact: ContactSolution, s_m: FloatArray,
+        curves: tuple[FloatArray, FloatArray, FloatArray],
+    ) -> SolvedConditions:  # fmt: skip
+        """Return a solution with its curves (x, y, phi) compared with the measured ones."""
+        x, y, phi = curves
         tilt = beam.tilt_rad[:, None]
         cos, sin = np.cos(tilt), np.sin(tilt)
         px, py = cos * x - sin * y, sin * x + cos * y
@@ -210,29 +235,33 @@ class ConfigurationModel:
         modes = np.einsum("kms,ks->km", self.project, off)
         modes[~self.has_curve] = np.nan
         return SolvedConditions(
-            contact=contact,
-            force_N=contact.force_N.copy(),
-            modes_m=modes,
-            x_m=px,
-            y_m=py,
-            nx=nx,
-            ny=ny,
-        )
+            contact=contact, force_N=contact.force_N.copy(), modes_m=modes, s_m=s_m,
+            x_m=px, y_m=py, nx=nx, ny=ny,
+        )  # fmt: skip
 
-    def forces(self, beam: BeamProblem) -> FloatArray:
-        """Return forces alone (K,); the solution kept for derivatives is not changed."""
+    def forces(self, beam: BeamProblem, some: Index | None = None) -> FloatArray:
+        """Return forces alone (K,), of some touching conditions (None: all); others are NaN.
+
+        The solution kept for derivatives is not changed.
+        """
         last, kept = self._last, self._found
         result = np.full(self.K, np.nan)
-        for rows, found in self._equilibria(beam) if len(self.touching) else []:
+        asked = self.touching if some is None else some
+        if last is not None and some is not None:
+            self._last = last.of(np.searchsorted(self.touching, some))
+        for rows, found in self._equilibria(beam, asked) if len(asked) else []:
             gamma = found.phi_hat_rad - self._beta(beam, rows)
             result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
         self._last, self._found = last, kept
         return result
 
-    def modes_of(self, beam: BeamProblem) -> FloatArray:
-        """Modes of the distances measured - predicted alone (K, M), likewise."""
+    def modes_of(self, beam: BeamProblem, s_m: FloatArray | None = None) -> FloatArray:
+        """Modes of the distances measured - predicted alone (K, M), likewise; at s (K, S)."""
         last, kept = self._last, self._found
-        result = self.solve(beam).modes_m
+        found = self.solve(beam)
+        if s_m is not None and s_m is not self.curve_s:
+            found = self.at(beam, found, s_m)
+        result = found.modes_m
         self._last, self._found = last, kept
         return result
 
@@ -241,9 +270,9 @@ class ConfigurationModel:
         at: FloatArray = (self.stated_m[rows] + beam.shift_m[rows]) / self.sheet.arc_radius_m
         return at + self.sheet.arc_origin_rad - beam.tilt_rad[rows]
 
-    def _equilibria(self, beam: BeamProblem) -> list[tuple[Index, Equilibria]]:
+    def _equilibria(self, beam: BeamProblem, rows: Index) -> list[tuple[Index, Equilibria]]:
         """Return groups of conditions with contacts at the same radius, and their equilibria."""
-        rows, R = self.touching, self.sheet.arc_radius_m
+        R = self.sheet.arc_radius_m
         beta, offset = self._beta(beam, rows), beam.offset_m[rows]
         if not np.any(offset):
             start = self._last
@@ -274,26 +303,16 @@ class ConfigurationModel:
         return found
 
     def _solve(
-        self,
-        beam: BeamProblem,
-        rows: Index,
-        angle: FloatArray,
-        radius_m: float,
+        self, beam: BeamProblem, rows: Index, angle: FloatArray, radius_m: float,
         start: Equilibria | None = None,
-    ) -> Equilibria:
+    ) -> Equilibria:  # fmt: skip
         reach = self.length + self.sheet.elongation_m + 10.0 * radius_m
         kappa, soft = self._kappa(beam, rows), self._soft(beam, rows)
-        found = solve(
-            Problems(
-                breaks_m=self.breaks,
-                kappa=kappa,
-                softness=soft,
-                radius_m=radius_m,
-                reach_m=reach,
-                angle_rad=angle,
-            ),
-            start,
-        )
+        made = Problems(
+            breaks_m=self.breaks, kappa=kappa, softness=soft, radius_m=radius_m, reach_m=reach,
+            angle_rad=angle,
+        )  # fmt: skip
+        found = solve(made, start)
         if np.any(found.status != SolverStatus.SOLVED):
             bad = self.look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
             raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
@@ -343,26 +362,19 @@ class ConfigurationModel:
         K, G, M, Q = self.K, self.count, self.modes, self.columns
         force, modes = np.zeros((K, Q)), np.zeros((K, M, Q))
         kappa = np.concatenate([self.rows, np.zeros((G + 3, *self.rows.shape[1:]))])
-        soft = np.concatenate(
-            [
-                np.zeros_like(self.rows),
-                self.rows,
-                self.stiff_end[None],
-                np.zeros((2, *self.rows.shape[1:])),
-            ]
-        )
+        none = np.zeros_like(self.rows)
+        soft = np.concatenate([none, self.rows, self.stiff_end[None], none[:1], none[:1]])
         one = np.zeros((1, 2 * G + 3))
         angle, radius = one.copy(), one.copy()
         angle[0, -2], radius[0, -1] = 1.0, 1.0
         to = Directions.of(kappa[None], soft[None], angle, radius)
         for rows, equilibria in self._found:
             B, gamma = beam.stiffness[rows], solved.contact.gamma_rad[rows]
-            _, found = equilibria.answers(self.curve_s[rows], to)
+            _, found = equilibria.answers(solved.s_m[rows], to)
             turn = solved.contact.normal_N[rows] * np.sin(gamma)
             n = 2 * G + 3
-            force[rows, :n] = (B * np.cos(gamma))[:, None] * found.nu - turn[
-                :, None
-            ] * found.phi_hat
+            force[rows, :n] = (B * np.cos(gamma))[:, None] * found.nu
+            force[rows, :n] -= turn[:, None] * found.phi_hat
             force[rows, n] = turn  # gamma = phi_hat - beta
             force[rows, n + 1] = solved.contact.force_N[rows]
             cos, sin = (f(beam.tilt_rad[rows])[:, None, None] for f in (np.cos, np.sin))
@@ -377,9 +389,13 @@ class ConfigurationModel:
 
     def _free_answers(self, beam: BeamProblem, k: int, solved: SolvedConditions) -> FloatArray:
         kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
-        _, _, _, found = free_shape(
-            kappa, self.curve_s[k], [Field(self.breaks, r) for r in self.rows]
-        )
+        key = solved.s_m[k].tobytes()
+        if key not in self._turns:
+            if len(self._turns) >= MOST_KEPT:  # a camera that distorts asks at other s each time
+                self._turns.clear()
+            fields = [Field(self.breaks, r) for r in self.rows]
+            self._turns[key] = turns(kappa, solved.s_m[k], fields)
+        _, _, _, found = free_shape(kappa, solved.s_m[k], self._turns[key])
         cos, sin = np.cos(beam.tilt_rad[k]), np.sin(beam.tilt_rad[k])
         dx = cos * found[..., 0] - sin * found[..., 1]
         dy = sin * found[..., 0] + cos * found[..., 1]

@@ -10,7 +10,7 @@ import numpy as np
 from model.effects.interface import BeamProblem, ContactSolution, Effect, ImagePoints, Values
 from model.effects.rise import rise_left
 from model.identification.data.data_vector import DataVector
-from model.identification.data.periodic_terms import wave_in
+from model.identification.data.periodic_terms import PeriodicTerm, wave_in
 from model.identification.likelihood.contact_solution import (
     ConfigurationModel,
     SolvedConditions,
@@ -31,7 +31,7 @@ from model.identification.likelihood.time_courses import (
     of_free_shapes,
 )
 from model.locations.quantities import Perturbation
-from model.measurements import Curve, FloatArray
+from model.measurements import FloatArray
 from model.mechanics.field import Field
 from model.sheet.effect_hooks import (
     Acting,
@@ -49,19 +49,25 @@ STRONG = 0.03  # relative change of the EIBM from which on its slope will not do
 SELF_CONSISTENT = 5  # rounds of solving and applying effects that depend on the solution
 ACCURACY = 1e-6  # relative change of the beam problem that ends them sooner
 LEAST_M = 1e-8  # that the EIBM moves a curve
+# rounds of placing the points of a distorted picture, and the step that ends them sooner: half the
+# curvature times its square is less than 0.1 um
+PLACED, CLOSE_M = 4, 2e-5
 
 
 class ForwardModel:
     """All configurations of a data set: predicts rows, and their changes."""
 
-    def __init__(self, looks: list[DataVector], rests: list[Field]) -> None:
+    def __init__(
+        self, looks: list[DataVector], rests: list[Field], like: ForwardModel | None = None
+    ) -> None:
+        """With the periodic term of another one, whose data are a part of these."""
         self.looks = looks
         self.scenes = [
             ConfigurationModel(one, rest) for one, rest in zip(looks, rests, strict=True)
         ]
         self.layout = RowIndex(looks, self.scenes)
         self.names = [one.sheet.configuration for one in looks]
-        self.wave = wave_in(looks)
+        self.wave: PeriodicTerm | None = wave_in(looks) if like is None else like.wave
 
     def part(self, c: int) -> RowBlock:
         """Rows of a configuration."""
@@ -81,19 +87,22 @@ class ForwardModel:
         beam, solved, _ = self_consistent(
             base, change, scene.solve, rounds=rounds, accuracy=ACCURACY
         )
+        solved = _pictured(scene, beam, solved, inner)
         answers = scene.answers(beam, solved)
         G = scene.count
         by_eibm = np.einsum("kg,kg->k", answers.force[:, :G], beam.eibm * beam.soft)
         modes_by = np.einsum("kmg,kg->km", answers.modes[:, :, :G], beam.eibm * beam.soft)
         state = ModelState(
             base=base, beam=beam, solved=solved, answers=answers, by_eibm=by_eibm,
-            modes_by_eibm=modes_by, response=self._response(c, beam, inner),
+            modes_by_eibm=modes_by, response=self._response(c, beam, solved, inner),
             weighed=load_cell_input(beam, solved.contact, scene.clock, scene.reading_of),
             residual=np.zeros(0),
         )  # fmt: skip
         return replace(state, residual=self._residual(c, state, inner))
 
-    def _response(self, c: int, beam: BeamProblem, inner: Sequence[Acting]) -> FloatArray | None:
+    def _response(
+        self, c: int, beam: BeamProblem, solved: SolvedConditions, inner: Sequence[Acting]
+    ) -> FloatArray | None:
         """Return forces at other sizes of the EIBM, if it or B changes much in time, or None."""
         part = self.part(c)
         courses = [course(one, clock) for one in inner for clock in (part.clock, part.bin_clock)]
@@ -103,8 +112,12 @@ class ForwardModel:
         if largest < STRONG:
             return None
         scene = self.scenes[c]
-        result = [scene.forces(replace(beam, eibm=beam.eibm * level)) for level in LEVELS]
-        return np.stack(result, axis=1)
+        rows = scene.touching[np.any(beam.eibm[scene.touching] != 0.0, axis=1)]
+        result = np.repeat(solved.force_N[:, None], len(LEVELS), axis=1)  # at level 1
+        for number in np.flatnonzero(LEVELS != 1.0).tolist():
+            other = replace(beam, eibm=beam.eibm * LEVELS[number])
+            result[rows, number] = scene.forces(other, rows)[rows]
+        return result
 
     def _residual(self, c: int, state: ModelState, inner: Sequence[Acting]) -> FloatArray:
         part, scene = self.part(c), self.scenes[c]
@@ -118,7 +131,7 @@ class ForwardModel:
         if seen is not None:  # what the step below takes off once more is put on here
             late = replace(nothing, frame_eibm=seen[0], beam=bent(scene, state, seen[1]))
             first = self.rows_of(c, state, late)
-            rows, exact = part.mode_rows[has], modes_in_images(scene, part, state.beam, seen)
+            rows, exact = part.mode_rows[has], modes_in_images(scene, part, state, seen)
             y[rows] = first[rows] + exact[has]
         y[part.bin_rows] = part.bin_N
         y[part.sway_rows] = self._sway(c, state)
@@ -138,11 +151,11 @@ class ForwardModel:
         part, scene = self.part(c), self.scenes[c]
         sizes = np.zeros(len(part.reading_of))
         for k in np.unique(part.sway_of).tolist():
-            curves = self.looks[c].seen[k].own_curves
-            modes = np.array([_modes(scene, k, curve, state.solved) for curve in curves])
+            curves = self.looks[c].seen[k].own_points_m[:, :, : scene.curve_s.shape[1]]
+            modes = _modes(scene, k, curves, state.solved)
             u = state.modes_by_eibm[k]
             own = part.reading_of == k
-            if len(curves) < np.count_nonzero(own):
+            if curves.shape[1] < np.count_nonzero(own):
                 own &= part.share > 0.0
             sizes[own] = modes @ u / max(state.reach_m[k], LEAST_M)
         result: FloatArray = part.sway @ sizes
@@ -197,11 +210,7 @@ class ForwardModel:
 
     def points(self, c: int, solved: SolvedConditions) -> ImagePoints:
         """Return the points of all curves."""
-        scene = self.scenes[c]
-        return ImagePoints(
-            s_m=scene.curve_s, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx,
-            normal_y=solved.ny, scale_m=scene.length,
-        )  # fmt: skip
+        return _points(self.scenes[c], solved)
 
     def _rise_s(self, c: int) -> float:
         return max(self.scenes[c].sheet.rise_time_s, 1e-6)
@@ -230,8 +239,7 @@ class ForwardModel:
         """Return a step in all rows (N,)."""
         part, scene, y = self.part(c), self.scenes[c], np.zeros(self.layout.size)
         of, answers = part.reading_of, state.answers
-        force = np.nan_to_num(state.solved.force_N)
-        by_stiffness = force - state.by_eibm
+        by_stiffness = state.by_stiffness
         condition = np.einsum("kq,kq->k", answers.force, step.beam)
         readings = condition[of] + state.by_eibm[of] * step.eibm
         readings += by_stiffness[of] * step.stiffness + step.force_N
@@ -240,7 +248,8 @@ class ForwardModel:
         y[part.sway_rows] = part.sway @ (bent * state.reach_m[of])
         modes = np.einsum("kmq,kq->km", answers.modes, step.beam)
         modes += state.modes_by_eibm * part.mean(bent)[:, None]
-        modes += np.einsum("kms,ks->km", scene.project, step.points_m)
+        if np.any(step.points_m):
+            modes += np.einsum("kms,ks->km", scene.project, step.points_m)
         has = scene.has_curve
         y[part.mode_rows[has]] = modes[has]
         b = part.bin_of
@@ -248,10 +257,53 @@ class ForwardModel:
         return y
 
 
-def _modes(scene: ConfigurationModel, k: int, curve: Curve, solved: SolvedConditions) -> FloatArray:
-    """Modes of a reading's own curve, along the normals of its condition."""
-    n = min(len(curve.s_m), scene.curve_s.shape[1])
-    off = (curve.x_m[:n] - solved.x_m[k, :n]) * solved.nx[k, :n]
-    off = off + (curve.y_m[:n] - solved.y_m[k, :n]) * solved.ny[k, :n]
-    result: FloatArray = scene.project[k, :, :n] @ off
+def _points(scene: ConfigurationModel, solved: SolvedConditions) -> ImagePoints:
+    """Return the points of all curves, (K, S)."""
+    return ImagePoints(
+        s_m=solved.s_m, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx, normal_y=solved.ny,
+        scale_m=scene.length, session_number=scene.session_number[:, None],
+    )  # fmt: skip
+
+
+def _pictured(
+    scene: ConfigurationModel, beam: BeamProblem, solved: SolvedConditions, inner: Sequence[Acting]
+) -> SolvedConditions:
+    """Return a solution at the places that the points show; itself where no camera distorts.
+
+    The length along a picture's curve is that along the sheet only if lengths are seen as they are:
+    a camera that shows them 5 % longer puts the end of a sheet of 50 mm at 52.5 mm. So each point
+    is compared with the place whose picture is nearest to it (orthogonal distance regression:
+    Boggs, Byrd and Schnabel 1987, SIAM J. Sci. Stat. Comput. 8, 1052).
+    """
+    for _ in range(PLACED):
+        dx, dy = image_displacement_m(inner, _points(scene, solved))
+        if not (np.any(dx) or np.any(dy)):
+            return solved
+        beyond_x, beyond_y = scene.curve_x - solved.x_m - dx, scene.curve_y - solved.y_m - dy
+        step = beyond_x * solved.ny - beyond_y * solved.nx  # along the sheet
+        s_m = _in_order(scene, solved.s_m + step)
+        if np.max(np.abs(s_m - solved.s_m), initial=0.0) < CLOSE_M:
+            break
+        solved = scene.at(beam, solved, s_m)
+    return solved
+
+
+def _in_order(scene: ConfigurationModel, s_m: FloatArray) -> FloatArray:
+    """Return places of the measured points (K, S) on the sheet, ascending; the last one repeats."""
+    last = np.maximum(scene.points - 1, 0)[:, None]
+    behind = np.arange(s_m.shape[1]) > last
+    s_m = np.where(behind, np.take_along_axis(s_m, last, axis=1), s_m)
+    s_m = np.clip(s_m, 0.0, scene.length + scene.sheet.elongation_m)
+    found: FloatArray = np.maximum.accumulate(s_m, axis=1)
+    return np.where(scene.has_curve[:, None], found, scene.curve_s)
+
+
+def _modes(
+    scene: ConfigurationModel, k: int, curves: FloatArray, solved: SolvedConditions
+) -> FloatArray:
+    """Modes (r, M) of the readings' own curves (x and y, r, n), along their condition's normals."""
+    n = curves.shape[2]
+    off = (curves[0] - solved.x_m[k, :n]) * solved.nx[k, :n]
+    off = off + (curves[1] - solved.y_m[k, :n]) * solved.ny[k, :n]
+    result: FloatArray = off @ scene.project[k, :, :n].T
     return result

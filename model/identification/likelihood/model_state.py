@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -75,7 +76,12 @@ class ModelState:
     residual: FloatArray  # (N,) of this configuration's rows, at their places among all
     mounting: Mounting | None = None  # how the set-ups of the conditions differ; None: nominal
 
-    @property
+    @cached_property
+    def by_stiffness(self) -> FloatArray:
+        """Return dF / d ln B at the same k* (K,); where there is no force, that of none."""
+        return np.nan_to_num(self.solved.force_N) - self.by_eibm
+
+    @cached_property
     def reach_m(self) -> FloatArray:
         """How far the EIBM moves each curve, root mean square along it: (K,)."""
         return np.asarray(np.linalg.norm(self.modes_by_eibm, axis=1))
@@ -122,7 +128,7 @@ class Found:
     def parameters(self) -> list[tuple[EffectParameter, tuple[str, ...]]]:
         """Knobs that are refined, each with the configurations that share its value."""
         names = tuple(self.values)
-        free = [k for i, k in enumerate(self.effect.parameters) if i == 0 or k.log]
+        free = [k for i, k in enumerate(self.effect.parameters) if i == 0 or k.log or k.estimated]
         if not self.effect.by_configuration:
             return [(k, names) for k in free]
         return [(k, (name,)) for k in free for name in names]

@@ -10,7 +10,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.effects.interface import BeamProblem
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.model_state import ModelState
 from model.identification.likelihood.row_index import RowBlock
@@ -77,12 +76,13 @@ def bent(scene: ConfigurationModel, state: ModelState, change: FloatArray) -> Fl
 
 
 def modes_in_images(
-    scene: ConfigurationModel, part: RowBlock, beam: BeamProblem,
+    scene: ConfigurationModel, part: RowBlock, state: ModelState,
     seen: tuple[FloatArray, FloatArray],
 ) -> FloatArray:  # fmt: skip
     """Return the modes of the distances of the curves in late images, exactly: (K, M).
 
     `seen` is what `in_images` says of them.
     """
-    change = part.mean(seen[0]) + seen[1]
-    return scene.modes_of(replace(beam, eibm=beam.eibm * (1.0 + change[:, None])))
+    change, beam = part.mean(seen[0]) + seen[1], state.beam
+    late = replace(beam, eibm=beam.eibm * (1.0 + change[:, None]))
+    return scene.modes_of(late, state.solved.s_m)

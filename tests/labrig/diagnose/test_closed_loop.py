@@ -116,11 +116,13 @@ def test_sessions_taken_together_are_mountings_of_their_own():
     both = together([(Path("a.h5"), one), (Path("b.h5"), one)])
     assert len(both.conditions) == 2 * len(one.conditions)
     assert {c.mounting for c in both.conditions} == {0, 1}
+    assert {c.session for c in both.conditions} == {1, 2}
     assert {s.mounting for s in both.series} == {0, 1}
     keys = {(c.configuration, c.position_m, c.voltage_V, c.mounting) for c in both.conditions}
     assert len(keys) == len(both.conditions)
     three = together([(Path("a.h5"), both), (Path("c.h5"), one)])
     assert {c.mounting for c in three.conditions} == {0, 1, 2}
+    assert {c.session for c in three.conditions} == {1, 2, 3}
 
 
 def test_times_of_the_session_go_on_from_one_to_the_next():

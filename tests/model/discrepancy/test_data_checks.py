@@ -137,12 +137,28 @@ def test_readings_far_from_the_others_are_left_out_and_told():
     found = without_outliers(wild)
     assert found.readings == 2
     assert found.sentences()[0].startswith("2 readings far from the others of their condition")
-    assert found.conditions == ("long, 10 mm, +2 V", "short, 10 mm, +2 V")
+    numbers = {
+        f"{c.configuration}, 10 mm, +2 V, reading {sorted(r.index for r in c.used())[4]}"
+        for c in wild.conditions
+        if c.position_m == 0.01 and c.voltage_V > 0.0
+    }
+    assert set(found.places) == numbers
     means = [
         [np.mean([r.force_N for r in c.used()]) for c in m.conditions if c.position_m is not None]
         for m in (session(), found.measurements)
     ]
     assert means[1] == pytest.approx(means[0], abs=2e-5)
+
+
+def test_of_several_sessions_the_one_with_the_wild_reading_is_told():
+    numbered = [replace(c, session=1 + (c.position_m == 0.01)) for c in session().conditions]
+    wild = forces_changed(
+        replace(session(), conditions=tuple(numbered)),
+        lambda c, forces: forces + 1e-3 * (np.arange(len(forces)) == 4) * (c.session == 2),
+    )
+    found = without_outliers(wild)
+    assert found.readings == 6
+    assert all("10 mm" in place and ", session 2, reading " in place for place in found.places)
 
 
 @pytest.mark.parametrize(

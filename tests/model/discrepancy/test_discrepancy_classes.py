@@ -33,7 +33,7 @@ def found_with(alternatives: tuple[tuple[str, float], ...], confidence: float):
     one = replace(base, found=(Found(effect=effect("gravity"), values=values),))
     choice = Choice(
         effect=effect("gravity"), confidence=confidence, alternatives=alternatives, gain=50.0,
-        of_location=1.0,
+        of_location=1.0, before=base, ranking=(),
     )  # fmt: skip
     return choice, SimpleNamespace(written=one, known=one, criticism=Criticism())
 

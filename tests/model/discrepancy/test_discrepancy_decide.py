@@ -69,7 +69,7 @@ def test_only_alternatives_worth_mentioning_are_kept_with_the_likeliest_first():
     gains = {"gravity": 20.0, "roll_offset": 18.0, "clamp_angle": 19.0}
     gains["frame_delay"] = 20.0 + 2.0 * EVIDENCE_TEMPERATURE * np.log(NEGLIGIBLE_PROBABILITY)
     ranking = [contender(name, gain) for name, gain in gains.items()]
-    one = choice(ranking[0], ranking)
+    one = choice(ranking[0], ranking, base_fit())
     assert one.effect.name == "gravity"
     assert [name for name, _ in one.alternatives] == ["clamp_angle", "roll_offset"]
     assert 0.4 < one.confidence < 0.9
@@ -77,7 +77,7 @@ def test_only_alternatives_worth_mentioning_are_kept_with_the_likeliest_first():
 
 def test_a_free_form_cannot_be_chosen_as_a_name():
     with pytest.raises(TypeError, match="unknown:time is no effect"):
-        choice(contender("unknown:time", 3.0), [])
+        choice(contender("unknown:time", 3.0), [], base_fit())
 
 
 def named(name: str, gain: float, confidence: float, of_location: float) -> Choice:
@@ -87,6 +87,8 @@ def named(name: str, gain: float, confidence: float, of_location: float) -> Choi
         alternatives=(),
         gain=gain,
         of_location=of_location,
+        before=base_fit(),
+        ranking=(),
     )
 
 
@@ -263,8 +265,9 @@ def test_an_interval_holds_the_values_of_a_shape_that_explains_as_much():
 
     best, other = fit(100.0, 0.05, 0.1), fit(100.0, 0.02, 0.3)
     alone = Choice(
-        effect=relaxing, confidence=1.0, alternatives=(), gain=50.0, of_location=1.0, tried=(best,)
-    )
+        effect=relaxing, confidence=1.0, alternatives=(), gain=50.0, of_location=1.0,
+        tried=(best,), before=best, ranking=(),
+    )  # fmt: skip
     assert with_shapes(best, [alone]) is best
     sigma = with_shapes(best, [replace(alone, tried=(best, other))]).found[-1].sigma["long"]
     assert sigma["relative_loss_at_sample"] == pytest.approx(np.hypot(0.002, 0.03 / np.sqrt(2.0)))

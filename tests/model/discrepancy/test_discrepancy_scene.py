@@ -184,3 +184,14 @@ def test_a_curve_is_cut_where_the_sheet_ends(measure):
     plain = ConfigurationModel(look(made, "long"), Field.constant(20.0, 0.05))
     one, two = (a.solve(a.beam(1e-6, {2.0: 20.0, -2.0: -20.0})).modes_m for a in (scene, plain))
     np.testing.assert_allclose(one, two, atol=1e-15)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_forces_of_some_conditions_are_those_of_all(studies, name: str):
+    scene = studies[name][0].scenes[0]
+    beam = base(scene, name)
+    scene.solve(beam)
+    some, stronger = scene.touching[1::2], replace(beam, eibm=1.15 * beam.eibm)
+    whole, part = scene.forces(stronger), scene.forces(stronger, some)
+    np.testing.assert_allclose(part[some], whole[some], rtol=1e-9)
+    assert np.all(np.isnan(np.delete(part, some)))

@@ -152,28 +152,29 @@ ALLOWED = {
     "eibm": {"curvature"},
     "even_moment": {"curvature"},
     "compliance": {"curvature", "soft"},
-    "position": {"contact"},
+    "position": {"contact", "curvature"},  # rolls that turn the sheet
     "load_cell": {"force_N"},
     "camera": {"points_m", "frame_eibm"},
-    "time": {"eibm", "stiffness", "force_N", "bin_eibm", "contact"},  # a clamp that slips
+    # a clamp that slips, too
+    "time": {"eibm", "stiffness", "force_N", "bin_eibm", "bin_stiffness", "contact"},
 }
 
 
 @pytest.mark.parametrize("location", locations())
 def test_free_shapes_act_on_what_their_slot_says_and_nothing_else(location):
     base = base_fit()
-    forward, state = base.problem.forward, base.linear.states[0]
-    made = [one.step for one in locations()[location].bases(linearised(forward, 0, state))]
+    forward = base.problem.forward
+    made = [one.step for one in locations()[location].bases(linearised(base, 0))]
     found = set().union(*(acting(step, forward.scenes[0].count) for step in made))
     assert found == ALLOWED[location]
 
 
 def test_the_eibm_s_shapes_change_sign_with_the_voltage_and_the_even_ones_do_not():
     base = base_fit()
-    forward, state = base.problem.forward, base.linear.states[0]
+    forward = base.problem.forward
     volts, G = forward.scenes[0].voltage_V, forward.scenes[0].count
     for location, sign in (("eibm", -1.0), ("even_moment", 1.0)):
-        for one in locations()[location].bases(linearised(forward, 0, state)):
+        for one in locations()[location].bases(linearised(base, 0)):
             step = one.step
             up, down = (step.beam[volts == v, :G][0] for v in (2.0, -2.0))
             assert np.all(np.sign(up) == sign * np.sign(down))
@@ -215,12 +216,14 @@ def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
     found = [(c.name, c.part) for c in unknowns(base) if c.location in ("position", "eibm")]
     assert found == [
         ("unknown:eibm", ""), ("unknown:eibm", "s"), ("unknown:eibm", "position"),
+        ("unknown:eibm", "curvature"),
         ("unknown:position", ""), ("unknown:position", "position"),
         ("unknown:position", "polarity"), ("unknown:position", "zero"),
+        ("unknown:position", "force"), ("unknown:position", "moment"),
     ]  # fmt: skip
     whole, *parts = [c.columns for c in unknowns(base) if c.location == "position"]
-    # what is constant is a wave of "position", too
-    assert [p.shape[1] for p in parts] == [7, 7, 1]
+    # what is constant is a wave of "position", too; what goes with the force is looked for alone
+    assert [p.shape[1] for p in parts] == [7, 7, 1, 5, 10]
     assert whole.shape[1] == 7 + 7
     assert len(shapes(base, "position", "polarity")) == parts[1].shape[1]
 
@@ -265,7 +268,8 @@ def test_whatever_is_unknown_can_be_told():
         assert told.location == one.location
         assert np.all(np.isfinite(told.profile)), (one.location, one.part)
         assert np.any(told.band > 0.0), (one.location, one.part)
-        assert (told.unit == "mm") == (one.location in ("position", "camera") and one.part != "age")
+        in_mm = one.location in ("position", "camera") and one.part not in ("age", "moment")
+        assert (told.unit == "mm") == in_mm
 
 
 def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
@@ -277,8 +281,9 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
     }  # fmt: skip
     for one in (c for c in unknowns(base) if c.part and c.location in ("position", "time")):
         found = shapes(base, one.location, one.part)
-        keys = {(s.configuration, s.part, s.along) for s in found}
-        assert len(keys) == 1
+        keys = {(s.configuration, s.part, s.along, s.under) for s in found}
+        assert len({key[:3] for key in keys}) == 1
+        assert len(keys) == {"moment": 3, "EIBM, train": 2}.get(one.part, 1)
         told = unknown_of(
             base,
             RankedCandidate(
@@ -290,10 +295,13 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
         during = one.part.rpartition(", ")[2]
         if during in ends:
             assert (told.s_mm[-1], told.at_unit) == ends[during]
-            assert told.depends.endswith(during)
+            other_way = ", the other way at the other polarity"
+            assert told.depends.removesuffix(other_way).endswith(during)
+        elif one.part == "force":
+            assert (told.along, told.at_unit) == ("force", "mN")
         else:
             assert (told.s_mm[-1], told.at_unit) == (pytest.approx(30.0), "mm")
-        units = {"force, run": "mN", "clamp, session": "rad"}
+        units = {"force, run": "mN", "clamp, session": "rad", "moment": "1/m"}
         assert told.unit == units.get(one.part, "mm" if one.location == "position" else "relative")
 
 
@@ -339,9 +347,9 @@ def test_whatever_the_load_cell_makes_of_the_force_is_among_its_shapes(power: in
 @pytest.mark.parametrize("location", ["load_cell", "compliance"])
 def test_what_is_there_under_voltage_only_is_alike_at_both_polarities(location):
     base = base_fit()
-    forward, state = base.problem.forward, base.linear.states[0]
+    forward = base.problem.forward
     part, volts = forward.part(0), forward.scenes[0].voltage_V
-    for one in locations()[location].bases(linearised(forward, 0, state)):
+    for one in locations()[location].bases(linearised(base, 0)):
         if one.part != "voltage":
             continue
         acts = part.mean(one.step.force_N) if location == "load_cell" else one.step.beam[:, -10]

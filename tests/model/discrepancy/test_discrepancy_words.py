@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from model import Parameter
 from model.discrepancy.verdict.messages import promise_note, sentence
 from model.discrepancy.verdict.result import BeforeAfter, ClosedGap, Gap, Named, Next, Promise
 
@@ -45,6 +46,22 @@ def test_effects_bear_the_names_that_readers_know():
     named = [replace(NAMED, name=name) for name in ("nonuniform_eibm", "charging_lag")]
     said = sentence("effect_named", named, None, both, "")
     assert said.startswith("EIBM along the sheet and charging lag are not in the model. ")
+
+
+def test_what_differs_between_sessions_is_told_for_each():
+    both = BeforeAfter(gap(0.2, 1.5, 9.0), gap(0.03, 0.04, 1.0))
+    zeros = {
+        f"session_{number}_mN": Parameter(value=value, sigma=0.01, unit="mN")
+        for number, value in ((1, -0.2), (2, 0.3))
+    }
+    stiffer = {"session_2": Parameter(value=0.2, sigma=0.01, unit="")}
+    named = [
+        replace(NAMED, name="session_zero", parameters=zeros),
+        replace(NAMED, name="session_stiffness", parameters=stiffer),
+    ]
+    said = sentence("effect_named", named, None, both, "")
+    assert "session 1 -0.2 mN (-0.216 to -0.184), session 2 +0.3 mN (+0.284 to +0.316). " in said
+    assert "session: session 2 less session 1 +20 % (+18.4 to +21.6). Prediction" in said
 
 
 def test_several_are_listed_with_the_change_of_each_error():

@@ -91,7 +91,7 @@ def test_a_parameter_is_in_the_unit_of_its_name(name: str):
 def test_only_what_may_differ_between_sheets_is_free_by_configuration():
     own = {name for name, effect in EFFECTS.items() if effect.by_configuration}
     sheet = {"initial_curvature", "nonuniform_stiffness", "eibm_asymmetry"}
-    assert own == sheet | {"surface_tension"}
+    assert own == sheet | {"surface_tension", "session_curvature"}
 
 
 def test_effects_of_the_load_cell_leave_the_shape_alone_and_those_of_the_camera_the_force():

@@ -15,16 +15,23 @@ from model.discrepancy.criticism.named_model import NamedModel
 
 @dataclass(frozen=True)
 class VoltageStructure(VerdictCheck):
-    """An effect that is at one voltage what it is at another, but for the tolerance of its form."""
+    """An effect that is at one voltage what it is at another, but for the tolerance of its form.
+
+    What friction and play do at 0 V is a matter of how the sheet came there, not of the effect.
+    """
 
     def failures(self, named: NamedModel) -> Iterator[Failure]:
         """See `VerdictCheck.failures`."""
         every = families(named.fitted, named.outcome.outliers)
-        groups = [
-            Group(f"at {v:+g} V", joined([f for f in every if f.voltage_V == v]))
+        groups = {
+            v: Group(f"at {v:+g} V", joined([f for f in every if f.voltage_V == v]))
             for v in sorted({f.voltage_V for f in every})
-        ]
-        yield from contradicted(named, groups, along="voltage")
+        }
+        driven = [group for v, group in groups.items() if v]
+        yield from contradicted(
+            named, list(groups.values()), lambda one: not one.by_history, along="voltage"
+        )
+        yield from contradicted(named, driven, lambda one: one.by_history, along="voltage")
 
 
 CHECK = VoltageStructure(

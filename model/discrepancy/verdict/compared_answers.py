@@ -1,0 +1,237 @@
+"""From a judged search to the choice sets of its verdict."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from model.discrepancy.criticism.criticise import Criticism
+from model.discrepancy.criticism.families import Family, families, joined
+from model.discrepancy.criticism.group_amplitudes import Group, group_amplitudes
+from model.discrepancy.criticism.named_model import MOUNTING, NamedModel, limited_scatter
+from model.discrepancy.search.cross_validation import best_without, position_groups
+from model.discrepancy.search.evidence import candidates
+from model.discrepancy.search.form_share import form_share
+from model.discrepancy.search.forward_selection import SearchResult, apart
+from model.discrepancy.search.nonparametric_terms import unknowns
+from model.discrepancy.search.ranking import RankedCandidate, best_scores
+from model.discrepancy.thresholds import COMPARED_NAMES, CROSS_VALIDATED_NAMES
+from model.discrepancy.verdict.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
+from model.discrepancy.verdict.posterior import Choice, Leftover
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+
+MOST_FAILURES = 3
+LEAST_EVIDENCE_LN = 10.0  # a share of less says nothing
+SURE_SIGMA, MOST_UNEVEN = 2.0, 2.0
+_KINDS_OF_PART: tuple[Callable[[Family], str], ...] = (
+    lambda f: f.quantity, lambda f: f.configuration, lambda f: f"{f.voltage_V:g} V",
+)  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComparedAnswers:
+    """What search and checks say, as far as the answers are judged by it."""
+
+    judged: NamedModel  # with the names of the search
+    rest: Leftover | None  # what nonparametric terms find beside them
+    unknown: bool  # whether the search calls that unknown
+    criticism: Criticism
+    kept: Sequence[str]  # names that the checks leave
+    reported_unknown: bool  # whether something is called unknown in the end
+
+    @property
+    def outcome(self) -> SearchResult:
+        """The search."""
+        return self.judged.outcome
+
+    @property
+    def named(self) -> Sequence[Choice]:
+        """What the search names."""
+        return self.judged.named
+
+    @property
+    def known(self) -> MixedModelFit:
+        """The model with these names."""
+        return self.judged.fitted
+
+    def choice_sets(self) -> tuple[ChoiceSet, ...]:
+        """Return the choice set of each name, and the last one."""
+        return (*map(self._of_name, self.named), self._of_rest())
+
+    def _of_name(self, one: Choice) -> ChoiceSet:
+        names = self._names(one.ranking, one.effect.name)
+        free = _free_gain(one.before, one.ranking)
+        rejected = one.effect.name not in self.kept
+        unknown = self._unknown(
+            one.ranking, free, reported=rejected and self.reported_unknown,
+            failed=self._failed(one.effect.name),
+        )  # fmt: skip
+        gone = rejected and not self.reported_unknown
+        worth = apart(one.before, one.ranking[0])
+        nothing = _nothing(one.gain, worth, further=len(self.named) > 1, reported=gone)
+        return ChoiceSet(one.effect.name, (*names, unknown, nothing))
+
+    def _of_rest(self) -> ChoiceSet:
+        """Return the answers to what else is not in the model."""
+        ranking = self._last_ranking
+        free = max((c.gain for c in ranking if _is_free(c)), default=0.0)
+        best = ranking[0] if ranking else None
+        worth = 0.0 if best is None else apart(self.known, best)
+        nothing = _nothing(
+            0.0 if best is None else best.gain, worth,
+            further=bool(self.named), reported=not self.unknown,
+        )  # fmt: skip
+        unknown = self._unknown(ranking, free, reported=self.unknown)
+        considered = UNKNOWN if self.unknown else NOTHING
+        return ChoiceSet(considered, (*self._names(ranking, ""), unknown, nothing))
+
+    @property
+    def _last_ranking(self) -> Sequence[RankedCandidate]:
+        """Everything that could be added to the model with the names, best first."""
+        if self.rest is not None:
+            return [c for c in self.rest.ranking if not c.name.startswith("outlier:")]
+        return []
+
+    def _names(self, ranking: Sequence[RankedCandidate], named: str) -> list[Alternative]:
+        known = sorted((c for c in ranking if c.known), key=lambda c: -c.gain)
+        some = known[:COMPARED_NAMES]
+        some += [c for c in known[COMPARED_NAMES:] if c.name == named]
+        return [self._name(c, known[0], named) for c in some]
+
+    def _name(self, one: RankedCandidate, best: RankedCandidate, named: str) -> Alternative:
+        behind = best.gain - one.gain
+        attributes = {
+            "behind": float(np.log1p(behind)),
+            "behind_share": behind / max(best.gain, LEAST_EVIDENCE_LN),
+            "first": float(one is best),
+            "not_fitted": float(one.fitted is None),
+            "form_share": 0.0 if one.fitted is None else form_share(one.fitted, -1),
+            "votes": self._votes.get(one.name, 0.0),
+            "large": float(np.log10(max(abs(one.score.amplitude), 1.0))),
+            "freedom": float(np.log(one.score.candidate.columns.shape[1])),
+        }
+        if one.name == named:
+            attributes |= {
+                "considered": 1.0,
+                "named": float(named in self.kept),
+                "failed": self._failed(named),
+                "misfit": self._misfit,
+                "uneven": self._uneven(named),
+            }
+        return Alternative(one.name, attributes)
+
+    def _failed(self, name: str) -> float:
+        own = [f for f in self.criticism.failures if not f.effects or name in f.effects]
+        return float(min(len(own), MOST_FAILURES))
+
+    def _unknown(
+        self,
+        ranking: Sequence[RankedCandidate],
+        free: float,
+        *,
+        reported: bool,
+        failed: float = 0.0,
+    ) -> Alternative:
+        best = max((c.gain for c in ranking if c.known), default=0.0)
+        rest = self.rest
+        attributes = {
+            "unknown": 1.0,
+            "unknown_ahead": _signed_log(free - best),
+            "unknown_ahead_share": float(
+                np.clip((free - best) / max(free, best, LEAST_EVIDENCE_LN), -1.0, 1.0)
+            ),
+            "unexplained": 0.0 if rest is None else float(np.log1p(max(rest.apart, 0.0))),
+            "unexplained_share": 0.0 if rest is None else min(rest.share, 1.0),
+            "scatter": self._scatter,
+            "unknown_reported": float(reported),
+            "unknown_failed": failed,
+        }
+        return Alternative(UNKNOWN, attributes)
+
+    @cached_property
+    def _misfit(self) -> float:
+        """Ln of the largest chi^2 per left-out number of a quantity, the names in the model."""
+        largest = 1.0
+        for _, rows in _parts(self._families, lambda f: f.quantity):
+            chi2, count = self.judged.predictive.chi2(rows)
+            largest = max(largest, chi2 / max(count, 1))
+        return float(np.log(largest))
+
+    @cached_property
+    def _families(self) -> list[Family]:
+        return families(self.known, self.outcome.outliers)
+
+    def _uneven(self, name: str) -> float:
+        """Return how far a name's amplitude in a part of the data surely is from that in all."""
+        place = next(i for i, f in enumerate(self.known.found) if f.effect.name == name)
+        log_sigma, largest = limited_scatter(self.known), 0.0
+        for kind in _KINDS_OF_PART:
+            groups = [Group(*part) for part in _parts(self._families, kind)]
+            for one in group_amplitudes(self.known, place, groups, log_sigma):
+                largest = max(largest, abs(one.factor - 1.0) - SURE_SIGMA * one.sigma)
+        return min(largest, MOST_UNEVEN)
+
+    @cached_property
+    def _scatter(self) -> float:
+        """Ln of the largest random effect of a mounting over its usual size, at least 0."""
+        problem = self.known.problem
+        names = problem.noise.random_effects
+        ratio = (self.known.solution.log_sigma - problem.guess)[: len(names)]
+        return max([0.0, *(float(v) for n, v in zip(names, ratio, strict=True) if n in MOUNTING)])
+
+    @cached_property
+    def _votes(self) -> Mapping[str, float]:
+        """Return the share of the positions without which each name explains most."""
+        base = self.outcome.base
+        ranked = [c for c in self.outcome.turns[0].ranking if c.known][:CROSS_VALIDATED_NAMES]
+        effects = {c.name: c.score.candidate.effect for c in ranked}
+        effects |= {one.effect.name: one.effect for one in self.named}
+        pool = candidates(base, [e for e in effects.values() if e is not None])
+        groups = position_groups(base)
+        if not pool or not groups:
+            return {}
+        judge = replace(base, solution=weigh(base.linear.data, self.known.solution.log_sigma))
+        chosen = Counter(best_without(judge, pool, runs).candidate.name for runs in groups)
+        return {name: times / len(groups) for name, times in chosen.items()}
+
+
+def _parts(some: Sequence[Family], kind: Callable[[Family], str]) -> Iterator[tuple[str, Index]]:
+    """Yield the rows of each part of the data of a kind, by its name."""
+    for name in dict.fromkeys(map(kind, some)):
+        yield name, joined([f for f in some if kind(f) == name])
+
+
+def _nothing(gain: float, worth: float, *, further: bool, reported: bool) -> Alternative:
+    return Alternative(
+        NOTHING,
+        {
+            "nothing": 1.0,
+            "nothing_further": float(further),
+            "nothing_reported": float(reported),
+            "nothing_gain": _signed_log(gain),
+            "nothing_apart": _signed_log(worth),
+        },
+    )
+
+
+def _free_gain(before: MixedModelFit, ranking: Sequence[RankedCandidate]) -> float:
+    """Return the evidence of the best nonparametric term for the model without a name."""
+    ranked = [c.gain for c in ranking if _is_free(c)]
+    if ranked:
+        return max(ranked)
+    scores = best_scores(before, unknowns(before), before.solution)
+    return max((one.log_bayes for one in scores.values()), default=0.0)
+
+
+def _is_free(one: RankedCandidate) -> bool:
+    return one.name.startswith("unknown:")
+
+
+def _signed_log(value: float) -> float:
+    return float(np.sign(value) * np.log1p(abs(value)))

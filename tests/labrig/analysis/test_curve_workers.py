@@ -1,0 +1,28 @@
+"""Processes that share the search for curves."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+SCRIPT = """
+from pathlib import Path
+from types import SimpleNamespace
+from labrig.analysis.curves import shared_out
+
+list(shared_out(SimpleNamespace(path=Path("day1.h5")), [None] * 4, workers=2))
+"""
+
+
+def test_a_script_that_its_own_workers_begin_anew_is_told_so_in_one_sentence(tmp_path):
+    script = tmp_path / "evaluate.py"
+    script.write_text(SCRIPT, encoding="utf-8")
+    ended = subprocess.run(
+        [sys.executable, str(script)], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert ended.returncode == 1
+    assert "BrokenProcessPool" not in ended.stderr
+    assert ended.stderr.count("Traceback") == 1  # that of the script itself
+    said = ended.stderr.strip().splitlines()[-1]
+    assert said.startswith("labrig.errors.BadInputError: day1.h5: ")
+    assert 'if __name__ == "__main__":' in said

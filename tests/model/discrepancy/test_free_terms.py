@@ -1,0 +1,158 @@
+"""What no catalogue has is among the free shapes of its location, and judged beside names."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from model import predict
+from model.discrepancy.criticism.kinds import voltage_structure
+from model.discrepancy.search.nonparametric_terms import shapes
+from model.discrepancy.verdict.decision import alone
+from model.effects import effect
+from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.model_state import ModelState
+from model.locations.basis import bending_per_m
+from model.locations.quantities import AcquisitionTimes, Perturbation
+from model.measurements import FloatArray
+from model.sheet.beam_problem import ActiveEffect, Profile
+from tests.model.discrepancy.sessions import base_fit
+
+Made = Callable[[ForwardModel, int, ModelState], Perturbation]
+
+
+def beam(forward: ForwardModel, c: int, state: ModelState, **change: FloatArray) -> Perturbation:
+    other = replace(state.beam, **change)
+    by = forward.scenes[c].change(state.beam, other, state.solved.contact)
+    return replace(forward.no_step(c), beam=by)
+
+
+def play_of_the_stage(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    force = np.nan_to_num(state.solved.contact.force_N)
+    return beam(forward, c, state, shift_m=3e-4 * np.tanh(force / 1e-3))
+
+
+def rocking_rolls(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    contact = state.solved.contact
+    before = state.beam.s_m <= np.nan_to_num(contact.s_hat_m)[:, None]
+    return beam(forward, c, state, bend=np.nan_to_num(contact.gamma_rad)[:, None] * before)
+
+
+def stretched_electrodes(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    less = 0.2 * (bending_per_m(state.solved.contact) / 40.0) ** 2
+    return beam(forward, c, state, eibm=state.beam.eibm * (1.0 - less))
+
+
+def moment_by_bending(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    driven = state.beam.voltage_V != 0.0
+    size = 0.01 * np.mean(np.abs(state.beam.eibm[driven])) * driven[:, None]
+    return beam(forward, c, state, bend=size * bending_per_m(state.solved.contact))
+
+
+def wrinkles(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    over = np.maximum(bending_per_m(state.solved.contact) / 20.0 - 1.0, 0.0)
+    return beam(forward, c, state, soft=state.beam.soft * (1.0 + 0.3 * over))
+
+
+def bow_that_grows(forward: ForwardModel, c: int, _state: ModelState) -> Perturbation:
+    def course(clock: AcquisitionTimes) -> FloatArray:
+        return -0.1 * np.sign(clock.voltage_V) * np.expm1(-clock.driven_s / 5.0)
+
+    part = forward.part(c)
+    within = part.bin_mean(course(part.bin_clock)) - part.bin_mean(course(part.bin_sample))
+    return replace(forward.no_step(c), eibm=course(part.clock), bin_eibm=within)
+
+
+def glare(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    solved, scene = state.solved, forward.scenes[c]
+    phi = np.unwrap(np.arctan2(-solved.nx, solved.ny), axis=1)
+    curvature = np.gradient(phi, axis=1) / np.gradient(scene.curve_s, axis=1)
+    return replace(forward.no_step(c), points_m=1e-4 * np.tanh(curvature / 40.0))
+
+
+@pytest.mark.parametrize(
+    ("made", "location", "part"),
+    [
+        (play_of_the_stage, "position", "force"), (rocking_rolls, "position", "moment"),
+        (stretched_electrodes, "eibm", "curvature"),
+        (moment_by_bending, "even_moment", "curvature"), (wrinkles, "compliance", "bending"),
+        (bow_that_grows, "time", "EIBM, train"), (glare, "camera", "side"),
+    ],
+)  # fmt: skip
+def test_what_no_catalogue_has_is_among_the_shapes_of_its_location(
+    made: Made, location: str, part: str
+):
+    base = base_fit()
+    forward, states = base.problem.forward, base.linear.states
+    rows = np.sum(
+        [forward.rows_of(c, s, made(forward, c, s)) for c, s in enumerate(states)], axis=0
+    )
+    assert np.linalg.norm(left(base, rows, [])) > 0.3 * np.linalg.norm(rows)
+    own = [shape.rows for shape in shapes(base, location, part)]
+    assert np.linalg.norm(left(base, rows, own)) < 0.2 * np.linalg.norm(left(base, rows, []))
+
+
+def left(base: MixedModelFit, rows: FloatArray, own: list[FloatArray]) -> FloatArray:
+    """What neither the base parameters nor the shapes take up."""
+    known = np.stack([*base.linear.columns.T, *own], axis=1)
+    known = known / np.maximum(np.linalg.norm(known, axis=0), 1e-300)
+    return rows - known @ np.linalg.lstsq(known, rows, rcond=1e-9)[0]
+
+
+def test_shapes_of_a_part_that_is_looked_for_alone_are_not_in_the_whole():
+    base = base_fit()
+    whole = {shape.part for shape in shapes(base, "position")}
+    assert whole == {"position", "polarity"}
+    assert {shape.under for shape in shapes(base, "position", "moment")} == {
+        "", "voltage", "polarity",
+    }  # fmt: skip
+
+
+def test_rolls_that_turn_the_sheet_are_predicted_from_a_model_file(truth):
+    moment = Profile(
+        along="position", at=(0.0, 0.03), values=(2.0, 2.0), sigma=(0.0, 0.0), unit="1/m",
+        adds="moment",
+    )  # fmt: skip
+    again = Profile.from_dict(moment.to_dict(), "moment")
+    assert again == moment
+    turned = truth.with_effects(ActiveEffect(name="unknown", location="position", form=(again,)))
+    plain, found = (predict(one, "long", 0.02, 2.0) for one in (truth, turned))
+    assert abs(found.F_N - plain.F_N) > 1e-5
+
+
+def test_one_free_form_that_explains_more_than_the_names_stands_for_them():
+    def fits(names: int) -> tuple[MixedModelFit, MixedModelFit]:
+        base = SimpleNamespace(found=(), deviance=200.0)
+        return base, SimpleNamespace(found=("name",) * names, deviance=0.0)
+
+    free = SimpleNamespace(first=SimpleNamespace(gain=110.0))
+    assert alone(free, *fits(2))
+    assert not alone(free, *fits(1))  # which may be of another form
+    assert not alone(free, *fits(0))
+    less = SimpleNamespace(first=SimpleNamespace(gain=102.0))
+    assert not alone(less, *fits(2))
+    much_more = SimpleNamespace(first=SimpleNamespace(gain=125.0))
+    assert alone(much_more, *fits(1))
+
+
+@pytest.mark.parametrize(
+    ("name", "at_0V"),
+    [("roll_friction", False), ("load_cell_hysteresis", False), ("gravity", True)],
+)
+def test_what_depends_on_how_the_sheet_came_there_is_not_compared_at_0V(monkeypatch, name, at_0V):
+    asked = []
+
+    def recorded(_named, groups, applies, along):
+        asked.extend(g.title for g in groups if applies(effect(name)))
+        assert along == "voltage"
+        return iter(())
+
+    monkeypatch.setattr(voltage_structure, "contradicted", recorded)
+    named = SimpleNamespace(fitted=base_fit(), outcome=SimpleNamespace(outliers=[]))
+    assert list(voltage_structure.CHECK.failures(named)) == []
+    assert asked == ["at -2 V", *(["at +0 V"] if at_0V else []), "at +2 V"]
