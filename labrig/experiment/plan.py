@@ -22,14 +22,14 @@ from labrig.config import (
 )
 from labrig.config.about import FILE as ABOUT
 from labrig.config.load_cell import FORCE_UNIT
-from labrig.controller_file import (
+from labrig.control.controller_file import (
     ControllerConfig,
     load_controller,
     parse_controller,
     require_fit,
 )
+from labrig.control.reference import CONTROLLER, REFERENCE, controlled_schedule
 from labrig.errors import BadInputError
-from labrig.experiment.controlled import CONTROLLER, REFERENCE, controlled_schedule
 from labrig.serialise import to_plain
 from labrig.vision import Optics
 from model.measurements import SheetGeometry

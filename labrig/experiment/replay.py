@@ -19,8 +19,8 @@ from drivers.interfaces import Clock, Prompt
 from labrig.config import RigConfig, parse_rig
 from labrig.config.derived import SIMULATED
 from labrig.config.load_cell import FORCE_UNIT
+from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
-from labrig.experiment.controlled import CONTROLLER
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import FORCE, Rig

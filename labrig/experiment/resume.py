@@ -19,8 +19,8 @@ from drivers.interfaces import Frame, SignalBlock, VoltageWrite
 from labrig.config import RigConfig, parse_rig
 from labrig.config.about import FILE as ABOUT
 from labrig.config.derived import SIMULATED
+from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
-from labrig.experiment.controlled import CONTROLLER
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.rig import Rig
 from labrig.session import RecordedSession, RunRecord

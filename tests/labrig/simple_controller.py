@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig.config import load_sheet
-from labrig.controller_file import (
+from labrig.control.controller_file import (
     ControlledSheet,
     ControllerConfig,
     ControllerLimits,
@@ -15,8 +15,8 @@ from labrig.controller_file import (
     checksum_of,
     save_controller,
 )
-from model.dynamics.feedback import pi
-from model.dynamics.state_space import StateSpace, discretised
+from model.dynamics.linear.feedback import pi
+from model.dynamics.linear.state_space import LinearSystem, discretised
 
 MODEL_TEXT = "labrig_model = 1\n"
 GAIN_N_PER_V = 1.2e-3
@@ -24,8 +24,8 @@ LAG_S = 0.2
 REFERENCE = "time_s,force_mN\n0,0\n0.5,0.5\n2,-0.3\n3,0\n4,0\n"
 
 
-def lag(gain_N_per_V: float = GAIN_N_PER_V, time_s: float = LAG_S) -> StateSpace:
-    return StateSpace(
+def lag(gain_N_per_V: float = GAIN_N_PER_V, time_s: float = LAG_S) -> LinearSystem:
+    return LinearSystem(
         A=np.array([[-1 / time_s]]),
         B=np.array([[1 / time_s]]),
         C=np.array([[gain_N_per_V]]),
@@ -40,7 +40,7 @@ def controller(
     *,
     rate_hz: float = 100.0,
     position_mm: float = 5.0,
-    plant: StateSpace | None = None,
+    plant: LinearSystem | None = None,
     **changes: object,
 ) -> ControllerConfig:
     """A PI controller of the long sheet."""

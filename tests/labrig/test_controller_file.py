@@ -6,9 +6,9 @@ import pytest
 import tomlkit
 
 from labrig.config.templates import write_templates
-from labrig.controller_file import load_controller, rig_checksum
+from labrig.control.controller_file import load_controller, rig_checksum
+from labrig.control.reference import parse_reference
 from labrig.errors import BadInputError
-from labrig.experiment.controlled import parse_reference
 from labrig.experiment.plan import ControlFiles, load_plan
 from protocols.planning.schedule import ForceStep
 from tests.labrig.simple_controller import MODEL_TEXT, REFERENCE, controller, write_control

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from model.dynamics.state_space import StateSpace, balanced, discretised
+from model.dynamics.linear.state_space import LinearSystem, balanced, discretised
 from model.measurements import ModelError
 
 
 def oscillator(frequency_hz=20.0, damping=0.05, direct=0.0):
     w = 2 * np.pi * frequency_hz
-    return StateSpace(
+    return LinearSystem(
         A=np.array([[0.0, 1.0], [-(w**2), -2 * damping * w]]),
         B=np.array([[0.0], [w**2]]),
         C=np.array([[1.0, 0.0]]),
@@ -22,7 +22,7 @@ def oscillator(frequency_hz=20.0, damping=0.05, direct=0.0):
 def chain(stages=12):
     """A ladder of RC elements: many states, few of which matter."""
     A = -2 * np.eye(stages) + np.eye(stages, k=1) + np.eye(stages, k=-1)
-    return StateSpace(
+    return LinearSystem(
         A=A,
         B=np.eye(stages)[:, :1],
         C=np.eye(stages)[-1:],
@@ -93,7 +93,7 @@ def test_more_states_than_there_are_change_nothing():
 )
 def test_matrices_that_do_not_fit_are_refused_in_a_sentence(change, words):
     with pytest.raises(ModelError, match=words):
-        StateSpace(**{**vars(oscillator()), **change})
+        LinearSystem(**{**vars(oscillator()), **change})
 
 
 def test_an_unstable_model_is_not_reduced():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from labrig.controller_file import ControllerConfig
+from labrig.control.controller_file import ControllerConfig
 from labrig.errors import BadInputError
 from labrig.session.tables.csv_rows import rows_of
 from labrig.session.tables.decimals import from_milli, from_plain

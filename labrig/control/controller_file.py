@@ -20,12 +20,12 @@ from model.measurements import ModelError, SheetGeometry
 from protocols.execution.runs.control_loop import FeedbackLaw
 
 if TYPE_CHECKING:
-    from model.dynamics.feedback import Controller
-    from model.dynamics.state_space import StateSpace
+    from model.dynamics.linear.feedback import ForceController
+    from model.dynamics.linear.state_space import LinearSystem
 
 MOST_STATES = 100
 _HEADER = (
-    "A controller of the force, written by labrig control; labrig run --controller uses it.",
+    "A controller of the force, for labrig run --controller.",
     "Each period u = C x + D [r, y], x+ = A x + B [r, y] + anti_windup (written - u), with the",
     "reference r and the measured force y in N above that at 0 V, and the voltage u in V.",
 )
@@ -130,7 +130,7 @@ class ControllerConfig(ClosedModel):
         if abs(self.plant.rate_hz / self.rate_hz - 1.0) > 1e-9:
             raise ValueError(
                 f"the controller runs at rate_hz = {self.rate_hz:g}, but its [plant] is sampled "
-                f"at {self.plant.rate_hz:g} Hz; make the controller anew with labrig control"
+                f"at {self.plant.rate_hz:g} Hz; make the controller anew"
             )
         try:
             stable = self.controller.closed_loop(self.plant_model).is_stable
@@ -141,9 +141,9 @@ class ControllerConfig(ClosedModel):
         return self
 
     @property
-    def controller(self) -> Controller:
+    def controller(self) -> ForceController:
         """As `model` takes it. Raises ModelError for matrices that do not fit together."""
-        from model.dynamics.feedback import controller_of
+        from model.dynamics.linear.feedback import controller_of
 
         law = self.law
         n = len(law.A)
@@ -157,13 +157,13 @@ class ControllerConfig(ClosedModel):
         )
 
     @property
-    def plant_model(self) -> StateSpace:
+    def plant_model(self) -> LinearSystem:
         """The sampled model of sheet and rig. Raises ModelError."""
-        from model.dynamics.state_space import StateSpace
+        from model.dynamics.linear.state_space import LinearSystem
 
         plant = self.plant
         n = len(plant.A)
-        return StateSpace(
+        return LinearSystem(
             A=_matrix(plant.A, (n, n), "[plant] A"),
             B=_matrix([plant.B], (1, n), "[plant] B").T,
             C=_matrix([plant.C], (1, n), "[plant] C"),
@@ -242,7 +242,7 @@ def require_same_model(controller: ControllerConfig, path: Path) -> None:
     if checksum_of(read_text(file)) != controller.model.sha256:
         raise BadInputError(
             f"{path}: was made from another {controller.model.file} than the one that lies beside "
-            "it; make the controller anew with labrig control."
+            "it; make the controller anew."
         )
 
 
@@ -273,7 +273,7 @@ def require_fit(
     if controller.rig is not None and controller.rig.sha256 != rig_checksum(rig, calibration):
         raise BadInputError(
             f"{name}: was made for another rig (its gain, limit, sample rate or load cell differ); "
-            "make the controller anew with labrig control --rig."
+            "make the controller anew."
         )
     if rig.raw_force_unit == "N":
         raise BadInputError(

@@ -22,7 +22,7 @@ _SAME_TIME = 1e-9  # of a sample: a delay this close to whole samples is whole
 
 
 @dataclass(frozen=True, kw_only=True)
-class StateSpace:
+class LinearSystem:
     """A linear model; inputs and outputs are named with their units: voltage_V, force_N."""
 
     A: FloatArray  # (n, n)
@@ -76,7 +76,7 @@ class StateSpace:
         rest = -self.A if self.sample_time_s is None else np.eye(self.order) - self.A
         return np.asarray(self.C @ np.linalg.solve(rest, self.B) + self.D)
 
-    def output(self, name: str) -> StateSpace:
+    def output(self, name: str) -> LinearSystem:
         """Return the same model with one output."""
         if name not in self.outputs:
             raise ModelError(
@@ -113,7 +113,7 @@ class StateSpace:
         return sampled.simulate(np.eye(len(self.inputs))[:1].repeat(len(t), axis=0))
 
 
-def discretised(system: StateSpace, sample_time_s: float, delay_s: float = 0.0) -> StateSpace:
+def discretised(system: LinearSystem, sample_time_s: float, delay_s: float = 0.0) -> LinearSystem:
     """Return the model from sample to sample of held inputs that act `delay_s` late; exact.
 
     The states are followed by past inputs, the latest first, as many as the delay spans. Without a
@@ -165,7 +165,7 @@ def discretised(system: StateSpace, sample_time_s: float, delay_s: float = 0.0) 
     return replace(system, A=A, B=B, C=C, D=D, sample_time_s=sample_time_s)
 
 
-def balanced(system: StateSpace, states: int) -> tuple[StateSpace, float]:
+def balanced(system: LinearSystem, states: int) -> tuple[LinearSystem, float]:
     """Return a model with fewer states, and a bound of its error at any frequency.
 
     The bound is of the largest gain of the difference, in output units per input unit: twice the
@@ -186,7 +186,7 @@ def balanced(system: StateSpace, states: int) -> tuple[StateSpace, float]:
     return reduced, 2.0 * float(np.sum(values[kept:]))
 
 
-def _gramian(system: StateSpace, A: FloatArray, B: FloatArray) -> FloatArray:
+def _gramian(system: LinearSystem, A: FloatArray, B: FloatArray) -> FloatArray:
     from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
     if system.sample_time_s is None:

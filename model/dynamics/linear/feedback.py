@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from model.dynamics.state_space import ComplexArray, StateSpace
+from model.dynamics.linear.state_space import ComplexArray, LinearSystem
 from model.measurements import FloatArray, ModelError
 
 Method = Literal["pi", "lqg"]
@@ -27,14 +27,14 @@ REFERENCE, MEASURED, WRITTEN = "reference_N", "force_N", "voltage_V"
 
 
 @dataclass(frozen=True, kw_only=True)
-class Controller:
+class ForceController:
     """u = C x + D [r, y], x+ = A x + B [r, y] + w (written - u), once each sample.
 
     r: force that is wanted; y: force that was measured, N; u: voltage, V. `written` is u within the
     limits, so that nothing winds up while the voltage is at one.
     """
 
-    law: StateSpace  # inputs r and y, output u
+    law: LinearSystem  # inputs r and y, output u
     anti_windup: FloatArray  # (n,) w
 
     @property
@@ -43,7 +43,7 @@ class Controller:
         assert self.law.sample_time_s is not None  # noqa: S101 - for the type checker
         return self.law.sample_time_s
 
-    def loop(self, plant: StateSpace, frequencies_hz: FloatArray) -> ComplexArray:
+    def loop(self, plant: LinearSystem, frequencies_hz: FloatArray) -> ComplexArray:
         """Return the loop's transfer function L, (frequencies,)."""
         feedback = self.law.response(frequencies_hz)[:, 0, 1]
         return np.asarray(-feedback * plant.response(frequencies_hz)[:, 0, 0])
@@ -55,11 +55,11 @@ class Controller:
         low = self.law.response(np.array([1e-6 / T]))[0, 0, 1]
         return float(abs(low * (np.exp(2e-6j * np.pi) - 1.0))) / T
 
-    def sensitivity_peak(self, plant: StateSpace) -> float:
+    def sensitivity_peak(self, plant: LinearSystem) -> float:
         """Return Ms of the loop with a sampled plant."""
         return float(np.max(1.0 / np.abs(1.0 + self.loop(plant, _frequencies(plant)))))
 
-    def closed_loop(self, plant: StateSpace) -> StateSpace:
+    def closed_loop(self, plant: LinearSystem) -> LinearSystem:
         """Return the loop from r to force and voltage, without limits of the voltage."""
         _require_same_rate(self, plant)
         law, n = self.law, self.law.order
@@ -68,7 +68,7 @@ class Controller:
         A = np.block(
             [[law.A, by_y @ plant.C], [plant.B @ law.C, plant.A + plant.B @ u_y @ plant.C]]
         )
-        return StateSpace(
+        return LinearSystem(
             A=A,
             B=np.vstack([by_r, plant.B @ u_r]),
             C=np.block([[np.zeros((1, n)), plant.C], [law.C, u_y @ plant.C]]),
@@ -79,7 +79,7 @@ class Controller:
         )
 
     def follow(
-        self, plant: StateSpace, reference_N: FloatArray, limit_V: float
+        self, plant: LinearSystem, reference_N: FloatArray, limit_V: float
     ) -> tuple[FloatArray, FloatArray]:
         """Return force and voltage, sample by sample, of the linear plant within the limits."""
         _require_same_rate(self, plant)
@@ -103,14 +103,14 @@ def controller_of(
     D: FloatArray,
     anti_windup: FloatArray,
     sample_time_s: float,
-) -> Controller:
+) -> ForceController:
     """Return a controller of these matrices. Raises ModelError when they do not fit together."""
     if anti_windup.shape != (len(A),):
         raise ModelError(f"anti_windup has {anti_windup.size} numbers for {len(A)} states")
-    return Controller(law=_law(A, B, C, D, sample_time_s), anti_windup=anti_windup)
+    return ForceController(law=_law(A, B, C, D, sample_time_s), anti_windup=anti_windup)
 
 
-def pi(plant: StateSpace, largest_sensitivity: float = LARGEST_SENSITIVITY) -> Controller:
+def pi(plant: LinearSystem, largest_sensitivity: float = LARGEST_SENSITIVITY) -> ForceController:
     """Return the PI controller u = k_p e + k_i int e dt of a sampled plant with one input."""
     T = _sample_time(plant)
     f = _frequencies(plant)
@@ -126,7 +126,7 @@ def pi(plant: StateSpace, largest_sensitivity: float = LARGEST_SENSITIVITY) -> C
     ratio_s, k_i = float(ratios_s[np.argmax(gains)]), float(np.max(gains))
     k_i *= float(np.sign(plant.static_gain[0, 0]))
     k_p = ratio_s * k_i
-    return Controller(
+    return ForceController(
         law=_law(
             A=np.eye(1), B=np.array([[k_i * T, -k_i * T]]), C=np.eye(1),
             D=np.array([[k_p, -k_p]]), sample_time_s=T,
@@ -147,11 +147,11 @@ class LqgWeights:
 
 
 def lqg(
-    plant: StateSpace,
-    design: StateSpace,
+    plant: LinearSystem,
+    design: LinearSystem,
     weights: LqgWeights | None = None,
     largest_sensitivity: float = LARGEST_SENSITIVITY,
-) -> Controller:
+) -> ForceController:
     """Return the LQG controller with an integrator.
 
     `design`: a reduced model, sampled with the same delay, on which it is designed. Ms is that of
@@ -170,7 +170,7 @@ def lqg(
     )
 
 
-def _lqg(design: StateSpace, weights: LqgWeights) -> Controller:
+def _lqg(design: LinearSystem, weights: LqgWeights) -> ForceController:
     """Return the LQG controller of a sampled model for given weights."""
     from scipy.linalg import solve_discrete_are
 
@@ -192,7 +192,7 @@ def _lqg(design: StateSpace, weights: LqgWeights) -> Controller:
     kept = np.eye(n + 1) - gain @ C_d  # what the estimate keeps when y has come
     back = (A_d - B_d @ K_d) @ gain
     forward = B_d / closed
-    return Controller(
+    return ForceController(
         law=_law(
             A=(A_d - B_d @ K_d) @ kept, B=np.hstack([forward, back]), C=-K_d @ kept,
             D=np.hstack([1.0 / closed, -K_d @ gain]), sample_time_s=_sample_time(design),
@@ -213,7 +213,7 @@ def _first_root(squared: FloatArray, real: FloatArray, room: float) -> float:
     return float(roots.min())
 
 
-def _frequencies(plant: StateSpace) -> FloatArray:
+def _frequencies(plant: LinearSystem) -> FloatArray:
     """Return frequencies up to half the sampling rate, dense around each mode of the plant."""
     T = _sample_time(plant)
     highest = 0.5 / T
@@ -226,7 +226,7 @@ def _frequencies(plant: StateSpace) -> FloatArray:
     return np.unique(np.concatenate([spread, near[(near > _LOWEST_HZ) & (near < highest)]]))
 
 
-def _sample_time(plant: StateSpace) -> float:
+def _sample_time(plant: LinearSystem) -> float:
     if plant.sample_time_s is None:
         raise ModelError("a controller is designed for a sampled model")
     if plant.D.any():
@@ -234,7 +234,7 @@ def _sample_time(plant: StateSpace) -> float:
     return plant.sample_time_s
 
 
-def _require_same_rate(controller: Controller, plant: StateSpace) -> None:
+def _require_same_rate(controller: ForceController, plant: LinearSystem) -> None:
     if abs(_sample_time(plant) / controller.sample_time_s - 1.0) > 1e-6:
         raise ModelError(
             f"the controller runs at {1 / controller.sample_time_s:g} Hz, its model at "
@@ -244,8 +244,8 @@ def _require_same_rate(controller: Controller, plant: StateSpace) -> None:
 
 def _law(
     A: FloatArray, B: FloatArray, C: FloatArray, D: FloatArray, sample_time_s: float
-) -> StateSpace:
-    return StateSpace(
+) -> LinearSystem:
+    return LinearSystem(
         A=A, B=B, C=C, D=D, inputs=(REFERENCE, MEASURED), outputs=(WRITTEN,),
         sample_time_s=sample_time_s,
     )  # fmt: skip

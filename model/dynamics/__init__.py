@@ -1,0 +1,1 @@
+"""The sheet in time: mass, loss, fluid, electrodes, contact."""
