@@ -154,6 +154,12 @@ def _calibration(rig: RigConfig, text: str, name: str) -> LoadCellCalibration:
 
 
 def _check_against_rig(plan: Plan, called: Mapping[str, str]) -> None:
+    filmed = next((run for run in plan.schedule.runs if run.keep_all_frames), None)
+    if filmed is not None and plan.rig.camera is None:
+        raise BadInputError(
+            f"{called['protocol.toml']}: [extras] {filmed.extra} is recorded by a camera, and the "
+            "rig has none; add [camera] to rig.toml or remove the extra."
+        )
     for run in plan.schedule.runs:
         if run.configuration not in plan.sheets:
             raise BadInputError(

@@ -8,6 +8,7 @@ gives every frame at its recorded time after the run's first sample.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -26,11 +27,13 @@ from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import FORCE, Rig
 from labrig.experiment.rig.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
+from labrig.session.format.layout import MOVE_BEGAN, MOVE_ENDED
 from protocols.execution.events import Event, RunStarted, RunStopped
 from protocols.execution.operator import REPEAT
 
 FloatArray = npt.NDArray[np.float64]
 _BETWEEN_S = 0.3  # the camera gives a blank frame when no recorded frame is near
+_LOOK_S = 0.01  # so often it looks whether a run has begun meanwhile
 _NEAR_S = 0.4
 _FURTHER = 3  # the first input of the default family's board that is not one of its own three
 _NEEDED = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml")
@@ -56,7 +59,8 @@ def replay_plan(session: RecordedSession) -> Plan:
             f"{session.path}: a controller has set its voltage, which nobody can do again with "
             "recorded forces; it is shown and exported, but not replayed."
         )
-    return make_plan(on_simulated_boards(rig), session.texts)
+    plan = make_plan(on_simulated_boards(rig), session.texts)
+    return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise
 
 
 def on_simulated_boards(rig: RigConfig) -> RigConfig:
@@ -95,7 +99,7 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
         output=sheet_drive(plan.rig, boards),
         signals=boards.signal_input(inputs),
         camera=camera,
-        stage=_RecordedStage(),
+        stage=_RecordedStage(director, clock),
         operator=_Done(session),
         calibration=plan.calibration,
         interlock=None,
@@ -154,6 +158,14 @@ class Director:
         elif isinstance(event, RunStopped):
             self.run, self._samples, self.frame_due_s = None, {}, np.empty(0)
 
+    def move_s(self) -> float:
+        """Return how long the load cell was moved during the run that is on, s; 0: not known."""
+        index = -1 if self.run is None else self.run.planned.index
+        at_s = {e.kind: e.time_s for e in self.session.events if e.run == index}
+        if not {MOVE_BEGAN, MOVE_ENDED} <= at_s.keys():
+            return 0.0
+        return at_s[MOVE_ENDED] - at_s[MOVE_BEGAN]
+
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
         """Ignore the write: a recording stays as it is (see `sim_hardware.simulated_rig.Bench`)."""
 
@@ -196,16 +208,21 @@ class RecordedCapture:
 
     def grab(self) -> bool:
         """Wait for the next recorded frame."""
-        now_s = self._clock.now()
-        due_s = self._director.frame_due_s
-        row = int(np.searchsorted(due_s, max(now_s, self._last_s), side="right"))
-        if row == len(due_s) or due_s[row] > now_s + _NEAR_S:
-            self._row = None
-            self._clock.sleep_until(now_s + _BETWEEN_S)
-        else:
-            self._row, self._last_s = row, float(due_s[row])
+        until_s = self._clock.now() + _BETWEEN_S
+        self._row = self._next_row()
+        while self._row is None and self._clock.now() < until_s:
+            self._clock.sleep_until(min(self._clock.now() + _LOOK_S, until_s))
+            self._row = self._next_row()
+        if self._row is not None:
+            self._last_s = float(self._director.frame_due_s[self._row])
             self._clock.sleep_until(self._last_s)
         return True
+
+    def _next_row(self) -> int | None:
+        """Return the row of the next frame; None when none is near."""
+        now_s, due_s = self._clock.now(), self._director.frame_due_s
+        row = int(np.searchsorted(due_s, max(now_s, self._last_s), side="right"))
+        return None if row == len(due_s) or due_s[row] > now_s + _NEAR_S else row
 
     def retrieve(self) -> tuple[bool, npt.NDArray[Any]]:
         """Return the frame that `grab` waited for."""
@@ -222,13 +239,19 @@ class RecordedCapture:
 
 
 class _RecordedStage:
-    """Where the load cell was is in the recording."""
+    """Where the load cell was is in the recording; a move during a run takes as long as then."""
+
+    def __init__(self, director: Director, clock: Clock) -> None:
+        self._director = director
+        self._clock = clock
 
     def open(self) -> None:
         """Nothing is to be taken."""
 
     def move_to(self, position_m: float) -> bool:  # noqa: ARG002
         """Return True: it was there."""
+        if self._director.run is not None:
+            self._clock.sleep_until(self._clock.now() + self._director.move_s())
         return True
 
     def position(self) -> float | None:

@@ -8,7 +8,7 @@ at any moment costs no more than in an ordinary session.
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -23,14 +23,17 @@ from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.rig import Rig
-from labrig.session import RecordedSession, RunRecord
+from labrig.session import LoggedEvent, RecordedSession, RunRecord
+from labrig.session.format.layout import MOVE_BEGAN, MOVE_ENDED
 from protocols.execution import events as ev
 
 _BLOCK = 10_000  # samples in one event
+_FRAMES = 32  # frames in one event, of those that go with no reading
+_FRAMES = 32  # the same
 
 
 def resumed_plan(session: RecordedSession) -> Plan:
-    """Return what was to be done, from the configuration that the session holds.
+    """Return what was to be done, from configuration and schedule that the session holds.
 
     A world that its rig.toml names is looked for beside the session. Its hooks are left out: a file
     that comes from elsewhere must not run commands here.
@@ -47,7 +50,8 @@ def resumed_plan(session: RecordedSession) -> Plan:
         world = session.path.parent / rig.simulated.world
         simulated = rig.simulated.model_copy(update={"world": world})
         rig = rig.model_copy(update={"simulated": simulated})
-    return make_plan(rig.model_copy(update={"hooks": None}), session.texts)
+    plan = make_plan(rig.model_copy(update={"hooks": None}), session.texts)
+    return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise
 
 
 def output_beside(session: Path) -> Path:
@@ -87,8 +91,9 @@ class Resumption:
         then = replace(self.session.schedule, repeats=plan.schedule.repeats)
         if plan.schedule != then:
             raise BadInputError(
-                f"{path}: this labrig makes another schedule of the same protocol; finish it with "
-                f"the version that began it ({self.session.versions.get('labrig', 'not known')})."
+                f"{path}: this labrig makes another schedule of the same protocol; leave the files "
+                "out to use the session's own, or finish it with the version that began it "
+                f"({self.session.versions.get('labrig', 'not known')})."
             )
 
     def check_rig(self, rig: Rig) -> None:
@@ -118,7 +123,7 @@ class Resumption:
         handle(ev.Resumed(began_s + shift_s, self.session.identifier, done))
         for run in self.session.runs:
             if run.completed:
-                for event in _events_of(run, shift_s):
+                for event in _events_of(run, shift_s, self.session.events):
                     handle(event)
 
     def _shift_s(self, now_s: float) -> float:
@@ -142,7 +147,7 @@ def _on_virtual_clock(session: RecordedSession) -> bool:
     return any(isinstance(each, dict) and each.get("address") == SIMULATED for each in tables)
 
 
-def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
+def _events_of(run: RunRecord, shift_s: float, log: Sequence[LoggedEvent]) -> Iterator[ev.Event]:
     """Yield the events of a complete run, in an order in which they might have come."""
     planned, counts = run.planned, run.counts
     zero_s = run.time_zero_s + shift_s
@@ -159,6 +164,7 @@ def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
         since_wetting_s=run.since_wetting_s,
     )
     yield from _writes(run, shift_s)
+    yield from _moves(run, shift_s, log)
     volts = np.stack([run.signal_V(name) for name in run.channels])
     for first in range(0, volts.shape[1], _BLOCK):
         block = SignalBlock(first, volts[:, first : first + _BLOCK].copy(), zero_s)
@@ -192,6 +198,23 @@ def _writes(run: RunRecord, shift_s: float) -> Iterator[ev.VoltageSet]:
         )
 
 
+def _moves(
+    run: RunRecord, shift_s: float, log: Sequence[LoggedEvent]
+) -> Iterator[ev.LoadCellLeft | ev.LoadCellArrived]:
+    index, move = run.planned.index, run.planned.move
+    for row in log:
+        if move is None or row.run != index:
+            continue
+        at_s = row.time_s + shift_s
+        if row.kind == MOVE_BEGAN:
+            yield ev.LoadCellLeft(at_s, run=index, position_m=move.position_m)
+        elif row.kind == MOVE_ENDED:
+            reported_m = float(row.subject.split()[0]) / 1e3 if row.subject else None
+            yield ev.LoadCellArrived(
+                at_s, run=index, position_m=move.position_m, reported_m=reported_m
+            )
+
+
 def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.FramesArrived]:
     """Yield readings in their order, before each the frames kept before its own."""
     index, told = run.planned.index, 0
@@ -214,9 +237,9 @@ def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.Fr
             valid=bool(row["valid"]),
             why=str(row["why"]),
         )
-    rest = range(told, run.frame_count)
-    if rest:
-        yield ev.FramesArrived(zero_s, index, tuple(_frame(run, k, zero_s) for k in rest))
+    for first in range(told, run.frame_count, _FRAMES):
+        some = range(first, min(first + _FRAMES, run.frame_count))
+        yield ev.FramesArrived(zero_s, index, tuple(_frame(run, k, zero_s) for k in some))
 
 
 def _frame(run: RunRecord, row: int, zero_s: float) -> Frame:

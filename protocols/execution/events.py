@@ -153,6 +153,23 @@ class FramesArrived(Event):
 
 
 @dataclass(frozen=True, kw_only=True)
+class LoadCellLeft(Event):
+    """The load cell leaves for another position while a run is acquired, at 0 V."""
+
+    run: int
+    position_m: float  # where it goes
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadCellArrived(Event):
+    """It stands there."""
+
+    run: int
+    position_m: float
+    reported_m: float | None  # by the stage; None: it has no sensor
+
+
+@dataclass(frozen=True, kw_only=True)
 class ReadingMarked(Event):
     """The operator, or a rule, has declared a reading (None: the whole run) invalid."""
 

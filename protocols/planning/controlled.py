@@ -58,7 +58,7 @@ def controlled(
 
 def _is_there(run: PlannedRun, configuration: str, position_m: float) -> bool:
     return (
-        run.purpose is Purpose.MEASUREMENT
+        run.measures
         and run.configuration == configuration
         and run.position_m is not None
         and abs(run.position_m - position_m) < _SAME_PLACE_M

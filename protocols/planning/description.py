@@ -9,7 +9,7 @@ from drivers.interfaces import Prompt
 from protocols.execution.rules import LoopTiming
 from protocols.planning.limits import time_under_voltage_s
 from protocols.planning.preparation import Action, Move, Situation, preparation
-from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind, Schedule
+from protocols.planning.schedule import AT_REST_S, PlannedRun, Purpose, ReadingKind, Schedule
 
 # How long things take at the rig, roughly, s: for the estimate only.
 TAKES_S = {
@@ -79,6 +79,33 @@ def describe(schedule: Schedule, timing: LoopTiming | None = None) -> ScheduleDe
         estimate_s=clock_s,
         under_voltage_s=sum(row.under_voltage_s for row in rows),
     )
+
+
+def free_shapes_in_words(schedule: Schedule) -> str:
+    """Return how long the sheet has been at rest when its free shapes are taken; "": none are."""
+    names: dict[str, list[str]] = {}
+    for run in schedule.runs:
+        if run.purpose is Purpose.FREE_SHAPE and run.readings:
+            names.setdefault(_rest_in_words(run), []).append(run.configuration)
+    return "; ".join(f"{', '.join(dict.fromkeys(which))}: {text}" for text, which in names.items())
+
+
+def _rest_in_words(run: PlannedRun) -> str:
+    return ", ".join(
+        [
+            *_shapes(run, "at 0 V", driven=False),
+            *(_shapes(run, "under voltage", driven=True) or ["none under voltage"]),
+        ]
+    )
+
+
+def _shapes(run: PlannedRun, where: str, *, driven: bool) -> list[str]:
+    """Return after how long they are taken; nothing where there are none."""
+    delays_s = [each.delay_s for each in run.readings if bool(each.voltage_V) is driven]
+    if not delays_s:
+        return []
+    moving = "" if min(delays_s) >= AT_REST_S else " (the sheet may still swing)"
+    return [f"{where} after {min(delays_s):g} s{moving}"]
 
 
 def timeline(run: PlannedRun) -> Timeline:

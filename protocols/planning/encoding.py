@@ -1,7 +1,6 @@
 """A schedule as plain data (for JSON) and back. Reading is strict: nothing missing, nothing more.
 
-What has a default may be missing: a session that was recorded before there was such a field. A run
-without a controller has no key `reference`, so that older programs read its session.
+What has a default may be missing: a session that was recorded before there was such a field.
 """
 
 from __future__ import annotations
@@ -19,8 +18,6 @@ Part = TypeVar("Part", Schedule, PlannedRun)
 def schedule_to_dict(schedule: Schedule) -> dict[str, Any]:
     """Return the schedule as dicts, lists, strings, numbers and None."""
     plain: dict[str, Any] = to_plain(schedule)
-    for runs, name in ((schedule.runs, "runs"), (schedule.repeats, "repeats")):
-        plain[name] = [run_to_dict(run) for run in runs]
     return plain
 
 
@@ -34,8 +31,6 @@ def schedule_from_dict(data: object) -> Schedule:
 def run_to_dict(run: PlannedRun) -> dict[str, Any]:
     """Return one run as plain data."""
     plain: dict[str, Any] = to_plain(run)
-    if not run.reference:
-        del plain["reference"]
     return plain
 
 

@@ -6,8 +6,12 @@ recorded with the session and replayed. Times are in s from the run's beginning.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
+
+from protocols.serialise import OMITTED_AS_DEFAULT
+
+AT_REST_S = 3.0  # a free sheet has stopped swinging, with the losses of Nafion in air
 
 
 class ReadingKind(StrEnum):
@@ -57,6 +61,18 @@ class PlannedReading:
     kind: ReadingKind
 
 
+@dataclass(frozen=True)
+class PlannedMove:
+    """The load cell leaves for another position at `time_s`; the sheet is at 0 V.
+
+    How long that takes is the stage's. The run goes on as long after the arrival as it was
+    planned to go on after `time_s`.
+    """
+
+    time_s: float
+    position_m: float
+
+
 @dataclass(frozen=True, kw_only=True)
 class PlannedRun:
     """Everything that happens at one setting of sheet and load cell, without a pause."""
@@ -80,7 +96,16 @@ class PlannedRun:
     tilt_rad: float = 0.0
     repeats: int | None = None  # the run that this one measures again; None: it is none of those
     # what the force is to be between the first step and the last; empty: no controller is at work
-    reference: tuple[ForceStep, ...] = ()
+    reference: tuple[ForceStep, ...] = field(default=(), metadata=OMITTED_AS_DEFAULT)
+    # name of the extra that added the run; empty: it is none of those, or older than this field
+    extra: str = field(default="", metadata=OMITTED_AS_DEFAULT)
+    keep_all_frames: bool = field(default=False, metadata=OMITTED_AS_DEFAULT)
+    move: PlannedMove | None = field(default=None, metadata=OMITTED_AS_DEFAULT)
+
+    @property
+    def measures(self) -> bool:
+        """Whether it is one of the protocol's own measurements, in contact."""
+        return self.purpose is Purpose.MEASUREMENT and not self.extra
 
     def time_of(self, reading: PlannedReading) -> float:
         """Planned time of a reading's sampling point, s."""

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from protocols import PlannedRun, Purpose, Schedule, ScheduleDescription
+from protocols import PlannedRun, Schedule, ScheduleDescription
 
 
 def run_rows(schedule: Schedule) -> list[list[str]]:
     """Step by step, the first measuring run of a schedule: what, from when, volts, readings."""
-    run = next((r for r in schedule.runs if r.purpose is Purpose.MEASUREMENT), schedule.runs[0])
+    run = next((r for r in schedule.runs if r.measures), schedule.runs[0])
     rows = []
     for number, step in enumerate(run.steps):
         readings = [reading for reading in run.readings if reading.step == number]

@@ -8,7 +8,8 @@
   title, project, license, user_1/ (NXuser), ..., sample/ (NXsample): what about.toml states
   setup/              schedule and resolved configuration (JSON), texts/NAME, versions/PACKAGE,
                       signals (name, range, quantity, unit, gain, offset of each channel), rate_hz,
-                      simulated, devices (JSON: what each device says that it is), keep_all_frames
+                      simulated, devices (JSON: what each device says that it is), keep_all_frames,
+                      extras (JSON: of runs of extras, what the schedule does not hold of them)
   run_000/            NXsubentry, default -> signals; one for each planned run, and after them
                       one to measure each measurement again, never begun where nobody wanted that
     planned           the run as planned (JSON)
@@ -61,6 +62,8 @@ CHECKSUMS: Final = "/session/checksums"
 EVENTS: Final = "/session/events"
 MORE: Final = "+"  # kind of an event row that continues the text of the row before
 NOBODY_ANSWERED: Final = "nobody answered"  # text of an event `answered`: as if "done"
+MOVE_BEGAN: Final = "load cell left"  # kinds of the events of a load cell moved during a run
+MOVE_ENDED: Final = "load cell arrived"  # subject: where by the stage, "9.9980 mm", if it says
 NO_FRAME: Final = -1
 EVENT_TEXT_BYTES: Final = 240
 

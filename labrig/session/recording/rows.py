@@ -71,6 +71,8 @@ class Translator:
             ev.SignalsArrived: self._signals,
             ev.ReadingTaken: self._reading,
             ev.FramesArrived: self._frames_arrived,
+            ev.LoadCellLeft: self._left,
+            ev.LoadCellArrived: self._arrived,
             ev.ReadingMarked: self._marked,
             ev.ActionTaken: self._action_taken,
             ev.OutputChanged: self._output_changed,
@@ -278,6 +280,17 @@ class Translator:
 
     def _frames_arrived(self, event: ev.FramesArrived) -> list[EventRows]:
         return [rows for frame in event.frames for rows in self._frame(event.run, frame, None)]
+
+    def _left(self, event: ev.LoadCellLeft) -> list[EventRows]:
+        text = f"for {1e3 * event.position_m:g} mm"
+        return self._log(event, layout.MOVE_BEGAN, text, run=event.run)
+
+    def _arrived(self, event: ev.LoadCellArrived) -> list[EventRows]:
+        text = f"at {1e3 * event.position_m:g} mm"
+        reported = "" if event.reported_m is None else f"{1e3 * event.reported_m:.4f} mm"
+        if reported:
+            text += f"; the stage reports {reported}"
+        return self._log(event, layout.MOVE_ENDED, text, run=event.run, subject=reported)
 
     def _reading(self, event: ev.ReadingTaken) -> list[EventRows]:
         started, planned = self._started[event.run], event.planned

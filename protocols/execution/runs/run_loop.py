@@ -3,13 +3,21 @@
 from __future__ import annotations
 
 from drivers.interfaces import CameraCounts, DeviceError, DeviceTimeoutError, VoltageWrite
-from protocols.execution.events import RunStarted, RunStopped, SignalsArrived, VoltageSet
+from protocols.execution.devices import StageMove
+from protocols.execution.events import (
+    LoadCellArrived,
+    LoadCellLeft,
+    RunStarted,
+    RunStopped,
+    SignalsArrived,
+    VoltageSet,
+)
 from protocols.execution.readings import ReadingMaker
 from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
 from protocols.execution.runs.loop import Loop, Stopped
 from protocols.execution.states import RunState
 from protocols.execution.stop import StopLevel
-from protocols.planning.schedule import PlannedRun
+from protocols.planning.schedule import PlannedMove, PlannedRun
 
 # Making safe continues, and may take its time; until then only hands can act.
 NOT_ZERO = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand ({why})"
@@ -46,6 +54,7 @@ class RunLoop:
         self._next_service_s = 0.0
         self._last_sample_s = 0.0
         self._cost_s = 0.0  # of servicing, recently
+        self._keep_all_frames = loop.keep_all_frames or run.keep_all_frames
 
     def execute(self) -> None:
         """Run it. Raises Stopped, DeviceError, or whatever else went wrong; at 0 V in any case."""
@@ -70,7 +79,7 @@ class RunLoop:
         if devices.camera is not None:
             devices.camera.start()
             frame_shape = devices.camera.frame_shape
-            if loop.keep_all_frames:
+            if self._keep_all_frames:
                 devices.camera.want_all()
         sample_clock = devices.signals.start()
         now_s = loop.clock.now()
@@ -84,7 +93,7 @@ class RunLoop:
             self._frame_rate_hz,
             loop.rules,
             loop.timing,
-            keep_all_frames=loop.keep_all_frames,
+            keep_all_frames=self._keep_all_frames,
         )
         if self._run.reference and self._feedback is not None:
             self._control = ControlLoop(loop, self._run, self._feedback, sample_clock, self._zero_s)
@@ -111,7 +120,41 @@ class RunLoop:
             if index == 0:
                 self._loop.enter(RunState.RUNNING)
             self._follow_up(index, due_s, self._loop.output.write(step.voltage_V))
-        return self._until(self._zero_s + self._run.duration_s, maker) or self._cut_short(maker)
+        end_s = self._zero_s + self._run.duration_s
+        if self._run.move is not None:
+            arrived_s = self._arrived_s(self._run.move, maker)
+            if arrived_s is None:
+                return self._cut_short(maker)
+            end_s += arrived_s - (self._zero_s + self._run.move.time_s)
+        return self._until(end_s, maker) or self._cut_short(maker)
+
+    def _arrived_s(self, move: PlannedMove, maker: ReadingMaker) -> float | None:
+        """Have the load cell moved and service the devices meanwhile; None: the run is to end.
+
+        Raises Stopped when the operator declines, and what the stage raises.
+        """
+        loop = self._loop
+        if not self._until(self._zero_s + move.time_s, maker):
+            return None
+        moving = StageMove(loop.devices.stage, loop.clock, move.position_m)
+        loop.emit(LoadCellLeft(moving.began_s, run=self._run.index, position_m=move.position_m))
+        try:
+            while not moving.ended:
+                if not self._until(loop.clock.now() + loop.timing.service_s, maker):
+                    return None
+        finally:
+            moving.wait()
+        if not moving.arrived():
+            raise Stopped("the operator was asked to move the load cell and stopped the session")
+        loop.emit(
+            LoadCellArrived(
+                moving.ended_s,
+                run=self._run.index,
+                position_m=move.position_m,
+                reported_m=moving.reported_m,
+            )
+        )
+        return moving.ended_s
 
     def _under_control(self, when_s: float, maker: ReadingMaker) -> bool:
         """Let the controller set the voltage until a moment; False when a stop is asked for."""

@@ -272,7 +272,9 @@ export class SchemaForm {
           ? String(one.const)
           : one.type === "object"
             ? (one.title ?? "table").toLowerCase()
-            : `one ${one.type}`,
+            : one.type === "boolean"
+              ? "yes or no"
+              : `one ${one.type}`,
       value: one,
     }));
     const start = value === undefined ? schema.default : value;
