@@ -27,7 +27,7 @@ from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import FORCE, Rig
 from labrig.experiment.rig.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
-from labrig.session.format.layout import MOVE_BEGAN, MOVE_ENDED
+from labrig.session.reading.moves import moves_of
 from protocols.execution.events import Event, RunStarted, RunStopped
 from protocols.execution.operator import REPEAT
 
@@ -160,11 +160,10 @@ class Director:
 
     def move_s(self) -> float:
         """Return how long the load cell was moved during the run that is on, s; 0: not known."""
-        index = -1 if self.run is None else self.run.planned.index
-        at_s = {e.kind: e.time_s for e in self.session.events if e.run == index}
-        if not {MOVE_BEGAN, MOVE_ENDED} <= at_s.keys():
+        if self.run is None:
             return 0.0
-        return at_s[MOVE_ENDED] - at_s[MOVE_BEGAN]
+        at_s = [event.time_s for event in moves_of(self.session, self.run)]
+        return at_s[1] - at_s[0] if len(at_s) == 2 else 0.0
 
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
         """Ignore the write: a recording stays as it is (see `sim_hardware.simulated_rig.Bench`)."""
