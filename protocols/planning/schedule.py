@@ -34,6 +34,7 @@ class Purpose(StrEnum):
     NO_TOUCH_ZERO = "no_touch_zero"
     FREE_SHAPE = "free_shape"
     DEAD_WEIGHT = "dead_weight"
+    CONTROL = "control"  # a controller sets the voltage, so that the force follows a reference
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,14 @@ class VoltageStep:
 
     time_s: float
     voltage_V: float
+
+
+@dataclass(frozen=True)
+class ForceStep:
+    """From `time_s` until the next step the force is to be `force_N` above that at 0 V."""
+
+    time_s: float
+    force_N: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +99,8 @@ class PlannedRun:
     # of the rig about the sheet's long axis: 0, or pi where it is turned over; of all runs alike
     tilt_rad: float = 0.0
     repeats: int | None = None  # the run that this one measures again; None: it is none of those
+    # what the force is to be between the first step and the last; empty: no controller is at work
+    reference: tuple[ForceStep, ...] = field(default=(), metadata=OMITTED_AS_DEFAULT)
     # name of the extra that added the run; empty: it is none of those, or older than this field
     extra: str = field(default="", metadata=OMITTED_AS_DEFAULT)
     keep_all_frames: bool = field(default=False, metadata=OMITTED_AS_DEFAULT)
