@@ -20,6 +20,7 @@ from drivers.interfaces import Clock, Prompt
 from labrig.config import RigConfig, parse_rig
 from labrig.config.derived import SIMULATED
 from labrig.config.load_cell import FORCE_UNIT
+from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.channels import inputs_of
@@ -52,6 +53,11 @@ def replay_plan(session: RecordedSession) -> Plan:
     if not any(run.started for run in session.runs):
         raise BadInputError(
             f"{session.path}: no run of it was ever begun; nothing can be replayed."
+        )
+    if CONTROLLER in session.texts:
+        raise BadInputError(
+            f"{session.path}: a controller has set its voltage, which nobody can do again with "
+            "recorded forces; it is shown and exported, but not replayed."
         )
     plan = make_plan(on_simulated_boards(rig), session.texts)
     return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise

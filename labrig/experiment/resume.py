@@ -19,6 +19,7 @@ from drivers.interfaces import Frame, SignalBlock, VoltageWrite
 from labrig.config import RigConfig, parse_rig
 from labrig.config.about import FILE as ABOUT
 from labrig.config.derived import SIMULATED
+from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.rig import Rig
@@ -37,6 +38,11 @@ def resumed_plan(session: RecordedSession) -> Plan:
     A world that its rig.toml names is looked for beside the session. Its hooks are left out: a file
     that comes from elsewhere must not run commands here.
     """
+    if CONTROLLER in session.texts:
+        raise BadInputError(
+            f"{session.path}: a controlled session is not resumed; run it anew with its controller "
+            "and reference."
+        )
     rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
     if not isinstance(rig, RigConfig):
         raise BadInputError(f"{session.path}: was recorded from a replay; there is no rig.")
