@@ -1,0 +1,194 @@
+"""Generalized-alpha steps, index 3, as Arnold & Bruels 2007 (Multibody Syst. Dyn. 18, 185).
+
+q+ = q + h v + h^2 (1/2 - beta) a + h^2 beta a+,   v+ = v + h (1 - gamma) a + h gamma a+,
+(1 - alpha_m) a+ + alpha_m a = (1 - alpha_f) q''+ + alpha_f q''; the equations of motion and
+r(s_hat) = p_hat hold at the end of each step. Unknown: q+, N+ and s_hat+. The Prony series follows
+by its exact recursion, with k a straight line in the step.
+"""
+
+# ruff: noqa: C901  (calls that numba does not inline cost more than they explain)
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from model.dynamics.body import FAILED, SLIPPED
+from model.dynamics.kernel.contact import levers, touch
+from model.dynamics.kernel.residual import balance, move, push
+from model.dynamics.kernel.tangent import assemble, derivatives, invert
+from model.dynamics.kernel.work import Scratch, new_work
+from model.jit import Array, jit
+
+# An iteration takes at least this share of the error over: the first after a new matrix converges
+# faster than the next ones will.
+LEAST_RATE = 0.02
+ROUNDING = 1e-12  # of the largest coefficient: nearer no iteration comes
+
+
+@jit
+def relax(h: float, body: Any, factors: Array) -> float:
+    """Write e, a, b of each Prony term for a step; return 1 + sum g (1 - b)."""
+    stiff = 1.0
+    for i in range(len(body.shares)):
+        x = h / body.times_s[i]
+        gone = -np.expm1(-x)
+        late = x * (0.5 - x * (1.0 / 6.0 - x / 24.0)) if x < 1e-3 else 1.0 - gone / x
+        factors[i, 0], factors[i, 1], factors[i, 2] = 1.0 - gone, gone - late, late
+        stiff += body.shares[i] * (1.0 - late)
+    return stiff
+
+
+@jit
+def remember(body: Any, state: Any, factors: Array, w: Scratch) -> None:
+    """Write what the past adds to the Prony series' moment in this step."""
+    w.history[:] = 0.0
+    for i in range(len(body.shares)):
+        for j in range(len(w.history)):
+            past = factors[i, 0] * state.z[i, j] + factors[i, 1] * (state.q[j] - body.rest[j])
+            state.z[i, j] = past  # the end of the step adds its share when it is known
+            w.history[j] += body.shares[i] * past
+
+
+@jit
+def relaxed(body: Any, state: Any, factors: Array) -> None:
+    """Complete the internal variables with the end of the step."""
+    for i in range(len(body.shares)):
+        for j in range(len(state.q)):
+            state.z[i, j] += factors[i, 2] * (state.q[j] - body.rest[j])
+
+
+@jit
+def evaluate(
+    body: Any, state: Any, moment: Array, clamp: Array, place: Array, contact: bool, stiff: float,
+    w: Scratch,
+) -> None:  # fmt: skip
+    """Write the residuals' negative to `w.rhs`, the place along n_hat last."""
+    move(body, state.q, state.v, state.a, clamp, w)
+    push(body, w)
+    size = len(state.q)
+    along = 0.0
+    if contact:
+        touch(body.space, clamp[0], state.x[1], state.q, w)
+        gap_x, gap_y = place[0] - w.at[2], place[1] - w.at[3]
+        w.rhs[size] = w.at[4] * gap_x + w.at[5] * gap_y
+        along = w.at[5] * gap_x - w.at[4] * gap_y
+        w.step[size] = along
+    balance(body, state.x[0], contact, w.rhs, w)
+    for j in range(size):
+        bent = stiff * (state.q[j] - body.rest[j]) - w.history[j] + body.viscous_s * state.v[j]
+        w.rhs[j] = moment[j] - body.stiffness[j] * bent - w.rhs[j]
+
+
+@jit
+def predict(state: Any, h: float, of: Any, former: Array) -> None:
+    """Begin a step: q'' goes on in a straight line; `former` keeps what it was at the last end."""
+    for j in range(len(state.q)):
+        a, mean = state.a[j], state.a_mean[j]
+        guess = 2.0 * a - former[j]
+        former[j] = a
+        new = ((1.0 - of.alpha_f) * guess + of.alpha_f * a - of.alpha_m * mean) / (1.0 - of.alpha_m)
+        state.q[j] += h * state.v[j] + h * h * ((0.5 - of.beta) * mean + of.beta * new)
+        state.v[j] += h * ((1.0 - of.gamma) * mean + of.gamma * new)
+        state.a[j], state.a_mean[j] = guess, new
+
+
+@jit
+def renew(body: Any, state: Any, contact: bool, elastic: float, by: Array, w: Scratch) -> bool:
+    """Write the inverse of Newton's matrix for the state just evaluated; by: dv/dq, da/dq."""
+    if contact:
+        levers(body.angle, w)
+    derivatives(body, by[0], by[1], w)
+    return invert(assemble(body, elastic, state.x[0], contact, w), w)
+
+
+@jit
+def correct(state: Any, contact: bool, by: Array, w: Scratch) -> float:
+    """Make one iteration's step; return the largest change of a coefficient."""
+    size = len(state.q)
+    order = size + 1 if contact else size
+    along, largest = w.step[size], 0.0
+    for i in range(order):
+        total = 0.0
+        for j in range(order):
+            total += w.inverse[i, j] * w.rhs[j]
+        w.step[i] = total
+    for j in range(size):
+        change = w.step[j]
+        largest = max(largest, abs(change))
+        along -= w.T[j] * change
+        state.q[j] += change
+        state.v[j] += by[0] * change
+        state.a[j] += by[1] * change
+        state.a_mean[j] += by[2] * change
+    if contact:
+        state.x[0] += w.step[size]
+        state.x[1] += along
+    return largest
+
+
+@jit
+def nearness(q: Array, wanted: float) -> float:
+    """Return the change of a coefficient below which an iteration may end."""
+    largest = 0.0
+    for j in range(len(q)):
+        largest = max(largest, abs(q[j]))
+    return max(wanted, ROUNDING * largest)
+
+
+@jit
+def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, int]:
+    """Move the state on through all steps; write it down.
+
+    Returns the steps that were made, and 0, SLIPPED or FAILED.
+    """
+    size, contact = len(state.q), given.contact
+    w, factors = new_work(len(body.mass), size), np.zeros((len(body.shares), 3))
+    former, by, x_rate = state.a.copy(), np.zeros(3), np.zeros(2)
+    h_old, age, rate, stiff = 0.0, 0, 0.0, 1.0
+    track.q[0], track.v[0], track.x[0] = state.q, state.v, state.x
+    for n in range(len(given.step_s)):
+        h = given.step_s[n]
+        if abs(h - h_old) > 1e-9 * h:
+            h_old, age = h, of.keep
+            stiff = relax(h, body, factors)
+            by[0] = of.gamma / (h * of.beta)
+            by[1] = (1.0 - of.alpha_m) / (h * h * of.beta * (1.0 - of.alpha_f))
+            by[2] = 1.0 / (h * h * of.beta)
+            former[:] = state.a
+            x_rate[:] = 0.0
+        remember(body, state, factors, w)
+        predict(state, h, of, former)
+        state.x[0] += x_rate[0]
+        state.x[1] += x_rate[1]
+        near, before, done = nearness(state.q, of.tolerance * h * h), 0.0, False
+        for k in range(of.most):
+            evaluate(
+                body=body, state=state, moment=given.moment[n + 1], clamp=given.clamp[n + 1],
+                place=given.place[n + 1], contact=contact, stiff=stiff, w=w,
+            )  # fmt: skip
+            if age >= of.keep or k >= 4:
+                if not renew(body, state, contact, stiff + body.viscous_s * by[0], by, w):
+                    return n, FAILED
+                age, rate = 0, 0.0
+            if contact:
+                for j in range(size):
+                    w.rhs[j] -= state.x[0] * w.step[size] * w.slide[j]
+            largest = correct(state, contact, by, w)
+            if not largest < 1e9:  # nor where it is not a number
+                return n, FAILED
+            if contact and not 0.0 < state.x[1] <= body.reach_m:
+                return n, SLIPPED
+            if k > 0:
+                rate = min(max(largest / before, rate, LEAST_RATE), 1.0)
+            before = largest
+            if (rate if rate > 0.0 else 1.0) * largest < near:
+                done = True
+                break
+        if not done:
+            return n, FAILED
+        age += 1
+        x_rate[:] = state.x - track.x[n]
+        relaxed(body, state, factors)
+        track.q[n + 1], track.v[n + 1], track.x[n + 1] = state.q, state.v, state.x
+    return len(given.step_s), 0
