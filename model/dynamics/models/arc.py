@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.dynamics.models.small_deflection import PLACES, mean_rest_curvature
 from model.dynamics.models.contract import DrivenSheet
+from model.dynamics.models.small_deflection import PLACES, mean_rest_curvature
 from model.measurements import FloatArray, ModelError
 
 

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.dynamics.models.arc import arc_curves, arc_tip_m
+from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import held_states
 from model.dynamics.models.small_deflection import SmallDeflection, mean_rest_curvature
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -67,7 +67,7 @@ def _parameters(model: PublishedModel) -> Iterator[str]:
 
 
 def _responses(model: PublishedModel) -> Iterator[str]:
-    """It predicts what it says, of the right shape, finite, and twice the same."""
+    """Check that it predicts what it says, of the right shape, finite, and twice the same."""
     for run, where in ((example_run(0.01), "in contact"), (example_run(None), "free")):
         before = run.time_s.copy(), run.drive_V.copy(), run.frames.copy()
         response, again = (model.simulate(model.start(), run) for _ in range(2))

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.dynamics.models.small_deflection import PLACES, rest_curvature
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
+from model.dynamics.models.small_deflection import PLACES, rest_curvature
 from model.measurements import FloatArray, ModelError
 from model.mechanics.equilibrium import SolverStatus, problems, solve
 from model.mechanics.field import Field

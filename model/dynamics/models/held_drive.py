@@ -10,7 +10,7 @@ WELL_CONDITIONED = 1e8  # of the matrix of eigenvectors
 
 
 def held_states(A: FloatArray, B: FloatArray, time_s: FloatArray, drive: FloatArray) -> FloatArray:
-    """Return x (n, states) of x' = A x + B u from rest; u (n,) is held from its time to the next."""
+    """Return x (n, states) of x' = A x + B u from rest; each u (n,) is held until the next."""
     steps = np.diff(time_s)
     if np.ptp(steps) <= 1e-6 * steps[0]:
         rates, modes = np.linalg.eig(A)

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import lag
 from model.dynamics.models.small_deflection import SmallDeflection
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 
 
 @dataclass(frozen=True, kw_only=True)

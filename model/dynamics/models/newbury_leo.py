@@ -16,9 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import held_states
 from model.dynamics.models.small_deflection import SmallDeflection
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.measurements import FloatArray
 
 

@@ -18,8 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.dynamics.line import ElectrodeLine, LineModes
-from model.dynamics.models.small_deflection import PLACES, rest_curvature
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
+from model.dynamics.models.small_deflection import PLACES, rest_curvature
 from model.measurements import FloatArray
 
 TERMS = 8  # Legendre polynomials of the line

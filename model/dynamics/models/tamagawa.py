@@ -17,9 +17,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.dynamics.models.arc import arc_curves, arc_tip_m, contact_arc
+from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import lag
 from model.dynamics.models.small_deflection import mean_rest_curvature
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import held_states
 from model.dynamics.models.small_deflection import PLACES, SmallDeflection
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.measurements import FloatArray
 
 ROOTS = np.array([1.8751040687119612, 4.694091132974175, 7.854757438237613, 10.995540734875467])

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.dynamics.models.chain import Chain, ChainContact, chain_of
-from model.dynamics.models.held_drive import lag
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
+from model.dynamics.models.held_drive import lag
 from model.measurements import FloatArray
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from model.dynamics.models import DrivenSheet, Response, model, models, origins
-from model.dynamics.models.held_drive import held_states, lag
-from model.dynamics.models.small_deflection import SmallDeflection
 from model.dynamics.models.conformance import SHEET, example_run, faults
 from model.dynamics.models.gonzalez import chord_m
+from model.dynamics.models.held_drive import held_states, lag
+from model.dynamics.models.small_deflection import SmallDeflection
 from model.measurements import ModelError
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
