@@ -72,7 +72,7 @@ class BareSheet:
         )
         return Chain(sheet, h)
 
-    def _at_rest(self, stiff: float) -> march.MotionState:
+    def _at_rest(self, stiff: float) -> march.ChainState:
         found = self._equilibrium()
         n, row, contact = self.links.spring_Nm.size - 1, np.zeros(march.COLUMNS), np.zeros(3)
         phi = np.concatenate(([0.0], found.phi_rad[1 : n + 1]))
@@ -82,7 +82,7 @@ class BareSheet:
             contact[:] = found.s_m, B * found.normal_per_m2, found.s_m
             row[[march.S, march.ANGLE, march.HELD]] = found.s_m, found.angle_rad, 1.0
             row[march.FORCE] = B * found.along_per_m2
-        return march.MotionState(
+        return march.ChainState(
             phi=np.array([phi, phi, phi]),
             lag=np.broadcast_to(strain, (2, self.links.share.size, n + 1)).copy(),
             U=np.zeros(n),

@@ -52,7 +52,7 @@ class Course(NamedTuple):
     clamp_rad: Floats  # and the clamp's direction
 
 
-class MotionState(NamedTuple):
+class ChainState(NamedTuple):
     """All that the next step depends on; changed in place."""
 
     phi: Floats  # (3, n + 1): before, now, next
@@ -101,7 +101,7 @@ def _moments(law: Law, share: float, U: Floats, moment: Floats) -> None:
 
 
 @brief_jit
-def _disturbed(state: MotionState, course: Course, k: int) -> bool:
+def _disturbed(state: ChainState, course: Course, k: int) -> bool:
     """Whether anything outside has changed since it last did; remember it."""
     now = (
         course.drive_V[k], course.share[k], course.stiff[k],
@@ -117,7 +117,7 @@ def _disturbed(state: MotionState, course: Course, k: int) -> bool:
 
 
 @brief_jit
-def _still(state: MotionState) -> bool:
+def _still(state: ChainState) -> bool:
     for i in range(state.phi.shape[1]):
         if abs(state.phi[2, i] - state.phi[1, i]) > _STILL_RAD:
             return False
@@ -131,7 +131,7 @@ def _still(state: MotionState) -> bool:
 
 @brief_jit
 def _move(
-    links: Links, law: Law, dt: float, course: Course, k: int, end_m: float, state: MotionState,
+    links: Links, law: Law, dt: float, course: Course, k: int, end_m: float, state: ChainState,
     moment: Floats, space: Room,
 ) -> int:  # fmt: skip
     """Step the chain; a sheet that cannot be held any longer slips out of the rolls."""
@@ -158,7 +158,7 @@ def _move(
 @brief_jit
 def march(
     links: Links, line: Ladder, law: Law, omega: float, damping: float, dt: float, end_m: float,
-    course: Course, state: MotionState, space: Room, rows: Floats, shapes: Floats,
+    course: Course, state: ChainState, space: Room, rows: Floats, shapes: Floats,
 ) -> int:  # fmt: skip
     """Fill `rows` (m, COLUMNS) and `shapes` (m, n + 1); return how many could be made."""
     row, contact = state.row, state.contact

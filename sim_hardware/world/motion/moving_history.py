@@ -183,7 +183,7 @@ class MovingHistory:
         self._watcher(times[1:], drive_V, moved[:, march.FORCE])
 
     def _march(
-        self, sheet: MovingSheet, course: march.Course, state: march.MotionState
+        self, sheet: MovingSheet, course: march.Course, state: march.ChainState
     ) -> tuple[FloatArray, FloatArray]:
         """Return rows and shapes of as many steps as can be made."""
         count, cell = course.drive_V.size, self._settings.load_cell
@@ -257,7 +257,7 @@ class MovingHistory:
         self._from[_TURNED] = stage.first_turned(np.append(reach, 0.0))[:2]
         self._put(self._from)
 
-    def _at_rest(self, stage: Stage, sheet: MovingSheet, U: FloatArray) -> march.MotionState:
+    def _at_rest(self, stage: Stage, sheet: MovingSheet, U: FloatArray) -> march.ChainState:
         slow = self._from[None, _SLOW]
         self._clamp_before = sheet.chain.sheet.clamp_rad
         stiff = float(stage.stiffening(slow[:, _DRY_S])[0])

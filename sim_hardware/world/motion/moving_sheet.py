@@ -22,8 +22,8 @@ from sim_hardware.world.motion.march import (
     FORCE,
     HELD,
     SINK,
+    ChainState,
     Law,
-    MotionState,
     S,
 )
 from sim_hardware.world.setup import MILLI, MountedSheet
@@ -182,7 +182,7 @@ class MovingSheet:
 
     def at_rest(
         self, U: FloatArray, share: float, stiff: float, *, beside_N: float, held_N: float
-    ) -> MotionState:
+    ) -> ChainState:
         """Return the state in which nothing moves and all has relaxed.
 
         A sheet that the rolls cannot hold is free. `stiff`: B over that of a wet sheet;
@@ -203,7 +203,7 @@ class MovingSheet:
             row[FORCE] = B * float(self.setup.along_axis(along)[0]) + held_N
         row[FORCE] += beside_N
         row[CELL] = row[FORCE]
-        return MotionState(
+        return ChainState(
             phi=np.array([phi, phi, phi]),
             lag=lag,
             U=U.copy(),
