@@ -117,6 +117,7 @@ class TimeSeries:
     current_A: FloatArray | None = None
     mounting: int = 0
     run: int = 0  # as of the conditions
+    extra: str = ""  # of the protocol whose run it is, such as release; empty: a measurement
 
 
 @dataclass(frozen=True, kw_only=True)

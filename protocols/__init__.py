@@ -10,12 +10,14 @@ from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import FinishReason, RunState, Status
 from protocols.execution.stop import StopLevel, StopRequest
+from protocols.extras.contract import Extra
 from protocols.kinds.contract import ProtocolKind
 from protocols.planning.description import (
     PlanRow,
     ScheduleDescription,
     Timeline,
     describe,
+    free_shapes_in_words,
     timeline,
 )
 from protocols.planning.encoding import (
@@ -26,6 +28,7 @@ from protocols.planning.encoding import (
 )
 from protocols.planning.limits import SafetyLimits, check_schedule, time_under_voltage_s
 from protocols.planning.schedule import (
+    PlannedMove,
     PlannedReading,
     PlannedRun,
     Purpose,
@@ -39,12 +42,14 @@ __all__ = [
     "Channel",
     "Devices",
     "EventBus",
+    "Extra",
     "Extras",
     "FinishReason",
     "Lateness",
     "LoopTiming",
     "Place",
     "PlanRow",
+    "PlannedMove",
     "PlannedReading",
     "PlannedRun",
     "ProtocolKind",
@@ -66,6 +71,7 @@ __all__ = [
     "VoltageStep",
     "check_schedule",
     "describe",
+    "free_shapes_in_words",
     "lateness_of",
     "lateness_s",
     "make_schedule",

@@ -3,7 +3,8 @@
 Nothing is lost: numbers that JSON does not have are written as null (NaN) or as a text
 ("Infinity"), and a float field reads them back. Reading is strict: a value of another type is
 refused, and so is a missing key of a field without a default. An unknown key is refused, too,
-unless `lenient`: so an older program reads what a newer one has added to.
+unless `lenient`: so an older program reads what a newer one has added to. A field declared with
+the metadata `OMITTED_AS_DEFAULT` is written only where it differs from its default.
 
 Known types: dataclasses, enumerations, Literal, tuples, lists, mappings, arrays of floats, unions,
 float, int, bool, str, None and Any. A class with `to_dict` and `from_dict` writes and reads itself.
@@ -25,6 +26,7 @@ from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_
 import numpy as np
 
 Made = TypeVar("Made")
+OMITTED_AS_DEFAULT: Mapping[str, Any] = {"omitted_as_default": True}
 _INFINITIES = {"Infinity": math.inf, "-Infinity": -math.inf}
 
 
@@ -39,7 +41,11 @@ def to_plain(value: Any) -> Any:
     if hasattr(value, "to_dict"):
         return to_plain(value.to_dict())
     if is_dataclass(value) and not isinstance(value, type):
-        return {field.name: to_plain(getattr(value, field.name)) for field in fields(value)}
+        return {
+            field.name: to_plain(getattr(value, field.name))
+            for field in fields(value)
+            if not _is_omitted(field, getattr(value, field.name))
+        }
     if isinstance(value, Mapping):
         return {str(key): to_plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -58,6 +64,10 @@ def from_plain(kind: type[Made], plain: Any, where: str = "", *, lenient: bool =
     """
     made: Made = _Reader(lenient).read(kind, plain, where or kind.__name__)
     return made
+
+
+def _is_omitted(field: Field[Any], value: Any) -> bool:
+    return bool(field.metadata.get("omitted_as_default")) and bool(value == field.default)
 
 
 def _plain_number(value: float) -> float | str | None:

@@ -35,6 +35,7 @@ PLUGIN_FOLDERS = {
     "drivers/force_sensors",
     "drivers/boards",
     "protocols/kinds",
+    "protocols/extras",
     "model/effects",
     "model/locations",
     "model/discrepancy/criticism/kinds",

@@ -53,13 +53,16 @@ def imports(name: str) -> list[str]:
     return result
 
 
+OFFERED = "benchmarks.worlds.contract", "benchmarks.worlds.session"
+
+
 def _allowed(module: str, name: str) -> bool:
     first = module.split(".", maxsplit=1)[0]
     if first == "model":
         return module.startswith("model.measurements.") or module == "model.measurements"
     own = f"benchmarks.worlds.generators._{name}_", f"benchmarks.worlds.generators.{name}"
     if first == "benchmarks":
-        return module.startswith("benchmarks.worlds.contract") or module.startswith(own)
+        return module.startswith((*OFFERED, *own))
     return first not in ("sim_hardware", "labrig", "drivers", "protocols", "tests")
 
 

@@ -45,6 +45,7 @@ def time_series(
         current_A=None if current_A is None else current_A[whole],
         mounting=run.planned.mounting,
         run=turn,
+        extra=run.planned.extra,
     )
 
 

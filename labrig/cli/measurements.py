@@ -35,8 +35,10 @@ def of_sessions_or_tables(
         raise BadInputError("give either a session or CSV tables, not both.")
     if sessions:
         return of_sessions(sessions)
-    if sheet is None or forces is None:
-        raise BadInputError("give a session, or CSV tables with --sheet and --forces.")
+    if sheet is None or (forces is None and curves is None):
+        raise BadInputError(
+            "give a session, or CSV tables with --sheet and --forces, --curves or both."
+        )
     from labrig.config import load_sheet
     from labrig.session import read_tables
 

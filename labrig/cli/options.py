@@ -35,6 +35,13 @@ SheetFile = Annotated[
 ForcesFile = Annotated[Path | None, typer.Option(help="forces.csv")]
 CurvesFile = Annotated[Path | None, typer.Option(help="curves.csv")]
 SignalsFile = Annotated[Path | None, typer.Option(help="signals.csv")]
+Stiffness = Annotated[
+    float | None,
+    typer.Option(
+        "--stiffness-Nm2",
+        help="B of sheets that no force was measured of; shapes alone determine EIBM/B only",
+    ),
+]
 KnownModel = Annotated[
     Path | None, typer.Option("--model", help="a model file whose effects are known")
 ]

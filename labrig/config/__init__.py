@@ -3,11 +3,12 @@
 from labrig.config.about import About, load_about, parse_about, recorded_about
 from labrig.config.base import parse_json, parse_toml, read_text
 from labrig.config.load_cell import load_load_cell, parse_load_cell, recorded_calibration
-from labrig.config.protocol import PROTOCOLS, ProtocolConfig, load_protocol, parse_protocol
+from labrig.config.protocol import EXTRAS, PROTOCOLS, ProtocolConfig, load_protocol, parse_protocol
 from labrig.config.rig import ReplayConfig, RigConfig, load_output, load_rig, parse_rig
 from labrig.config.sheet import load_sheet, parse_sheet
 
 __all__ = [
+    "EXTRAS",
     "PROTOCOLS",
     "About",
     "ProtocolConfig",

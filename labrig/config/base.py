@@ -8,6 +8,7 @@ import json
 import reprlib
 import stat
 import tomllib
+from collections.abc import Callable, Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
@@ -129,11 +130,23 @@ def validate(model: type[Model], data: dict[str, Any], name: str) -> Model:
 def _sentences(model: type[BaseModel], error: ValidationError, name: str) -> list[str]:
     """One for each key; the alternatives of a key that may be of several types go into one."""
     faults: dict[str, list[Any]] = {}
-    for fault in error.errors():
+    for fault in filter(_told_for_tables(error.errors()), error.errors()):
         faults.setdefault(_where(fault["loc"]), []).append(fault)
     told = [f"{name}: {_sentence(model, where, faults[where])}." for where in list(faults)[:_MOST]]
     if len(faults) > _MOST:
         told.append(f"{name}: {len(faults) - _MOST} more keys are wrong.")
+    return told
+
+
+def _told_for_tables(faults: Sequence[Any]) -> Callable[[Any], bool]:
+    """Return a filter: of a key that is `true` or a table, a table is told only what is in it."""
+
+    def told(fault: Any) -> bool:
+        key = fault["loc"][:-1]
+        of_table = [one for one in faults if one["loc"][: len(key)] == key]
+        is_table = fault["type"] == "bool_type" and isinstance(fault["input"], dict)
+        return not is_table or len(of_table) == 1
+
     return told
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -10,9 +12,10 @@ from pydantic import Field, create_model, field_validator, model_validator
 
 from drivers.plugins import PluginFolder
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
-from labrig.config.derived import model_of
+from labrig.config.derived import SettingsModel, model_of
 from labrig.errors import BadInputError
-from protocols import Extras, Place, ProtocolKind, Schedule, ScheduleError, make_schedule
+from protocols import Extra, Extras, Place, ProtocolKind, Schedule, ScheduleError, make_schedule
+from protocols.extras.conformance import faults as extra_faults
 from protocols.kinds.conformance import faults
 
 # The kinds of protocol: files of `protocols/kinds`, and those of other distributions.
@@ -25,12 +28,22 @@ PROTOCOLS: PluginFolder[type[ProtocolKind]] = PluginFolder(
 )
 
 
+# The extras with runs of their own: files of `protocols.extras`, and those of other distributions.
+EXTRAS: PluginFolder[type[Extra]] = PluginFolder(
+    what="extra",
+    package="protocols.extras",
+    constant="EXTRA",
+    group="labrig.extras",
+    faults=extra_faults,
+)
+
+
 class PlaceConfig(ClosedModel):
     """One configuration of the sheet and the positions at which it is measured."""
 
     configuration: str
     positions_mm: list[float] = Field(
-        max_length=1000, description="empty: only the free shapes of extras"
+        max_length=1000, description="empty: only extras without the load cell"
     )
 
 
@@ -44,14 +57,14 @@ class CameraUse(ClosedModel):
 class ExtrasConfig(ClosedModel):
     """Minutes at the rig that decide what can be known afterwards; mode "paper" has none of them.
 
-    In mode "default" those that cost under a minute each are on unless they are switched off.
+    In mode "default" those that cost under a minute each are on unless they are switched off. The
+    keys of `protocols.extras`, such as `free_shapes` and `release`, are added by `protocol_model`.
     """
 
     mode: Literal["default", "paper"] = "default"
     random_order: bool | None = Field(None, description="of the positions; the order is recorded")
     random_order_seed: int = Field(1, ge=0)
     no_touch_zero: bool | None = Field(None, description="the load cell's zero at each position")
-    free_shapes: bool | None = Field(None, description="the sheet's shapes without the load cell")
     reversed_approach: bool | None = Field(None, description="one position from the other side")
     approach: Literal["up", "down"] = Field(
         "up",
@@ -75,8 +88,8 @@ class ExtrasConfig(ClosedModel):
     def _paper_mode_has_none(self) -> ExtrasConfig:
         asked = [
             key
-            for key in ("random_order", "no_touch_zero", "free_shapes", "reversed_approach")
-            if getattr(self, key)
+            for key in ("random_order", "no_touch_zero", *EXTRAS.parts(), "reversed_approach")
+            if getattr(self, key, None)
         ]
         asked += [key for key in ("remounts", "dead_weights_mN") if getattr(self, key)]
         asked += ["approach"] * (self.approach != "up") + ["tilt_deg"] * (self.tilt_deg != 0.0)
@@ -95,12 +108,28 @@ class ExtrasConfig(ClosedModel):
             random_order_seed=self.random_order_seed if on(self.random_order) else None,
             remounts=self.remounts,
             no_touch_zero=on(self.no_touch_zero),
-            free_shapes=on(self.free_shapes),
+            added=tuple(self._added(default=default)),
             reversed_approach=on(self.reversed_approach),
             approach=self.approach,
             turned_over=self.tilt_deg == 180.0,
             dead_weights_N=tuple(load / 1000 for load in self.dead_weights_mN),
         )
+
+    def _added(self, *, default: bool) -> Iterator[Extra]:
+        for name, part in EXTRAS.parts().items():
+            asked = getattr(self, name, None)
+            if isinstance(asked, SettingsModel):
+                yield asked.settings()
+            elif asked or (asked is None and default and part.part.by_default):
+                yield part.part()
+
+
+class AnalysisConfig(ClosedModel):
+    """What is to be made of the session afterwards; the plan says what that needs."""
+
+    dynamic: bool = Field(
+        default=False, description="the sheet is to be identified in time: mass, loss, electrodes"
+    )
 
 
 class RulesConfig(ClosedModel):
@@ -122,6 +151,7 @@ class ProtocolConfig(ClosedModel):
     camera: CameraUse = CameraUse()
     extras: ExtrasConfig = ExtrasConfig()
     rules: RulesConfig = RulesConfig()
+    analysis: AnalysisConfig = AnalysisConfig()
 
     @model_validator(mode="after")
     def _one_kind(self) -> ProtocolConfig:
@@ -158,17 +188,35 @@ class ProtocolConfig(ClosedModel):
 
 
 def protocol_model() -> type[ProtocolConfig]:
-    """Return the model of protocol.toml with a table for each kind of protocol there is now."""
-    return _model_of(tuple((name, part.part) for name, part in PROTOCOLS.parts().items()))
+    """Return the model of protocol.toml with the kinds of protocol and extras there are now."""
+    return _model_of(
+        tuple((name, part.part) for name, part in PROTOCOLS.parts().items()),
+        tuple((name, part.part) for name, part in EXTRAS.parts().items()),
+    )
+
+
+Named = tuple[tuple[str, type], ...]
 
 
 @lru_cache(maxsize=8)
-def _model_of(kinds: tuple[tuple[str, type[ProtocolKind]], ...]) -> type[ProtocolConfig]:
+def _model_of(kinds: Named, extras: Named) -> type[ProtocolConfig]:
     tables: dict[str, Any] = {name: (model_of(kind) | None, None) for name, kind in kinds}
+    keys: dict[str, Any] = {
+        name: (bool | model_of(extra) | None, _key_of(extra)) for name, extra in extras
+    }
+    added = create_model(
+        "ExtrasConfig", __base__=ExtrasConfig, __doc__=ExtrasConfig.__doc__, **keys
+    )
+    tables["extras"] = (added, added())
     made: type[ProtocolConfig] = create_model(
         "ProtocolConfig", __base__=ProtocolConfig, __doc__=ProtocolConfig.__doc__, **tables
     )
     return made
+
+
+def _key_of(extra: type[Extra]) -> Any:
+    """Return the key of an extra in [extras], described by the first line of its docstring."""
+    return Field(None, description=inspect.cleandoc(extra.__doc__ or "").split("\n")[0])
 
 
 def _place(place: PlaceConfig) -> Place:

@@ -15,10 +15,12 @@ from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import template_path
 from labrig.errors import NotReadyError
+from labrig.experiment.next_measurement.dynamic_needs import not_determined
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import DRIVE, Rig, opened
 from labrig.plausibility import calibration_age
+from protocols import time_under_voltage_s
 
 _QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
 _LISTEN_S = 0.5
@@ -61,7 +63,7 @@ def _beside(rig: Path, name: str) -> Path:
 
 def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
     """Open the rig, check everything, close it. `folder` is where the session would go."""
-    checks = [*calibrations(plan), _names(plan), disk_space([plan], folder)]
+    checks = [*calibrations(plan), _names(plan), *_schedule(plan), disk_space([plan], folder)]
     try:
         with opened(rig):
             checks += open_rig_checks(rig, plan)
@@ -103,7 +105,8 @@ def estimated_size(plan: Plan, frame_bytes: int) -> int:
     samples = len(inputs_of(plan.rig)) * 8 * seconds * plan.rig.boards.sample_rate_hz
     readings = sum(len(run.readings) for run in plan.schedule.runs)
     every = plan.protocol.camera.keep_all_frames
-    frames = seconds * plan.schedule.frame_rate_hz if every else readings
+    filmed_s = sum(run.duration_s for run in plan.schedule.runs if every or run.keep_all_frames)
+    frames = readings + filmed_s * plan.schedule.frame_rate_hz
     return math.ceil(samples + frames * frame_bytes) + 1_000_000
 
 
@@ -117,6 +120,25 @@ def _names(plan: Plan) -> Check:
         f"sample {sample.identity if sample else 'not stated'}",
         wanted="any (about.toml)",
     )
+
+
+def _schedule(plan: Plan) -> Iterator[Check]:
+    """Yield how long the sheet is under voltage, and what a dynamic fit would not know."""
+    under_s = [time_under_voltage_s(run) for run in plan.schedule.runs]
+    yield Check(
+        name="time under voltage",
+        ok=True,
+        found=f"{sum(under_s):.1f} s in all, up to {max(under_s):.1f} s in one run",
+        wanted=f"at most {plan.rig.limits.time_under_voltage_s:g} s in one run",
+    )
+    for text in not_determined(plan.protocol, plan.schedule, plan.rig):
+        yield Check(
+            name="dynamic fit",
+            ok=True,
+            found=text,
+            wanted="a protocol that determines what is asked",
+            warning=True,
+        )
 
 
 def disk_space(plans: Sequence[Plan], folder: Path) -> Check:

@@ -8,6 +8,7 @@ gives every frame at its recorded time after the run's first sample.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,17 +20,20 @@ from drivers.interfaces import Clock, Prompt
 from labrig.config import RigConfig, parse_rig
 from labrig.config.derived import SIMULATED
 from labrig.config.load_cell import FORCE_UNIT
+from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import FORCE, Rig
 from labrig.experiment.rig.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
+from labrig.session.reading.moves import moves_of
 from protocols.execution.events import Event, RunStarted, RunStopped
 from protocols.execution.operator import REPEAT
 
 FloatArray = npt.NDArray[np.float64]
 _BETWEEN_S = 0.3  # the camera gives a blank frame when no recorded frame is near
+_LOOK_S = 0.01  # so often it looks whether a run has begun meanwhile
 _NEAR_S = 0.4
 _FURTHER = 3  # the first input of the default family's board that is not one of its own three
 _NEEDED = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml")
@@ -50,7 +54,13 @@ def replay_plan(session: RecordedSession) -> Plan:
         raise BadInputError(
             f"{session.path}: no run of it was ever begun; nothing can be replayed."
         )
-    return make_plan(on_simulated_boards(rig), session.texts)
+    if CONTROLLER in session.texts:
+        raise BadInputError(
+            f"{session.path}: a controller has set its voltage, which nobody can do again with "
+            "recorded forces; it is shown and exported, but not replayed."
+        )
+    plan = make_plan(on_simulated_boards(rig), session.texts)
+    return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise
 
 
 def on_simulated_boards(rig: RigConfig) -> RigConfig:
@@ -89,7 +99,7 @@ def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
         output=sheet_drive(plan.rig, boards),
         signals=boards.signal_input(inputs),
         camera=camera,
-        stage=_RecordedStage(),
+        stage=_RecordedStage(director, clock),
         operator=_Done(session),
         calibration=plan.calibration,
         interlock=None,
@@ -148,6 +158,13 @@ class Director:
         elif isinstance(event, RunStopped):
             self.run, self._samples, self.frame_due_s = None, {}, np.empty(0)
 
+    def move_s(self) -> float:
+        """Return how long the load cell was moved during the run that is on, s; 0: not known."""
+        if self.run is None:
+            return 0.0
+        at_s = [event.time_s for event in moves_of(self.session, self.run)]
+        return at_s[1] - at_s[0] if len(at_s) == 2 else 0.0
+
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
         """Ignore the write: a recording stays as it is (see `sim_hardware.simulated_rig.Bench`)."""
 
@@ -190,16 +207,21 @@ class RecordedCapture:
 
     def grab(self) -> bool:
         """Wait for the next recorded frame."""
-        now_s = self._clock.now()
-        due_s = self._director.frame_due_s
-        row = int(np.searchsorted(due_s, max(now_s, self._last_s), side="right"))
-        if row == len(due_s) or due_s[row] > now_s + _NEAR_S:
-            self._row = None
-            self._clock.sleep_until(now_s + _BETWEEN_S)
-        else:
-            self._row, self._last_s = row, float(due_s[row])
+        until_s = self._clock.now() + _BETWEEN_S
+        self._row = self._next_row()
+        while self._row is None and self._clock.now() < until_s:
+            self._clock.sleep_until(min(self._clock.now() + _LOOK_S, until_s))
+            self._row = self._next_row()
+        if self._row is not None:
+            self._last_s = float(self._director.frame_due_s[self._row])
             self._clock.sleep_until(self._last_s)
         return True
+
+    def _next_row(self) -> int | None:
+        """Return the row of the next frame; None when none is near."""
+        now_s, due_s = self._clock.now(), self._director.frame_due_s
+        row = int(np.searchsorted(due_s, max(now_s, self._last_s), side="right"))
+        return None if row == len(due_s) or due_s[row] > now_s + _NEAR_S else row
 
     def retrieve(self) -> tuple[bool, npt.NDArray[Any]]:
         """Return the frame that `grab` waited for."""
@@ -216,13 +238,19 @@ class RecordedCapture:
 
 
 class _RecordedStage:
-    """Where the load cell was is in the recording."""
+    """Where the load cell was is in the recording; a move during a run takes as long as then."""
+
+    def __init__(self, director: Director, clock: Clock) -> None:
+        self._director = director
+        self._clock = clock
 
     def open(self) -> None:
         """Nothing is to be taken."""
 
     def move_to(self, position_m: float) -> bool:  # noqa: ARG002
         """Return True: it was there."""
+        if self._director.run is not None:
+            self._clock.sleep_until(self._clock.now() + self._director.move_s())
         return True
 
     def position(self) -> float | None:

@@ -8,7 +8,7 @@ at any moment costs no more than in an ordinary session.
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,21 +19,30 @@ from drivers.interfaces import Frame, SignalBlock, VoltageWrite
 from labrig.config import RigConfig, parse_rig
 from labrig.config.about import FILE as ABOUT
 from labrig.config.derived import SIMULATED
+from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.rig import Rig
 from labrig.session import RecordedSession, RunRecord
+from labrig.session.reading.moves import moves_of
 from protocols.execution import events as ev
 
 _BLOCK = 10_000  # samples in one event
+_FRAMES = 32  # frames in one event, of those that go with no reading
+_FRAMES = 32  # the same
 
 
 def resumed_plan(session: RecordedSession) -> Plan:
-    """Return what was to be done, from the configuration that the session holds.
+    """Return what was to be done, from configuration and schedule that the session holds.
 
     A world that its rig.toml names is looked for beside the session. Its hooks are left out: a file
     that comes from elsewhere must not run commands here.
     """
+    if CONTROLLER in session.texts:
+        raise BadInputError(
+            f"{session.path}: a controlled session is not resumed; run it anew with its controller "
+            "and reference."
+        )
     rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
     if not isinstance(rig, RigConfig):
         raise BadInputError(f"{session.path}: was recorded from a replay; there is no rig.")
@@ -41,7 +50,8 @@ def resumed_plan(session: RecordedSession) -> Plan:
         world = session.path.parent / rig.simulated.world
         simulated = rig.simulated.model_copy(update={"world": world})
         rig = rig.model_copy(update={"simulated": simulated})
-    return make_plan(rig.model_copy(update={"hooks": None}), session.texts)
+    plan = make_plan(rig.model_copy(update={"hooks": None}), session.texts)
+    return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise
 
 
 def output_beside(session: Path) -> Path:
@@ -81,8 +91,9 @@ class Resumption:
         then = replace(self.session.schedule, repeats=plan.schedule.repeats)
         if plan.schedule != then:
             raise BadInputError(
-                f"{path}: this labrig makes another schedule of the same protocol; finish it with "
-                f"the version that began it ({self.session.versions.get('labrig', 'not known')})."
+                f"{path}: this labrig makes another schedule of the same protocol; leave the files "
+                "out to use the session's own, or finish it with the version that began it "
+                f"({self.session.versions.get('labrig', 'not known')})."
             )
 
     def check_rig(self, rig: Rig) -> None:
@@ -112,7 +123,8 @@ class Resumption:
         handle(ev.Resumed(began_s + shift_s, self.session.identifier, done))
         for run in self.session.runs:
             if run.completed:
-                for event in _events_of(run, shift_s):
+                moves = moves_of(self.session, run, shift_s)
+                for event in _events_of(run, shift_s, moves):
                     handle(event)
 
     def _shift_s(self, now_s: float) -> float:
@@ -136,7 +148,7 @@ def _on_virtual_clock(session: RecordedSession) -> bool:
     return any(isinstance(each, dict) and each.get("address") == SIMULATED for each in tables)
 
 
-def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
+def _events_of(run: RunRecord, shift_s: float, moves: Iterable[ev.Event]) -> Iterator[ev.Event]:
     """Yield the events of a complete run, in an order in which they might have come."""
     planned, counts = run.planned, run.counts
     zero_s = run.time_zero_s + shift_s
@@ -153,6 +165,7 @@ def _events_of(run: RunRecord, shift_s: float) -> Iterator[ev.Event]:
         since_wetting_s=run.since_wetting_s,
     )
     yield from _writes(run, shift_s)
+    yield from moves
     volts = np.stack([run.signal_V(name) for name in run.channels])
     for first in range(0, volts.shape[1], _BLOCK):
         block = SignalBlock(first, volts[:, first : first + _BLOCK].copy(), zero_s)
@@ -208,9 +221,9 @@ def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.Fr
             valid=bool(row["valid"]),
             why=str(row["why"]),
         )
-    rest = range(told, run.frame_count)
-    if rest:
-        yield ev.FramesArrived(zero_s, index, tuple(_frame(run, k, zero_s) for k in rest))
+    for first in range(told, run.frame_count, _FRAMES):
+        some = range(first, min(first + _FRAMES, run.frame_count))
+        yield ev.FramesArrived(zero_s, index, tuple(_frame(run, k, zero_s) for k in some))
 
 
 def _frame(run: RunRecord, row: int, zero_s: float) -> Frame:

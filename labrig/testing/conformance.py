@@ -31,6 +31,7 @@ from model.discrepancy.criticism.conformance import faults as verdict_check_faul
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
 from model.effects.conformance import faults as effect_faults
 from model.locations.conformance import faults as location_faults
+from protocols.extras.conformance import faults as extra_faults
 from protocols.kinds.conformance import faults as protocol_faults
 from sim_hardware.ni.boards import faults as simulated_board_faults
 from sim_hardware.serial_devices.contract import faults as simulated_serial_device_faults
@@ -45,6 +46,7 @@ __all__ = [
     "curve_faults",
     "data_check_faults",
     "effect_faults",
+    "extra_faults",
     "family_faults",
     "force_sensor_faults",
     "force_sensor_kind_faults",

@@ -40,6 +40,7 @@ from protocols import (
     StopRequest,
     make_schedule,
 )
+from protocols.execution.devices import MOVING
 from protocols.execution.events import Event
 from protocols.kinds.pulse_train import PulseTrain
 
@@ -60,8 +61,8 @@ def _require(holds: bool, what: str) -> None:
         raise AssertionError(what)
 
 
-# What safe shutdown does in threads of its own, so that a device that hangs holds up nothing.
-THREADS = frozenset({"writing 0 V", "reading the drive voltage back"})
+# What is done in threads of its own, so that a device that hangs or blocks holds up nothing.
+THREADS = frozenset({"writing 0 V", "reading the drive voltage back", MOVING})
 
 
 class FakeClock:

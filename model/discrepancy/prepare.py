@@ -12,7 +12,13 @@ from model.discrepancy.thresholds import (
     STIFFNESS_PRIOR_LN,
 )
 from model.discrepancy.verdict.result import Next
-from model.identification.base_model import BaseOptions, bases_of
+from model.identification.base_model import (
+    BaseOptions,
+    bases_of,
+    not_weighed,
+    usual_stiffness,
+    weighs,
+)
 from model.identification.data.data_vector import DataVector, look
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Bases
@@ -38,6 +44,7 @@ class Options:
     exclude: tuple[str, ...] = ()  # effects that are not to be considered
     model: SheetModel | None = None  # whose effects are taken as known
     most_effects: int = 3
+    stiffness_Nm2: float | None = None  # B of configurations without forces; None: a usual one
     promised: tuple[Next, ...] = ()  # proposals whose measurements the data hold
 
 
@@ -75,10 +82,11 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
     if not looks:
         raise ModelError("; ".join(dict.fromkeys(why)))
     notes += [f"left out: {sentence}" for sentence in why]
-    notes += _lacks(looks)
+    notes += _lacks(looks, options)
     known = [stated for _, stated in rests]
     forward = ForwardModel(looks, [rest for rest, _ in rests])
-    bases = bases_of(forward, known, BaseOptions(symmetric=options.symmetric))
+    base = BaseOptions(symmetric=options.symmetric, stiffness_Nm2=options.stiffness_Nm2)
+    bases = bases_of(forward, known, base)
     theta = start(observed, forward, bases, known)
     bases = _anchored(forward, bases, theta)
     if options.model is not None:
@@ -98,7 +106,7 @@ def _anchored(forward: ForwardModel, bases: Bases, theta: FloatArray) -> Bases:
     parts = []
     for scene, one in zip(forward.scenes, bases.parts, strict=True):
         near = {one.stiffness: (float(theta[one.stiffness]), STIFFNESS_PRIOR_LN)}
-        parts.append(replace(one, prior=one.prior | near) if scene.has_curve.any() else one)
+        parts.append(replace(one, prior=near | one.prior) if scene.has_curve.any() else one)
     return replace(bases, parts=tuple(parts))
 
 
@@ -120,7 +128,7 @@ def _check_curves(one: DataVector) -> None:
             )
 
 
-def _lacks(looks: list[DataVector]) -> list[str]:
+def _lacks(looks: list[DataVector], options: Options) -> list[str]:
     """Return messages about questions that these data cannot answer."""
     notes = []
     for one in looks:
@@ -134,7 +142,9 @@ def _lacks(looks: list[DataVector]) -> list[str]:
             notes.append(
                 f"'{name}' has no curves: where along the sheet something is missing cannot be seen"
             )
-        if 0.0 not in {s.voltage_V for s in seen}:
+        if not weighs(one):
+            notes.append(not_weighed(name, options.stiffness_Nm2 or usual_stiffness(one.sheet)))
+        elif 0.0 not in {s.voltage_V for s in seen}:
             notes.append(f"'{name}' was not measured at 0 V: B rests on the driven readings alone")
         if len(one.voltages_V) < 2:
             notes.append(

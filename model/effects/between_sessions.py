@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from model.effects.interface import Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
+LEAST_DIFFERENCE = 0.25  # of the largest value: less is one value of all sessions
 _NUMBER = re.compile(r"session_(\d+)")
 
 
@@ -31,6 +32,11 @@ class BetweenSessions(Effect):
         size, first = self.amplitude, 2 if self.from_first else 1
         others = (_of(size, number) for number in range(first + 1, count + 1))
         return replace(self, parameters=(size, *others))
+
+    def differs(self, sizes: Sequence[float]) -> bool:
+        """See `Effect.differs`: what is about the same in all sessions does not differ."""
+        apart, most = max(sizes) - min(sizes), max(map(abs, sizes))
+        return self.from_first or apart > LEAST_DIFFERENCE * most
 
     def change(self, session_number: FloatArray | float, p: Values) -> FloatArray:
         """Return the value in each session, of the shape of the numbers; of none: their mean."""

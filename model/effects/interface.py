@@ -119,6 +119,11 @@ class Effect:
         del count
         return self
 
+    def differs(self, sizes: Sequence[float]) -> bool:
+        """Return whether sizes found together are those of this effect, not of a simpler one."""
+        del sizes
+        return True
+
     @property
     def choices(self) -> tuple[EffectParameter, ...]:
         """Parameters that are chosen among the values tried and not estimated."""

@@ -11,15 +11,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from model.identification.data.data_vector import DataVector
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.drive_rise import RISE
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import BaseParameters, Bases
-from model.measurements import FloatArray, SheetGeometry
+from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import legendre_field
 
 FREE_REST_PER_M = 60.0  # prior width of k0's terms where sheet.toml does not state k0
 FORM_PER_M = 60.0  # and of a change of Me/B along the sheet
+# Where no force was measured the shapes know Me/B alone, and B is what somebody states, or that of
+# a usual material; it is not estimated.
+USUAL_MODULUS_PA = 1e8
+NOT_ESTIMATED_LN = 1e-6  # width of its prior
 MOST_TERMS = 6  # of a quantity along a sheet as long as the arc's radius
 
 
@@ -32,6 +37,12 @@ class BaseOptions:
     # prior width of each term of a change of the stated k0, where there are curves; 0: it is exact;
     # None: exact but for what lies between its nodes
     rest_sigma_per_m: float | None = None
+    stiffness_Nm2: float | None = None  # B of a configuration without forces; None: the usual one
+
+    def __post_init__(self) -> None:
+        B = self.stiffness_Nm2
+        if B is not None and not (np.isfinite(B) and B > 0.0):
+            raise ModelError(f"the stiffness B must be a positive number of N m^2, not {B:g}")
 
 
 def bases_of(forward: ForwardModel, known: Sequence[bool], options: BaseOptions) -> Bases:
@@ -53,6 +64,9 @@ def _part(
     forms = along_sheet(scene, terms(scene.sheet) if options.along and curves else 1)
     eibm: dict[float, tuple[int, float]] = {}
     prior: dict[int, tuple[float, float]] = {}
+    if not weighs(scene.look):
+        B = options.stiffness_Nm2 or usual_stiffness(scene.sheet)
+        prior[stiffness] = (float(np.log(B)), NOT_ESTIMATED_LN)
     own: dict[float, int] = {}
     for voltage in scene.look.voltages_V:
         key = abs(voltage) if options.symmetric else voltage
@@ -80,6 +94,24 @@ def _rest_rows(
     if sigma_per_m > 0.0 and curves:
         return along_sheet(scene, terms(scene.sheet)), (0.0, sigma_per_m)
     return none, (0.0, 1.0)
+
+
+def weighs(look: DataVector) -> bool:
+    """Return whether there is a force, without which B is not determined."""
+    return any(len(one.kept_N) for one in look.seen if not one.free)
+
+
+def not_weighed(name: str, B_Nm2: float) -> str:
+    """Return the sentence on what a configuration without forces leaves open."""
+    return (
+        f"'{name}' has no forces: B is not determined by these data, only EIBM/B is; forces and"
+        f" EIBM are stated for B = {1e6 * B_Nm2:.3g} µN·m²"
+    )
+
+
+def usual_stiffness(sheet: SheetGeometry) -> float:
+    """Return B of a sheet of the usual material, N m^2."""
+    return USUAL_MODULUS_PA * sheet.width_m * sheet.thickness_m**3 / 12.0
 
 
 def terms(sheet: SheetGeometry) -> int:

@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from model.identification.base_model import not_weighed, weighs
 from model.identification.data.outlier_readings import without_outliers
 from model.identification.joint import Joint, joint_fit
 from model.identification.observations import Observed, observe
@@ -39,6 +40,12 @@ class ConfigurationFit:
     rest_measured_per_m: FloatArray  # k0 at s_m as the shapes have it
     rmse: dict[Literal["constant", "varying"], Rmse]
     paper: PaperFit | None  # (7)-(9) condition by condition; None without curves
+    B_known: bool = True  # False: no force was measured, and B is as it was stated, not estimated
+
+    @property
+    def eibm_over_B(self) -> dict[float, Parameter]:
+        """The constant EIBM over B by voltage, 1/m: what shapes alone determine."""
+        return {v: p.scaled(1.0 / self.B.value, "1/m") for v, p in self.eibm.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -170,7 +177,7 @@ class _Part:
             eibm_along_Nm=self.along, rest_per_m=self.rest(self.s_m),
             rest_measured_per_m=self.measured,
             rmse={"constant": rmse(own, "constant"), "varying": rmse(own, "varying")},
-            paper=self.paper,
+            paper=self.paper, B_known=weighs(self.joint.forward.looks[self.n]),
         )  # fmt: skip
 
 
@@ -216,14 +223,16 @@ def _notes(
 ) -> tuple[str, ...]:
     notes = []
     for c in measurements.conditions:
-        if c.position_m is not None and c.configuration in parts and not c.used():
+        if c.position_m is not None and c.configuration in parts and c.readings and not c.used():
             why = "; ".join(sorted({r.why for r in c.readings if r.why})) or "no reading is valid"
             notes.append(
                 f"{c.configuration}, {c.position_m * 1e3:g} mm, {c.voltage_V:+g} V was left out:"
                 f" {why}"
             )
     for name, one in configurations.items():
-        if one.B.sigma > POOR * one.B.value:
+        if not one.B_known:
+            notes.append(not_weighed(name, one.B.value))
+        elif one.B.sigma > POOR * one.B.value:
             share = 100.0 * one.B.sigma / one.B.value
             notes.append(
                 f"B of '{name}' is hardly fixed by these data (±{share:.0f} %): only forces fix it,"
@@ -248,9 +257,14 @@ def _notes(
 
 
 def _to_json(one: ConfigurationFit) -> dict[str, Any]:
+    stiffness: dict[str, Any] = {"B_Nm2": one.B.to_json(), "E_Pa": one.E.to_json()}
+    if not one.B_known:
+        ratio = {str(float(v)): p.to_json() for v, p in one.eibm_over_B.items()}
+        stiffness = {
+            "B_Nm2": None, "E_Pa": None, "B_taken_Nm2": one.B.value, "EIBM_over_B_per_m": ratio
+        }  # fmt: skip
     return {
-        "B_Nm2": one.B.to_json(),
-        "E_Pa": one.E.to_json(),
+        **stiffness,
         "EIBM_Nm": {str(float(v)): p.to_json() for v, p in one.eibm.items()},
         "EIBM_along_sheet": {
             str(float(v)): {

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.identification.base_model import BaseOptions, bases_of
+from model.identification.base_model import BaseOptions, bases_of, weighs
 from model.identification.data.data_vector import look, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
@@ -81,8 +81,9 @@ class Joint:
         )
 
     def stiffness(self, n: int) -> Parameter:
-        """B of a configuration."""
-        return self.parameter(self._B(n), self._by_B(n), "N m^2")
+        """B of a configuration; as uncertain as it is large where nothing was weighed."""
+        found = self.parameter(self._B(n), self._by_B(n), "N m^2")
+        return found if weighs(self.forward.looks[n]) else replace(found, sigma=found.value)
 
     def constant_eibm(self, n: int, voltage_V: float) -> Parameter:
         """(9): mean of Me over [0, l_hat], averaged over the positions.
@@ -254,6 +255,7 @@ def joint_fit(
         symmetric=options.symmetric,
         along=options.eibm_form == "along",
         rest_sigma_per_m=options.initial_curvature_sigma_per_m,
+        stiffness_Nm2=options.stiffness_Nm2,
     )
     bases = bases_of(forward, known, base)
     problem = FitProblem.of(forward, bases, noise_of(forward, WIDE))

@@ -109,7 +109,7 @@ def _observation(condition: Condition, sheet: SheetGeometry) -> Observation | No
     where = f"{condition.configuration}, {_place(condition)}, {condition.voltage_V:+g} V"
     if condition.position_m is not None:
         _check_position(condition.position_m, sheet, where)
-        if not readings:
+        if not readings and (condition.readings or condition.curve is None):
             return None  # marked invalid: the curve of a stuck sheet is no equilibrium either
     elif condition.curve is None:
         return None

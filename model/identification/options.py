@@ -22,6 +22,8 @@ class FitOptions:
     initial_curvature_sigma_per_m: float = 1.0
     # conditions not used: (configuration, position) or (configuration, position, voltage)
     held_out: tuple[tuple[str, float] | tuple[str, float, float], ...] = ()
+    # B where no force was measured, which then stays as stated; None: that of a usual material
+    stiffness_Nm2: float | None = None
     bootstrap: int = 0  # simulated refits that check the intervals
     seed: int = 0  # of the bootstrap
 

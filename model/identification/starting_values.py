@@ -7,6 +7,7 @@ from contextlib import suppress
 
 import numpy as np
 
+from model.identification.base_model import weighs
 from model.identification.curve_smoothing import smooth
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.drive_rise import RISE
@@ -109,15 +110,23 @@ def _check_forces(observed: Observed, part: BaseParameters, *, stated: bool) -> 
     forces = sum(bool(np.isfinite(o.force_N)) for o in observed.touching())
     wanted = 1 + len({place for place, _ in part.eibm.values()}) + (0 if stated else 1)
     if forces == 0:
-        raise ModelError(
-            f"configuration '{name}' has no valid force: shapes fix only Me/B,"
-            " so B and the EIBM cannot be found"
-        )
-    if forces < wanted:
+        _check_shapes(observed)
+    elif forces < wanted:
         raise ModelError(
             f"configuration '{name}': {forces} condition(s) with a force cannot fix"
             f" {wanted} parameters (B, one EIBM for each driving voltage); measure more positions"
         )
+
+
+def _check_shapes(observed: Observed) -> None:
+    """Raise a `ModelError` where nothing was weighed and a voltage has no shape either."""
+    seen = {o.voltage_V for o in observed.observations if o.curve is not None}
+    for voltage in observed.voltages_V:
+        if voltage not in seen:
+            raise ModelError(
+                f"configuration '{observed.sheet.configuration}' has neither a valid force nor a"
+                f" curve at {voltage:+g} V, so nothing is known of the EIBM there"
+            )
 
 
 def _first_guess(
@@ -125,6 +134,9 @@ def _first_guess(
     stated: bool,
 ) -> None:  # fmt: skip
     """Set B, EIBM and an unknown k0. With curves (2) of each condition is linear in 1/B, Me/B."""
+    if not weighs(scene.look):
+        _from_shapes(theta, observed, scene, part)
+        return
     places = sorted({place for place, _ in part.eibm.values()})
     samples = _samples(observed, scene.rest)
     if len(samples) < 2 + len(places):
@@ -170,6 +182,15 @@ def _from_forces(
     if B <= 0.0:
         raise _wrong_sign(observed)
     theta[part.stiffness] = np.log(B)
+
+
+def _from_shapes(
+    theta: FloatArray, observed: Observed, scene: ConfigurationModel, part: BaseParameters
+) -> None:
+    """Set Me/B to how much more the shapes are bent than at rest; B is not to be found."""
+    at_rest_per_m = float(np.mean(scene.at_rest))
+    for voltage, (place, sign) in part.eibm.items():
+        theta[place] = sign * (_measured_curvature(observed, voltage) - at_rest_per_m)
 
 
 def _wrong_sign(observed: Observed) -> ModelError:

@@ -56,7 +56,7 @@ class LoadCell(Location):
 
     def _in_time(self, at: Linearised) -> Iterator[Basis]:
         session = at.clock.session
-        for j in range(1, WAVES_IN_SESSION + 1 if np.ptp(session) > 0.0 else 0):
+        for j in range(1, WAVES_IN_SESSION + 1 if len(session) and np.ptp(session) > 0.0 else 0):
             wave = cosine_wave(j, AMPLITUDE_MN)
             yield self._added(
                 at, wave, wave(session), part="zero, session", along="time",

@@ -70,7 +70,7 @@ class Time(Location):
         """See `Location.bases`."""
         for during, values in (("session", at.clock.session), ("run", at.clock.run_s)):
             t = np.clip(values / SPANS_S[during][0], 0.0, 1.0)
-            if np.ptp(t) > 0.0:
+            if len(t) and np.ptp(t) > 0.0:
                 for j in range(1, WAVES[during] + 1):
                     yield from self._slow(at, cosine_wave(j, AMPLITUDE), t, during)
         yield from self._train(at)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from drivers.interfaces import (
     Camera,
+    Clock,
     FloatArray,
     Operator,
     Positioner,
@@ -14,6 +15,10 @@ from drivers.interfaces import (
     VoltageOutput,
 )
 from protocols.execution.channels import Channel, ChannelRows
+
+MOVING = "moving the load cell"
+# A stage cannot be stopped: when a run is broken off, this long is waited for its move to end.
+PATIENCE_S = 5.0
 
 
 def nothing(volts: FloatArray) -> None:
@@ -42,3 +47,51 @@ class Devices:
     def rows(self) -> ChannelRows:
         """Return the channels in the order of the signals' rows. Raises DeviceError."""
         return ChannelRows.of(self.signals, self.channels)
+
+
+class StageMove:
+    """One move, in a thread of its own: `Positioner.move_to` blocks, and samples must be read.
+
+    It begins when it is created.
+    """
+
+    def __init__(self, stage: Positioner, clock: Clock, position_m: float) -> None:
+        self.position_m = position_m
+        self.began_s = clock.now()
+        self.ended_s = self.began_s
+        self.reported_m: float | None = None  # by the stage, once there; None: it has no sensor
+        self._stage = stage
+        self._clock = clock
+        self._ended = False
+        self._agreed = False
+        self._fault: Exception | None = None
+        self._thread = clock.start_thread(self._move, MOVING)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the load cell stands again, or could not be moved."""
+        return self._ended
+
+    def arrived(self) -> bool:
+        """Return whether it has been moved; False: the operator declined.
+
+        Raises what the stage raised. Called once it has ended.
+        """
+        if self._fault is not None:
+            raise self._fault
+        return self._agreed
+
+    def wait(self) -> None:
+        """Wait until it has ended, but no longer than `PATIENCE_S`."""
+        if not self._ended:
+            self._thread.join(PATIENCE_S)
+
+    def _move(self) -> None:
+        try:
+            self._agreed = self._stage.move_to(self.position_m)
+            self.ended_s = self._clock.now()
+            self.reported_m = self._stage.position() if self._agreed else None
+        except Exception as fault:  # noqa: BLE001 - raised again in the run's own thread
+            self._fault = fault
+        finally:
+            self._ended = True

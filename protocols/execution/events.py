@@ -100,6 +100,27 @@ class VoltageSet(Event):
     write: VoltageWrite
 
 
+@dataclass(frozen=True, kw_only=True)
+class ControlPeriod:
+    """One period of a controller: what it was given, what it asked for, what was written."""
+
+    due_s: float  # clock time at which it was due
+    sample_index: float  # of the newest sample that it knew
+    reference_N: float  # both forces are counted from that at 0 V before the run
+    force_N: float
+    wanted_V: float  # before the limits
+    write: VoltageWrite
+
+
+@dataclass(frozen=True, kw_only=True)
+class Controlled(Event):
+    """Periods of a controller, in their order."""
+
+    run: int
+    zero_N: float  # the force at 0 V before the run, as the load cell reads it
+    periods: tuple[ControlPeriod, ...]
+
+
 @dataclass(frozen=True)
 class SignalsArrived(Event):
     """A block of raw samples."""
@@ -129,6 +150,23 @@ class FramesArrived(Event):
 
     run: int
     frames: tuple[Frame, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadCellLeft(Event):
+    """The load cell leaves for another position while a run is acquired, at 0 V."""
+
+    run: int
+    position_m: float  # where it goes
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadCellArrived(Event):
+    """It stands there."""
+
+    run: int
+    position_m: float
+    reported_m: float | None  # by the stage; None: it has no sensor
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,6 +12,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from protocols.errors import ScheduleError
 from protocols.kinds.contract import ProtocolKind
+from protocols.planning.builder import StepsAndReadings
 from protocols.planning.encoding import run_from_dict, run_to_dict
 from protocols.planning.limits import structure_faults
 from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind
@@ -29,19 +30,30 @@ def faults(kind: object) -> list[str]:
     """
     if not (isinstance(kind, type) and issubclass(kind, ProtocolKind)):
         return ["it is no subclass of protocols.kinds.contract.ProtocolKind"]
-    found = list(_class_faults(kind)) or list(islice(_field_faults(kind), _MAX_FAULTS))
+    found = list(declared_faults(kind, "steps_and_readings"))
     if found:
         return found
     try:
         protocol = kind()
     except ScheduleError as error:
         return [f"its defaults are refused: {error}"]
-    return list(islice(_run_faults(protocol), _MAX_FAULTS)) or list(_bound_faults(protocol))
+    return list(islice(_run_faults(protocol), _MAX_FAULTS)) or list(
+        accepted_out_of_bounds(protocol)
+    )
 
 
-def _class_faults(kind: type[ProtocolKind]) -> Iterator[str]:
+def declared_faults(kind: type[Any], method: str) -> Iterator[str]:
+    """Yield what is wrong with how a class and its fields are declared, the first few faults.
+
+    `method` is what its contract leaves to it.
+    """
+    found = list(_class_faults(kind, method)) or _field_faults(kind)
+    yield from islice(found, _MAX_FAULTS)
+
+
+def _class_faults(kind: type[Any], method: str) -> Iterator[str]:
     if inspect.isabstract(kind):
-        yield "steps_and_readings is not defined"
+        yield f"{method} is not defined"
     parameters = getattr(kind, "__dataclass_params__", None)
     if "__dataclass_fields__" not in vars(kind) or not is_dataclass(kind):
         yield "it is no dataclass"
@@ -55,7 +67,7 @@ def _class_faults(kind: type[ProtocolKind]) -> Iterator[str]:
         yield "it has no docstring"
 
 
-def _field_faults(kind: type[ProtocolKind]) -> Iterator[str]:
+def _field_faults(kind: type[Any]) -> Iterator[str]:
     hints = get_type_hints(kind)
     for field in fields(kind):
         hint = hints[field.name]
@@ -78,8 +90,9 @@ def _missing_bounds(field: Field[Any], hint: Any) -> Iterator[str]:
         yield f"{field.name} has no lower or no upper bound"
 
 
-def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
-    steps, readings, duration_s = protocol.steps_and_readings()
+def planned(parts: StepsAndReadings, **more: Any) -> PlannedRun:
+    """Return a measurement of these steps and readings at position 0."""
+    steps, readings, duration_s = parts
     run = PlannedRun(
         index=0,
         configuration="long",
@@ -93,6 +106,12 @@ def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
         readings=readings,
         duration_s=duration_s,
     )
+    return replace(run, **more)
+
+
+def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
+    steps, readings, duration_s = protocol.steps_and_readings()
+    run = planned((steps, readings, duration_s))
     yield from structure_faults(run)
     if not any(reading.kind is ReadingKind.KEPT for reading in readings):
         yield "by default it keeps no reading"
@@ -109,7 +128,7 @@ def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
     protocol.pulses().steps_and_readings()
 
 
-def _bound_faults(protocol: ProtocolKind) -> Iterator[str]:
+def accepted_out_of_bounds(protocol: Any) -> Iterator[str]:
     """Yield what it accepts although its own bounds exclude it."""
     for field in fields(protocol):
         is_tuple = isinstance(getattr(protocol, field.name), tuple)

@@ -9,7 +9,14 @@ from drivers.interfaces import Prompt
 from protocols.execution.rules import LoopTiming
 from protocols.planning.limits import time_under_voltage_s
 from protocols.planning.preparation import Action, Move, Situation, preparation
-from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind, Schedule
+from protocols.planning.schedule import (
+    AT_REST_S,
+    SETTLED_S,
+    PlannedRun,
+    Purpose,
+    ReadingKind,
+    Schedule,
+)
 
 # How long things take at the rig, roughly, s: for the estimate only.
 TAKES_S = {
@@ -31,6 +38,7 @@ class PlanRow:
 
     run: int
     purpose: Purpose
+    extra: str  # that added it, in words; empty: a run of the protocol itself
     configuration: str
     position_m: float | None
     approach: str
@@ -81,6 +89,34 @@ def describe(schedule: Schedule, timing: LoopTiming | None = None) -> ScheduleDe
     )
 
 
+def free_shapes_in_words(schedule: Schedule) -> str:
+    """Return how long the sheet has been at rest when its free shapes are taken; "": none are."""
+    names: dict[str, list[str]] = {}
+    for run in schedule.runs:
+        if run.purpose is Purpose.FREE_SHAPE and run.readings:
+            names.setdefault(_rest_in_words(run), []).append(run.configuration)
+    return "; ".join(f"{', '.join(dict.fromkeys(which))}: {text}" for text, which in names.items())
+
+
+def _rest_in_words(run: PlannedRun) -> str:
+    return ", ".join(
+        [
+            *_shapes(run, "at 0 V", driven=False),
+            *(_shapes(run, "under voltage", driven=True) or ["none under voltage"]),
+        ]
+    )
+
+
+def _shapes(run: PlannedRun, where: str, *, driven: bool) -> list[str]:
+    """Return after how long they are taken; nothing where there are none."""
+    delays_s = [each.delay_s for each in run.readings if bool(each.voltage_V) is driven]
+    if not delays_s:
+        return []
+    settled_s = SETTLED_S if driven else AT_REST_S
+    moving = "" if min(delays_s) >= settled_s else " (the sheet may still swing)"
+    return [f"{where} after {min(delays_s):g} s{moving}"]
+
+
 def timeline(run: PlannedRun) -> Timeline:
     """Return what to draw of a run: corners of the voltage, and the readings."""
     time_s, voltage_V = [0.0], [0.0]
@@ -100,6 +136,7 @@ def _row(run: PlannedRun, actions: list[Action], starts_s: float) -> PlanRow:
     return PlanRow(
         run=run.index,
         purpose=run.purpose,
+        extra=run.in_words if run.extra else "",
         configuration=run.configuration,
         position_m=run.position_m,
         approach=run.approach,

@@ -9,7 +9,7 @@ from math import isfinite, pi
 
 from protocols.errors import ScheduleError
 from protocols.planning.builder import fits
-from protocols.planning.schedule import PlannedReading, PlannedRun, Schedule
+from protocols.planning.schedule import PlannedReading, PlannedRun, Purpose, Schedule
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,9 @@ class SafetyLimits:
 
 
 def time_under_voltage_s(run: PlannedRun) -> float:
-    """How long a run keeps the sheet at a voltage other than 0, s."""
+    """How long a run keeps the sheet at a voltage other than 0, s; with a controller, at most."""
+    if run.reference:
+        return run.steps[-1].time_s - run.steps[0].time_s
     ends_s = [step.time_s for step in run.steps[1:]] + [run.duration_s]
     return sum(
         end_s - step.time_s
@@ -89,7 +91,8 @@ def limit_faults(run: PlannedRun, limits: SafetyLimits) -> Iterator[str]:
             f"{under_s:g} s under voltage is longer than the limit of "
             f"{limits.time_under_voltage_s:g} s a run ([limits] time_under_voltage_s)"
         )
-    for position_m in (run.via_m, run.position_m):
+    moved_m = None if run.move is None else run.move.position_m
+    for position_m in (run.via_m, run.position_m, moved_m):
         if position_m is not None and limits.positions_m is not None:
             low_m, high_m = limits.positions_m
             if not low_m <= position_m <= high_m:
@@ -120,11 +123,46 @@ def structure_faults(run: PlannedRun) -> Iterator[str]:
         yield "its position is not a finite number"
     if [reading.index for reading in run.readings] != list(range(len(run.readings))):
         yield "the readings are not numbered 0, 1, 2, ..."
+    yield from _move_faults(run)
     for reading in run.readings:
         yield from _reading_faults(run, reading)
+    yield from _reference_faults(run)
     due_s = [run.time_of(r) for r in run.readings if 0 <= r.step < len(run.steps)]
     if any(later < earlier for earlier, later in pairwise(due_s)):
         yield "the readings are not in the order of time"
+
+
+def _reference_faults(run: PlannedRun) -> Iterator[str]:
+    reference = run.reference
+    if bool(reference) is not (run.purpose is Purpose.CONTROL):
+        yield "it has a reference for the force without a controller, or a controller without one"
+    if not reference:
+        return
+    if not all(isfinite(step.time_s) and isfinite(step.force_N) for step in reference):
+        yield "its reference has a time or a force that is not a finite number"
+        return
+    if any(step.voltage_V for step in run.steps) or len(run.steps) != 2 or run.readings:
+        yield "with a controller it has other steps than to 0 V first and last, or readings"
+    if any(later.time_s <= earlier.time_s for earlier, later in pairwise(reference)):
+        yield "its reference is not in the order of time"
+    if reference[0].time_s != 0.0 or reference[-1].time_s >= run.steps[-1].time_s:
+        yield "its reference does not begin at 0 s, or goes on after the last step"
+
+
+def _move_faults(run: PlannedRun) -> Iterator[str]:
+    move = run.move
+    if move is None:
+        return
+    if not (isfinite(move.time_s) and isfinite(move.position_m)):
+        yield "where or when the load cell is moved is not a finite number"
+    elif run.position_m is None:
+        yield "the load cell is away and cannot be moved along the sheet"
+    elif any(step.voltage_V for step in run.steps):
+        yield "the load cell is moved in a run with voltages; it may be moved at 0 V only"
+    elif run.readings:
+        yield "the load cell is moved in a run with readings"
+    elif not 0.0 <= move.time_s <= run.duration_s:
+        yield f"the load cell is moved at {move.time_s:g} s, outside the run"
 
 
 def _reading_faults(run: PlannedRun, reading: PlannedReading) -> Iterator[str]:

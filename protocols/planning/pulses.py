@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from protocols.planning.builder import Builder, StepsAndReadings
 from protocols.planning.schedule import ReadingKind
@@ -33,6 +33,15 @@ class Pulses:
         """Return the steps, the readings and the duration (s); ends at 0 V."""
         run = Builder()
         self._add_zero_readings(run, self.zero_readings, ReadingKind.ZERO)
+        self.add_to(run)
+        return run.finish()
+
+    def with_readings(self, per_voltage: int) -> Pulses:
+        """Return the same pulses with another number of readings at each voltage."""
+        return replace(self, readings_per_voltage=per_voltage)
+
+    def add_to(self, run: Builder) -> None:
+        """Add the pulses alone to a run."""
         for pulse in range(self.count):
             run.step(self.voltages_V[pulse % len(self.voltages_V)], self.pulse_s)
             kept = pulse >= self.pulses_discarded
@@ -40,7 +49,6 @@ class Pulses:
             run.reading(self.sample_at_s, self.half_window_s, kind)
             if self.rest_s:
                 run.step(0.0, self.rest_s)
-        return run.finish()
 
     def zero_of_load_cell(self, count: int) -> StepsAndReadings:
         """Return `count` readings at 0 V of a load cell that nothing touches."""

@@ -3,24 +3,23 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import pi
 from typing import Literal
 
 from protocols.errors import ScheduleError, require_count, require_number
+from protocols.extras.contract import Extra, ExtraRun
 from protocols.kinds.contract import ZERO_READINGS, ProtocolKind
 from protocols.planning.builder import StepsAndReadings, require_size
 from protocols.planning.schedule import PlannedRun, Purpose, Schedule
-
-FREE_SHAPES_EACH = 2  # of every voltage and of 0 V: six for a train of two voltages
 
 
 @dataclass(frozen=True)
 class Place:
     """One configuration of the sheet, and the positions along the arc where it is measured.
 
-    Without positions only its free shapes are taken.
+    Without positions only extras are taken that need no load cell.
     """
 
     configuration: str
@@ -37,12 +36,17 @@ class Place:
 
 @dataclass(frozen=True, kw_only=True)
 class Extras:
-    """Minutes at the rig that decide what can be known afterwards. As made here: none of them."""
+    """Minutes at the rig that decide what can be known afterwards. As made here: none of them.
+
+    `added` are those with runs of their own, a file of `protocols.extras` each; the other fields
+    say how, and how often, the measurements themselves are made.
+    """
+
+    added: tuple[Extra, ...] = ()
 
     random_order_seed: int | None = None  # of the positions of a place; None: as they stand
     remounts: int = 0  # positions that are set anew and measured again, in each configuration
     no_touch_zero: bool = False  # the load cell's zero at each position, the sheet lifted out
-    free_shapes: bool = False  # shapes without the load cell, at 0 V and every voltage
     reversed_approach: bool = False  # the middle position again, from the other side
     dead_weights_N: tuple[float, ...] = ()  # hung on the load cell before everything else
     approach_from_m: float = 0.002  # how far beside a position its approach begins
@@ -68,19 +72,14 @@ def make_schedule(
 ) -> Schedule:
     """All runs of a session in the order in which they are to be done.
 
-    Dead weights first; then each configuration: its free shapes, its positions (each after its
-    no-touch zero), the reversed approach and the re-mounted positions. Raises ScheduleError.
+    Dead weights first; then each configuration: the extras without the load cell, its positions
+    (each after its no-touch zero), the extras in contact, the reversed approach and the re-mounted
+    positions. Raises ScheduleError.
     """
     extras = extras or Extras()
     require_number("frame_rate_hz", frame_rate_hz, above=0.0)
     if not places:
         raise ScheduleError("places: there is none, so there is nothing to measure")
-    for place in places:
-        if not place.positions_m and not extras.free_shapes:
-            raise ScheduleError(
-                f"places: {place.configuration} has no positions; only its free shapes can be taken"
-                " without any"
-            )
     names = [place.configuration for place in places]
     if len(set(names)) < len(names):
         raise ScheduleError("places: a configuration is there twice; put its positions together")
@@ -114,12 +113,22 @@ class _Planner:
     def visit(self, place: Place) -> None:
         """Everything in one configuration."""
         name, positions_m = place.configuration, self._ordered(place.positions_m)
-        if self._extras.free_shapes:
-            self._add(name, None, Purpose.FREE_SHAPE, _free_shapes(self._protocol))
+        added = list(self._added(place))
+        if not place.positions_m and not any(run.position_m is None for _, run in added):
+            raise ScheduleError(
+                f"places: {name} has no positions; only extras without the load cell, such as "
+                "free shapes, can be taken without any"
+            )
+        for extra, run in added:
+            if run.position_m is None:
+                self._add(name, None, Purpose.FREE_SHAPE, run.parts, extra=extra, run=run)
         for position_m in positions_m:
             if self._extras.no_touch_zero:
                 self._add(name, position_m, Purpose.NO_TOUCH_ZERO, self._load_cell_zero)
             self._measure(name, position_m)
+        for extra, run in added:
+            if run.position_m is not None:
+                self._measure(name, run.position_m, extra=extra, run=run)
         if self._extras.reversed_approach and positions_m:
             middle_m = sorted(positions_m)[len(positions_m) // 2]
             other = "up" if self._extras.approach == "down" else "down"
@@ -127,9 +136,18 @@ class _Planner:
         for turn, position_m in enumerate(_spread(positions_m, self._extras.remounts)):
             self._measure(name, position_m, mounting=1 + turn // len(positions_m))
 
+    def _added(self, place: Place) -> Iterator[tuple[str, ExtraRun]]:
+        """Yield the runs that extras add to a place, with the extra's name."""
+        for extra in self._extras.added:
+            try:
+                for run in extra.runs(self._protocol, place.positions_m):
+                    yield extra.name, run
+            except ScheduleError as error:
+                raise ScheduleError(f"extras: {extra.name}: {error}") from None
+
     def repeats(self) -> tuple[PlannedRun, ...]:
         """Return a run to measure each measurement again, approached from the same side."""
-        measured = [run for run in self.runs if run.purpose is Purpose.MEASUREMENT]
+        measured = [run for run in self.runs if run.measures]
         return tuple(
             self._again(run, index) for index, run in enumerate(measured, start=len(self.runs))
         )
@@ -147,7 +165,14 @@ class _Planner:
         return sorted(positions_m, key=lambda _: self._random.random())
 
     def _measure(
-        self, configuration: str, position_m: float, *, mounting: int = 0, approach: str = ""
+        self,
+        configuration: str,
+        position_m: float,
+        *,
+        mounting: int = 0,
+        approach: str = "",
+        extra: str = "",
+        run: ExtraRun | None = None,
     ) -> None:
         approach = approach or self._extras.approach
         side = -1.0 if approach == "up" else 1.0
@@ -158,10 +183,12 @@ class _Planner:
             configuration,
             position_m,
             Purpose.MEASUREMENT,
-            self._parts,
+            self._parts if run is None else run.parts,
             mounting=mounting,
             approach=approach,
             via_m=via_m,
+            extra=extra,
+            run=run,
         )
 
     def _needs_approach(
@@ -183,7 +210,8 @@ class _Planner:
         assert before is not None  # noqa: S101 - for the type checker
         if before.purpose is not Purpose.MEASUREMENT or before.position_m is None:
             return True
-        return (before.position_m - position_m) * side <= 0
+        stands_m = before.position_m if before.move is None else before.move.position_m
+        return (stands_m - position_m) * side <= 0
 
     def _add(
         self,
@@ -196,6 +224,8 @@ class _Planner:
         approach: str = "up",
         load_N: float | None = None,
         via_m: float | None = None,
+        extra: str = "",
+        run: ExtraRun | None = None,
     ) -> None:
         steps, readings, duration_s = parts
         self._size += len(steps) + len(readings)
@@ -216,6 +246,9 @@ class _Planner:
                 duration_s=duration_s,
                 via_m=via_m,
                 tilt_rad=pi if self._extras.turned_over else 0.0,
+                extra=extra,
+                keep_all_frames=run is not None and run.keep_all_frames,
+                move=None if run is None else run.move,
             )
         )
 
@@ -230,15 +263,6 @@ def _spread(positions_m: Sequence[float], count: int) -> list[float]:
     if count == 1:
         return [rising[len(rising) // 2]]
     return [rising[round(i * (len(rising) - 1) / (count - 1))] for i in range(count)]
-
-
-def _free_shapes(protocol: ProtocolKind) -> StepsAndReadings:
-    """Return the pulses of a run that records the sheet's shapes without the load cell."""
-    return replace(
-        protocol.pulses(),
-        zero_readings=FREE_SHAPES_EACH,
-        readings_per_voltage=FREE_SHAPES_EACH,
-    ).steps_and_readings()
 
 
 def _load_cell_zero(protocol: ProtocolKind) -> StepsAndReadings:

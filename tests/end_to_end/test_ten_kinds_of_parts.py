@@ -70,6 +70,8 @@ PARTS = [
             shown("devices.md", "A force sensor")),
     Example("triangle", "protocols/kinds", "protocols", "PROTOCOL",
             shown("extending.md", "A protocol")),
+    Example("slow_ramp", "protocols/extras", "extras", "EXTRA",
+            shown("extending.md", "An extra")),
     Example("column_means", "labrig/extractors", "extractors", "EXTRACTOR",
             shown("vision.md", "Add a curve extractor")),
     Example("every_force", "labrig/report/sections", "report_sections", "SECTION",
@@ -192,15 +194,17 @@ def test_devices_are_kinds_of_rig_toml_with_keys_of_their_own(path, tmp_path):
     assert kinds == ["pico", "bar", "stepper", "balance"]
 
 
-def test_a_protocol_is_planned_and_run_and_recorded(path, tmp_path):
+def test_a_protocol_and_an_extra_are_planned_and_run_and_recorded(path, tmp_path):
     protocol = ONE_POSITION.replace("[pulse_train]", "[triangle]\npeak_V = 1.5")
     protocol = re.sub(r"(zero_readings|readings_per_voltage) = \d+\n", "", protocol)
-    rig = make_rig(tmp_path / "rig", protocol + 'mode = "paper"\n')
+    extras = "free_shapes = false\nno_touch_zero = false\nslow_ramp = true\n"
+    rig = make_rig(tmp_path / "rig", protocol + extras)
     assert "1.5" in labrig(path, tmp_path, "plan", rig / "protocol.toml")
     files = [rig / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
     labrig(path, tmp_path, "run", *files, "-o", "session.h5", "--yes")
     found = json.loads(labrig(path, tmp_path, "show", "session.h5", "--json"))
     assert found["session"]["outcome"] == "completed"
+    assert "slow ramp" in [run["purpose"] for run in found["runs"]]
 
 
 def test_an_extractor_finds_a_curve(path, tmp_path):

@@ -208,3 +208,17 @@ def test_a_simulated_force_curve_has_the_single_predictions_and_gaps_where_none_
     assert force[:3] == pytest.approx([one.F_N for one in single[:3]], rel=1e-9)
     assert not single[3].reachable
     assert np.isnan(force[3])
+
+
+def test_what_shapes_alone_leave_open_is_taken_and_their_ratio_is_told():
+    whole = measure()
+    bare = tuple(replace(c, readings=()) for c in whole.conditions if c.configuration == "long")
+    found = fit_what_can_be(
+        replace(whole, sheets={"long": whole.sheets["long"]}, conditions=bare, series=())
+    ).fit
+    table = table_4(found)
+    assert cell(table, "bending stiffness B, µN·m²", "long").endswith(" (taken)")
+    assert cell(table, "bending stiffness B, µN·m²", "long, 90 %") == "-"
+    ratio = value(cell(table, "constant EIBM/B at +2 V, 1/m", "long"))
+    assert ratio == pytest.approx(found.configurations["long"].eibm_over_B[2.0].value, rel=1e-2)
+    assert not any("(B)" in said for said in trust(found))

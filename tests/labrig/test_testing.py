@@ -23,6 +23,7 @@ KINDS = [
     "camera_kind_faults",
     "command_faults",
     "effect_faults",
+    "extra_faults",
     "curve_extractor_faults",
     "force_sensor_kind_faults",
     "data_check_faults",

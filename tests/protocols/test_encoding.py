@@ -16,10 +16,15 @@ from protocols import (
     schedule_from_dict,
     schedule_to_dict,
 )
+from protocols.extras.free_shapes import FreeShapes
 from protocols.kinds.pulse_train import PulseTrain
 
 EXTRAS = Extras(
-    random_order_seed=3, remounts=1, no_touch_zero=True, free_shapes=True, dead_weights_N=(0.02,)
+    random_order_seed=3,
+    remounts=1,
+    no_touch_zero=True,
+    added=(FreeShapes(),),
+    dead_weights_N=(0.02,),
 )
 SCHEDULE = make_schedule(PulseTrain(), [Place("long", (0.0, 0.005))], extras=EXTRAS)
 

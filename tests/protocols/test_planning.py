@@ -12,9 +12,8 @@ from protocols import (
     ScheduleError,
     make_schedule,
 )
-from protocols.kinds.hold import Hold
+from protocols.extras.free_shapes import FreeShapes
 from protocols.kinds.pulse_train import PulseTrain
-from protocols.kinds.staircase import Staircase
 
 POSITIONS_M = (0.0, 0.005, 0.010, 0.015, 0.020, 0.025, 0.030)
 LONG = Place("long", POSITIONS_M)
@@ -55,24 +54,6 @@ def test_a_no_touch_zero_precedes_each_position_at_0_V_with_nothing_in_contact()
         assert run.via_m == pytest.approx(run.position_m - 0.002)  # put back, then approached
 
 
-def test_free_shapes_are_six_and_come_before_the_positions():
-    runs = make_schedule(PulseTrain(), [LONG, SHORT], extras=Extras(free_shapes=True)).runs
-    free = [r for r in runs if r.purpose is Purpose.FREE_SHAPE]
-    assert [r.index for r in free] == [0, 8]
-    assert {r.position_m for r in free} == {None}
-    used = [r for r in free[0].readings if r.kind is not ReadingKind.DISCARDED]
-    assert sorted(r.voltage_V for r in used) == [-2.0, -2.0, 0.0, 0.0, 2.0, 2.0]
-
-
-@pytest.mark.parametrize(
-    ("protocol", "voltages_V"),
-    [(Staircase(), {0.0, 0.5, 1.0, 1.5, 2.0}), (Hold(voltage_V=1.0), {0.0, 1.0})],
-)
-def test_free_shapes_of_other_protocols_are_taken_at_their_voltages(protocol, voltages_V):
-    run = make_schedule(protocol, [LONG], extras=Extras(free_shapes=True)).runs[0]
-    assert {r.voltage_V for r in run.readings} == voltages_V
-
-
 def test_the_middle_position_is_approached_from_above_as_well():
     runs = make_schedule(PulseTrain(), [LONG], extras=Extras(reversed_approach=True)).runs
     assert [r.approach for r in runs] == ["up"] * 7 + ["down"]
@@ -107,7 +88,7 @@ def test_runs_are_numbered_in_their_order():
         random_order_seed=3,
         remounts=2,
         no_touch_zero=True,
-        free_shapes=True,
+        added=(FreeShapes(),),
         reversed_approach=True,
         dead_weights_N=(0.02,),
     )

@@ -21,6 +21,10 @@ from protocols import (
     timeline,
 )
 from protocols.execution.events import Outcome, ReadingTaken, VoltageSet
+from protocols.extras.chirp import Chirp
+from protocols.extras.free_shapes import FreeShapes
+from protocols.extras.load_cell_step import LoadCellStep
+from protocols.extras.release import Release
 from protocols.kinds.hold import Hold
 from protocols.kinds.pulse_train import PulseTrain
 from protocols.kinds.staircase import Staircase
@@ -73,12 +77,19 @@ protocols = st.one_of(
     holds.map(lambda s: made(Hold, s)),
     stairs.map(lambda s: made(Staircase, s)),
 ).filter(lambda protocol: protocol is not None)
+ADDED = (
+    FreeShapes(settled_s=4.0),
+    FreeShapes(moving=True),
+    Release(voltages_V=(1.0, -2.0)),
+    Chirp(duration_s=2.0, amplitude_V=1.0),
+    LoadCellStep(),
+)
 extras = st.builds(
     Extras,
     random_order_seed=st.none() | st.integers(0, 5),
     remounts=st.integers(0, 2),
     no_touch_zero=st.booleans(),
-    free_shapes=st.booleans(),
+    added=st.just(()) | st.just(ADDED),
     reversed_approach=st.booleans(),
     dead_weights_N=st.just(()) | st.just((0.01, 0.02)),
 )

@@ -36,6 +36,7 @@ from protocols.execution.events import (
     VoltageSet,
     Warned,
 )
+from protocols.extras.free_shapes import FreeShapes
 from protocols.kinds.hold import Hold
 from protocols.kinds.pulse_train import PulseTrain
 
@@ -256,7 +257,7 @@ def test_a_sheet_that_was_never_wetted_says_so(rig):
 
 
 def test_the_operator_is_led_through_extras_in_a_sensible_order(rig):
-    extras = Extras(no_touch_zero=True, free_shapes=True, remounts=1, dead_weights_N=(0.02,))
+    extras = Extras(no_touch_zero=True, added=(FreeShapes(),), remounts=1, dead_weights_N=(0.02,))
     told = []
     rig.operator.declines = lambda prompt: told.append(prompt.kind) or False
     move = rig.stage.move_to
@@ -266,7 +267,7 @@ def test_the_operator_is_led_through_extras_in_a_sensible_order(rig):
         "dead_weight",  # none
         "dead_weight",  # 20 mN
         "dead_weight",  # taken off
-        "mount", "free", "moisten",
+        "mount", "free",  # free shapes at 0 V: nothing dries
         "10 mm", "free",
         "8 mm", "touch", "10 mm", "moisten",
         "remount", "10 mm", "touch", "moisten",

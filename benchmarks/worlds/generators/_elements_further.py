@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.worlds.generators._elements_beam import Cases, Law, Point
-from benchmarks.worlds.generators._elements_effects import (
+from benchmarks.worlds.session.effects import (
     Acting,
     Array,
     Image,
@@ -13,7 +13,7 @@ from benchmarks.worlds.generators._elements_effects import (
     Sheet,
     acting,
 )
-from benchmarks.worlds.generators._elements_protocol import Samples
+from benchmarks.worlds.session.layout import Samples
 
 PITCH_M = 12e-3
 ROOM_S = 420.0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.worlds.generators._elements_beam import Cases, Law, Point
-from benchmarks.worlds.generators._elements_effects import (
+from benchmarks.worlds.generators._elements_specimen import LAYOUT
+from benchmarks.worlds.session.effects import (
     Acting,
     Array,
     Image,
@@ -13,7 +14,7 @@ from benchmarks.worlds.generators._elements_effects import (
     Sheet,
     acting,
 )
-from benchmarks.worlds.generators._elements_protocol import READING, RISE_S, Samples
+from benchmarks.worlds.session.layout import READING, Samples
 
 SERIES = ("series",)
 SLIDING_M = 0.03e-3
@@ -24,7 +25,7 @@ def _two_lags(cases: Cases, at: Samples, sheet: Sheet, tau_s: float) -> None:
     def left(t: Array | float) -> Array:
         t = np.asarray(t)
         slow = 0.7 * np.exp(-t / tau_s) + 0.3 * np.exp(-t / (4.0 * tau_s))
-        rising = np.exp(-t / RISE_S)
+        rising = np.exp(-t / LAYOUT.rise_s)
         return np.asarray(rising + (1.0 - rising) * slow)
 
     period = float(np.max(at.phase_s))

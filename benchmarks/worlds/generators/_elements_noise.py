@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.signal import lfilter
 
-from benchmarks.worlds.generators._elements_protocol import Run
+from benchmarks.worlds.session.layout import Run
 
 Array = npt.NDArray[np.float64]
 DEGREES = 4.0

@@ -9,11 +9,22 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.worlds.generators._elements_beam import Blade
-from benchmarks.worlds.generators._elements_protocol import RISE_S
+from benchmarks.worlds.session.layout import Layout
 from model.measurements import SheetGeometry
 
 Array = npt.NDArray[np.float64]
 RADIUS_M, WIDTH_M, THICKNESS_M = 40e-3, 11e-3, 0.21e-3
+DEGREES = 6.0  # of Student's t, of which set-ups are drawn
+
+
+def _heavy(random: np.random.Generator, n: int) -> Array:
+    return random.standard_t(DEGREES, n) * np.sqrt((DEGREES - 2.0) / DEGREES)
+
+
+LAYOUT = Layout(
+    rise_s=0.035, series_s=0.04, run_s=70.0, wet_s=12.0, registration_m=0.015e-3,
+    order_key=310, setup_key=311, drawn=_heavy,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -69,7 +80,7 @@ def geometry(name: str, specimen: Specimen) -> SheetGeometry:
     return SheetGeometry(
         configuration=name, free_length_m=blade.length_m, width_m=WIDTH_M,
         thickness_m=THICKNESS_M, elongation_m=blade.elongation_m, arc_radius_m=RADIUS_M,
-        arc_origin_rad=0.0, initial_curvature=specimen.stated, rise_time_s=RISE_S,
+        arc_origin_rad=0.0, initial_curvature=specimen.stated, rise_time_s=LAYOUT.rise_s,
     )  # fmt: skip
 
 

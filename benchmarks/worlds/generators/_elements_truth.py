@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,31 +10,21 @@ import numpy.typing as npt
 
 from benchmarks.worlds.contract import Design
 from benchmarks.worlds.generators._elements_beam import Beam, Cases, Found, Setting
-from benchmarks.worlds.generators._elements_effects import Acting, Image, Load, Sheet
-from benchmarks.worlds.generators._elements_protocol import FRAME, Run, Samples, samples_of
 from benchmarks.worlds.generators._elements_shape import drawn
-from benchmarks.worlds.generators._elements_specimen import Specimen
+from benchmarks.worlds.generators._elements_specimen import LAYOUT, Specimen
+from benchmarks.worlds.session.effects import Acting, Image, Load, Sheet, Taken
+from benchmarks.worlds.session.layout import FRAME, Run, Samples, samples_of
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 FINER = 4  # places of a shape to one point of a curve
 
 
-@dataclass
-class Taken:
-    """One configuration's samples and what was true at them."""
-
-    at: Samples
-    load: Load
-    held: npt.NDArray[np.bool_]  # reachable
-    image: Image  # of the frames, in their order
-
-
 def taken_of(
     specimen: Specimen, runs: list[Run], design: Design, acts: Sequence[tuple[Acting, float]]
 ) -> Taken:
     delay = sum(act.delay_s(size) for act, size in acts if act.delay_s)
-    at = Samples.joined([samples_of(run, design, delay) for run in runs])
+    at = Samples.joined([samples_of(LAYOUT, run, design, delay) for run in runs])
     of = {run.number: run for run in runs}
     numbers, where = np.unique(at.run, return_inverse=True)
     own = [of[int(number)] for number in numbers]

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.worlds.generators._shooting_effects import (
+from benchmarks.worlds.generators._shooting_equilibrium import Lanes, Law, Section
+from benchmarks.worlds.generators._shooting_specimen import step
+from benchmarks.worlds.session.effects import (
     Acting,
     Array,
     Image,
     Load,
     Sheet,
     acting,
-    step,
 )
-from benchmarks.worlds.generators._shooting_equilibrium import Lanes, Law, Section
-from benchmarks.worlds.generators._shooting_protocol import Samples
+from benchmarks.worlds.session.layout import Samples
 
 WIRES_M, CRACK_M = 10e-3, 28e-3
 WRINKLED_PER_M = 35.0
@@ -108,13 +108,13 @@ def _u(words: str, where: tuple[str, ...], **more: object) -> Acting:
 FURTHER: dict[str, Acting] = {
     "stiffness_under_voltage": _u(
         "The sheet is stiffer while a voltage is across it: B (1 + c (V/2 V)^2).",
-        ("compliance", "eibm"), sizes=(0.1, 0.8), unit="", lanes=_under_voltage),
+        ("compliance", "eibm"), sizes=(0.1, 0.8), unit="", cases=_under_voltage),
     "thermal_bow": _u(
         "The current's heat bows the sheet: k0 + c (1 - exp(-t/5 s)), t under voltage.",
-        ("even_moment", "rest_curvature", "time"), sizes=(1.5, 15.0), unit="1/m", lanes=_warm),
+        ("even_moment", "rest_curvature", "time"), sizes=(1.5, 15.0), unit="1/m", cases=_warm),
     "drying_front": _u(
         "A front moves from the tip over 60 % of the sheet in the session; behind it B (1 + c).",
-        ("time", "compliance"), sizes=(0.25, 2.0), unit="", lanes=_drying,
+        ("time", "compliance"), sizes=(0.25, 2.0), unit="", cases=_drying,
         law=_behind_the_front),
     "eibm_by_curvature": _u(
         "Where the sheet is bent its electrodes conduct less: Me (1 - c k/40 per m).",
@@ -145,11 +145,11 @@ FURTHER: dict[str, Acting] = {
     "rocking_rolls": _u(
         "The pair of rolls rocks on a spring and turns the sheet towards the radius: -c gamma.",
         ("position", "compliance"), sizes=(1e-6, 1.5e-5), unit="N m/rad",
-        around=lambda c: {"rocking_Nm_per_rad": c}),
+        setting=lambda c: {"rocking_Nm_per_rad": c}),
     "stage_backlash": _u(
         "The stage has play, which the force takes up: p + c tanh(F/0.4 mN).",
         ("position", "load_cell"), sizes=(0.15, 1.5), unit="mm",
-        around=lambda c: {"backlash_m": c * 1e-3}),
+        setting=lambda c: {"backlash_m": c * 1e-3}),
     "halo": _u(
         "Glare at the concave side draws the curve aside: c tanh(k/40 per m) along the normal.",
         ("camera",), sizes=(0.08, 1.0), unit="mm", image=_halo),

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from benchmarks.worlds.generators._shooting_effects import (
+from benchmarks.worlds.generators._shooting_equilibrium import Lanes, Law, Section
+from benchmarks.worlds.generators._shooting_specimen import LAYOUT, step
+from benchmarks.worlds.session.effects import (
     Acting,
     Array,
     Image,
     Load,
     Sheet,
     acting,
-    step,
 )
-from benchmarks.worlds.generators._shooting_equilibrium import Lanes, Law, Section
-from benchmarks.worlds.generators._shooting_protocol import READING, RISE_S, Samples
+from benchmarks.worlds.session.layout import READING, Samples
 
 SERIES = ("series",)
 SLIDING_M = 0.05e-3
@@ -24,7 +24,7 @@ LOOP_N = 0.5e-3
 
 def _lag(lanes: Lanes, at: Samples, sheet: Sheet, tau_s: float) -> None:
     def left(t: Array | float) -> Array:
-        rising = np.exp(-np.asarray(t) / RISE_S)
+        rising = np.exp(-np.asarray(t) / LAYOUT.rise_s)
         return np.asarray(rising + (1.0 - rising) * np.exp(-((np.asarray(t) / tau_s) ** 0.8)))
 
     drive = dict(zip(at.slot.tolist(), at.drive_V.tolist(), strict=True))
@@ -160,26 +160,26 @@ KNOWN: dict[str, Acting] = dict(
     [
         _k("The EIBM follows the voltage as a stretched exponential: what is left to do after t is"
            " exp(-(t/tau)^0.8), behind the voltage's rise, from where the pulse before ended.",
-           "charging_lag", ("time",), sizes=(0.12, 0.4), unit="s", needs=SERIES, lanes=_lag),
+           "charging_lag", ("time",), sizes=(0.12, 0.4), unit="s", needs=SERIES, cases=_lag),
         _k("Within a pulse the EIBM loses a t/(t + 0.4 s).",
            "back_relaxation", ("time",), sizes=(0.15, 0.8), unit="", needs=SERIES,
-           lanes=_relaxing),
+           cases=_relaxing),
         _k("The n-th pulse of a run (n = 1, 2, ...) lacks a/n^2 of its EIBM.",
-           "first_pulse_transient", ("time",), sizes=(0.2, 0.8), unit="", lanes=_first),
+           "first_pulse_transient", ("time",), sizes=(0.2, 0.8), unit="", cases=_first),
         _k("The EIBM changes over the session as tanh(3 (tau - 1/2)), altogether by c.",
-           "eibm_drift", ("time",), sizes=(0.1, 0.8), unit="", lanes=_weaker),
+           "eibm_drift", ("time",), sizes=(0.1, 0.8), unit="", cases=_weaker),
         _k("The stiffness changes with the square of the session's time: B (1 + c (tau^2 - 1/3)).",
-           "stiffness_drift", ("time",), sizes=(0.1, 0.8), unit="", lanes=_stiffer),
+           "stiffness_drift", ("time",), sizes=(0.1, 0.8), unit="", cases=_stiffer),
         _k("In each run the polymer gives way: B (1 - c (1 - (1 + t/1.5 s)^(-1/2))).",
-           "viscoelastic_creep", ("time",), sizes=(0.06, 0.35), unit="", lanes=_creep),
+           "viscoelastic_creep", ("time",), sizes=(0.06, 0.35), unit="", cases=_creep),
         _k("The sheet leaves the clamp at an angle.", "clamp_angle", ("rest_curvature",),
-           sizes=(0.015, 0.2), unit="rad", lanes=_turned,
+           sizes=(0.015, 0.2), unit="rad", cases=_turned,
            parameters=lambda c: {"angle_rad": c}),
         _k("The load cell stands farther along the arc than it says.", "position_error",
-           ("position",), sizes=(0.3, 4.0), unit="mm", lanes=_moved,
+           ("position",), sizes=(0.3, 4.0), unit="mm", cases=_moved,
            parameters=lambda c: {"offset_mm": c}),
         _k("The rolls hold the sheet to the right of the point on the arc.", "roll_offset",
-           ("position",), sizes=(0.3, 4.0), unit="mm", lanes=_beside,
+           ("position",), sizes=(0.3, 4.0), unit="mm", cases=_beside,
            parameters=lambda c: {"offset_mm": c}),
         _k("At rest the sheet is more curved than stated, as a parabola that is 0 at its end:"
            " 1.5 c (1 - (s/l)^2).", "initial_curvature", ("rest_curvature",),
@@ -193,16 +193,16 @@ KNOWN: dict[str, Acting] = dict(
            "nonlinear_stiffness", ("compliance",), sizes=(0.3, 2.0), unit="", law=_hardening),
         _k("Sheet and elongation, which is twice as heavy, hang in the picture's plane.",
            "gravity", ("even_moment",), sizes=(0.003, 0.03), unit="N/m",
-           around=lambda q: {"weight_N_per_m": q}),
+           setting=lambda q: {"weight_N_per_m": q}),
         _k("The clamp turns under the load's moment M, as c M/sqrt(1 + (c M/0.03)^2).",
            "clamp_compliance", ("compliance",), sizes=(60.0, 600.0), unit="rad/(N m)",
-           around=lambda c: {"clamp_rad_per_Nm": c}),
+           setting=lambda c: {"clamp_rad_per_Nm": c}),
         _k("The elongation is a bar that becomes thinner: its compliance grows along it threefold,"
            " from c/2 of the sheet's on.", "elongation_flexibility", ("compliance",),
-           sizes=(0.01, 0.2), unit="", around=lambda c: {"bar_compliance": c}),
+           sizes=(0.01, 0.2), unit="", setting=lambda c: {"bar_compliance": c}),
         _k("The load cell moves under the force, less the larger it is: c F/(1 + |F|/8 mN).",
            "load_cell_compliance", ("load_cell",), sizes=(0.08, 0.8), unit="mm/mN",
-           around=lambda c: {"give_m_per_N": c}),
+           setting=lambda c: {"give_m_per_N": c}),
         _k("The rolls rub on the sheet: mu |N| tanh(sliding since the pulse before/0.05 mm).",
            "roll_friction", ("position",), sizes=(0.05, 0.4), unit="", slides=_rubs),
         _k("From 17.5 mm on the sheet sticks: F - c tanh(change since the pulse before/c).",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from benchmarks.worlds.generators._shooting_protocol import Run
+from benchmarks.worlds.session.layout import Run
 
 Array = npt.NDArray[np.float64]
 READING_N, SAMPLE_N = 0.03e-3, 0.06e-3  # of a reading, of one sample of a series

@@ -9,12 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.worlds.generators._shooting_equilibrium import Strip
-from benchmarks.worlds.generators._shooting_protocol import RISE_S
+from benchmarks.worlds.session.layout import Layout
 from model.measurements import SheetGeometry
 
 Array = npt.NDArray[np.float64]
 RADIUS_M, WIDTH_M, THICKNESS_M = 40e-3, 11e-3, 0.21e-3
 REST_DECAY_M = 40e-3
+LAYOUT = Layout(
+    rise_s=0.025, series_s=1.0 / 30.0, run_s=55.0, wet_s=9.0, registration_m=0.02e-3,
+    order_key=10, setup_key=11, drawn=lambda random, n: random.standard_normal(n),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -70,7 +74,7 @@ def geometry(name: str, specimen: Specimen) -> SheetGeometry:
     return SheetGeometry(
         configuration=name, free_length_m=strip.length_m, width_m=WIDTH_M,
         thickness_m=THICKNESS_M, elongation_m=strip.elongation_m, arc_radius_m=RADIUS_M,
-        arc_origin_rad=0.0, initial_curvature=specimen.stated, rise_time_s=RISE_S,
+        arc_origin_rad=0.0, initial_curvature=specimen.stated, rise_time_s=LAYOUT.rise_s,
     )  # fmt: skip
 
 
@@ -80,3 +84,8 @@ def _stated(rest: Callable[[Array], Array]) -> tuple[Array, Array]:
     s = np.linspace(0.0, 50e-3, 2001)
     hats = np.stack([np.interp(s, nodes, row) for row in np.eye(len(nodes))], axis=1)
     return nodes, np.round(np.linalg.lstsq(hats, rest(s), rcond=None)[0], 2)
+
+
+def step(s: Array | float, at: Array | float, width: float) -> Array:
+    """Return 0 before a place and 1 behind it."""
+    return np.asarray(0.5 * (1.0 + np.tanh((np.asarray(s) - at) / width)))

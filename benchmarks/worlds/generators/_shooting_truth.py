@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from benchmarks.worlds.contract import Design
-from benchmarks.worlds.generators._shooting_effects import Acting, Image, Load, Sheet
 from benchmarks.worlds.generators._shooting_equilibrium import (
     Lanes,
     Shapes,
@@ -18,29 +16,20 @@ from benchmarks.worlds.generators._shooting_equilibrium import (
     Surroundings,
     unknowns,
 )
-from benchmarks.worlds.generators._shooting_protocol import FRAME, Run, Samples, samples_of
-from benchmarks.worlds.generators._shooting_specimen import Specimen
+from benchmarks.worlds.generators._shooting_specimen import LAYOUT, Specimen
+from benchmarks.worlds.session.effects import Acting, Image, Load, Sheet, Taken
+from benchmarks.worlds.session.layout import FRAME, Run, Samples, samples_of
 
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 FINER = 4  # places of a shape to one point of a curve
 
 
-@dataclass
-class Taken:
-    """One configuration's samples and what was true at them."""
-
-    at: Samples
-    load: Load
-    held: npt.NDArray[np.bool_]  # reachable
-    image: Image  # of the frames, in their order
-
-
 def taken_of(
     specimen: Specimen, runs: list[Run], design: Design, acts: Sequence[tuple[Acting, float]]
 ) -> Taken:
     delay = sum(act.delay_s(size) for act, size in acts if act.delay_s)
-    at = Samples.joined([samples_of(run, design, delay) for run in runs])
+    at = Samples.joined([samples_of(LAYOUT, run, design, delay) for run in runs])
     of = {run.number: run for run in runs}
     numbers, where = np.unique(at.run, return_inverse=True)
     own = [of[int(number)] for number in numbers]
@@ -56,10 +45,10 @@ def taken_of(
     sheet = Sheet(specimen.strip.length_m, specimen.strip.elongation_m, eibm_Nm)
     around: dict[str, Any] = {"laws": [act.law(size) for act, size in acts if act.law]}
     for act, size in acts:
-        if act.lanes:
-            act.lanes(lanes, at, sheet, size)
-        if act.around:
-            around.update(act.around(size))
+        if act.cases:
+            act.cases(lanes, at, sheet, size)
+        if act.setting:
+            around.update(act.setting(size))
     shooting = Shooting(specimen.strip, Surroundings(**around))
     rubbing = [(act.slides, size) for act, size in acts if act.slides]
     return _Solving(shooting, lanes, at, position).taken(rubbing, acts, design.curve_points)

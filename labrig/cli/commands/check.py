@@ -9,7 +9,7 @@ import typer
 
 from labrig.cli.command import Command
 from labrig.cli.options import AboutFile, Json, RigFile
-from labrig.cli.screen import print_json, print_table
+from labrig.cli.screen import print_json, print_table, warn
 from labrig.errors import NotReadyError
 
 
@@ -37,6 +37,9 @@ def check(
     else:
         rows = [[c.word, c.name, _short(c.found), c.wanted] for c in checks]
         print_table(f"Preflight of {rig}", ["", "check", "found", "wanted"], rows)
+        for item in checks:
+            if item.ok and _short(item.found) != item.found:
+                warn(f"{item.name}: {item.found}.")
     if not good:
         failed = "; ".join(f"{c.name}: {c.found}" for c in checks if not c.ok)
         raise NotReadyError(f"{rig} is not ready: {failed}.")

@@ -18,6 +18,7 @@ from labrig.cli.options import (
     Sessions,
     SheetFile,
     SignalsFile,
+    Stiffness,
     Symmetric,
 )
 from labrig.cli.screen import print_json, say, warn
@@ -53,6 +54,7 @@ def diagnose(
     calibrate: Annotated[
         int, typer.Option(min=0, max=10_000, help="number of simulated sessions for the threshold")
     ] = 0,
+    stiffness_Nm2: Stiffness = None,
     as_json: Json = False,
 ) -> None:  # fmt: skip
     """Find where simulation and measurement disagree, and which effects are not in the model.
@@ -76,6 +78,7 @@ def diagnose(
         exclude=tuple(without or ()),
         hold_out=held_out(hold_out or [], measurements),
         promised=promises_kept_in(sessions or []),
+        stiffness_Nm2=stiffness_Nm2,
     )
     found = diagnosed(measurements, options)
     found = with_protocol(found, measurements, sessions[0] if sessions else None)

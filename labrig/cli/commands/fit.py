@@ -11,7 +11,7 @@ import typer
 
 from labrig.cli.command import Command
 from labrig.cli.measurements import fitted_of, warn_of_suspicions
-from labrig.cli.options import FigureFormats, Json
+from labrig.cli.options import FigureFormats, Json, Stiffness
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
 
@@ -76,6 +76,7 @@ def fit(
         ),
     ] = 0,
     q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
+    stiffness_Nm2: Stiffness = None,
     as_json: Json = False,
 ) -> None:
     """Identify bending stiffness and electrically induced bending moment of a session's sheets.
@@ -97,7 +98,7 @@ def fit(
         raise BadInputError(f"--q {q}: a number is needed, such as 1.")
     options = FitOptions(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
-        bootstrap=bootstrap,
+        bootstrap=bootstrap, stiffness_Nm2=stiffness_Nm2,
     )  # fmt: skip
     wanted = known_formats(formats)
     if figures is not None:

@@ -13,8 +13,10 @@ from labrig.cli.screen import say, warn
 
 def import_tables(
     sheet: Annotated[Path, typer.Option(help="sheet.toml")],
-    forces: Annotated[Path, typer.Option(help="forces.csv")],
     output: Annotated[Path, typer.Option("--output", "-o", help="the session file to make")],
+    forces: Annotated[
+        Path | None, typer.Option(help="forces.csv; without it --curves is needed")
+    ] = None,
     curves: Annotated[Path | None, typer.Option(help="curves.csv")] = None,
     signals: Annotated[Path | None, typer.Option(help="signals.csv")] = None,
     about: Annotated[

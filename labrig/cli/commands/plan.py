@@ -9,7 +9,7 @@ import typer
 
 from labrig.cli.command import Command
 from labrig.cli.options import Json
-from labrig.cli.screen import print_json, print_table, say
+from labrig.cli.screen import print_json, print_table, say, warn
 
 
 def plan(
@@ -19,12 +19,18 @@ def plan(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Show the schedule: times, voltages, readings, total duration, time under voltage."""
-    from labrig.config import load_protocol
-    from labrig.report.tables.schedule import overview_rows, run_rows
-    from protocols import describe, schedule_to_dict
+    """Show the schedule: times, voltages, readings, total duration, time under voltage.
 
-    schedule = load_protocol(protocol).schedule(str(protocol))
+    Says how long the sheet is at rest when free shapes are taken, and warns of what a dynamic fit
+    ([extras] release, [analysis] dynamic) would not know from it.
+    """
+    from labrig.config import load_protocol
+    from labrig.experiment.next_measurement.dynamic_needs import not_determined
+    from labrig.report.tables.schedule import overview_rows, run_rows
+    from protocols import describe, free_shapes_in_words, schedule_to_dict
+
+    config = load_protocol(protocol)
+    schedule = config.schedule(str(protocol))
     if picture is not None:
         from labrig.report.figures.schedule import draw_schedule
 
@@ -51,6 +57,11 @@ def plan(
         f"{len(schedule.runs)} runs: {found.running_s:.1f} s, {found.under_voltage_s:.1f} s of it "
         f"under voltage; about {found.estimate_s / 60:.0f} min with what is done between them."
     )
+    shapes = free_shapes_in_words(schedule)
+    if shapes:
+        say(f"Free shapes: {shapes}.")
+    for text in not_determined(config, schedule):
+        warn(f"{text}.")
     if picture is not None:
         say(f"wrote {picture}")
 

@@ -1,1 +1,1 @@
-"""The measurement that a diagnosis asks for next: its protocol, and the loop that makes it."""
+"""The measurement that is needed next: its protocol, the loop that makes it, what it must have."""

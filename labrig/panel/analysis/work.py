@@ -205,6 +205,12 @@ def _measured(
 def _parameters(one: ConfigurationFit) -> str:
     from labrig.report.parts.table import volts, with_sigma
 
+    if not one.B_known:
+        ratio = [
+            f"EIBM/B at {volts(voltage_V)} {with_sigma(p.value, p.sigma)} 1/m"
+            for voltage_V, p in sorted(one.eibm_over_B.items(), reverse=True)
+        ]
+        return f"{one.configuration}, by shapes alone: " + ", ".join(ratio)
     B = with_sigma(1e6 * one.B.value, 1e6 * one.B.sigma)
     eibm = [
         f"EIBM at {volts(voltage_V)} {with_sigma(1e6 * p.value, 1e6 * p.sigma)} µN·m"

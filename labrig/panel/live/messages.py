@@ -8,7 +8,7 @@ from typing import Any
 
 from drivers.interfaces import Prompt
 from labrig.panel.live.strip_rows import rows_message, strip_rows
-from protocols import describe
+from protocols import describe, free_shapes_in_words
 from protocols.execution import events as ev
 from protocols.execution.channels import CURRENT_A, DRIVE_V, FORCE_N, Channel
 from protocols.execution.operator import REPEAT
@@ -34,6 +34,8 @@ class MessageEncoder:
             ev.RunStarted: self._run_started,
             ev.VoltageSet: self._voltage,
             ev.ReadingTaken: self._reading,
+            ev.LoadCellLeft: lambda event: self._moved(event, "leaves for"),
+            ev.LoadCellArrived: lambda event: self._moved(event, "is at"),
             ev.ReadingMarked: self._marked,
             ev.ActionTaken: self._action,
             ev.OutputChanged: self._output,
@@ -100,6 +102,8 @@ class MessageEncoder:
         run = event.run
         self._zero_s[run.index] = event.time_s
         where = "free" if run.position_m is None else f"{1e3 * run.position_m:g} mm"
+        if run.extra:
+            where += f", {run.in_words}"
         again = "" if run.repeats is None else f", run {run.repeats + 1} again"
         return {
             "type": "run_started",
@@ -108,6 +112,16 @@ class MessageEncoder:
             "stage_position_mm": _milli(event.stage_position_m),
             "since_wetting_s": event.since_wetting_s,
             "log": f"run {run.index + 1} begins: {run.configuration}, {where}{again}",
+        }
+
+    def _moved(self, event: ev.LoadCellLeft | ev.LoadCellArrived, what: str) -> Message:
+        position_mm = 1e3 * event.position_m
+        return {
+            "type": "load_cell",
+            "time_s": self.since_begin(event.time_s),
+            "run": event.run,
+            "position_mm": position_mm,
+            "log": f"the load cell {what} {position_mm:g} mm",
         }
 
     def _voltage(self, event: ev.VoltageSet) -> Message:
@@ -229,6 +243,7 @@ def plan_message(
     picture: Message | None,
     channels: Sequence[Channel],
     done: Collection[int] = (),
+    warnings: Sequence[str] = (),
 ) -> Message:
     """Return what is going to be done, for the timeline."""
     found = describe(schedule)
@@ -246,6 +261,8 @@ def plan_message(
         "picture": picture,
         "channels": rows_message(strip_rows(channels)),
         "done": sorted(done),
+        "free_shapes": free_shapes_in_words(schedule),
+        "warnings": list(warnings),
         "runs": [
             {
                 "starts_s": rows[run.index].starts_s,
@@ -264,6 +281,7 @@ def _run(run: PlannedRun) -> Message:
         "run": run.index,
         "repeats": run.repeats,
         "purpose": run.purpose.value,
+        "extra": run.extra,
         "configuration": run.configuration,
         "position_mm": _milli(run.position_m),
         "mounting": run.mounting,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from drivers.load_cell import LoadCell
+from labrig.experiment.next_measurement.dynamic_needs import not_determined
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig.channels import planned_channels
 from labrig.panel.live.event_stream import Message
@@ -28,6 +29,7 @@ def message_of_plan(
         picture=optics_message(plan.optics),
         channels=planned_channels(plan.rig, LoadCell(plan.calibration)),
         done=done,
+        warnings=not_determined(plan.protocol, plan.schedule, plan.rig),
     )
 
 

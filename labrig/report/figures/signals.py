@@ -28,7 +28,7 @@ def series_of(measurements: Measurements, configuration: str) -> TimeSeries | No
     """Return the first recorded run of a configuration in which the sheet was driven."""
     for series in measurements.series:
         driven = len(series.time_s) > 1 and np.nanmax(np.abs(series.drive_V)) > _DRIVEN_V
-        if series.configuration == configuration and driven:
+        if series.configuration == configuration and driven and not series.extra:
             return series
     return None
 

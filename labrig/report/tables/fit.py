@@ -124,7 +124,10 @@ def trust(fit: Fit) -> list[str]:
     """Sentences on how far the parameters are fixed."""
     said = []
     for name, one in fit.configurations.items():
-        widths = {"B": one.B, **{f"{CONSTANT} at {volts(v)}": p for v, p in one.eibm.items()}}
+        widths = {
+            **({"B": one.B} if one.B_known else {}),
+            **{f"{CONSTANT} at {volts(v)}": p for v, p in one.eibm.items()},
+        }
         shares = []
         for what, parameter in widths.items():
             low, high = parameter.interval()

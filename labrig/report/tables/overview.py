@@ -12,6 +12,7 @@ from labrig.report.tables.channels import ChannelSummary, channel_table, channel
 from labrig.report.tables.devices import device_row, devices_as_table
 from labrig.report.tables.marks import marks_as_table
 from labrig.session import Mark, RecordedSession, RunRecord
+from protocols import free_shapes_in_words
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +80,7 @@ def overview(session: RecordedSession) -> Overview:
     runs = tuple(_run(run) for run in session.runs)
     channels = channel_table(session)
     done = sum(run["state"] == "complete" for run in runs)
+    shapes = free_shapes_in_words(session.schedule)
     facts = (
         ("file", str(session.path)),
         ("identifier", session.identifier),
@@ -93,6 +95,7 @@ def overview(session: RecordedSession) -> Overview:
         *([("replay of", session.replay_of)] if session.replay_of else []),
         ("protocol", session.schedule.protocol),
         ("runs complete", f"{done} of {len(runs)}"),
+        *([("free shapes", shapes)] if shapes else []),
         ("readings", str(sum(run["readings"] for run in runs))),
         ("sample rate", f"{session.rate_hz:g} Hz x {len(session.channels)} channels"),
         ("labrig", session.versions.get("labrig", "-")),
@@ -123,7 +126,7 @@ def _run(run: RunRecord) -> dict[str, Any]:
     position_m = planned.position_m
     return {
         "run": planned.index + 1,
-        "purpose": planned.purpose.value.replace("_", " "),
+        "purpose": planned.in_words,
         "configuration": planned.configuration,
         "position_mm": None if position_m is None else round(1e3 * position_m, 6),
         "state": "complete" if run.completed else "begun" if run.started else "not begun",

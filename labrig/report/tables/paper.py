@@ -106,6 +106,8 @@ def _parameters(fit: Fit) -> list[tuple[str, _Pick, float]]:
         ("B/w, mN·m", lambda one: one.B_per_width, _MILLI),
         ("equivalent Young modulus E, MPa", lambda one: one.E, 1e-6),
     ]
+    if not all(one.B_known for one in fit.configurations.values()):
+        found += [(f"constant EIBM/B at {volts(v)}, 1/m", _ratio_at(v), 1.0) for v in driven]
     found += [(f"{CONSTANT} at {volts(v)}, µN·m", _constant_at(v), _MICRO) for v in driven]
     found += [
         ("constant EIBM, mean absolute value, µN·m", lambda one: one.eibm_mean_abs, _MICRO),
@@ -117,6 +119,10 @@ def _parameters(fit: Fit) -> list[tuple[str, _Pick, float]]:
 
 def _constant_at(voltage_V: float) -> _Pick:
     return lambda one: one.eibm.get(voltage_V)
+
+
+def _ratio_at(voltage_V: float) -> _Pick:
+    return lambda one: one.eibm_over_B.get(voltage_V)
 
 
 def _mean_at(voltage_V: float) -> _Pick:
@@ -131,6 +137,9 @@ def _parameter_row(text: str, pick: _Pick, scale: float, fit: Fit) -> tuple[str,
             row += ["-", "-"]
             continue
         scaled = found.scaled(scale, "")
+        if found in (one.B, one.B_per_width, one.E) and not one.B_known:
+            row += [f"{number(scaled.value, 3)} (taken)", "-"]
+            continue
         row += [with_sigma(scaled.value, scaled.sigma), interval(*scaled.interval())]
     return tuple(row)
 

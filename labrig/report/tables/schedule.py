@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from protocols import PlannedRun, Purpose, Schedule, ScheduleDescription
+from protocols import PlannedRun, PlanRow, Schedule, ScheduleDescription
 
 
 def run_rows(schedule: Schedule) -> list[list[str]]:
     """Step by step, the first measuring run of a schedule: what, from when, volts, readings."""
-    run = next((r for r in schedule.runs if r.purpose is Purpose.MEASUREMENT), schedule.runs[0])
+    run = next((r for r in schedule.runs if r.measures), schedule.runs[0])
     rows = []
     for number, step in enumerate(run.steps):
         readings = [reading for reading in run.readings if reading.step == number]
@@ -16,6 +16,11 @@ def run_rows(schedule: Schedule) -> list[list[str]]:
             [kinds or "end", f"{step.time_s:.2f}", f"{step.voltage_V:+g}", _times(run, number)]
         )
     return rows
+
+
+def _readings(row: PlanRow) -> str:
+    counts = " + ".join(f"{count} {kind.value}" for kind, count in row.readings.items())
+    return ": ".join(part for part in (row.extra, counts) if part)
 
 
 def _times(run: PlannedRun, step: int) -> str:
@@ -32,7 +37,7 @@ def overview_rows(plan: ScheduleDescription) -> list[list[str]]:
             row.configuration,
             "free" if row.position_m is None else f"{1e3 * row.position_m:g}",
             ", ".join(row.prompts) or "-",
-            " + ".join(f"{count} {kind.value}" for kind, count in row.readings.items()),
+            _readings(row),
             f"{row.duration_s:.1f}",
             f"{row.under_voltage_s:.1f}",
         ]

@@ -69,6 +69,7 @@ def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
                 mounting=int(row["mounting"]),
                 # sessions of before hold one run of each place
                 run=int(row["run"]) if "run" in row.dtype.names else 0,
+                extra=str(row["extra"]) if "extra" in row.dtype.names else "",
                 **_columns(tables["samples"], row, _SAMPLE),
             )
             for row in with_str(tables["series"])
@@ -197,6 +198,7 @@ def _series_table(series: Sequence[TimeSeries]) -> Array:
             "position_m": [_or_nan(each.position_m) for each in series],
             "mounting": [each.mounting for each in series],
             "run": [each.run for each in series],
+            "extra": [each.extra for each in series],
             "first": _starts(lengths),
             "count": lengths,
             "has_force_N": [each.force_N is not None for each in series],

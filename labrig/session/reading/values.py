@@ -17,6 +17,7 @@ from labrig.serialise import from_plain
 from labrig.session.format import layout
 from labrig.session.format.channels import channels_of
 from labrig.session.format.devices import RecordedDevice
+from labrig.session.format.extras import with_extras
 from labrig.session.format.layout import Array
 from labrig.session.format.setup import DEVICES_SINCE, SessionSetup, check_recorded
 from labrig.session.recording.disk import is_of_writing
@@ -121,6 +122,8 @@ def read_setup(file: Any, path: Path) -> SessionSetup:
     try:
         resolved = _json(file, "resolved", path)
         schedule = from_plain(Schedule, _json(file, "schedule", path), "schedule")
+        if f"{layout.SETUP}/extras" in file:
+            schedule = with_extras(schedule, _json(file, "extras", path))
         check_recorded(schedule)
         return SessionSetup(
             schedule=schedule,

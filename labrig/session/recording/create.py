@@ -20,6 +20,7 @@ from labrig.serialise import to_plain
 from labrig.session.format import layout
 from labrig.session.format.channels import channel_rows
 from labrig.session.format.checksums import covered
+from labrig.session.format.extras import extras_of, without_extras
 from labrig.session.format.layout import Array
 from labrig.session.format.setup import DEVICES_SINCE, SessionSetup
 from protocols import run_to_dict, schedule_to_dict
@@ -89,7 +90,10 @@ def _status(entry: Any, setup: SessionSetup) -> None:
 
 def _setup_group(file: Any, setup: SessionSetup) -> None:
     group = _group(file, layout.SETUP, "NXcollection")
-    put_text(group, "schedule", json.dumps(schedule_to_dict(setup.schedule)))
+    put_text(group, "schedule", json.dumps(schedule_to_dict(without_extras(setup.schedule))))
+    extras = extras_of(setup.schedule)
+    if extras:
+        put_text(group, "extras", json.dumps(extras))
     put_text(group, "resolved", json.dumps(dict(setup.resolved)))
     for name, texts in (("texts", setup.texts), ("versions", setup.versions)):
         folder = _group(file, f"{layout.SETUP}/{name}", "NXcollection")
@@ -137,10 +141,13 @@ def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
         configuration=run.configuration,
         purpose=run.purpose.value,
         position_m=np.nan if run.position_m is None else run.position_m,
+        **({"extra": run.extra} if run.extra else {}),
     )
     put_text(group, "planned", json.dumps(run_to_dict(run)))
     group.create_dataset("acquisition", data=_not_started())
     _table(group, "writes", layout.WRITE_ROW, rows_in_chunk=32)
+    if run.reference:
+        _table(group, "control", layout.CONTROL_ROW, rows_in_chunk=256)
     _table(group, "readings", setup.reading_row, rows_in_chunk=16)
     _table(group, "marks", layout.MARK_ROW, rows_in_chunk=8)
     _signals(file, run, setup)

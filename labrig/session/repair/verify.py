@@ -108,7 +108,8 @@ def _digest(item: Any, version: int) -> str:
 
 
 def _run(run: RunRecord, session: RecordedSession) -> Iterator[Check]:
-    name = f"run {run.planned.index + 1}"
+    extra = run.planned.extra
+    name = f"run {run.planned.index + 1}" + (f", {extra}" if extra else "")
     whole = session.outcome is Outcome.COMPLETED or run.completed
     planned, have = len(run.planned.readings), len(run.readings_as_taken)
     cut = "" if whole else f" (the session {session.outcome.value})"
@@ -116,7 +117,7 @@ def _run(run: RunRecord, session: RecordedSession) -> Iterator[Check]:
     yield Check(
         name=f"{name}: readings", ok=ok, found=f"{have} of {planned}{cut}", wanted=f"{planned}"
     )
-    if whole and run.planned.readings:
+    if whole and (run.planned.readings or extra):
         least = int(run.planned.duration_s * run.sample_clock.rate_hz)
         yield Check(
             name=f"{name}: samples",
@@ -131,9 +132,12 @@ def _frames(run: RunRecord, name: str) -> Check:
     rows = run.readings_as_taken["frame"]
     astray = int((rows >= run.frame_count).sum())
     found = f"{run.frame_count} frames" + (f", {astray} of readings missing" if astray else "")
+    every = run.planned.keep_all_frames and run.completed
+    if every:
+        found += f" of {run.counts.frames_grabbed} that came"
     return Check(
         name=f"{name}: frames",
-        ok=astray == 0,
+        ok=astray == 0 and not (every and run.frame_count == 0),
         found=found,
-        wanted="the frame of each reading that has one",
+        wanted="every frame" if every else "the frame of each reading that has one",
     )

@@ -35,7 +35,7 @@ CURVES_OPTIONAL: Final = (
 )
 
 SIGNALS: Final = ("configuration", "position_mm", "time_s", "drive_V")
-SIGNALS_OPTIONAL: Final = ("force_mN", "current_mA", "mounting", "run")
+SIGNALS_OPTIONAL: Final = ("force_mN", "current_mA", "mounting", "run", "extra")
 
 KINDS: Final = ("zero", "discarded", "kept", "no_contact")
 APPROACHES: Final = ("up", "down")

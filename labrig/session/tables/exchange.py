@@ -33,7 +33,7 @@ IMPORTED = "import"  # the name of the protocol of a session that was not record
 
 def import_session(
     sheet: Path,
-    forces: Path,
+    forces: Path | None,
     output: Path,
     *,
     curves: Path | None = None,
@@ -42,17 +42,19 @@ def import_session(
 ) -> Measurements:
     """Make a session of CSV files: measurements without anything raw.
 
-    `about` is by default the about.toml in the folder of forces.csv, where there is one.
+    Without `forces` it holds the curves alone. `about` is by default the about.toml in the folder
+    of forces.csv or curves.csv, where there is one.
 
     Raises BadInputError for a fault in a file (naming it, the line and the column) and when the
     output exists.
     """
     output = Path(output)
-    text, stated = read_text(sheet), _about_text(about, Path(forces))
+    text = read_text(sheet)
     tables = dict(zip(_TABLES, (forces, curves, signals), strict=True))
-    read = read_tables(parse_sheet(text, str(sheet)), Path(forces), curves, signals)
+    read = read_tables(parse_sheet(text, str(sheet)), forces, curves, signals)
+    stated = _about_text(about, Path(forces or curves or sheet))
     sums = {name: _checksum(path) for name, path in tables.items() if path is not None}
-    measurements = replace(read, checksum=sums["forces.csv"])
+    measurements = replace(read, checksum=next(iter(sums.values())))
     if output.exists():
         raise BadInputError(f"{output} exists already; choose another name with -o.")
     if not output.parent.is_dir():

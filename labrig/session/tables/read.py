@@ -48,26 +48,34 @@ class _Gathered:
 
 def read_tables(
     sheet: Mapping[str, SheetGeometry],
-    forces: Path,
+    forces: Path | None,
     curves: Path | None = None,
     signals: Path | None = None,
 ) -> Measurements:
-    """Measurements from CSV files. Raises BadInputError naming file, line and column."""
+    """Measurements from CSV files: forces, curves or both.
+
+    Raises BadInputError naming file, line and column.
+    """
+    source = forces or curves
+    if source is None:
+        raise BadInputError("there is neither a table of forces nor one of curves.")
     gathered: dict[_Key, _Gathered] = {}
-    for row in read_rows(forces, columns.FORCES, columns.FORCES_OPTIONAL, columns.CHANNEL):
-        _add_force(gathered, row, sheet)
+    if forces is not None:
+        for row in read_rows(forces, columns.FORCES, columns.FORCES_OPTIONAL, columns.CHANNEL):
+            _add_force(gathered, row, sheet)
     unsaid = False
     if curves is not None:
         for row in read_rows(curves, columns.CURVES, columns.CURVES_OPTIONAL):
             unsaid |= _add_point(gathered, row, sheet)
-    if not any(each.readings for each in gathered.values()):
+    if forces is not None and not any(each.readings for each in gathered.values()):
         raise BadInputError(f"{forces}: holds no readings.")
+    without = _without_force(gathered) if forces is not None else ()
     found = Measurements(
         sheets=dict(sheet),
         conditions=tuple(_condition(key, each) for key, each in gathered.items()),
         series=_series(signals, sheet) if signals is not None else (),
-        source=forces.name,
-        warnings=(*_without_force(gathered), *([_UNSAID.format(curves)] if unsaid else [])),
+        source=source.name,
+        warnings=(*without, *([_UNSAID.format(curves)] if unsaid else [])),
     )
     return replace(found, warnings=(*found.warnings, *unit_warnings(found)))
 
@@ -131,7 +139,10 @@ def _add_point(
     key, unsaid = _meant(gathered, row, sheet, reading)
     found = _gathered(gathered, key, row)
     if reading is not None and reading not in found.readings:
-        raise row.fault(f"column reading: there is no force of reading {reading}")
+        raise row.fault(
+            f"column reading: there is no force of reading {reading}; of curves without forces only"
+            " the one of the mean image is used, whose reading is left empty"
+        )
     found.curves.setdefault(reading, CurvePoints()).add(row)
     return unsaid
 
@@ -196,6 +207,7 @@ def _condition(key: _Key, gathered: _Gathered) -> Condition:
 def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries, ...]:
     """Return a time series for each run; times that start again begin the next run."""
     rows: dict[tuple[str, float | None, int, int], list[tuple[float, ...]]] = {}
+    extras: dict[tuple[str, float | None, int, int], str] = {}
     turns: dict[tuple[str, float | None, int], int] = {}
     for row in read_rows(path, columns.SIGNALS, columns.SIGNALS_OPTIONAL):
         position_m = row.optional("position_mm", from_milli, NUMBER, None)
@@ -208,6 +220,7 @@ def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries,
             turn += 1
         turns[place] = turn
         values = rows.setdefault((*place, turn), [])
+        extras[(*place, turn)] = row.optional("extra", str, "a text", "")
         if values and time_s <= values[-1][0]:
             raise row.fault("column time_s: times must rise within a position")
         values.append(
@@ -222,7 +235,10 @@ def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries,
             raise row.fault("force_mN and current_mA must be there for all of a position, or none")
     if not rows:
         raise BadInputError(f"{path}: holds no samples.")
-    return tuple(_one_series(*key, np.array(values)) for key, values in rows.items())
+    return tuple(
+        replace(_one_series(*key, np.array(values)), extra=extras[key])
+        for key, values in rows.items()
+    )
 
 
 def _one_series(

@@ -149,6 +149,7 @@ def _signals(series: Iterable[TimeSeries]) -> Iterator[Cells]:
             "position_mm": "" if each.position_m is None else milli(each.position_m),
             "mounting": str(each.mounting) if each.mounting else "",
             "run": str(each.run) if each.run else "",
+            "extra": each.extra,
         }
         for at in range(len(each.time_s)):
             cells = where | {"time_s": plain(each.time_s[at]), "drive_V": plain(each.drive_V[at])}

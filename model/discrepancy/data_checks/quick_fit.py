@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.data_checks.contract import Change
-from model.identification.base_model import BaseOptions, bases_of
+from model.identification.base_model import BaseOptions, bases_of, usual_stiffness
 from model.identification.data.data_vector import look, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
@@ -23,7 +23,6 @@ from model.identification.starting_values import rest_field
 from model.measurements import Condition, Curve, FloatArray, Measurements, ModelError, Reading
 
 CURVE_POINTS = 40
-USUAL_MODULUS_PA = 1e8  # of the sheets' material, to begin with
 LEAST_FORCE_N, FORCE_SHARE = 3e-5, 0.03  # tolerance of a mean force: the larger of both
 CURVE_SHARE = 1e-3  # tolerance of a curve, of the sheet's length
 ROUNDS, SHORTEST = 8, 0.1  # of a continuous datum's fit, and share of a step that is still tried
@@ -150,9 +149,7 @@ class _Posed:
         for scene, part in zip(self.forward.scenes, self.bases.parts, strict=True):
             for i, (mean, _) in part.prior.items():
                 theta[i] = mean
-            sheet = scene.sheet
-            area = sheet.width_m * sheet.thickness_m**3 / 12.0
-            theta[part.stiffness] = np.log(USUAL_MODULUS_PA * area)
+            theta[part.stiffness] = np.log(usual_stiffness(scene.sheet))
         return theta
 
     def at(self, theta: FloatArray, value: float) -> QuickFit:

@@ -48,6 +48,7 @@ class Score:
     amplitude: float  # most likely multiple of the candidate's own size
     scale: float  # the size at which the evidence is largest
     length: float  # whitened length of the form at unit size, after the base is refitted
+    further: tuple[float, ...] = ()  # most likely multiples of further sizes
 
 
 def members(effect: Effect) -> list[dict[str, float]]:
@@ -162,7 +163,16 @@ def score(forward: ForwardModel, projected: Projected, candidate: Candidate) -> 
         amplitude=float(c[0]),
         scale=float(scales[best]),
         length=float(np.sqrt(max(A[0, 0], 0.0))),
+        further=tuple(c[len(c) - _further_columns(candidate) :].tolist()),
     )
+
+
+def _further_columns(candidate: Candidate) -> int:
+    """Return how many of its columns, at the end, are further sizes of all configurations."""
+    effect = candidate.effect
+    if effect is None or effect.by_configuration:
+        return 0
+    return sum(k.estimated for k in effect.parameters)
 
 
 def averaged(log_bayes: Sequence[float]) -> float:
@@ -175,6 +185,8 @@ def allowed(one: Score) -> bool:
     effect = one.candidate.effect
     if effect is None:
         return True
+    if not effect.differs((one.amplitude, *one.further)):
+        return False
     size = effect.amplitude
     value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
     if size.starting_values:

@@ -106,7 +106,7 @@ def linearised(fitted: MixedModelFit, c: int) -> Linearised:
     forward, state = fitted.problem.forward, fitted.linear.states[c]
     scene, part = forward.scenes[c], forward.part(c)
     measured_at = part.mean(part.clock.session)
-    measured_at[scene.free] = scene.free_clock.session
+    measured_at[scene.unread] = scene.unread_clock.session
     return Linearised(
         beam=state.beam, contact=state.solved.contact, weighed=state.weighed,
         points=forward.points(c, state.solved), clock=part.clock,

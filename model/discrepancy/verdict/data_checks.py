@@ -46,7 +46,9 @@ def _out_of_reach(base: MixedModelFit) -> Iterator[str]:
 def _of_no_run(measurements: Measurements) -> Iterator[str]:
     known = {run_key(c)[:3] for c in measurements.conditions}
     for series in measurements.series:
-        if series.position_m is not None and run_key(series)[:3] not in known:
+        if series.position_m is None or series.extra:
+            continue
+        if run_key(series)[:3] not in known:
             yield (
                 f"the series of '{series.configuration}' at {series.position_m * 1e3:g} mm is left"
                 " out: no force was measured there"

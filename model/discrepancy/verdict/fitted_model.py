@@ -10,6 +10,7 @@ from model.discrepancy.prepare import Options
 from model.discrepancy.thresholds import INTERVAL_FREEDOM
 from model.discrepancy.verdict.written_form import with_bands
 from model.effects.interface import EffectParameter
+from model.identification.base_model import weighs
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import Found
 from model.measurements import Measurements
@@ -100,9 +101,8 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     scene, theta = forward.scenes[c], final.theta
     sigma = np.sqrt(np.maximum(np.diag(final.solution.covariance), 0.0))
     B = float(np.exp(theta[part.stiffness]))
-    stiffness = Parameter(
-        value=B, sigma=B * float(sigma[part.stiffness]), unit="N m^2", freedom=INTERVAL_FREEDOM
-    )
+    share = float(sigma[part.stiffness]) if weighs(scene.look) else 1.0  # then nothing is known
+    stiffness = Parameter(value=B, sigma=B * share, unit="N m^2", freedom=INTERVAL_FREEDOM)
     stated = scene.sheet.initial_curvature
     if stated is not None:
         along = Along(stated[0], stated[1], np.zeros(len(stated[0])), "1/m")
@@ -127,16 +127,22 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
 
 
 def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
-    """B and EIBM of each configuration, by the names that people see."""
+    """B and EIBM of each configuration, by the names that people see; their ratio without forces.
+
+    Where nothing was weighed shapes know no more.
+    """
     result = {}
     for c, name in enumerate(final.problem.forward.names):
         sheet = _sheet(final, c)
-        own = {"B_Nm2": sheet.B}
+        known = weighs(final.problem.forward.looks[c])
+        own = {"B_Nm2": sheet.B} if known else {}
+        what, unit = ("EIBM", "N m") if known else ("EIBM/B", "1/m")
+        scale = 1.0 if known else 1.0 / sheet.B.value
         for volts, along in sorted(sheet.eibm.items()):
-            own[f"EIBM {volts:+g} V"] = Parameter(
-                value=float(along.values[0]),
-                sigma=float(along.sigma[0]),
-                unit="N m",
+            own[f"{what} {volts:+g} V"] = Parameter(
+                value=scale * float(along.values[0]),
+                sigma=scale * float(along.sigma[0]),
+                unit=unit,
                 freedom=INTERVAL_FREEDOM,
             )
         result[name] = own

@@ -142,7 +142,7 @@ def look(measurements: Measurements, configuration: str) -> DataVector:
         raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
     zeros_N = (_load_cell_zero(c, session, begun) for c in own)
     seen += tuple(s for s in zeros_N if s is not None)
-    series = [s for s in measurements.series if s.configuration == configuration]
+    series = [s for s in measurements.series if s.configuration == configuration and not s.extra]
     pulses = [p for s in series for p in _pulses(s, seen)]
     return DataVector(
         sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.last_s - session.first_s
@@ -195,7 +195,8 @@ def _seen(
     place = "free" if at_m is None else f"{at_m * 1e3:g} mm"
     name = f"{condition.configuration}, {place}, {condition.voltage_V:+g} V"
     readings = sorted(condition.used(), key=_index)
-    if (not free and not readings) or (free and condition.curve is None):
+    shape_alone = not condition.readings and condition.curve is not None
+    if condition.curve is None if free else not (readings or shape_alone):
         return None
     if not np.isfinite(condition.voltage_V):
         raise ModelError(f"the voltage of condition {name} is not a finite number")
@@ -206,7 +207,7 @@ def _seen(
     early = [] if free or identical else _early(condition)
     own = (*_alike([r.curve for r in early], own, name), *own)
     readings = [*early, *readings]
-    forces = np.array([] if free else [r.force_N for r in readings])
+    forces = np.array([] if free else [r.force_N for r in readings], dtype=float)
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     key = run_key(condition)
@@ -220,7 +221,7 @@ def _seen(
         name=name, configuration=condition.configuration, run=key,
         position_m=np.nan if at_m is None else float(at_m), voltage_V=condition.voltage_V,
         up=-1.0 if condition.approach == "down" else 1.0, force_N=forces,
-        clock=timing.of_no_reading(begun) if free else timing.of(readings, at),
+        clock=timing.of(readings, at) if len(forces) else timing.of_no_reading(begun),
         counts=np.arange(len(forces)) >= len(early), curve=curve, own_curves=() if free else own,
         identical=identical, tilt_rad=condition.tilt_rad, session=condition.session,
     )  # fmt: skip

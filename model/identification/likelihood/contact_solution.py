@@ -80,12 +80,14 @@ class ConfigurationModel:
         self.touching = np.flatnonzero(~np.isnan(self.stated_m))
         # not those in which the load cell alone is read
         self.free = np.flatnonzero([o.free and not o.zero for o in seen])
-        self.free_clock = AcquisitionTimes.joined([seen[k].clock for k in self.free])
+        # those whose shape alone was recorded, free or held
+        self.unread = np.flatnonzero([not len(o.force_N) for o in seen])
+        self.unread_clock = AcquisitionTimes.joined([seen[k].clock for k in self.unread])
         # times whose mean a condition is, of which condition each is, and its share
         self.mean_times = (
-            AcquisitionTimes.joined([self.clock, self.free_clock]),
-            np.concatenate([self.reading_of, self.free]),
-            np.concatenate([self.share, np.ones(len(self.free))]),
+            AcquisitionTimes.joined([self.clock, self.unread_clock]),
+            np.concatenate([self.reading_of, self.unread]),
+            np.concatenate([self.share, np.ones(len(self.unread))]),
         )
         self._stack_curves()
         # by condition: angle and solution where the contact was last beside the point on the arc

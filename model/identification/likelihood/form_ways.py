@@ -198,6 +198,8 @@ def _in_time(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
             bin_stiffness=step.bin_stiffness * bins, frame_eibm=step.frame_eibm * wave,
         )  # fmt: skip
         yield Way(way, 0.6 * FORM / j, _Span("pulse", 0.0, PULSE_S, "voltage").wave(j))
+    if not len(at):  # shapes alone: none of them is dated
+        return
     size = [0.5 * float(np.ptp(v)) for v in (step.eibm, step.stiffness, step.force_N)]
     for along, times in _SLOW:
         values = getattr(part.clock, times)

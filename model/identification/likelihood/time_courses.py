@@ -46,25 +46,25 @@ def in_parts(part: RowBlock, one: Acting) -> tuple[Courses, Courses]:
 
 def of_free_shapes(scene: ConfigurationModel, acting: Sequence[Acting]) -> FloatArray:
     """Return the relative change of Me/B that courses in time make to the free shapes: (K,)."""
-    found = [course(one, scene.free_clock) for one in acting]
+    found = [course(one, scene.unread_clock) for one in acting]
     changes = [eibm - stiffness for eibm, stiffness in (both for both in found if both is not None)]
-    return _of_free(scene, np.sum([np.zeros(len(scene.free)), *changes], axis=0))
+    return _of_unread(scene, np.sum([np.zeros(len(scene.unread)), *changes], axis=0))
 
 
 def in_images(
     scene: ConfigurationModel, acting: Sequence[Acting]
 ) -> tuple[FloatArray, FloatArray] | None:
     """Return the relative change of the EIBM in images: of readings (n,), of free shapes (K,)."""
-    readings, shapes = image_change(acting, scene.clock), image_change(acting, scene.free_clock)
+    readings, shapes = image_change(acting, scene.clock), image_change(acting, scene.unread_clock)
     if readings is None or shapes is None:
         return None
-    return readings, _of_free(scene, shapes)
+    return readings, _of_unread(scene, shapes)
 
 
-def _of_free(scene: ConfigurationModel, values: FloatArray) -> FloatArray:
-    """Values of the free shapes among all conditions; 0 elsewhere and at 0 V: (K,)."""
+def _of_unread(scene: ConfigurationModel, values: FloatArray) -> FloatArray:
+    """Values of the shapes without readings among all conditions; 0 elsewhere and at 0 V: (K,)."""
     result = np.zeros(scene.K)
-    result[scene.free] = np.where(scene.voltage_V[scene.free] != 0.0, values, 0.0)
+    result[scene.unread] = np.where(scene.voltage_V[scene.unread] != 0.0, values, 0.0)
     return result
 
 

@@ -16,6 +16,7 @@ from labrig.session import load_measurements, open_session, verify
 from labrig.vision import Optics
 from protocols import Extras, Place, make_schedule
 from protocols.execution import events as ev
+from protocols.extras.free_shapes import FreeShapes
 from protocols.kinds.pulse_train import PulseTrain
 from tests.labrig.analysis.analysed import (
     OPTICS,
@@ -73,7 +74,7 @@ def test_conditions_hold_all_that_was_measured(tmp_path):
 def test_extras_become_conditions_of_their_own_kind(tmp_path):
     extras = Extras(
         no_touch_zero=True,
-        free_shapes=True,
+        added=(FreeShapes(),),
         reversed_approach=True,
         remounts=1,
         dead_weights_N=(0.01,),

@@ -105,7 +105,8 @@ def test_data_that_say_too_little_end_in_a_verdict_or_in_a_sentence(
     [
         ([], "give a session, or CSV tables with --sheet and --forces"),
         (["gone.h5"], "there is no such file"),
-        (["--forces", "gone.csv"], "--sheet and --forces"),
+        (["--forces", "gone.csv"], "--sheet and --forces, --curves or both"),
+        (["--sheet", "sheet.toml"], "--sheet and --forces, --curves or both"),
         (["a.h5", "--sheet", "sheet.toml"], "either a session or CSV tables"),
     ],
 )

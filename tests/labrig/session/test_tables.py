@@ -98,6 +98,26 @@ def comparable(found: Measurements, wanted: Measurements) -> Measurements:
     )  # fmt: skip
 
 
+def test_curves_alone_are_measurements_without_readings(tmp_path):
+    found = read(tmp_path, forces=None, curves=CURVES)
+    assert found.source == "curves.csv"
+    (condition,) = found.conditions
+    assert condition.readings == ()
+    assert condition.curve is not None
+    assert not any("but no force" in text for text in found.warnings)
+    with pytest.raises(BadInputError, match="neither a table of forces nor one of curves"):
+        read_tables(SHEETS, None)
+
+
+def test_a_session_can_be_made_of_curves_alone(tmp_path):
+    (tmp_path / "sheet.toml").write_text(SHEET, encoding="utf-8")
+    (tmp_path / "curves.csv").write_text(CURVES, encoding="utf-8")
+    sheet, curves, output = (tmp_path / n for n in ("sheet.toml", "curves.csv", "old.h5"))
+    made = import_session(sheet, None, output, curves=curves)
+    assert [check for check in verify(output) if not check.ok] == []
+    assert same(load_measurements(output), made)
+
+
 def test_a_round_trip_loses_nothing(tmp_path):
     wanted = measurements()
     paths = write_tables(wanted, tmp_path / "out")

@@ -16,9 +16,9 @@ ZEROS_MN = (-0.2, 0.3)
 
 
 @cache
-def two_days() -> Measurements:
+def two_days(zeros_mN: tuple[float, ...] = ZEROS_MN) -> Measurements:
     """The long sheet on two days, between which the load cell was tared anew."""
-    whole = means_of(measured("session_zero", ZEROS_MN, seed=7))
+    whole = means_of(measured("session_zero", zeros_mN, seed=7))
     long = tuple(c for c in whole.conditions if c.configuration == "long")
     return replace(whole, sheets={"long": whole.sheets["long"]}, conditions=long)
 
@@ -50,3 +50,9 @@ def test_the_written_model_predicts_each_session():
     assert mean == pytest.approx(0.5 * (first + second))
     # each session's own errors are those that the file states
     assert model.merit["force_rmse_N"] < 0.06e-3
+
+
+@pytest.mark.slow
+def test_a_zero_that_is_the_same_on_both_days_is_an_offset():
+    names = [one.name for one in diagnose(two_days((0.3, 0.3))).effects]
+    assert names == ["force_offset"]

@@ -80,3 +80,12 @@ def test_curves_of_another_session_have_another_scale():
     np.testing.assert_allclose(dx[0], 0.02 * example_points().x_m[0])
     assert not np.any(dx[1])
     assert not np.any(dy[1])
+
+
+def test_what_is_about_the_same_in_all_sessions_does_not_differ():
+    zero, stiffness = effect("session_zero"), effect("session_stiffness")
+    assert not zero.differs((3.0, 2.9))
+    assert not zero.differs((-3.0, -2.4, -2.8))
+    assert zero.differs((3.0, 0.1))
+    assert zero.differs((0.1, -0.1))
+    assert stiffness.differs((0.01,))  # a difference from the first session is one

@@ -85,7 +85,8 @@ const PURPOSES = { no_touch_zero: "zero", free_shape: "free shape", dead_weight:
 export function placeOf(run) {
   const where = run.position_mm == null ? "free" : `${run.position_mm} mm`.replace("-", "\u2212");
   const again = run.mounting ? `, set anew ${run.mounting}` : "";
-  const purpose = PURPOSES[run.purpose] ? `, ${PURPOSES[run.purpose]}` : "";
+  const named = run.extra ? run.extra.replaceAll("_", " ") : PURPOSES[run.purpose];
+  const purpose = named ? `, ${named}` : "";
   const repeat = run.repeats == null ? "" : `, run ${run.repeats + 1} again`;
   return `${run.configuration}, ${where}${again}${purpose}${repeat}`;
 }

@@ -165,6 +165,7 @@ class NewRun {
       0,
       ...runs.flatMap((run) => run.steps.map(([, volts]) => Math.abs(volts))),
     );
+    const total = runs.reduce((sum, run) => sum + run.under_voltage_s, 0);
     const under = Math.max(0, ...runs.map((run) => run.under_voltage_s));
     const readings = runs.reduce((sum, run) => sum + run.readings.length, 0);
     return [
@@ -173,8 +174,10 @@ class NewRun {
       fact("voltage", `up to ${plain(most)} V of ${plain(limits.sheet_voltage_V)} V allowed`),
       fact(
         "under voltage",
-        `up to ${number(under, 1)} s of ${plain(limits.time_under_voltage_s)} s allowed in one run`,
+        `${number(total, 1)} s in all, up to ${number(under, 1)} s of ${plain(limits.time_under_voltage_s)} s allowed in one run`,
       ),
+      plan.free_shapes ? fact("free shapes", plan.free_shapes) : null,
+      ...(plan.warnings ?? []).map((text) => fact("dynamic fit", `${text}.`)),
     ];
   }
 

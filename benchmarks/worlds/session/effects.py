@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.worlds.contract import HiddenKind
-from benchmarks.worlds.generators._elements_beam import Cases, Law
-from benchmarks.worlds.generators._elements_protocol import Samples
+from benchmarks.worlds.session.layout import Samples
 
 Array = npt.NDArray[np.float64]
 
@@ -47,15 +46,28 @@ class Image:
     phi_rad: Array
 
 
+@dataclass
+class Taken:
+    """One configuration's samples and what was true at them."""
+
+    at: Samples
+    load: Load
+    held: npt.NDArray[np.bool_]  # reachable
+    image: Image  # of the frames, in their order
+
+
 @dataclass(frozen=True, kw_only=True)
 class Acting:
-    """A kind and where it acts; every function has the size last."""
+    """A kind and where it acts; every function has the size last.
+
+    `cases`, `setting` and `law` change what the generator's own solver is given.
+    """
 
     kind: HiddenKind
-    cases: Callable[[Cases, Samples, Sheet, float], None] | None = None
+    cases: Callable[[Any, Samples, Sheet, float], None] | None = None
     setting: Callable[[float], Mapping[str, Any]] | None = None
-    law: Callable[[float], Law] | None = None
-    slides: Callable[[Array, Samples, float], Array] | None = None  # s_hat -> rubbing
+    law: Callable[[float], Any] | None = None
+    slides: Callable[[Array, Samples, float], Array] | None = None  # s_hat -> friction
     force: Callable[[Load, float], Array] | None = None
     image: Callable[[Image, float], tuple[Array, Array]] | None = None
     delay_s: Callable[[float], float] | None = None

@@ -1,8 +1,11 @@
-"""When what is measured: the runs of a session, their set-ups, and every sample's circumstances."""
+"""When what is measured: the runs of a session, their set-ups, and every sample's circumstances.
+
+A generator may lay its sessions out in this way, with times, scatter and streams of its own.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -11,14 +14,25 @@ import numpy.typing as npt
 from benchmarks.worlds.contract import Design
 
 Array = npt.NDArray[np.float64]
-RISE_S = 0.035  # time constant of the voltage across the sheet
-SERIES_S = 0.04
-RUN_S = 70.0  # from one run to the next
-WET_S = 12.0  # from wetting to the beginning of a run
 READING, FRAME, SERIES = 0, 1, 2
-DEGREES = 6.0  # of Student's t, of which set-ups are drawn
-EIBM_SCATTER, STIFFNESS_SCATTER = 0.01, 0.01
-POSITION_SCATTER_M, REGISTRATION_M = 0.05e-3, 0.015e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Layout:
+    """Times, scatter from one set-up to the next, and streams of random numbers."""
+
+    rise_s: float  # time constant of the voltage across the sheet
+    series_s: float  # from one sample of a series to the next
+    run_s: float  # from one run to the next
+    wet_s: float  # from wetting to the beginning of a run
+    registration_m: float
+    order_key: int
+    setup_key: int
+    # numbers of unit variance, of which set-ups are drawn
+    drawn: Callable[[np.random.Generator, int], Array]
+    position_m: float = 0.05e-3
+    eibm: float = 0.01  # relative
+    stiffness: float = 0.01
 
 
 @dataclass(frozen=True)
@@ -38,10 +52,10 @@ class Run:
     registration_m: tuple[float, float] = (0.0, 0.0)
 
 
-def runs_of(design: Design, seed: int, exact: bool) -> list[Run]:
+def runs_of(layout: Layout, design: Design, seed: int, exact: bool) -> list[Run]:
     """Return the runs in their order."""
     places: list[tuple[str, float | None, int]] = []
-    random = np.random.default_rng((seed, 310))
+    random = np.random.default_rng((seed, layout.order_key))
     for name, positions in design.positions_m.items():
         places += [(name, None, 0)] * design.free_shapes
         order = random.permutation(len(positions)) if design.random_order else range(len(positions))
@@ -50,21 +64,22 @@ def runs_of(design: Design, seed: int, exact: bool) -> list[Run]:
         for turn, k in enumerate(again):
             places.append((name, positions[k], 1 + turn // len(positions)))
     length = slots_of(design).size * design.pulse_s
-    whole = (len(places) - 1) * RUN_S + length
+    whole = (len(places) - 1) * layout.run_s + length
     result = []
     for number, (name, position, mounting) in enumerate(places):
-        z = np.random.default_rng((seed, 311, number)).standard_t(DEGREES, 6) * (not exact)
-        z = z * np.sqrt((DEGREES - 2.0) / DEGREES)
-        start = RUN_S * number
+        of_setup = np.random.default_rng((seed, layout.setup_key, number))
+        z = layout.drawn(of_setup, 6) * (not exact)
+        aside = layout.registration_m
+        start = layout.run_s * number
         tau = (0.5, 0.5) if exact else (start / whole, (start + length) / whole)
         result.append(
             Run(
                 number, name, position, mounting,
-                0.5 * whole if exact else start, WET_S + 2.0 * float(np.tanh(z[5])), tau,
-                eibm=1.0 + EIBM_SCATTER * float(z[0]),
-                stiffness=1.0 + STIFFNESS_SCATTER * float(z[1]),
-                moved_m=POSITION_SCATTER_M * float(z[2]),
-                registration_m=(REGISTRATION_M * float(z[3]), REGISTRATION_M * float(z[4])),
+                0.5 * whole if exact else start, layout.wet_s + 2.0 * float(np.tanh(z[5])), tau,
+                eibm=1.0 + layout.eibm * float(z[0]),
+                stiffness=1.0 + layout.stiffness * float(z[1]),
+                moved_m=layout.position_m * float(z[2]),
+                registration_m=(aside * float(z[3]), aside * float(z[4])),
             )
         )  # fmt: skip
     return result
@@ -112,20 +127,20 @@ class Samples:
             yield rows[np.argsort(self.time_s[rows], kind="stable")]
 
 
-def samples_of(run: Run, design: Design, delay_s: float) -> Samples:
+def samples_of(layout: Layout, run: Run, design: Design, delay_s: float) -> Samples:
     """Return a run's readings, the frames that belong to them, and its series."""
     drive = slots_of(design)
     reading = np.arange(len(drive)) * design.pulse_s + design.sample_s
     series = np.zeros(0)
     if design.series:
         whole = len(drive) * design.pulse_s
-        series = SERIES_S * np.arange(1, 1 + int(whole / SERIES_S + 1e-6))
+        series = layout.series_s * np.arange(1, 1 + int(whole / layout.series_s + 1e-6))
     time = np.concatenate([reading, np.maximum(reading - delay_s, 0.0), series])
     role = np.repeat([READING, FRAME, SERIES], [len(reading), len(reading), len(series)])
     slot = np.clip(np.ceil(time / design.pulse_s - 1e-9).astype(int) - 1, 0, len(drive) - 1)
     before = np.concatenate([[0.0], drive[:-1]])
     phase = time - slot * design.pulse_s
-    decay = np.exp(-np.maximum(phase, 0.0) / RISE_S)
+    decay = np.exp(-np.maximum(phase, 0.0) / layout.rise_s)
     share = time / (len(drive) * design.pulse_s)
     return Samples(
         run=np.full(len(time), run.number),

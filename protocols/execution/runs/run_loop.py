@@ -2,65 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass
-
-from drivers.interfaces import CameraCounts, Clock, DeviceError, DeviceTimeoutError, VoltageWrite
-from protocols.execution.devices import Devices
+from drivers.interfaces import CameraCounts, DeviceError, DeviceTimeoutError, VoltageWrite
+from protocols.execution.devices import StageMove
 from protocols.execution.events import (
-    Event,
+    LoadCellArrived,
+    LoadCellLeft,
     RunStarted,
     RunStopped,
     SignalsArrived,
     VoltageSet,
-    Warned,
 )
-from protocols.execution.output import GuardedOutput
 from protocols.execution.readings import ReadingMaker
-from protocols.execution.rules import LoopTiming, Rules
+from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
+from protocols.execution.runs.loop import Loop, Stopped
 from protocols.execution.states import RunState
-from protocols.execution.stop import StopLevel, StopRequest
-from protocols.planning.schedule import PlannedRun
+from protocols.execution.stop import StopLevel
+from protocols.planning.schedule import PlannedMove, PlannedRun
 
 # Making safe continues, and may take its time; until then only hands can act.
 NOT_ZERO = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand ({why})"
 OVERDUE_S = 0.5  # service so long overdue happens although an edge is near
-
-
-class Stopped(Exception):  # noqa: N818 - not an error: a request is followed
-    """The session is to end; the text is the reason that was given."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Loop:
-    """What all runs of a session are executed with."""
-
-    devices: Devices
-    output: GuardedOutput
-    clock: Clock
-    emit: Callable[[Event], None]
-    stop: StopRequest
-    beat: Callable[[], None]  # called at least every 50 ms while energised
-    enter: Callable[[RunState], None]
-    rules: Rules
-    timing: LoopTiming
-    keep_all_frames: bool
-
-    def guarded(self, what: str, act: Callable[[], object]) -> Exception | None:
-        """Do something while cleaning up: a failure is reported and does not stop the rest."""
-        try:
-            act()
-        except Exception as error:  # noqa: BLE001 - whatever it is, the clean-up continues
-            with suppress(Exception):
-                self.emit(Warned(self.clock.now(), f"{what}: {error or type(error).__name__}"))
-            return error
-        return None
-
-    def emit_if_possible(self, event: Event) -> None:
-        """Emit an event while cleaning up after a failure, which may be the recording's own."""
-        with suppress(Exception):
-            self.emit(event)
 
 
 class RunLoop:
@@ -78,6 +39,7 @@ class RunLoop:
         frame_rate_hz: float,
         stage_position_m: float | None,
         wetted_at_s: float | None,
+        feedback: FeedbackLaw | None = None,
     ) -> None:
         self._loop = loop
         self._run = run
@@ -85,11 +47,14 @@ class RunLoop:
         self._stage_position_m = stage_position_m
         self._wetted_at_s = wetted_at_s
         self._rows = loop.devices.rows()
+        self._feedback = feedback
+        self._control: ControlLoop | None = None
         self._maker: ReadingMaker | None = None
         self._zero_s = 0.0  # clock time of the run's time 0
         self._next_service_s = 0.0
         self._last_sample_s = 0.0
         self._cost_s = 0.0  # of servicing, recently
+        self._keep_all_frames = loop.keep_all_frames or run.keep_all_frames
 
     def execute(self) -> None:
         """Run it. Raises Stopped, DeviceError, or whatever else went wrong; at 0 V in any case."""
@@ -114,7 +79,7 @@ class RunLoop:
         if devices.camera is not None:
             devices.camera.start()
             frame_shape = devices.camera.frame_shape
-            if loop.keep_all_frames:
+            if self._keep_all_frames:
                 devices.camera.want_all()
         sample_clock = devices.signals.start()
         now_s = loop.clock.now()
@@ -128,8 +93,10 @@ class RunLoop:
             self._frame_rate_hz,
             loop.rules,
             loop.timing,
-            keep_all_frames=loop.keep_all_frames,
+            keep_all_frames=self._keep_all_frames,
         )
+        if self._run.reference and self._feedback is not None:
+            self._control = ControlLoop(loop, self._run, self._feedback, sample_clock, self._zero_s)
         loop.emit(
             RunStarted(
                 time_s=self._zero_s,
@@ -147,12 +114,57 @@ class RunLoop:
         """Execute the steps; False when a request ended them before the last one."""
         for index, step in enumerate(self._run.steps):
             due_s = self._zero_s + step.time_s
-            if not self._until(due_s, maker) or self._stop_before(index):
+            wait = self._under_control if index and self._control else self._until
+            if not wait(due_s, maker) or self._stop_before(index):
                 return self._cut_short(maker)
             if index == 0:
                 self._loop.enter(RunState.RUNNING)
             self._follow_up(index, due_s, self._loop.output.write(step.voltage_V))
-        return self._until(self._zero_s + self._run.duration_s, maker) or self._cut_short(maker)
+        end_s = self._zero_s + self._run.duration_s
+        if self._run.move is not None:
+            arrived_s = self._arrived_s(self._run.move, maker)
+            if arrived_s is None:
+                return self._cut_short(maker)
+            end_s += arrived_s - (self._zero_s + self._run.move.time_s)
+        return self._until(end_s, maker) or self._cut_short(maker)
+
+    def _arrived_s(self, move: PlannedMove, maker: ReadingMaker) -> float | None:
+        """Have the load cell moved and service the devices meanwhile; None: the run is to end.
+
+        Raises Stopped when the operator declines, and what the stage raises.
+        """
+        loop = self._loop
+        if not self._until(self._zero_s + move.time_s, maker):
+            return None
+        moving = StageMove(loop.devices.stage, loop.clock, move.position_m)
+        loop.emit(LoadCellLeft(moving.began_s, run=self._run.index, position_m=move.position_m))
+        try:
+            while not moving.ended:
+                if not self._until(loop.clock.now() + loop.timing.service_s, maker):
+                    return None
+        finally:
+            moving.wait()
+        if not moving.arrived():
+            raise Stopped("the operator was asked to move the load cell and stopped the session")
+        loop.emit(
+            LoadCellArrived(
+                moving.ended_s,
+                run=self._run.index,
+                position_m=move.position_m,
+                reported_m=moving.reported_m,
+            )
+        )
+        return moving.ended_s
+
+    def _under_control(self, when_s: float, maker: ReadingMaker) -> bool:
+        """Let the controller set the voltage until a moment; False when a stop is asked for."""
+        assert self._control is not None  # noqa: S101 - for the type checker
+        return self._control.until(
+            when_s,
+            maker.samples,
+            take_samples=lambda: self._take_samples(maker, self._loop.clock.now()),
+            service=lambda: self._service(maker),
+        )
 
     def _cut_short(self, maker: ReadingMaker) -> bool:
         """Follow a request to stop after the pulse, which is over now."""
@@ -266,6 +278,8 @@ class RunLoop:
         """
         loop, devices, maker = self._loop, self._loop.devices, self._maker
         emit = loop.emit if completed else loop.emit_if_possible
+        for periods in self._control.not_emitted() if self._control else ():
+            emit(periods)
         if maker is not None and not completed:
             loop.guarded("last samples", lambda: self._take_samples(maker, loop.clock.now()))
         failed = loop.guarded("stopping the signal input", devices.signals.stop)
