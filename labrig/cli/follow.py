@@ -283,6 +283,8 @@ class RunDisplay:
         if run is None:
             return
         where = "free" if run.position_m is None else f"{1e3 * run.position_m:g} mm"
+        if run.extra:
+            where += f", {run.in_words}"
         parts = [
             _which(run, len(self._runs)),
             f"{run.configuration}, {where}",

@@ -11,7 +11,11 @@ from enum import StrEnum
 
 from protocols.serialise import OMITTED_AS_DEFAULT
 
-AT_REST_S = 3.0  # a free sheet has stopped swinging, with the losses of Nafion in air
+# When a free sheet is within about half a millimetre of its shape at 0 V, and within a tenth of a
+# millimetre of that under voltage, where its electrodes charge, too: with the losses of Nafion in
+# air, as `model.dynamics` has them.
+AT_REST_S = 3.0
+SETTLED_S = 6.0
 
 
 class ReadingKind(StrEnum):
@@ -106,6 +110,11 @@ class PlannedRun:
     def measures(self) -> bool:
         """Whether it is one of the protocol's own measurements, in contact."""
         return self.purpose is Purpose.MEASUREMENT and not self.extra
+
+    @property
+    def in_words(self) -> str:
+        """What it is for: the extra that added it, else its purpose."""
+        return (self.extra or self.purpose.value).replace("_", " ")
 
     def time_of(self, reading: PlannedReading) -> float:
         """Planned time of a reading's sampling point, s."""

@@ -169,6 +169,8 @@ class Translator:
         self._frames[index] = {}
         name = event.run.configuration
         place = "free" if event.run.position_m is None else f"{event.run.position_m * 1000:g} mm"
+        if event.run.extra:
+            place += f", {event.run.in_words}"
         again = event.run.repeats
         more = "" if again is None else f", run {again + 1} again"
         state = self._acquisition(event)
