@@ -161,8 +161,8 @@ class Simulation:
     ) -> SheetMotion:
         """Return the motion at `times_s`, ascending, the first not before where it stopped.
 
-        s_m: points along sheet and elongation; None: 21, evenly. Raises ModelError where the motion
-        cannot be followed in steps of this length.
+        s_m: points along sheet and elongation, none or more; None: 21, evenly. Raises ModelError
+        where the motion cannot be followed in steps of this length.
         """
         times = np.atleast_1d(np.asarray(times_s, dtype=float))
         if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0.0):
@@ -246,7 +246,7 @@ class Simulation:
         on, track, given, line = self.body.space, made.track, made.given, made.line
         s, at = self._points(s_m)
         q, psi = track.q[rows], given.clamp[rows, 0]
-        phi = q @ self._dense[0].T + psi[:, None]
+        phi = q @ self._dense[0].T + psi[:, None] if len(s) else np.zeros((len(q), len(on.s_m)))
         normal, force, reading = (np.zeros(len(times)) for _ in range(3))
         s_hat, phi_hat = np.full(len(times), np.nan), np.full(len(times), np.nan)
         if self.setup is not None and self._filter is not None:
