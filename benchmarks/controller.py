@@ -10,11 +10,15 @@ from __future__ import annotations
 from collections import defaultdict
 
 from benchmarks._loop_faults import LONGEST_S, Ended, random_faults, run_with
+from benchmarks._loop_step import Steps, steps
 from benchmarks.report import Report, Table, busy
+from model.dynamics.linear.linear_model import read_by
 from model.dynamics.linear.loop_design import LoopDesign, designed
 from tests.model.dynamics.sheets import SHORT, beam, model_of
 
 FAULTS, SEED = 100, 7
+WORLDS = (21, 22)  # seeds
+CELL_HZ, CELL_DAMPING = 100.0, 0.02  # resonance of the moving world's load cell
 RATE_HZ, DELAY_S, LIMIT_V = 200.0, 3e-3, 2.0
 SHEETS = {"long, 0 mm": ({}, 0.0), "long, 15 mm": ({}, 0.015), "short, 5 mm": (SHORT, 0.005)}
 
@@ -27,6 +31,7 @@ def measure() -> Report:
         for name, (sheet, position_m) in SHEETS.items()
         for method in ("pi", "lqg")
     }
+    moved = {(method, seed): _steps(method, seed) for method in ("pi", "lqg") for seed in WORLDS}
     ended = [run_with(fault) for fault in random_faults(FAULTS, SEED)]
     safe = sum(each.is_safe for each in ended)
     figures = {
@@ -41,7 +46,29 @@ def measure() -> Report:
         *(f"NOT SAFE: {each.fault} ended with {each.code}" for each in ended if not each.is_safe),
         note,
     )
-    return Report((_designs(made), _faults(ended)), figures, notes)
+    return Report((_designs(made), _moved(moved), _faults(ended)), figures, notes)
+
+
+def _steps(method: str, seed: int) -> Steps:
+    plant = read_by(model_of(beam(), 0.0), CELL_HZ, CELL_DAMPING).output("force_N")
+    made = designed(plant, method, rate_hz=RATE_HZ, delay_s=DELAY_S, limit_V=LIMIT_V)
+    return steps(made, seed)
+
+
+def _moved(found: dict[tuple[str, int], Steps]) -> Table:
+    rows = tuple(
+        (
+            method,
+            str(seed),
+            f"{1e3 * one.predicted.settled_s:.0f} ms",
+            f"{1e3 * one.found.settled_s:.0f} ms",
+            f"{100 * one.predicted.overshoot:.0f} %",
+            f"{100 * one.found.overshoot:.0f} %",
+        )
+        for (method, seed), one in found.items()
+    )
+    columns = ("method", "seed", "within 2 %, linear", "found", "overshoot, linear", "found")
+    return Table("A step of 1 mN in the moving world, long sheet at 0 mm", columns, rows)
 
 
 def _design(sheet: dict[str, object], position_m: float, method: str) -> LoopDesign:

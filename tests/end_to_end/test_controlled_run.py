@@ -17,6 +17,7 @@ from labrig.session.recording.journal import journal_path
 from protocols.execution.events import Outcome, OutputState
 from tests.end_to_end.faulty_rig import FaultyRig, spied_writes
 from tests.end_to_end.real_rig import ServedRig, serving
+from tests.end_to_end.small_rig import labrig
 from tests.labrig.simple_controller import write_control
 
 pytestmark = pytest.mark.slow
@@ -108,6 +109,23 @@ def test_a_controlled_session_follows_its_reference_and_records_every_period(
     written = np.array(rig.writes)[-1 - len(rows) - left_zeros(rig) : -1 - left_zeros(rig)]
     np.testing.assert_allclose(written, rows["board_V"], atol=BOARD_STEP_V)
     assert left.board_V == 0.0
+
+
+def test_a_controlled_session_is_exported_but_neither_replayed_nor_resumed(rig: FaultyRig) -> None:
+    left = rig.run(options=control)
+    folder = left.path.parent / "tables"
+    assert labrig("analyze", left.path) == 0
+    assert labrig("export", left.path, "-o", folder) == 0
+    table = np.genfromtxt(folder / "control.csv", delimiter=",", names=True)
+    with open_session(left.path) as session:
+        rows = session.runs[0].control
+    np.testing.assert_allclose(table["force_mN"], 1e3 * rows["force_N"], rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(table["sheet_V"], rows["sheet_V"], rtol=1e-6, atol=1e-12)
+    assert labrig("export", left.path, "-o", folder) == 2
+    assert labrig("replay", left.path) == 2
+    assert "not replayed" in rig.capsys.readouterr().err
+    assert labrig("run", "--resume", left.path) == 2
+    assert "a controlled session is not resumed" in rig.capsys.readouterr().err
 
 
 def left_zeros(rig: FaultyRig) -> int:

@@ -9,7 +9,7 @@ c the moments by dN, which do no work on the allowed motions, and Q u those of M
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -49,6 +49,26 @@ def linear_model(small: SmallMotion) -> LinearSystem:
     C[2, u] = small.line.current_A(np.eye(modes), np.zeros(modes))
     D[2] = small.line.current_A(np.zeros((1, modes)), np.ones(1))
     return LinearSystem(A=A, B=B, C=C, D=D, inputs=("voltage_V",), outputs=OUTPUTS)
+
+
+def read_by(system: LinearSystem, resonance_hz: float, damping: float) -> LinearSystem:
+    """Return the model with force_N as a load cell of this resonance and damping ratio reads it.
+
+    The cell is so much stiffer than the sheet that it follows without acting back.
+    """
+    if not (0.0 < resonance_hz < np.inf and 0.0 < damping < np.inf):
+        raise ModelError("a load cell's resonance and damping must be positive")
+    w, n = 2.0 * np.pi * resonance_hz, system.order
+    force = system.outputs.index("force_N")
+    A = np.zeros((n + 2, n + 2))
+    A[:n, :n] = system.A
+    A[n, n + 1] = 1.0
+    A[n + 1, :n] = w**2 * system.C[force]
+    A[n + 1, n:] = -(w**2), -2.0 * damping * w
+    B = np.vstack([system.B, np.zeros((1, system.B.shape[1])), w**2 * system.D[force]])
+    C, D = np.hstack([system.C, np.zeros((len(system.C), 2))]), system.D.copy()
+    C[force], D[force] = np.eye(n + 2)[n], 0.0
+    return replace(system, A=A, B=B, C=C, D=D)
 
 
 @dataclass(frozen=True)

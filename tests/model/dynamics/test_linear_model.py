@@ -17,7 +17,7 @@ from model.dynamics import (
     Resolution,
     Simulation,
 )
-from model.dynamics.linear.linear_model import linear_model
+from model.dynamics.linear.linear_model import linear_model, read_by
 from model.measurements import ModelError
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
@@ -107,6 +107,18 @@ def test_a_small_step_of_voltage_moves_the_sheet_as_the_linear_model_says(positi
     found = (moved_by(step_V) - moved_by(-step_V)) / (2 * step_V)
     wanted = model_of(sheet, position_m, SESSION).output("force_N").step(times_s)[:, 0]
     assert np.abs(found - wanted)[1:].max() < 2e-3 * np.abs(wanted).max()
+
+
+def test_a_load_cell_reads_the_force_as_its_resonance_lets_it():
+    system = straight(0.0)
+    read = read_by(system, 100.0, 0.3)
+    f = np.array([0.1, 10.0, 100.0, 150.0])
+    cell = 1 / (1 - (f / 100.0) ** 2 + 2j * 0.3 * f / 100.0)
+    for k, output in enumerate(system.outputs):
+        wanted = system.response(f)[:, k, 0] * (cell if output == "force_N" else 1.0)
+        np.testing.assert_allclose(read.response(f)[:, k, 0], wanted, rtol=1e-6)
+    with pytest.raises(ModelError, match="must be positive"):
+        read_by(system, 0.0, 0.3)
 
 
 def first_frequency_hz(system):
