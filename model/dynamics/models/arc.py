@@ -14,6 +14,8 @@ from model.dynamics.models.contract import DrivenSheet
 from model.dynamics.models.small_deflection import PLACES, mean_rest_curvature
 from model.measurements import FloatArray, ModelError
 
+GAUSS = np.polynomial.legendre.leggauss(30)
+
 
 def arc_points(k: FloatArray, s_m: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return x, y (n, s) of arcs of curvatures k (n,) that leave the clamp along x."""
@@ -44,7 +46,7 @@ def contact_arc(run: DrivenSheet) -> ContactArc:
     loaded = 2.0 * angle / k if abs(k) > 1e-9 else R
     if loaded > length:
         k, loaded = _with_elongation(run), length
-    s, w = np.polynomial.legendre.leggauss(30)
+    s, w = GAUSS
     x, y = arc_points(np.array([k]), 0.5 * loaded * (1.0 + s))
     phi = k * loaded
     lever = (R * np.cos(angle) - x[0]) * np.cos(phi) + (R * np.sin(angle) - y[0]) * np.sin(phi)

@@ -15,6 +15,7 @@ from model.dynamics.models.contract import DrivenSheet, Response
 from model.measurements import FloatArray, ModelError, SheetGeometry
 
 PLACES = 41  # of a curve
+GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)  # two points, weights 1: exact to degree 3
 
 
 def rest_curvature(sheet: SheetGeometry, s_m: FloatArray) -> FloatArray:
@@ -30,15 +31,28 @@ def mean_rest_curvature(sheet: SheetGeometry, to_m: float) -> float:
     return float(w @ rest_curvature(sheet, s)) / to_m
 
 
-def _rule(sheet: SheetGeometry, to_m: float) -> tuple[FloatArray, FloatArray]:
-    """Return places and weights that integrate k0 times a polynomial of degree 2 exactly."""
-    edges = np.array([0.0, to_m])
+def _rule(
+    sheet: SheetGeometry, to_m: float, edges_m: FloatArray | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Return places and weights that integrate k0 times a polynomial of degree 2 exactly.
+
+    Between any two edges, too, where some are given.
+    """
+    given = np.zeros(0) if edges_m is None else edges_m[(edges_m > 0.0) & (edges_m < to_m)]
+    edges = np.unique(np.concatenate([[0.0, to_m], given]))
     if sheet.initial_curvature is not None:
         inside = sheet.initial_curvature[0]
         edges = np.unique(np.concatenate([edges, inside[(inside > 0.0) & (inside < to_m)]]))
     half, middle = 0.5 * np.diff(edges)[:, None], 0.5 * (edges[1:] + edges[:-1])[:, None]
-    x, w = np.polynomial.legendre.leggauss(2)
-    return (middle + half * x).ravel(), (half * w).ravel()
+    return (middle + half * GAUSS).ravel(), np.repeat(half.ravel(), 2)
+
+
+def rest_heights_m(sheet: SheetGeometry, x_m: FloatArray) -> FloatArray:
+    """Return y (x,) on the sheet without voltage and load: int k0 (x - s) ds."""
+    s, w = _rule(sheet, sheet.free_length_m, x_m)
+    turn = w * rest_curvature(sheet, s)
+    before = s < x_m[:, None]
+    return np.asarray(np.sum(before * turn * (x_m[:, None] - s), axis=1))
 
 
 @dataclass(frozen=True)
@@ -85,7 +99,7 @@ class SmallDeflection:
 
     def heights_m(self, x_m: FloatArray, kappa: FloatArray) -> FloatArray:
         """Return y (n, x) of the sheet, with the contact's force where there is one."""
-        y = np.array([self.rest_m(x) for x in x_m]) + np.outer(kappa, 0.5 * x_m**2)
+        y = rest_heights_m(self.run.sheet, x_m) + np.outer(kappa, 0.5 * x_m**2)
         if self.run.free:
             return np.asarray(y)
         R = self.contact_m

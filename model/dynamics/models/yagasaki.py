@@ -17,7 +17,7 @@ import numpy as np
 
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import held_states
-from model.dynamics.models.small_deflection import PLACES, SmallDeflection
+from model.dynamics.models.small_deflection import PLACES, rest_heights_m
 from model.measurements import FloatArray
 
 ROOTS = np.array([1.8751040687119612, 4.694091132974175, 7.854757438237613, 10.995540734875467])
@@ -45,7 +45,7 @@ class Yagasaki(PublishedModel):
         """See `PublishedModel.simulate`."""
         if not run.free:
             return Response()
-        length, beam = run.sheet.free_length_m, SmallDeflection(run)
+        length = run.sheet.free_length_m
         A, B, moved = _system(p, length)
         states = held_states(A, B, run.time_s, run.drive_V)
         x = np.linspace(0.0, length, PLACES)
@@ -56,7 +56,7 @@ class Yagasaki(PublishedModel):
         by_state = np.zeros((len(B), PLACES))
         by_state[moved] = shapes
         by_state[0], by_state[1] = p["bend_per_Vm"] * rest, p["share"] * rest
-        at_rest = np.array([beam.rest_m(one) for one in x])
+        at_rest = rest_heights_m(run.sheet, x)
         y = at_rest + states[run.frames] @ by_state
         tip = at_rest[-1] + states @ by_state[:, -1]
         return Response(tip_m=tip, curves_m=(np.broadcast_to(x, y.shape), y))
