@@ -38,6 +38,7 @@ PLUGIN_FOLDERS = {
     "protocols/extras",
     "model/effects",
     "model/locations",
+    "model/dynamics/models",
     "model/discrepancy/criticism/kinds",
     "model/discrepancy/data_checks/kinds",
     "sim_hardware/ni/boards",

@@ -9,6 +9,8 @@ from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
+from model.discrepancy.answers.choice_set import UNKNOWN
+
 
 @dataclass(frozen=True)
 class Hid:
@@ -36,6 +38,7 @@ class Name:
     form_share: float
     # parameter -> configuration, "" for all -> value and ends of the 90 % interval
     parameters: dict[str, dict[str, list[float]]]
+    or_else: list[str] = field(default_factory=list)  # answers of its set that are no names
 
 
 @dataclass(frozen=True)
@@ -46,6 +49,7 @@ class Unseen:
     configuration: str
     along: str
     peak: float  # in mm, or in seconds
+    confusable_with: list[str] = field(default_factory=list)  # names that it may be all the same
 
 
 @dataclass(frozen=True)
@@ -137,8 +141,9 @@ class Record:
 
     @property
     def reported(self) -> set[str]:
-        """The reported set: names, and what they may be confused with."""
-        return {*self.said, *(c for n in self.named for c in n.confusable_with)}
+        """The reported set: names and 'unknown', and what these may be confused with."""
+        found = {*self.said, *(c for n in self.named for c in (*n.confusable_with, *n.or_else))}
+        return found if self.unknown is None else {*found, UNKNOWN, *self.unknown.confusable_with}
 
     @property
     def d(self) -> float:

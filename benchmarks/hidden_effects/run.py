@@ -220,7 +220,10 @@ def unseen_of(unknown: Unknown | None) -> Unseen | None:
     """Return what is kept of an unknown."""
     if unknown is None:
         return None
-    return Unseen(unknown.location, unknown.configuration, unknown.along, unknown.peak_mm)
+    return Unseen(
+        unknown.location, unknown.configuration, unknown.along, unknown.peak_mm,
+        list(unknown.confusable_with),
+    )  # fmt: skip
 
 
 def name_of(one: Named) -> Name:
@@ -230,7 +233,9 @@ def name_of(one: Named) -> Name:
     for configuration, parameters in own.items():
         for name, p in parameters.items():
             by.setdefault(name, {})[configuration] = [p.value, *p.interval()]
-    return Name(one.name, one.confidence, list(one.confusable_with), one.form_share, by)
+    return Name(
+        one.name, one.confidence, list(one.confusable_with), one.form_share, by, list(one.or_else)
+    )
 
 
 @cache

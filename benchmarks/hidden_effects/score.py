@@ -250,7 +250,9 @@ def mean_at_most(what: str, most: float, values: Sequence[float]) -> Row:
     if not values:
         return Row(what, f"<= {most:g}", "-", 0)
     mean = float(np.mean(values))
-    return Row(what, f"<= {most:g}", f"{mean:.2f}", len(values), "", mean <= most)
+    reach = Z90 * float(np.std(values)) / math.sqrt(len(values))
+    interval = f"{mean - reach:.2f} - {mean + reach:.2f}"
+    return Row(what, f"<= {most:g}", f"{mean:.2f}", len(values), interval, mean <= most)
 
 
 def _closed(what: str, least: float, records: Sequence[Record]) -> Row:

@@ -63,7 +63,9 @@ def _allowed(module: str, name: str) -> bool:
     own = f"benchmarks.worlds.generators._{name}_", f"benchmarks.worlds.generators.{name}"
     if first == "benchmarks":
         return module.startswith((*OFFERED, *own))
-    return first not in ("sim_hardware", "labrig", "drivers", "protocols", "tests")
+    if first == "sim_hardware":
+        return module.startswith("sim_hardware.world.motion.")
+    return first not in ("labrig", "drivers", "protocols", "tests")
 
 
 def described(one: World) -> Fault:

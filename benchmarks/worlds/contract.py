@@ -3,8 +3,9 @@
 A generator is one file, NAME.py in `generators`, with one object, `WORLD`; files `_NAME_*.py` there
 are parts of it. It solves the sheet with numerics of its own, words every effect in its own way,
 and has a noise and set-ups of its own. It imports neither `model` (but for the table
-`model.measurements`) nor `sim_hardware` nor another generator. `conformance.faults(NAME)` says
-where it breaks this contract.
+`model.measurements`) nor another generator, and of `sim_hardware` only `sim_hardware.world.motion`,
+a chain in time: it shares nothing with `model` either, and no procedure was tuned on it.
+`conformance.faults(NAME)` says where it breaks this contract.
 """
 
 from __future__ import annotations

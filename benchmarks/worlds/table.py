@@ -26,6 +26,8 @@ from benchmarks.hidden_effects.score import (
     named_in_its_class,
     outside,
 )
+from benchmarks.worlds.reliability import Told, reliability
+from model.discrepancy.answers.choice_set import UNKNOWN
 
 SEEN, SURE = 12.0, 0.9
 MEDIAN_S, LATE_S, LONGEST_S = 3.0, 10.0, 20.0
@@ -51,10 +53,13 @@ def rows(records: Sequence[Record]) -> list[Row]:
         mean_at_most("single, d >= 12: mean size of the set", 1.3,
                      [len(r.reported) for r in single if r.reported]),
         at_most("confidently wrong (0.9), all cases", 0.01, judged, confidently_wrong),
+        *reliability("named: it is there", _named(judged)),
         at_least("pairs, both d >= 12: exactly both", 0.85, pairs, exactly),
         at_least("pairs: both in the reported set", 0.95, pairs,
                  lambda r: set(r.names) <= r.reported),
         at_least("outside, d >= 30: 'unknown'", 0.90, beyond, is_unknown),
+        at_least("outside, d >= 30: 'unknown' in the reported set", 0.95, beyond,
+                 lambda r: UNKNOWN in r.reported),
         at_least("the unknown's location", 0.95, caught, located),
         at_most("in the catalogue, d >= 12: 'unknown'", 0.04, [*single, *pairs], is_unknown),
         *_predicted(found),
@@ -77,12 +82,21 @@ def located(r: Record) -> bool:
 
 def confidently_wrong(r: Record) -> bool:
     """Whether something was named surely that is not there, nor what it may be confused with."""
-    there = set() if r.family == "outside" else set(r.names)
+    there = {UNKNOWN} if r.family == "outside" else set(r.names)
     return any(n.confidence >= SURE and not _set(n) & there for n in r.named)
 
 
+def _named(records: Sequence[Record]) -> list[Told]:
+    """Return the confidence of each name, of its class, and whether that is there."""
+    return [
+        (r.key, n.confidence, r.family != "outside" and bool({n.name, *n.confusable_with} & {
+            *r.names}))
+        for r in records for n in r.named
+    ]  # fmt: skip
+
+
 def _set(n: Name) -> set[str]:
-    return {n.name, *n.confusable_with}
+    return {n.name, *n.confusable_with, *n.or_else}
 
 
 def _predicted(records: Sequence[Record]) -> list[Row]:

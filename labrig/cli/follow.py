@@ -18,7 +18,7 @@ from labrig.errors import ExitCode
 from labrig.experiment.hook_watch import hooks_of
 from labrig.experiment.hooks import Hooks, NotifyingOperator
 from labrig.experiment.operator import ConsoleOperator, NoOperator
-from labrig.experiment.plan import Plan, load_plan
+from labrig.experiment.plan import ControlFiles, Plan, load_plan
 from labrig.experiment.preflight import calibrations
 from labrig.experiment.replay import replay_plan, replay_rig
 from labrig.experiment.resume import Resumption, output_beside, resumed_plan
@@ -61,13 +61,14 @@ def run_and_follow(
     about: Path | None = None,
     follows: str = "",
     earlier: int = 0,
+    control: ControlFiles | None = None,
 ) -> Result:
     """`labrig run`: read the files, run the schedule, show the progress.
 
     `follows`: identifier of the session that this one adds to; it is kept with the session's files.
     `earlier`: how many sessions there are already that it is taken together with.
     """
-    plan = replace(load_plan(rig, protocol, sheet, about), earlier=earlier)
+    plan = replace(load_plan(rig, protocol, sheet, about, control), earlier=earlier)
     if follows:
         plan = replace(plan, texts={**plan.texts, FOLLOWS: follows})
     return _run(plan, output, None, yes=yes)
@@ -282,6 +283,8 @@ class RunDisplay:
         if run is None:
             return
         where = "free" if run.position_m is None else f"{1e3 * run.position_m:g} mm"
+        if run.extra:
+            where += f", {run.in_words}"
         parts = [
             _which(run, len(self._runs)),
             f"{run.configuration}, {where}",

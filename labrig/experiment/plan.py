@@ -22,6 +22,13 @@ from labrig.config import (
 )
 from labrig.config.about import FILE as ABOUT
 from labrig.config.load_cell import FORCE_UNIT
+from labrig.control.controller_file import (
+    ControllerConfig,
+    load_controller,
+    parse_controller,
+    require_fit,
+)
+from labrig.control.reference import CONTROLLER, REFERENCE, controlled_schedule
 from labrig.errors import BadInputError
 from labrig.serialise import to_plain
 from labrig.vision import Optics
@@ -43,6 +50,7 @@ class Plan:
     texts: Mapping[str, str]  # the files as written, by the names they have in a session
     # sessions that this one adds to: a simulated rig has other noise and set-ups in each of them
     earlier: int = 0
+    controller: ControllerConfig | None = None  # sets the voltage in place of the protocol
 
     @property
     def arc_radius_m(self) -> float:
@@ -66,7 +74,21 @@ class Plan:
         return replace(self, about=parse_about(text, name), texts={**self.texts, ABOUT: text})
 
 
-def load_plan(rig: Path, protocol: Path, sheet: Path, about: Path | None = None) -> Plan:
+@dataclass(frozen=True)
+class ControlFiles:
+    """What a controlled run needs on top: controller.toml, and the reference of the force."""
+
+    controller: Path
+    reference: Path
+
+
+def load_plan(
+    rig: Path,
+    protocol: Path,
+    sheet: Path,
+    about: Path | None = None,
+    control: ControlFiles | None = None,
+) -> Plan:
     """Read the three files and the calibrations they name; BadInputError for any fault in them.
 
     `about` is by default the about.toml beside rig.toml, where there is one.
@@ -82,6 +104,9 @@ def load_plan(rig: Path, protocol: Path, sheet: Path, about: Path | None = None)
         paths["optics.json"] = config.camera.optics
     if about is not None or (rig.parent / ABOUT).exists():
         paths[ABOUT] = about or rig.parent / ABOUT
+    if control is not None:
+        paths |= {CONTROLLER: control.controller, REFERENCE: control.reference}
+        load_controller(control.controller)  # its model file may have changed
     texts = {name: read_text(path) for name, path in paths.items()}
     names = {name: str(path) for name, path in paths.items()}
     return make_plan(config, texts, names)
@@ -107,8 +132,20 @@ def make_plan(
         about=parse_about(texts.get(ABOUT, ""), called.get(ABOUT, ABOUT)),
         texts=dict(texts),
     )
+    if CONTROLLER in texts:
+        plan = _under_control(plan, called)
     _check_against_rig(plan, called)
     return plan
+
+
+def _under_control(plan: Plan, called: Mapping[str, str]) -> Plan:
+    """Return the plan with a controller in place of the protocol's pulses."""
+    name = called[CONTROLLER]
+    controller = parse_controller(plan.texts[CONTROLLER], name)
+    require_fit(controller, name, plan.rig, plan.sheets, plan.calibration)
+    reference = plan.texts[REFERENCE]
+    schedule = controlled_schedule(plan.schedule, controller, reference, called[REFERENCE])
+    return replace(plan, controller=controller, schedule=schedule)
 
 
 def _calibration(rig: RigConfig, text: str, name: str) -> LoadCellCalibration:

@@ -20,13 +20,14 @@ from drivers.interfaces import Clock, Prompt
 from labrig.config import RigConfig, parse_rig
 from labrig.config.derived import SIMULATED
 from labrig.config.load_cell import FORCE_UNIT
+from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import FORCE, Rig
 from labrig.experiment.rig.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
-from labrig.session.format.layout import MOVE_BEGAN, MOVE_ENDED
+from labrig.session.reading.moves import moves_of
 from protocols.execution.events import Event, RunStarted, RunStopped
 from protocols.execution.operator import REPEAT
 
@@ -52,6 +53,11 @@ def replay_plan(session: RecordedSession) -> Plan:
     if not any(run.started for run in session.runs):
         raise BadInputError(
             f"{session.path}: no run of it was ever begun; nothing can be replayed."
+        )
+    if CONTROLLER in session.texts:
+        raise BadInputError(
+            f"{session.path}: a controller has set its voltage, which nobody can do again with "
+            "recorded forces; it is shown and exported, but not replayed."
         )
     plan = make_plan(on_simulated_boards(rig), session.texts)
     return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise
@@ -154,11 +160,10 @@ class Director:
 
     def move_s(self) -> float:
         """Return how long the load cell was moved during the run that is on, s; 0: not known."""
-        index = -1 if self.run is None else self.run.planned.index
-        at_s = {e.kind: e.time_s for e in self.session.events if e.run == index}
-        if not {MOVE_BEGAN, MOVE_ENDED} <= at_s.keys():
+        if self.run is None:
             return 0.0
-        return at_s[MOVE_ENDED] - at_s[MOVE_BEGAN]
+        at_s = [event.time_s for event in moves_of(self.session, self.run)]
+        return at_s[1] - at_s[0] if len(at_s) == 2 else 0.0
 
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
         """Ignore the write: a recording stays as it is (see `sim_hardware.simulated_rig.Bench`)."""

@@ -8,7 +8,7 @@ at any moment costs no more than in an ordinary session.
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,11 +19,12 @@ from drivers.interfaces import Frame, SignalBlock, VoltageWrite
 from labrig.config import RigConfig, parse_rig
 from labrig.config.about import FILE as ABOUT
 from labrig.config.derived import SIMULATED
+from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan, make_plan
 from labrig.experiment.rig.rig import Rig
-from labrig.session import LoggedEvent, RecordedSession, RunRecord
-from labrig.session.format.layout import MOVE_BEGAN, MOVE_ENDED
+from labrig.session import RecordedSession, RunRecord
+from labrig.session.reading.moves import moves_of
 from protocols.execution import events as ev
 
 _BLOCK = 10_000  # samples in one event
@@ -37,6 +38,11 @@ def resumed_plan(session: RecordedSession) -> Plan:
     A world that its rig.toml names is looked for beside the session. Its hooks are left out: a file
     that comes from elsewhere must not run commands here.
     """
+    if CONTROLLER in session.texts:
+        raise BadInputError(
+            f"{session.path}: a controlled session is not resumed; run it anew with its controller "
+            "and reference."
+        )
     rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
     if not isinstance(rig, RigConfig):
         raise BadInputError(f"{session.path}: was recorded from a replay; there is no rig.")
@@ -117,7 +123,8 @@ class Resumption:
         handle(ev.Resumed(began_s + shift_s, self.session.identifier, done))
         for run in self.session.runs:
             if run.completed:
-                for event in _events_of(run, shift_s, self.session.events):
+                moves = moves_of(self.session, run, shift_s)
+                for event in _events_of(run, shift_s, moves):
                     handle(event)
 
     def _shift_s(self, now_s: float) -> float:
@@ -141,7 +148,7 @@ def _on_virtual_clock(session: RecordedSession) -> bool:
     return any(isinstance(each, dict) and each.get("address") == SIMULATED for each in tables)
 
 
-def _events_of(run: RunRecord, shift_s: float, log: Sequence[LoggedEvent]) -> Iterator[ev.Event]:
+def _events_of(run: RunRecord, shift_s: float, moves: Iterable[ev.Event]) -> Iterator[ev.Event]:
     """Yield the events of a complete run, in an order in which they might have come."""
     planned, counts = run.planned, run.counts
     zero_s = run.time_zero_s + shift_s
@@ -158,7 +165,7 @@ def _events_of(run: RunRecord, shift_s: float, log: Sequence[LoggedEvent]) -> It
         since_wetting_s=run.since_wetting_s,
     )
     yield from _writes(run, shift_s)
-    yield from _moves(run, shift_s, log)
+    yield from moves
     volts = np.stack([run.signal_V(name) for name in run.channels])
     for first in range(0, volts.shape[1], _BLOCK):
         block = SignalBlock(first, volts[:, first : first + _BLOCK].copy(), zero_s)
@@ -190,23 +197,6 @@ def _writes(run: RunRecord, shift_s: float) -> Iterator[ev.VoltageSet]:
         yield ev.VoltageSet(
             after_s, run=run.planned.index, step=int(row["step"]), due_s=due_s, write=write
         )
-
-
-def _moves(
-    run: RunRecord, shift_s: float, log: Sequence[LoggedEvent]
-) -> Iterator[ev.LoadCellLeft | ev.LoadCellArrived]:
-    index, move = run.planned.index, run.planned.move
-    for row in log:
-        if move is None or row.run != index:
-            continue
-        at_s = row.time_s + shift_s
-        if row.kind == MOVE_BEGAN:
-            yield ev.LoadCellLeft(at_s, run=index, position_m=move.position_m)
-        elif row.kind == MOVE_ENDED:
-            reported_m = float(row.subject.split()[0]) / 1e3 if row.subject else None
-            yield ev.LoadCellArrived(
-                at_s, run=index, position_m=move.position_m, reported_m=reported_m
-            )
 
 
 def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.FramesArrived]:

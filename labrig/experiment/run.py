@@ -232,5 +232,6 @@ def _scheduler(job: _Job, pause: PauseFile) -> Scheduler:
         beat=shutdown.watchdog.beat,
         on_energised=shutdown.watchdog.energised,
         pause=Pause(pause, lambda: _confirm_zero(rig)),
+        feedback=None if plan.controller is None else plan.controller.feedback(),
         keep_all_frames=plan.protocol.camera.keep_all_frames,
     )

@@ -87,12 +87,14 @@ DOUBTFUL_FORM_SHARE, DOUBTFUL_SCATTER_RATIO = 0.2, 4.0
 
 # Divisor of log Bayes factors: forms differ from the catalogue's in ways that the noise leaves out.
 EVIDENCE_TEMPERATURE = 2.0
-# Posterior probability from which on a name stands by itself.
+# Posterior probability from which on a further name is no rest of another one's form.
 CERTAIN_PROBABILITY = 0.8
-# Posterior probability from which on an alternative is reported, and below which it is dropped.
-REPORTED_PROBABILITY, NEGLIGIBLE_PROBABILITY = 0.05, 0.02
+# Posterior probability below which another value of a choice is not mentioned.
+NEGLIGIBLE_PROBABILITY = 0.02
 # Best names among which the choice is repeated with each position left out.
 CROSS_VALIDATED_NAMES = 6
+# Probability of all names together below which none is reported: something else is likelier.
+LEAST_PROBABILITY = 0.5
 # Best names that are compared for each place in the verdict.
 COMPARED_NAMES = 8
 # Degrees of freedom of the reported intervals: about the number of set-ups of a session. Moves the
@@ -126,8 +128,6 @@ ALARMING_SCATTER_RATIO = 6.0
 # 0.22, 0.52 and 0.9 at least. Its distance from that in standard deviations.
 LEAST_TIMED_RATIO, LEAST_GROUP_RATIO, LEAST_RIGID_RATIO = 0.1, 0.5, 0.67
 STRUCTURE_SIGMA = 4.0
-# Highest confidence of a name beside which something is not in the model.
-DOUBTED_PROBABILITY = 0.5
 
 # -- What the data can show (moves: 'invisible', and which effects count as indistinguishable)
 

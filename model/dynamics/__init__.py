@@ -10,8 +10,11 @@ from model.dynamics.beam import (
     HeldVoltage,
     PrescribedMoment,
 )
+from model.dynamics.dynamic_sheet import DynamicSheet, LoadCellResonance, PronyTerm
+from model.dynamics.energy_balance import Energy, energy
 from model.dynamics.fluid import AIR, VACUUM, FluidLoad, fluid_load, hydrodynamic_function
 from model.dynamics.line import ElectrodeLine, LineModes
+from model.dynamics.linearised import SmallMotion, linearise
 from model.dynamics.material import Viscoelasticity
 from model.dynamics.motion import Resolution, SheetMotion, Simulation, simulate
 
@@ -23,17 +26,24 @@ __all__ = [
     "ClampTurn",
     "ContactSetup",
     "DynamicBeam",
+    "DynamicSheet",
     "ElectrodeLine",
     "Elongation",
+    "Energy",
     "FluidLoad",
     "HeldVoltage",
     "LineModes",
+    "LoadCellResonance",
     "PrescribedMoment",
+    "PronyTerm",
     "Resolution",
     "SheetMotion",
     "Simulation",
+    "SmallMotion",
     "Viscoelasticity",
+    "energy",
     "fluid_load",
     "hydrodynamic_function",
+    "linearise",
     "simulate",
 ]

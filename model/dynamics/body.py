@@ -72,7 +72,7 @@ def scheme(rho: float, tolerance: float, keep: int = 25, most: int = 30) -> Sche
     return Scheme(alpha_m, alpha_f, gamma, beta, tolerance, keep, most)
 
 
-class Track(NamedTuple):
+class StepHistory(NamedTuple):
     """What a march writes down: the state at the ends of its steps."""
 
     q: FloatArray  # (n + 1, N)
@@ -80,7 +80,9 @@ class Track(NamedTuple):
     x: FloatArray  # (n + 1, 2) N and s_hat
 
 
-def new_track(given: Given, size: int) -> Track:
+def new_history(given: Given, size: int) -> StepHistory:
     """Return a track full of NaN."""
     n = len(given.step_s) + 1
-    return Track(np.full((n, size), np.nan), np.full((n, size), np.nan), np.full((n, 2), np.nan))
+    return StepHistory(
+        np.full((n, size), np.nan), np.full((n, size), np.nan), np.full((n, 2), np.nan)
+    )

@@ -19,7 +19,7 @@ from model.dynamics.beam import (
     HeldVoltage,
     PrescribedMoment,
 )
-from model.dynamics.body import SLIPPED, Given, MotionState, Track, new_track, scheme
+from model.dynamics.body import SLIPPED, Given, MotionState, StepHistory, new_history, scheme
 from model.dynamics.equations import at_contact
 from model.dynamics.line import LineModes
 from model.dynamics.load_cell import LoadCellFilter
@@ -77,7 +77,7 @@ class Steps(NamedTuple):
     """The steps of a piece of a motion: what was given, what came of it."""
 
     given: Given
-    track: Track
+    track: StepHistory
     line: tuple[FloatArray, FloatArray, FloatArray]  # source, V(0) and current at their ends
 
 
@@ -161,8 +161,8 @@ class Simulation:
     ) -> SheetMotion:
         """Return the motion at `times_s`, ascending, the first not before where it stopped.
 
-        s_m: points along sheet and elongation; None: 21, evenly. Raises ModelError where the motion
-        cannot be followed in steps of this length.
+        s_m: points along sheet and elongation, none or more; None: 21, evenly. Raises ModelError
+        where the motion cannot be followed in steps of this length.
         """
         times = np.atleast_1d(np.asarray(times_s, dtype=float))
         if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0.0):
@@ -176,7 +176,7 @@ class Simulation:
             step_s=step_s, moment=moment, clamp=self._clamp(ends), place=self._places(ends),
             contact=self.setup is not None,
         )  # fmt: skip
-        made = Steps(given, new_track(given, self.body.space.size), line)
+        made = Steps(given, new_history(given, self.body.space.size), line)
         self.made = made
         if self.slipped_s is None:
             self._march(made, ends)
@@ -246,7 +246,7 @@ class Simulation:
         on, track, given, line = self.body.space, made.track, made.given, made.line
         s, at = self._points(s_m)
         q, psi = track.q[rows], given.clamp[rows, 0]
-        phi = q @ self._dense[0].T + psi[:, None]
+        phi = q @ self._dense[0].T + psi[:, None] if len(s) else np.zeros((len(q), len(on.s_m)))
         normal, force, reading = (np.zeros(len(times)) for _ in range(3))
         s_hat, phi_hat = np.full(len(times), np.nan), np.full(len(times), np.nan)
         if self.setup is not None and self._filter is not None:

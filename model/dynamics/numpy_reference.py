@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from model.dynamics.body import FAILED, SLIPPED, Body, Given, MotionState, Scheme, Track
+from model.dynamics.body import FAILED, SLIPPED, Body, Given, MotionState, Scheme, StepHistory
 from model.dynamics.equations import Motions, Numbers, moments, newton
 from model.dynamics.material import relaxation
 
@@ -16,7 +16,7 @@ SMALL = 1e-11  # a step of Newton's method that ends it
 
 
 def march(
-    body: Body, given: Given, state: MotionState, of: Scheme, track: Track
+    body: Body, given: Given, state: MotionState, of: Scheme, track: StepHistory
 ) -> tuple[int, int]:
     """As the kernel's `march`."""
     track.q[0], track.v[0], track.x[0] = state.q, state.v, state.x

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from model.dynamics import ContactSetup, DynamicBeam, DynamicSheet
 from model.effects.between_sessions import sessions_in
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import Field
@@ -113,6 +114,7 @@ class SheetModel:
     merit: Mapping[str, float] = field(default_factory=dict)  # names with their unit; of all sheets
     # the same of each configuration alone, where the file states it
     own_merit: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    dynamic: Mapping[str, DynamicSheet] = field(default_factory=dict)  # by configuration
     # whose prediction is asked for, where effects differ between sessions; 0: their mean
     session: int = 0
 
@@ -122,6 +124,25 @@ class SheetModel:
             known = ", ".join(sorted(self.sheets)) or "none"
             raise ModelError(f"the model has no configuration '{configuration}' (it has: {known})")
         return self.sheets[configuration]
+
+    def moving(
+        self, configuration: str, position_m: float | None
+    ) -> tuple[DynamicBeam, ContactSetup | None]:
+        """Return a configuration in time and the rolls at a position, for `dynamics.simulate`.
+
+        Effects are not included. Raises ModelError where the file says nothing of the dynamics.
+        """
+        one = self.sheet(configuration)
+        if configuration not in self.dynamic:
+            raise ModelError(
+                f"the model of '{configuration}' has no table 'dynamic': mass, loss and electrodes"
+                " are not known"
+            )
+        dynamic, sheet = self.dynamic[configuration], one.sheet
+        beam = dynamic.beam(sheet, one.B.value, one.rest.field(sheet.free_length_m))
+        if position_m is None:
+            return beam, None
+        return beam, dynamic.rolls(sheet, position_m)
 
     def setup(
         self, configuration: str, position_m: float | None, voltage_V: float
@@ -198,6 +219,7 @@ class SheetModel:
             "figures_of_merit": dict(self.merit),
             "configurations": {
                 name: _sheet_to_dict(one, self.own_merit.get(name, {}))
+                | ({"dynamic": self.dynamic[name].to_dict()} if name in self.dynamic else {})
                 for name, one in self.sheets.items()
             },
             "effects": [e.to_dict() for e in self.effects],
@@ -227,6 +249,11 @@ class SheetModel:
             source=str(fitted.get("file", "")), checksum=str(fitted.get("sha256", "")),
             held_out=tuple(str(c) for c in fitted.get("held_out", [])),
             merit=_merit(data), own_merit={name: merit for name, merit in own.items() if merit},
+            dynamic={
+                name: DynamicSheet.from_dict(one["dynamic"], f"configurations.{name}.dynamic")
+                for name, one in sheets.items()
+                if "dynamic" in one
+            },
         )  # fmt: skip
 
 

@@ -100,6 +100,27 @@ class VoltageSet(Event):
     write: VoltageWrite
 
 
+@dataclass(frozen=True, kw_only=True)
+class ControlPeriod:
+    """One period of a controller: what it was given, what it asked for, what was written."""
+
+    due_s: float  # clock time at which it was due
+    sample_index: float  # of the newest sample that it knew
+    reference_N: float  # both forces are counted from that at 0 V before the run
+    force_N: float
+    wanted_V: float  # before the limits
+    write: VoltageWrite
+
+
+@dataclass(frozen=True, kw_only=True)
+class Controlled(Event):
+    """Periods of a controller, in their order."""
+
+    run: int
+    zero_N: float  # the force at 0 V before the run, as the load cell reads it
+    periods: tuple[ControlPeriod, ...]
+
+
 @dataclass(frozen=True)
 class SignalsArrived(Event):
     """A block of raw samples."""

@@ -28,7 +28,8 @@ State       Output                        Guarantee
 IDLE        as the caller left it         `run` may be called, once; nothing was written
 PREPARING   0 V                           operator and stage may take any time; no acquisition
 LEADING_IN  0 V                           signals and camera are acquired before the first step
-RUNNING     as the schedule says          `beat` at least every 50 ms while energised
+RUNNING     as the schedule, or the       `beat` at least every 50 ms while energised
+            controller says
 TAILING     0 V                           acquisition until the last reading is complete
 PAUSED      0 V, read back                after TAILING, where a pause is asked for; then PREPARING
 STOPPING    0 V is written first          `make_safe` is called once; no other voltage is written
@@ -57,9 +58,10 @@ import threading
 from collections.abc import Callable, Collection
 from dataclasses import replace
 
-from drivers.interfaces import Clock, DeviceError, OverloadError, Prompt
+from drivers.interfaces import Clock, DeviceError, Prompt
 from protocols.errors import ScheduleError
 from protocols.execution.devices import Devices
+from protocols.execution.endings import DeclinedError, NoAnswerError, reason_of
 from protocols.execution.event_bus import SubscriberError
 from protocols.execution.events import (
     ActionTaken,
@@ -76,20 +78,14 @@ from protocols.execution.events import (
 from protocols.execution.operator import LostReadings, RecordedOperator, dismounts, offers
 from protocols.execution.output import GuardedOutput, MakeSafe
 from protocols.execution.rules import LoopTiming, Rules
-from protocols.execution.run_loop import Loop, RunLoop, Stopped
+from protocols.execution.runs.control_loop import FeedbackLaw
+from protocols.execution.runs.loop import Loop, Stopped
+from protocols.execution.runs.run_loop import RunLoop
 from protocols.execution.states import FinishReason, RunState, Status
 from protocols.execution.stop import Pause, StopLevel, StopRequest, wait_for_end
 from protocols.planning.limits import SafetyLimits, check_schedule, limit_faults
 from protocols.planning.preparation import Action, Move, Situation, preparation
 from protocols.planning.schedule import PlannedRun, Schedule
-
-
-class _Declined(Exception):  # noqa: N818 - not an error: an answer
-    """The operator has answered no."""
-
-
-class _NoAnswer(Exception):  # noqa: N818 - the text is what went wrong while asking
-    """The operator could not be asked."""
 
 
 def utc_now() -> str:
@@ -132,6 +128,7 @@ class Scheduler:
         on_energised: Callable[[bool], None] = _no_guard,
         keep_all_frames: bool = False,
         pause: Pause | None = None,
+        feedback: FeedbackLaw | None = None,
         wall: Callable[[], str] = utc_now,
     ) -> None:
         self._devices = devices
@@ -144,6 +141,7 @@ class Scheduler:
         self._make_safe = make_safe
         self._wall = wall
         self._pause = pause
+        self._feedback = feedback
         self._emit_lock = threading.RLock()
         operator = devices.operator
         if not isinstance(operator, RecordedOperator):
@@ -181,10 +179,14 @@ class Scheduler:
             raise ScheduleError("a scheduler runs one session; make another one")
         limit_V = min(self._limits.sheet_voltage_V, self._devices.output.limit_V)
         check_schedule(schedule, replace(self._limits, sheet_voltage_V=limit_V))
+        if self._feedback is None and any(one.reference for one in schedule.runs):
+            raise ScheduleError("a run has a reference for the force, and there is no controller")
+        if self._feedback is not None:
+            self._feedback = self._feedback.within(limit_V)
         try:
             self._run_all(schedule, done)
         except BaseException as error:
-            finish, text = _reason(error)
+            finish, text = reason_of(error)
             outcome = self._finish(finish, text, error)
             if finish is FinishReason.INTERNAL_ERROR and not isinstance(error, Exception):
                 raise  # the interpreter is being ended
@@ -227,7 +229,14 @@ class Scheduler:
     def _execute(self, run: PlannedRun, schedule: Schedule) -> None:
         self._enter(RunState.PREPARING, run.index)
         stage_position_m = self._prepare(run)
-        RunLoop(self._loop, run, schedule.frame_rate_hz, stage_position_m, self._wetted_s).execute()
+        RunLoop(
+            self._loop,
+            run,
+            schedule.frame_rate_hz,
+            stage_position_m,
+            self._wetted_s,
+            self._feedback,
+        ).execute()
 
     def _offer_repeats(self, schedule: Schedule) -> None:
         """Ask whether runs with lost readings are to be measured again, the sheet as it is."""
@@ -269,7 +278,7 @@ class Scheduler:
             done, request = self._have_done(action)
             self._obey_stop()
             if not done:
-                raise _Declined(f"the operator was asked {request} and stopped the session")
+                raise DeclinedError(f"the operator was asked {request} and stopped the session")
         self._situation = after
         return self._reported_position(run)
 
@@ -283,7 +292,7 @@ class Scheduler:
         except (DeviceError, SubscriberError):
             raise
         except Exception as error:
-            raise _NoAnswer(str(error) or type(error).__name__) from error
+            raise NoAnswerError(str(error) or type(error).__name__) from error
 
     def _ask(self, prompt: Prompt) -> bool:
         done = self._operator.ask(prompt)
@@ -367,23 +376,3 @@ class Scheduler:
                 error=error,
             )
         return finish.outcome
-
-
-def _reason(error: BaseException) -> tuple[FinishReason, str]:
-    """Return what an exception means for the session, and the sentence for the operator."""
-    text = str(error) or type(error).__name__
-    if isinstance(error, Stopped):
-        return FinishReason.STOP_REQUESTED, text
-    if isinstance(error, KeyboardInterrupt):
-        return FinishReason.STOP_REQUESTED, "interrupted from the keyboard"
-    if isinstance(error, _Declined):
-        return FinishReason.DECLINED, text
-    if isinstance(error, _NoAnswer):
-        return FinishReason.NO_ANSWER, text
-    if isinstance(error, OverloadError):
-        return FinishReason.OVERLOAD, text
-    if isinstance(error, DeviceError):
-        return FinishReason.DEVICE_FAULT, text
-    if isinstance(error, SubscriberError):
-        return FinishReason.RECORDING_FAULT, f"the session could not be recorded: {text}"
-    return FinishReason.INTERNAL_ERROR, f"an error in labrig itself: {type(error).__name__}: {text}"

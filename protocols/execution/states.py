@@ -31,6 +31,7 @@ class FinishReason(StrEnum):
     NO_ANSWER = "no_answer"  # the operator could not be asked
     OVERLOAD = "overload"
     DEVICE_FAULT = "device_fault"
+    CONTROL_FAULT = "control_fault"  # the feedback loop was late, saturated, or without a number
     RECORDING_FAULT = "recording_fault"  # a subscriber that the session depends on failed
     INTERNAL_ERROR = "internal_error"  # a mistake in the program
     UNKNOWN = "unknown"  # not finished yet

@@ -9,7 +9,14 @@ from drivers.interfaces import Prompt
 from protocols.execution.rules import LoopTiming
 from protocols.planning.limits import time_under_voltage_s
 from protocols.planning.preparation import Action, Move, Situation, preparation
-from protocols.planning.schedule import AT_REST_S, PlannedRun, Purpose, ReadingKind, Schedule
+from protocols.planning.schedule import (
+    AT_REST_S,
+    SETTLED_S,
+    PlannedRun,
+    Purpose,
+    ReadingKind,
+    Schedule,
+)
 
 # How long things take at the rig, roughly, s: for the estimate only.
 TAKES_S = {
@@ -31,6 +38,7 @@ class PlanRow:
 
     run: int
     purpose: Purpose
+    extra: str  # that added it, in words; empty: a run of the protocol itself
     configuration: str
     position_m: float | None
     approach: str
@@ -104,7 +112,8 @@ def _shapes(run: PlannedRun, where: str, *, driven: bool) -> list[str]:
     delays_s = [each.delay_s for each in run.readings if bool(each.voltage_V) is driven]
     if not delays_s:
         return []
-    moving = "" if min(delays_s) >= AT_REST_S else " (the sheet may still swing)"
+    settled_s = SETTLED_S if driven else AT_REST_S
+    moving = "" if min(delays_s) >= settled_s else " (the sheet may still swing)"
     return [f"{where} after {min(delays_s):g} s{moving}"]
 
 
@@ -127,6 +136,7 @@ def _row(run: PlannedRun, actions: list[Action], starts_s: float) -> PlanRow:
     return PlanRow(
         run=run.index,
         purpose=run.purpose,
+        extra=run.in_words if run.extra else "",
         configuration=run.configuration,
         position_m=run.position_m,
         approach=run.approach,

@@ -9,7 +9,7 @@ from math import isfinite, pi
 
 from protocols.errors import ScheduleError
 from protocols.planning.builder import fits
-from protocols.planning.schedule import PlannedReading, PlannedRun, Schedule
+from protocols.planning.schedule import PlannedReading, PlannedRun, Purpose, Schedule
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,9 @@ class SafetyLimits:
 
 
 def time_under_voltage_s(run: PlannedRun) -> float:
-    """How long a run keeps the sheet at a voltage other than 0, s."""
+    """How long a run keeps the sheet at a voltage other than 0, s; with a controller, at most."""
+    if run.reference:
+        return run.steps[-1].time_s - run.steps[0].time_s
     ends_s = [step.time_s for step in run.steps[1:]] + [run.duration_s]
     return sum(
         end_s - step.time_s
@@ -124,9 +126,27 @@ def structure_faults(run: PlannedRun) -> Iterator[str]:
     yield from _move_faults(run)
     for reading in run.readings:
         yield from _reading_faults(run, reading)
+    yield from _reference_faults(run)
     due_s = [run.time_of(r) for r in run.readings if 0 <= r.step < len(run.steps)]
     if any(later < earlier for earlier, later in pairwise(due_s)):
         yield "the readings are not in the order of time"
+
+
+def _reference_faults(run: PlannedRun) -> Iterator[str]:
+    reference = run.reference
+    if bool(reference) is not (run.purpose is Purpose.CONTROL):
+        yield "it has a reference for the force without a controller, or a controller without one"
+    if not reference:
+        return
+    if not all(isfinite(step.time_s) and isfinite(step.force_N) for step in reference):
+        yield "its reference has a time or a force that is not a finite number"
+        return
+    if any(step.voltage_V for step in run.steps) or len(run.steps) != 2 or run.readings:
+        yield "with a controller it has other steps than to 0 V first and last, or readings"
+    if any(later.time_s <= earlier.time_s for earlier, later in pairwise(reference)):
+        yield "its reference is not in the order of time"
+    if reference[0].time_s != 0.0 or reference[-1].time_s >= run.steps[-1].time_s:
+        yield "its reference does not begin at 0 s, or goes on after the last step"
 
 
 def _move_faults(run: PlannedRun) -> Iterator[str]:

@@ -46,7 +46,7 @@ def preparation(before: Situation, run: PlannedRun) -> tuple[list[Action], Situa
     elif run.mounting > 0 and run.repeats is None:  # every such run is a position set anew
         actions.append(_remount(run))
         now = mounted
-    if run.purpose is Purpose.MEASUREMENT and run.position_m is not None:
+    if run.purpose in (Purpose.MEASUREMENT, Purpose.CONTROL) and run.position_m is not None:
         actions += _approach(run, run.position_m, touching=now.touching)
         now = replace(now, touching=True)
     else:

@@ -11,7 +11,11 @@ from enum import StrEnum
 
 from protocols.serialise import OMITTED_AS_DEFAULT
 
-AT_REST_S = 3.0  # a free sheet has stopped swinging, with the losses of Nafion in air
+# When a free sheet is within about half a millimetre of its shape at 0 V, and within a tenth of a
+# millimetre of that under voltage, where its electrodes charge, too: with the losses of Nafion in
+# air, as `model.dynamics` has them.
+AT_REST_S = 3.0
+SETTLED_S = 6.0
 
 
 class ReadingKind(StrEnum):
@@ -30,6 +34,7 @@ class Purpose(StrEnum):
     NO_TOUCH_ZERO = "no_touch_zero"
     FREE_SHAPE = "free_shape"
     DEAD_WEIGHT = "dead_weight"
+    CONTROL = "control"  # a controller sets the voltage, so that the force follows a reference
 
 
 @dataclass(frozen=True)
@@ -38,6 +43,14 @@ class VoltageStep:
 
     time_s: float
     voltage_V: float
+
+
+@dataclass(frozen=True)
+class ForceStep:
+    """From `time_s` until the next step the force is to be `force_N` above that at 0 V."""
+
+    time_s: float
+    force_N: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +99,8 @@ class PlannedRun:
     # of the rig about the sheet's long axis: 0, or pi where it is turned over; of all runs alike
     tilt_rad: float = 0.0
     repeats: int | None = None  # the run that this one measures again; None: it is none of those
+    # what the force is to be between the first step and the last; empty: no controller is at work
+    reference: tuple[ForceStep, ...] = field(default=(), metadata=OMITTED_AS_DEFAULT)
     # name of the extra that added the run; empty: it is none of those, or older than this field
     extra: str = field(default="", metadata=OMITTED_AS_DEFAULT)
     keep_all_frames: bool = field(default=False, metadata=OMITTED_AS_DEFAULT)
@@ -95,6 +110,11 @@ class PlannedRun:
     def measures(self) -> bool:
         """Whether it is one of the protocol's own measurements, in contact."""
         return self.purpose is Purpose.MEASUREMENT and not self.extra
+
+    @property
+    def in_words(self) -> str:
+        """What it is for: the extra that added it, else its purpose."""
+        return (self.extra or self.purpose.value).replace("_", " ")
 
     def time_of(self, reading: PlannedReading) -> float:
         """Planned time of a reading's sampling point, s."""

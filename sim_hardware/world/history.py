@@ -8,19 +8,25 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.world.creep import PARTS, parts_of
 from sim_hardware.world.mechanics import ELEMENTS, SLIDE_M, Stage
+from sim_hardware.world.moment import Moment
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.signals.amplifier import SimulatedAmplifier
 from sim_hardware.world.signals.load_cell import SimulatedLoadCell
 from sim_hardware.world.track import Track
 
+if TYPE_CHECKING:
+    from sim_hardware.world.motion.moving_history import MovingHistory
+
 FloatArray = npt.NDArray[np.float64]
+Watcher = Callable[[FloatArray, FloatArray, FloatArray], None]
+"""Is given times, the voltage across the sheet and the force on the load cell then."""
 
 # Columns of the grid: the state (see state_kernels), what moves the elements that lag, these, and,
 # where the sheet creeps, the lags of that.
@@ -32,19 +38,8 @@ _LAGS = 3  # of each part of what creeps
 _COLUMNS = _TURNED.stop
 _KEEP_S = 300.0
 _MOST_STEPS = 60_000
-
-
-@dataclass(frozen=True, kw_only=True)
-class Moment:
-    """The sheet's state at some times."""
-
-    stage: Stage
-    times: FloatArray
-    states: FloatArray  # (n, columns), see state_kernels
-    drive: FloatArray
-    true_N: FloatArray  # along the load cell's axis
-    felt_N: FloatArray  # by the load cell, without noise
-    crept: FloatArray  # (n, 3), see creep
+_INSTANTS = 3  # of an exposure
+_MOTIONLESS = 1e-6  # change of drive during an exposure below what an image shows
 
 
 class History:
@@ -56,27 +51,17 @@ class History:
         amplifier: SimulatedAmplifier,
         cell: SimulatedLoadCell,
         first: Stage,
-        watcher: Callable[[FloatArray, FloatArray, FloatArray], None],
+        watcher: Watcher,
     ) -> None:
         from sim_hardware.world import state_kernels
 
         self._kernels = state_kernels
+        self._settings = settings
         self._amplifier = amplifier
         self._cell = cell
         self.start_s = first.start_s
         self._step_s = settings.chain.step_ms * 1e-3
-        e, w = settings.eibm, settings.water
-        self._rules = state_kernels.StateRules(
-            rise_s=settings.electrical.rise_time_s,
-            build_up_s=e.build_up_s,
-            saturation_V=e.saturation_V,
-            negative_ratio=e.negative_ratio,
-            spread_s=w.spread_s,
-            return_s=w.return_s,
-            relaxation_s=e.relaxation_s,
-            relaxation_spread=e.relaxation_spread,
-            spread_order=w.spread_order,
-        )
+        self._rules = state_kernels.rules_of(settings)
         spread = settings.creep.spread
         self._creep_s = settings.creep.time_s * np.array([1 / spread, 1.0, spread])
         self._creeps = settings.creep.share > 0.0
@@ -137,11 +122,30 @@ class History:
             return [self._moment(self._stages[which[0]], times)]
         return [self._moment(self._stages[k], times[which == k]) for k in np.unique(which)]
 
-    def states(self, times: FloatArray) -> FloatArray:
-        """Only the inner state, at times in order: (n, columns)."""
+    def exposed(self, until_s: float, exposure_s: float) -> list[Moment]:
+        """Return the instants of an exposure; only its end, where the sheet does not move."""
+        instants = until_s - exposure_s * np.linspace(1.0, 0.0, _INSTANTS)
+        moments = self.at(instants)
+        drives = np.concatenate([m.drive for m in moments])
+        if len(moments) == 1 and np.ptp(drives) < _MOTIONLESS:
+            return [self.at(np.array([until_s]))[-1]]
+        return moments
+
+    def current_A(self, times: FloatArray) -> FloatArray:
+        """Return the sheet's charging current and its leak, at times in order."""
+        electrical = self._settings.electrical
         times = np.maximum(times, self.start_s)
         self.advance(float(times[-1]))
-        return self._states(times)[1]
+        sheet_V = self._states(times)[1][:, _VOLTAGE]
+        charging = (self._amplifier.output_V(times) - sheet_V) / electrical.rise_time_s
+        return np.asarray(
+            electrical.capacitance_mF * 1e-3 * charging + sheet_V / electrical.leak_ohm
+        )
+
+    def warm_up(self, stage: Stage) -> None:
+        """Compile what a set-up needs, one in which the sheet is held."""
+        one = np.zeros(1)
+        stage.moved(one + stage.start_s, one, one, np.zeros((1, PARTS)))
 
     def _make(self, until: int) -> None:
         """Rows up to a step, all in one set-up."""
@@ -225,3 +229,18 @@ class History:
 def _hung(moved: FloatArray) -> FloatArray:
     """Return the driver of each element: the force, the force, the place along the sheet."""
     return moved[:, [0, 0, 1]]
+
+
+def history_of(
+    settings: WorldSettings,
+    amplifier: SimulatedAmplifier,
+    cell: SimulatedLoadCell,
+    first: Stage,
+    watcher: Watcher,
+) -> History | MovingHistory:
+    """Return the history of a sheet that is at rest at each moment, or of one that moves."""
+    if settings.moving:
+        from sim_hardware.world.motion.moving_history import MovingHistory
+
+        return MovingHistory(settings, amplifier, cell, first, watcher)
+    return History(settings, amplifier, cell, first, watcher)

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 from sim_hardware.world.settings import WorldSettings
 
-SHIPPED = ("world.toml", "paper_scatter.toml")
+SHIPPED = ("world.toml", "paper_scatter.toml", "moving.toml")
 _MOST_BYTES = 1 << 20
 _MOST_SHOWN = 200  # characters of a key or value in a message
 _REPLACED = ("boards",)  # a table of these replaces the shipped one whole

@@ -41,11 +41,16 @@ class Stage:
 
     def drive(self, states: FloatArray) -> FloatArray:
         """Return the drive of the set-up's chain in states (n, columns); see state_kernels."""
+        moment = states[:, 1] - self.setup.settings.eibm.relaxation * states[:, 4]
+        share = self.setup.drive_share * moment * self.moment_share(states)
+        return np.asarray(share / self.stiffening(states[:, 3]))
+
+    def moment_share(self, states: FloatArray) -> FloatArray:
+        """Return what water, drying and tiring leave of the moment."""
         from sim_hardware.world.signals.kernels import approach, waves
 
-        _, moment, uneven, dry_s, relaxed, _, _, _, driven_s = states.T
+        _, _, uneven, dry_s, _, _, _, _, driven_s = states.T
         water, eibm = self.setup.settings.water, self.setup.settings.eibm
-        moment = moment - eibm.relaxation * relaxed
         share = 1 - water.first_pulse_deficit * uneven
         weakening = water.weakening_per_min / 60
         share *= 1 - approach(self._drying_s(dry_s), _MOST_WEAKENING, weakening)
@@ -54,7 +59,7 @@ class Stage:
         if eibm.breathing:
             omega = np.array([2 * math.pi / eibm.breathing_s])
             share *= 1 + eibm.breathing * waves(driven_s, omega, np.zeros(1))
-        return np.asarray(self.setup.drive_share * moment * share / self.stiffening(dry_s))
+        return np.asarray(share)
 
     def stiffening(self, dry_s: FloatArray) -> FloatArray:
         """B over that of a wet sheet."""
@@ -94,13 +99,14 @@ class Stage:
             force_N = B * self.setup.cell_force_per_m2(drive[held])
             if self.setup.crept:
                 force_N = force_N + B * self.setup.crept_force_per_m2(drive[held], crept[held])
-            result[held, 0] = force_N + self._meniscus_N(dry_s[held])
+            result[held, 0] = force_N + self.meniscus_N(dry_s[held])
             if self.setup.rubs:
                 result[held, 1] = self.setup.sliding_m(drive[held])
         result[:, 0] += self.load_N
         return result
 
-    def _meniscus_N(self, dry_s: FloatArray) -> FloatArray:
+    def meniscus_N(self, dry_s: FloatArray) -> FloatArray:
+        """Force of the water between sheet and rolls, while they hold it."""
         from sim_hardware.world.signals.kernels import approach
 
         rolls = self.setup.settings.rolls

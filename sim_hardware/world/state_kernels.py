@@ -9,12 +9,15 @@ the mean of three; these three; time spent under voltage since the beginning, in
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.jit import brief_jit
+
+if TYPE_CHECKING:
+    from sim_hardware.world.settings import WorldSettings
 
 Floats = npt.NDArray[np.float64]
 
@@ -37,6 +40,22 @@ class StateRules(NamedTuple):
     relaxation_s: float
     relaxation_spread: float
     spread_order: int
+
+
+def rules_of(settings: WorldSettings) -> StateRules:
+    """Return a world's."""
+    e, w = settings.eibm, settings.water
+    return StateRules(
+        rise_s=settings.electrical.rise_time_s,
+        build_up_s=e.build_up_s,
+        saturation_V=e.saturation_V,
+        negative_ratio=e.negative_ratio,
+        spread_s=w.spread_s,
+        return_s=w.return_s,
+        relaxation_s=e.relaxation_s,
+        relaxation_spread=e.relaxation_spread,
+        spread_order=w.spread_order,
+    )
 
 
 @brief_jit

@@ -18,13 +18,13 @@ import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.world.curve_noise import CurveErrors, CurveNoise
-from sim_hardware.world.history import History, Moment
+from sim_hardware.world.history import history_of
 from sim_hardware.world.mechanics import Stage
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.setup import MountedSheet, Scatter
 from sim_hardware.world.signals.amplifier import SimulatedAmplifier
 from sim_hardware.world.signals.load_cell import SimulatedLoadCell
-from sim_hardware.world.view import state_of
+from sim_hardware.world.view import seen_curve
 
 FloatArray = npt.NDArray[np.float64]
 ReadingKind = Literal["zero", "discarded", "kept", "no_contact"]
@@ -165,7 +165,7 @@ class _Runner:
             position_m=None,
             scatter=Scatter(),
         )
-        self._history = History(
+        self._history = history_of(
             settings,
             self._amplifier,
             self._cell,
@@ -208,7 +208,7 @@ class _Runner:
         readings_N = _filtered(force_N, sampled_s, train.half_window_s)
         noise = CurveNoise(self._errors, (self._settings.seed, _CURVE_STREAM, number))
         s_m = noise.places(setup.chain.sheet.visible_m)
-        seen = self._frames(number, setup, start_s + sampled_s, s_m)
+        seen = self._frames(number, start_s + sampled_s, s_m)
         of_kind, readings, curves = train.kinds(), [], {}
         if visit.position_m is None:
             of_kind = ["no_contact"] * len(of_kind)
@@ -269,9 +269,7 @@ class _Runner:
         force_N = felt_N + self._cell.zero_N(start_s + time_s) + _blocks(noise_N, per_block)
         return time_s, self._amplifier.output_V(start_s + time_s), np.asarray(force_N)
 
-    def _frames(
-        self, number: int, setup: MountedSheet, sampled_s: FloatArray, s_m: FloatArray
-    ) -> list[FloatArray]:
+    def _frames(self, number: int, sampled_s: FloatArray, s_m: FloatArray) -> list[FloatArray]:
         """Return the curve in the frame nearest to each sampling point, without error."""
         camera = self._settings.camera
         random = np.random.default_rng((self._settings.seed, _FRAME_STREAM, number))
@@ -279,12 +277,7 @@ class _Runner:
         frames = np.rint(sampled_s * camera.frame_rate_hz - phase) + phase
         shown_s = np.asarray(frames / camera.frame_rate_hz - self._settings.frame_delay_s)
         moments = self._history.at(shown_s - camera.exposure_s / 2)
-        return [_seen(setup, m, k, s_m) for m in moments for k in range(m.times.size)]
-
-
-def _seen(setup: MountedSheet, moment: Moment, k: int, s_m: FloatArray) -> FloatArray:
-    curve = setup.chain.curve(state_of(moment, k).phi_rad, s_m)
-    return setup.settings.view.seen(curve + np.array(setup.scatter.registration_m))
+        return [seen_curve(m, k, s_m) for m in moments for k in range(m.times.size)]
 
 
 def _filtered(force_N: FloatArray, sampled_s: FloatArray, half_s: float) -> FloatArray:

@@ -13,10 +13,10 @@ import numpy.typing as npt
 
 from drivers.interfaces import Clock
 from sim_hardware.optics import Renderer
-from sim_hardware.world.creep import PARTS
-from sim_hardware.world.history import History, Moment
+from sim_hardware.world.history import history_of
 from sim_hardware.world.loading import WorldError
 from sim_hardware.world.mechanics import Stage
+from sim_hardware.world.moment import SeenMoment
 from sim_hardware.world.record import Record
 from sim_hardware.world.settings import Signal, WorldSettings
 from sim_hardware.world.setup import MountedSheet, Scatter
@@ -31,8 +31,6 @@ FloatArray = npt.NDArray[np.float64]
 _INPUTS: tuple[Signal, ...] = ("force", "current", "readback")
 _DRIVEN_V = 0.05
 _ROWS_PER_S = 100
-_INSTANTS = 3  # of an exposure
-_MOTIONLESS = 1e-6  # change of drive during an exposure below what an image shows
 
 
 class World:
@@ -64,7 +62,7 @@ class World:
         first = Stage(
             start_s=clock.now(), setup=self._new_setup(next(iter(settings.configurations)), None)
         )
-        self._history = History(settings, self._amplifier, self._cell, first, self._watch)
+        self._history = history_of(settings, self._amplifier, self._cell, first, self._watch)
         self._warm_up()
 
     # ------------------------------------------------------------------------- the operator's
@@ -201,8 +199,7 @@ class World:
                 moments = self._history.at(times)
                 return self._cell.volts(np.concatenate([m.felt_N for m in moments]), since)
             if signal == "current":
-                sheet_V = self._history.states(times)[:, 0]
-                return self._electrical.current_V(times, sheet_V, since)
+                return self._electrical.current_V(self._history.current_A(times), since)
             self._history.advance(float(times[-1]))
             return self._electrical.readback_V(times, since)
 
@@ -235,11 +232,7 @@ class World:
         with self._lock:
             seen_s = when - self.settings.frame_delay_s
             self._watch_supply(seen_s)
-            instants = seen_s - camera.exposure_s * np.linspace(1.0, 0.0, _INSTANTS)
-            moments = self._history.at(instants)
-            drives = np.concatenate([m.drive for m in moments])
-            if len(moments) == 1 and np.ptp(drives) < _MOTIONLESS:
-                moments = [self._moment(seen_s)]
+            moments = self._history.exposed(seen_s, camera.exposure_s)
             shapes = [shape_of(m, k) for m in moments for k in range(m.times.size)]
             contact = contact_of(moments[-1])
             length_m = moments[-1].stage.setup.chain.sheet.free_length_m
@@ -277,8 +270,7 @@ class World:
             position_m=0.0,
             scatter=Scatter(),
         )
-        stage = Stage(start_s=float(now[0]), setup=setup)
-        stage.moved(now, np.zeros(1), np.zeros(1), np.zeros((1, PARTS)))
+        self._history.warm_up(Stage(start_s=float(now[0]), setup=setup))
         for signal in _INPUTS:
             self._volts(signal, now)
         self.image(float(now[0]), 0)
@@ -310,7 +302,7 @@ class World:
             self._history.begin(Stage(start_s=now, setup=setup, moved_up=moved_up))
             self._write_row(now)
 
-    def _moment(self, when: float) -> Moment:
+    def _moment(self, when: float) -> SeenMoment:
         return self._history.at(np.array([when]))[-1]
 
     def _watch(self, times: FloatArray, sheet_V: FloatArray, force_N: FloatArray) -> None:

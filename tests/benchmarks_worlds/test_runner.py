@@ -82,6 +82,33 @@ def test_a_sure_name_is_wrong_only_where_its_set_lacks_the_truth() -> None:
     assert confidently_wrong(_record(named=[sure], family="outside"))
 
 
+def test_a_name_that_may_be_something_unknown_is_not_wrong_where_that_is_there() -> None:
+    one = Name("clamp_angle", 0.95, [], 0.0, {}, or_else=["unknown"])
+    outside = _record(named=[one], family="outside")
+    assert outside.reported == {"clamp_angle", "unknown"}
+    assert not confidently_wrong(outside)
+    assert confidently_wrong(_record(named=[one]))
+    assert _value([outside], "outside, d >= 30: 'unknown' in the reported set") == "-"
+    strong = replace(outside, truth=[replace(outside.truth[0], d=40.0)])
+    assert _value([strong], "outside, d >= 30: 'unknown' in the reported set") == "100.0%"
+    assert _value([strong], "outside, d >= 30: 'unknown'") != "100.0%"
+
+
+def test_what_an_unknown_may_be_all_the_same_is_in_the_reported_set() -> None:
+    unseen = Unseen("eibm", "long", "s", 3.0, confusable_with=["gravity"])
+    found = _record(unknown=unseen, verdict="unknown_effect")
+    assert found.reported == {"unknown", "gravity"}
+    assert _value([found], "single, d >= 12: truth in the reported set") == "100.0%"
+    assert _value([found], "single, d >= 12: mean size of the set") == "2.00"
+
+
+def test_confidence_is_compared_with_how_often_the_class_is_there() -> None:
+    right = _record(named=[Name("clamp_angle", 0.97, ["gravity"], 0.0, {})])
+    wrong = _record(named=[Name("clamp_angle", 0.97, [], 0.0, {})])
+    line = "named: it is there, where its probability is 0.95"
+    assert _value([right, right, right, wrong], line) == "75.0%"
+
+
 def test_lines_count_what_they_say() -> None:
     right = _record(named=[Name("gravity", 0.99, [], 0.0, {})])
     wrong = _record(named=[Name("clamp_angle", 0.99, [], 0.0, {})])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -53,11 +53,16 @@ class FaultyRig:
     writes: list[float]
 
     def run(
-        self, world: str = "", rig: Sequence[tuple[str, str]] = (), *, look: bool = True
+        self,
+        world: str = "",
+        rig: Sequence[tuple[str, str]] = (),
+        *,
+        look: bool = True,
+        options: Callable[[Path], Sequence[object]] = lambda _: (),
     ) -> Left:
         """Once, with these faults in world.toml and these replacements in rig.toml.
 
-        `look`: into the session, too.
+        `look`: into the session, too. `options`: more of the command's, once the files are there.
         """
         folder = make_rig(self.folder / "rig", PROTOCOL, world)
         text = (folder / "rig.toml").read_text()
@@ -66,7 +71,7 @@ class FaultyRig:
             text = text.replace(old, new)
         (folder / "rig.toml").write_text(text)
         path = folder / "s.h5"
-        code = labrig("run", *(folder / name for name in FILES), "-o", path)
+        code = labrig("run", *(folder / name for name in FILES), "-o", path, *options(folder))
         said = self.capsys.readouterr()
         left = Left(code, said.err + said.out, path, self.writes[-1], max(map(abs, self.writes)))
         if look and path.exists():

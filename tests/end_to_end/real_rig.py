@@ -46,6 +46,7 @@ class ServedRig:
         self._record = folder / "world.csv"
         self._began = 0  # where the last run begins in the record
         self._started: list[subprocess.Popen[bytes]] = []
+        self.options: list[str] = []  # more of the command's
 
     def start(self) -> subprocess.Popen[bytes]:
         """`labrig run`, in a process group of its own; what it says goes into `said`."""
@@ -54,6 +55,7 @@ class ServedRig:
         names = ("rig.toml", "protocol.toml", "sheet.toml")
         files = [str(self.folder / "rig" / name) for name in names]
         command = [sys.executable, "-m", "labrig", "run", *files, "-o", str(self.session), "--yes"]
+        command += self.options
         with (self.folder / "said.txt").open("wb") as said:
             process = subprocess.Popen(
                 command, stdout=said, stderr=said, start_new_session=os.name == "posix"

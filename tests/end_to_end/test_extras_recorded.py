@@ -12,6 +12,8 @@ import pytest
 from labrig.config import ProtocolConfig
 from labrig.experiment.replay import replay_plan
 from labrig.experiment.resume import Resumption, resumed_plan
+from labrig.panel.live.messages import MessageEncoder
+from labrig.panel.replay.recorded_events import events_of
 from labrig.session import load_measurements, open_session
 from labrig.session.format.layout import MOVE_BEGAN, MOVE_ENDED
 from labrig.testing import short_schedule
@@ -152,6 +154,14 @@ def test_a_resumed_session_gets_all_that_was_recorded_of_an_extra(recorded):
     (arrived,) = [e for e in events if isinstance(e, ev.LoadCellArrived)]
     assert (left.position_m, arrived.reported_m) == (0.02, None)  # moved by hand
     assert arrived.time_s - left.time_s == pytest.approx(log[MOVE_ENDED] - log[MOVE_BEGAN])
+
+
+def test_the_page_replays_the_move_of_the_load_cell(recorded):
+    with open_session(recorded) as session:
+        encoder = MessageEncoder()
+        told = [encoder.message(event) for event in events_of(session)]
+    logs = [message["log"] for message in told if message and message["type"] == "load_cell"]
+    assert logs == ["the load cell leaves for 20 mm", "the load cell is at 20 mm"]
 
 
 def test_a_session_is_replayed_and_resumed_with_its_own_schedule(recorded, monkeypatch):

@@ -293,7 +293,7 @@ def _other_leaf(text: str, dice: random.Random) -> str:
 def test_attributes_that_make_no_sense_are_told_in_words(sound: Path, tmp_path: Path) -> None:
     path = tmp_path / "s.h5"
     odd = (
-        np.int64(layout.FORMAT + 1),
+        np.int64(max(layout.READABLE) + 1),
         np.float64("nan"),
         "1",
         np.zeros((3, 3)),

@@ -132,8 +132,10 @@ def test_an_extra_of_another_distribution_is_a_key_like_the_rest(tmp_path, monke
 
 def test_the_plan_says_how_long_free_shapes_have_been_at_rest():
     assert free_shapes_in_words(schedule_of("")) == "long: at 0 V after 3 s, none under voltage"
-    settled = schedule_of("[extras.free_shapes]\nsettled_s = 5\n")
-    assert free_shapes_in_words(settled) == "long: at 0 V after 3 s, under voltage after 5 s"
+    settled = schedule_of("[extras.free_shapes]\nsettled_s = 6\n")
+    assert free_shapes_in_words(settled) == "long: at 0 V after 3 s, under voltage after 6 s"
+    early = schedule_of("[extras.free_shapes]\nsettled_s = 4\n")
+    assert free_shapes_in_words(early).endswith("after 4 s (the sheet may still swing)")
     moving = schedule_of("[extras.free_shapes]\nmoving = true\nrest_s = 4\n")
     assert free_shapes_in_words(moving) == (
         "long: at 0 V after 4 s, under voltage after 0.5 s (the sheet may still swing)"
@@ -186,6 +188,7 @@ def test_plan_prints_the_warning_and_the_time_under_voltage(tmp_path, capsys):
     out, err = capsys.readouterr()
     # 3 measurements (one from the other side) of 6 pulses of 0.6 s, and the sweep of 12 s
     assert "22.8 s of it under voltage" in out
+    assert "free shapes: 2 zero" in out
     assert "add [extras] release = true" in err
 
 

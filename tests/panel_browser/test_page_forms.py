@@ -145,6 +145,21 @@ def test_another_kind_of_protocol_is_switched_on_by_its_box(fake, visit):
     assert said["hold"] == {"relax_s": 4}
 
 
+def test_an_extra_is_on_or_off_or_has_values_of_its_own(fake, visit):
+    page = visit(f"{fake.url}#/new")
+    choice = page.locator("select[data-key='release']")
+    swing = field(page, "swing_s")
+    assert not swing.is_visible()
+    choice.select_option(label="yes")
+    assert page.evaluate("labrig.page.protocol.form.get()")["extras"]["release"] is True
+    swing.fill("2")
+    said = page.evaluate("labrig.page.protocol.form.get()")
+    assert said["extras"]["release"] == {"swing_s": 2}
+    choice.select_option(label="no")
+    assert not swing.is_visible()
+    assert page.evaluate("labrig.page.protocol.form.get()")["extras"]["release"] is False
+
+
 def test_curvature_is_a_number_or_nodes_or_measured(fake, visit):
     page = visit(f"{fake.url}#/new")
     page.click("summary:has-text('Sheet')")

@@ -14,6 +14,7 @@ from typing import Any
 
 import grpc
 import nidaqmx
+import numpy as np
 import pytest
 from nidaqmx.system import System
 
@@ -96,6 +97,26 @@ def test_a_whole_rig_is_served_until_it_is_told_to_end(
     assert rows[0] == "time_s,drive_V,force_mN,position_mm"
     assert any(abs(float(row.split(",")[1]) - 2.0) < 0.01 for row in rows[1:])
     assert served.end(number) == (0, "")
+
+
+@pytest.mark.slow
+def test_a_moving_world_is_served_and_its_current_decays_while_the_voltage_stays(
+    serve: Any,
+) -> None:
+    served = serve("--world", "moving.toml", "--configuration", "long", "--serial", "zaber")
+    with (
+        nidaqmx.Task("out", grpc_options=served.options("out")) as output,
+        nidaqmx.Task("in", grpc_options=served.options("in")) as current,
+    ):
+        output.ao_channels.add_ao_voltage_chan("PCI6703/ao0", min_val=-0.25, max_val=0.25)
+        current.ai_channels.add_ai_voltage_chan("PCI6034E/ai1", min_val=-0.5, max_val=0.5)
+        current.timing.cfg_samp_clk_timing(1000.0, samps_per_chan=1000)
+        output.write(0.0)
+        current.start()
+        output.write(0.2)
+        mA = np.array(current.read(1000, timeout=20.0)) * 1e3
+    assert 20.0 < mA.max() < 46.0
+    assert 8.0 < mA[-1] < 0.7 * mA.max()
 
 
 @pytest.mark.slow

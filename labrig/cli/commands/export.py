@@ -15,7 +15,7 @@ def export(
     session: Annotated[Path, typer.Argument(help="an analysed session")],
     output: Annotated[Path, typer.Option("--output", "-o", help="the folder to write into")],
 ) -> None:
-    """Write forces.csv, curves.csv, signals.csv, about.toml, notes.csv and photographs."""
+    """Write forces, curves, signals and control as CSV, about.toml, notes.csv and photographs."""
     from labrig.session import export_session
 
     for path in export_session(session, output):

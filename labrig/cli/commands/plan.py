@@ -19,7 +19,11 @@ def plan(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Show the schedule: times, voltages, readings, total duration, time under voltage."""
+    """Show the schedule: times, voltages, readings, total duration, time under voltage.
+
+    Says how long the sheet is at rest when free shapes are taken, and warns of what a dynamic fit
+    ([extras] release, [analysis] dynamic) would not know from it.
+    """
     from labrig.config import load_protocol
     from labrig.experiment.next_measurement.dynamic_needs import not_determined
     from labrig.report.tables.schedule import overview_rows, run_rows

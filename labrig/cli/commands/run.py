@@ -27,6 +27,16 @@ def run(
         typer.Option("--resume", help="a session to go on with; the files can be left out"),
     ] = None,
     about: AboutFile = None,
+    controller: Annotated[
+        Path | None,
+        typer.Option(
+            "--controller", help="controller.toml, which sets the voltage (labrig control)"
+        ),
+    ] = None,
+    reference: Annotated[
+        Path | None,
+        typer.Option("--reference", help="force.csv (time_s, force_mN) that the force follows"),
+    ] = None,
     diagnose: Annotated[
         bool,
         typer.Option(
@@ -45,12 +55,22 @@ def run(
     With --diagnose, goes on after the run: where the data leave several effects open, proposes the
     measurement that separates them, runs it as a session of its own (NAME-2.h5, ...) and diagnoses
     all together, three times at most.
+
+    With --controller and --reference, a controller sets the voltage at its place, so that the force
+    follows the reference: force_mN above the force at 0 V from each time_s on, until the last
+    row's time. Limits and guard are those of any run; a late or lost sample, a voltage at its limit
+    for too long and any other fault end it at 0 V.
     """
     from labrig.cli.follow import finish, replay_and_follow, resume_and_follow, run_and_follow
     from labrig.config import ReplayConfig, load_rig
+    from labrig.experiment.plan import ControlFiles
 
     if diagnose and resume is not None:
         raise BadInputError("--diagnose and --resume exclude each other; diagnose what is resumed.")
+    if (controller is None) is not (reference is None):
+        raise BadInputError("--controller and --reference go together; give both.")
+    if controller is not None and (resume is not None or diagnose):
+        raise BadInputError("--controller goes neither with --resume nor with --diagnose.")
     if resume is not None and rig is None:
         finish(resume_and_follow(resume, None, output, yes=yes, about=about))
         return
@@ -67,9 +87,14 @@ def run(
         raise BadInputError("labrig run needs -o with the name of the session file to make.")
     config = load_rig(rig)
     if isinstance(config, ReplayConfig):
+        if controller is not None:
+            raise BadInputError("a recorded session in the rig's place obeys no controller.")
         finish(replay_and_follow(config.replay, output))
         return
-    finish(run_and_follow(rig, protocol, sheet, output, yes=yes, about=about))
+    control = None
+    if controller is not None and reference is not None:
+        control = ControlFiles(controller, reference)
+    finish(run_and_follow(rig, protocol, sheet, output, yes=yes, about=about, control=control))
     if diagnose:
         from labrig.cli.follow_up import follow_up
 

@@ -24,7 +24,7 @@ from model.discrepancy import Diagnosis, Next
 from model.discrepancy.next_measurement.candidate_measurements import LONGER
 from model.measurements import Measurements
 from protocols import ProtocolKind, ScheduleError
-from protocols.planning.schedule import AT_REST_S
+from protocols.planning.schedule import SETTLED_S
 
 Tables = dict[str, Any]
 Places = dict[str, list[float]]
@@ -132,7 +132,7 @@ def _same(base: _Base, _places: Places, _extras: Tables) -> _Base:
 
 def _free_shapes(base: _Base, places: Places, extras: Tables) -> _Base:
     # also under voltage, as the candidate was weighed; the model that weighed it is static
-    extras["free_shapes"] = {"settled_s": AT_REST_S}
+    extras["free_shapes"] = {"settled_s": SETTLED_S}
     for name in places:
         places[name] = []
     return base

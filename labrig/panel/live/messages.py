@@ -102,6 +102,8 @@ class MessageEncoder:
         run = event.run
         self._zero_s[run.index] = event.time_s
         where = "free" if run.position_m is None else f"{1e3 * run.position_m:g} mm"
+        if run.extra:
+            where += f", {run.in_words}"
         again = "" if run.repeats is None else f", run {run.repeats + 1} again"
         return {
             "type": "run_started",

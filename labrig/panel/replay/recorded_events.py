@@ -10,6 +10,7 @@ import numpy as np
 from drivers.interfaces import Frame, Prompt, VoltageWrite
 from labrig.session import LoggedEvent, RecordedSession, RunRecord
 from labrig.session.format.layout import NOBODY_ANSWERED
+from labrig.session.reading.moves import moves_of
 from protocols.execution import events as ev
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import PlannedReading
@@ -22,7 +23,7 @@ def events_of(session: RecordedSession) -> list[ev.Event]:
     found = [*_logged(session)]
     for run in session.runs:
         if run.started:
-            found += _of_run(run, _stopped_s(session, run))
+            found += [*_of_run(run, _stopped_s(session, run)), *moves_of(session, run)]
     return sorted(found, key=lambda event: event.time_s)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from labrig.report.diagnosis.parameters import percent
 from labrig.report.parts.table import Table, fixed, number, volts
 from model.discrepancy.data_checks import Suspicion
-from model.discrepancy.verdict.messages import closed_sentence, listed
+from model.discrepancy.verdict.messages import answer_title, closed_sentence, listed
 from model.discrepancy.verdict.result import (
     Diagnosis,
     ErrorRow,
@@ -26,7 +26,7 @@ from model.measurements import FloatArray
 VERDICTS = {
     "effect_named": "effects that are not in the model",
     "nothing_missing": "nothing seen that is not in the model",
-    "indistinguishable": "one of several effects that these data cannot tell apart",
+    "indistinguishable": "one of several answers that these data cannot tell apart",
     "unknown_effect": "something that is neither in the model nor in the catalogue",
     "cannot_tell": "no verdict from these data",
 }
@@ -157,7 +157,7 @@ def verdict_sentences(found: Diagnosis) -> list[str]:
         meaning = catalogue()[one.name].meaning if one.name in catalogue() else ""
         if meaning:
             said.append(f"{_capital(title(one.name))}: {meaning}")
-        if one.confusable_with:
+        if one.confusable_with or one.or_else:
             said.append(_class_sentence(one))
     if found.unknown is not None:
         some = found.unknown
@@ -170,9 +170,11 @@ def verdict_sentences(found: Diagnosis) -> list[str]:
 
 def _class_sentence(one: Named) -> str:
     """Return the members of a class, their probability together, and that of each."""
-    members = [title(name) for name in (one.name, *one.confusable_with)]
-    each = ", ".join(f"{title(name)} {percent(p)}" for name, p in one.probabilities.items())
-    text = f"One of {listed(members)}: {percent(one.confidence)} probability of this class"
+    names = [title(name) for name in (one.name, *one.confusable_with)]
+    members = listed([*names, *map(answer_title, one.or_else)], "or")
+    each = ", ".join(f"{answer_title(name)} {percent(p)}" for name, p in one.probabilities.items())
+    known = "this class" if len(names) > 1 else names[0]
+    text = f"One of {members}: {percent(one.confidence)} probability of {known}"
     return f"{text} ({each})." if each else f"{text}."
 
 

@@ -21,7 +21,7 @@ _MARKS = {
 
 def draw_schedule(schedule: Schedule, path: Path) -> None:
     """Draw the first run of each kind of run in the schedule, one panel each."""
-    runs = list({_kind(run): run for run in reversed(schedule.runs)}.values())[::-1]
+    runs = list({run.in_words: run for run in reversed(schedule.runs)}.values())[::-1]
     with figure(9.0, 2.2 * len(runs) + 0.4) as fig:
         panels = fig.subplots(len(runs), 1, squeeze=False)[:, 0]
         for axes, run in zip(panels, runs, strict=True):
@@ -45,12 +45,8 @@ def draw_run(axes: Axes, run: PlannedRun) -> None:
             label=None if label in labelled else label,
         )
         labelled.add(label)
-    axes.set_title(f"{_kind(run).replace('_', ' ')}, {run.configuration}", loc="left")
+    axes.set_title(f"{run.in_words}, {run.configuration}", loc="left")
     axes.set_xlabel("time (s)")
     axes.set_ylabel("sheet voltage (V)")
     if labelled:
         axes.legend(loc="upper left", ncols=3)
-
-
-def _kind(run: PlannedRun) -> str:
-    return run.extra or run.purpose.value

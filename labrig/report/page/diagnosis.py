@@ -16,8 +16,8 @@ from labrig.report.page.summary import Card
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.table import fixed
 from model.discrepancy.thresholds import REPORTED_GAP_RATIO
+from model.discrepancy.verdict.messages import answer_title
 from model.discrepancy.verdict.result import Diagnosis
-from model.effects import title
 
 # title, name of the gap, decimals
 MEANS = (
@@ -59,7 +59,7 @@ def _cards(found: Diagnosis) -> list[Card]:
     cards = []
     named = [
         (
-            " or ".join(title(name) for name in (e.name, *e.confusable_with)),
+            " or ".join(map(answer_title, (e.name, *e.confusable_with, *e.or_else))),
             percent(e.confidence),
             "",
         )

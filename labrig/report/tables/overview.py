@@ -126,7 +126,7 @@ def _run(run: RunRecord) -> dict[str, Any]:
     position_m = planned.position_m
     return {
         "run": planned.index + 1,
-        "purpose": (planned.extra or planned.purpose.value).replace("_", " "),
+        "purpose": planned.in_words,
         "configuration": planned.configuration,
         "position_mm": None if position_m is None else round(1e3 * position_m, 6),
         "state": "complete" if run.completed else "begun" if run.started else "not begun",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from protocols import PlannedRun, Schedule, ScheduleDescription
+from protocols import PlannedRun, PlanRow, Schedule, ScheduleDescription
 
 
 def run_rows(schedule: Schedule) -> list[list[str]]:
@@ -16,6 +16,11 @@ def run_rows(schedule: Schedule) -> list[list[str]]:
             [kinds or "end", f"{step.time_s:.2f}", f"{step.voltage_V:+g}", _times(run, number)]
         )
     return rows
+
+
+def _readings(row: PlanRow) -> str:
+    counts = " + ".join(f"{count} {kind.value}" for kind, count in row.readings.items())
+    return ": ".join(part for part in (row.extra, counts) if part)
 
 
 def _times(run: PlannedRun, step: int) -> str:
@@ -32,7 +37,7 @@ def overview_rows(plan: ScheduleDescription) -> list[list[str]]:
             row.configuration,
             "free" if row.position_m is None else f"{1e3 * row.position_m:g}",
             ", ".join(row.prompts) or "-",
-            " + ".join(f"{count} {kind.value}" for kind, count in row.readings.items()),
+            _readings(row),
             f"{row.duration_s:.1f}",
             f"{row.under_voltage_s:.1f}",
         ]

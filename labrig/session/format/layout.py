@@ -1,4 +1,4 @@
-"""The session file's layout, version 3: every group, dataset and type has its name here.
+"""The session file's layout, version 4: every group, dataset and type has its name here.
 
 /                       NXroot, default -> session, labrig_format
 /session                NXentry, default -> run_000
@@ -15,6 +15,7 @@
     planned           the run as planned (JSON)
     acquisition       sample clock, start, counts
     writes            each write of the voltage
+    control           with a controller: each of its periods, and the voltage that it wrote
     readings          each reading, as seen while running
     marks             readings declared invalid during the session
     signals/          NXdata: raw samples in V, a dataset for each channel, and their time
@@ -27,6 +28,7 @@ Supplements, groups that are added to a closed session; each has a checksum of i
 A checksum covers content, type and shape of a dataset and attributes of both; that of a
 supplement, its attribute `sha256`, covers everything in the group.
 
+Version 3 has no controlled runs; it is written where there is none, so that older programs read it.
 Version 2 has checksums of the content of datasets only and no devices. In version 1 `signals` holds
 names and ranges only, and the values of a reading are always force_N, drive_V and current_A; since
 version 2 they are those of the session's channels, a column each.
@@ -45,8 +47,9 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 3  # that is written
-READABLE: Final = (1, 2, 3)
+FORMAT: Final = 3  # that is written...
+CONTROLLED: Final = 4  # ... but where a run has a controller
+READABLE: Final = (1, 2, 3, 4)
 # The oldest file format with single-writer-multiple-reader, so that any viewer since 2016 opens it.
 LIBVER: Final = ("v110", "v110")
 ENTRY: Final = "/session"
@@ -116,6 +119,7 @@ SIGNAL_ROWS: Final = {  # by version
     1: np.dtype(_SIGNAL_1),
     2: np.dtype(_SIGNAL_2),
     3: np.dtype(_SIGNAL_2),
+    4: np.dtype(_SIGNAL_2),
 }
 EVENT_ROW: Final = np.dtype(
     [
@@ -152,6 +156,21 @@ WRITE_ROW: Final = np.dtype(
         ("after_s", "<f8"),
         ("lateness_s", "<f8"),  # middle of before and after, minus due
         ("sample_index", "<f8"),  # of that middle
+        ("sheet_V", "<f8"),
+        ("board_V", "<f8"),
+    ]
+)
+CONTROL_ROW: Final = np.dtype(
+    [
+        ("planned_s", "<f8"),  # since the run's time 0
+        ("due_s", "<f8"),  # clock times
+        ("before_s", "<f8"),
+        ("after_s", "<f8"),
+        ("sample_index", "<f8"),  # of the newest sample that the controller knew
+        ("zero_N", "<f8"),  # the force at 0 V before the run: the next two count from it
+        ("reference_N", "<f8"),
+        ("force_N", "<f8"),
+        ("wanted_V", "<f8"),  # by the controller; sheet_V is within the limits
         ("sheet_V", "<f8"),
         ("board_V", "<f8"),
     ]

@@ -135,6 +135,13 @@ class RunRecord:
         return self._table("writes", layout.WRITE_ROW)
 
     @cached_property
+    def control(self) -> Array:
+        """Each period of a controller, columns as in `layout.CONTROL_ROW`; none without one."""
+        if not self.planned.reference:
+            return np.zeros(0, dtype=layout.CONTROL_ROW)
+        return self._table("control", layout.CONTROL_ROW)
+
+    @cached_property
     def marks(self) -> Array:
         """Marks during the session, columns as in `layout.MARK_ROW`; see `standing_marks`."""
         return self._table("marks", layout.MARK_ROW)

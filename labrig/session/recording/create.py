@@ -146,6 +146,8 @@ def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
     put_text(group, "planned", json.dumps(run_to_dict(run)))
     group.create_dataset("acquisition", data=_not_started())
     _table(group, "writes", layout.WRITE_ROW, rows_in_chunk=32)
+    if run.reference:
+        _table(group, "control", layout.CONTROL_ROW, rows_in_chunk=256)
     _table(group, "readings", setup.reading_row, rows_in_chunk=16)
     _table(group, "marks", layout.MARK_ROW, rows_in_chunk=8)
     _signals(file, run, setup)

@@ -67,6 +67,7 @@ class Translator:
             ev.OperatorNotAsked: self._not_asked,
             ev.RunStarted: self._run_started,
             ev.VoltageSet: self._write,
+            ev.Controlled: self._controlled,
             ev.SignalsArrived: self._signals,
             ev.ReadingTaken: self._reading,
             ev.FramesArrived: self._frames_arrived,
@@ -168,6 +169,8 @@ class Translator:
         self._frames[index] = {}
         name = event.run.configuration
         place = "free" if event.run.position_m is None else f"{event.run.position_m * 1000:g} mm"
+        if event.run.extra:
+            place += f", {event.run.in_words}"
         again = event.run.repeats
         more = "" if again is None else f", run {again + 1} again"
         state = self._acquisition(event)
@@ -214,6 +217,20 @@ class Translator:
         row["sample_index"] = started.sample_clock.index_at(middle)
         row["sheet_V"], row["board_V"] = write.sheet_V, write.board_V
         return [self._append(f"{layout.run_path(event.run)}/writes", row)]
+
+    def _controlled(self, event: ev.Controlled) -> list[EventRows]:
+        started = self._started[event.run]
+        rows = np.zeros(len(event.periods), dtype=layout.CONTROL_ROW)
+        rows["zero_N"] = event.zero_N
+        for row, period in zip(rows, event.periods, strict=True):
+            write = period.write
+            row["planned_s"], row["due_s"] = period.due_s - started.time_s, period.due_s
+            row["before_s"], row["after_s"] = write.before_s, write.after_s
+            row["sample_index"] = period.sample_index
+            row["reference_N"], row["force_N"] = period.reference_N, period.force_N
+            row["wanted_V"] = period.wanted_V
+            row["sheet_V"], row["board_V"] = write.sheet_V, write.board_V
+        return [self._append(f"{layout.run_path(event.run)}/control", rows)]
 
     def _signals(self, event: ev.SignalsArrived) -> list[EventRows]:
         started, volts = self._started[event.run], event.block.volts

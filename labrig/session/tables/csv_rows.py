@@ -69,7 +69,18 @@ def read_rows(
 
     Accepts a byte order mark and any line ending; lines without a value are passed over.
     """
-    reader = csv.reader(io.StringIO(read_text(path, MOST_BYTES), newline=""), strict=True)
+    return rows_of(read_text(path, MOST_BYTES), path, required, optional, prefix)
+
+
+def rows_of(
+    text: str,
+    path: Path,
+    required: Sequence[str],
+    optional: Sequence[str],
+    prefix: str | None = None,
+) -> Iterator[CsvRow]:
+    """Yield the rows of a file's text; `path` is what errors call it. See `read_rows`."""
+    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         header = [name.strip() for name in next(reader, [])]
         _check_header(path, header, required, optional, prefix)

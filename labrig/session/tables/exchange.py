@@ -21,6 +21,7 @@ from labrig.session.reading.session import open_session
 from labrig.session.recording.create import fill_file
 from labrig.session.recording.disk import written_beside
 from labrig.session.recording.recorder import Recorder
+from labrig.session.tables.control_table import check_no_control, write_control
 from labrig.session.tables.read import read_tables
 from labrig.session.tables.write import write_tables
 from model.measurements import Measurements
@@ -88,7 +89,8 @@ def export_session(path: Path, folder: Path) -> list[Path]:
         if session.outdated:
             raise BadInputError(f"{path}: {session.outdated}")
         check_free(session, Path(folder))
-        tables = write_tables(measurements, Path(folder))
+        check_no_control(Path(folder))
+        tables = write_tables(measurements, Path(folder)) + write_control(session, Path(folder))
         return [*tables, *write_about_and_notes(session, Path(folder))]
 
 

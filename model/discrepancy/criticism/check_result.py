@@ -18,7 +18,7 @@ class Failure:
     consequence: Consequence
     sentence: str  # what contradicts what, without its full stop
     effects: tuple[str, ...] = ()  # names that it concerns; none: all of them together
-    rivals: tuple[tuple[str, float], ...] = ()  # of `one_of`: names that are as good, with chances
+    rivals: tuple[str, ...] = ()  # of `one_of`: names that are as good
 
 
 @dataclass(frozen=True, kw_only=True)

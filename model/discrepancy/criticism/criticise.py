@@ -33,10 +33,10 @@ class Criticism:
         every = (one.sentence for one in self.failures if one.consequence == "cannot_tell")
         return next(every, "")
 
-    def rivals(self, name: str) -> dict[str, float]:
-        """Return names that explain as much as this one, with their probabilities."""
+    def rivals(self, name: str) -> tuple[str, ...]:
+        """Return names that explain as much as this one."""
         own = [f for f in self.failures if f.consequence == "one_of" and name in f.effects]
-        return {rival: chance for one in own for rival, chance in one.rivals}
+        return tuple(rival for one in own for rival in one.rivals)
 
     @property
     def sentence(self) -> str:

@@ -17,7 +17,6 @@ from model.discrepancy.verdict.result import Signatures
 from model.effects.interface import Effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location
-from model.measurements import FloatArray
 
 
 def forms(pool: Sequence[Candidate], chosen: Mapping[str, Mapping[str, float]]) -> list[Candidate]:
@@ -105,16 +104,3 @@ def classes(found: Signatures, unseen: Mapping[str, str]) -> tuple[tuple[str, ..
             left -= set(group)
             result.append(group)
     return tuple(result)
-
-
-def class_of(name: str, found: Signatures, size: FloatArray | None = None) -> tuple[str, ...]:
-    """Return effects closer than `SEPARATION_SIGMA` to one, at its size."""
-    del size
-    if name not in found.names:
-        return ()
-    i = found.names.index(name)
-    return tuple(
-        other
-        for j, other in enumerate(found.names)
-        if j != i and found.distance[i, j] < SEPARATION_SIGMA and found.detectability[j] > 0.0
-    )

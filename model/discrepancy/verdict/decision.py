@@ -6,18 +6,20 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
+from model.discrepancy.answers.calibrated_answers import Judged, calibrated
+from model.discrepancy.answers.choice_set import ChoiceSet
+from model.discrepancy.answers.compared_answers import ComparedAnswers
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
+    LEAST_PROBABILITY,
     MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
     UNEXPLAINED_SHARE,
 )
-from model.discrepancy.verdict.choice_set import ChoiceSet
-from model.discrepancy.verdict.compared_answers import ComparedAnswers
 from model.discrepancy.verdict.fitted_model import sheet_model
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
 from model.discrepancy.verdict.posterior import (
@@ -49,6 +51,7 @@ class Decision:
     rest: Leftover | None = None  # what nonparametric terms find beside the names
     criticism: Criticism = field(default_factory=Criticism)
     choice_sets: tuple[ChoiceSet, ...] = ()  # of the questions that it answers
+    answers: tuple[Judged, ...] = ()  # to each of them
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,17 +109,17 @@ class Judgement:
         """Return the decision without names that the checks reject."""
         judged = NamedModel(self.outcome, found.named, found.known)
         criticism = criticise(judged)
-        names, before = [one.effect.name for one in found.named], found
-        rejected = criticism.rejected(names)
+        choice_sets = ComparedAnswers(
+            judged=judged, rest=found.rest, unknown=found.unknown is not None, criticism=criticism
+        ).choice_sets()
+        answers = tuple(calibrated().judged(one) for one in choice_sets)
+        names = [one.effect.name for one in found.named]
+        asked = zip(names, answers, strict=False)
+        improbable = {name for name, one in asked if one.of_names < LEAST_PROBABILITY}
+        rejected = [n for n in names if n in {*improbable, *criticism.rejected(names)}]
         if rejected or (criticism.incomplete and found.unknown is None):
             found = self._without(found, rejected)
-        compared = ComparedAnswers(
-            judged=judged, rest=before.rest, unknown=before.unknown is not None,
-            criticism=criticism,
-            kept=[one.effect.name for one in found.named],
-            reported_unknown=found.unknown is not None,
-        )  # fmt: skip
-        return replace(found, criticism=criticism, choice_sets=compared.choice_sets())
+        return replace(found, criticism=criticism, choice_sets=choice_sets, answers=answers)
 
     def _without(self, found: Decision, rejected: Sequence[str]) -> Decision:
         """Return a decision without these names, and with the best nonparametric term instead."""

@@ -8,6 +8,8 @@ from functools import cached_property
 
 import numpy as np
 
+from model.discrepancy.answers.choice_set import NOTHING
+from model.discrepancy.answers.reported_set import of_name, with_alternatives
 from model.discrepancy.criticism.catalogue import origins as origins_of_checks
 from model.discrepancy.next_measurement.candidate_measurements import (
     Suspect,
@@ -20,15 +22,13 @@ from model.discrepancy.search.evidence import Candidate, candidates
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.outliers import condition_name
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
+from model.discrepancy.search.signatures import classes, forms, invisible, signatures
 from model.discrepancy.thresholds import (
     COMPARISON_SIGMA,
     CROSS_VALIDATED_NAMES,
-    DOUBTED_PROBABILITY,
     EXCESSIVE_SCATTER_RATIO,
     FEWEST_SETUPS,
     NONPARAMETRIC_MARGIN_LN,
-    REPORTED_PROBABILITY,
 )
 from model.discrepancy.verdict import prediction_error as gaps
 from model.discrepancy.verdict.data_checks import remarks
@@ -38,6 +38,8 @@ from model.discrepancy.verdict.inferred_form import form_of
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
     DIFFERS,
+    improbable,
+    not_ruled_out,
     notes,
     promise_note,
     refused,
@@ -106,11 +108,12 @@ class Finding:
         base, decision = self.outcome.base, self.decision
         pool = candidates(base, self.effects)
         seen = self._signatures(pool, decision)
-        named = tuple(_named(c, decision, seen) for c in decision.named)
+        named = tuple(_named(c, decision) for c in decision.named)
+        unknown = decision.unknown and with_alternatives(decision.unknown, decision)
         unseen = _not_reported(invisible(base, seen, {e.name: e for e in self.effects}), named)
         promises = self._promises()
         doubt = self._doubt(decision)
-        verdict = self._verdict(named, decision.unknown, doubt)
+        verdict = self._verdict(named, unknown, doubt)
         apart = self._left_out(pool, decision)
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
         told = decision.written
@@ -122,14 +125,14 @@ class Finding:
                 filter(
                     None,
                     [
-                        sentence(verdict, named, decision.unknown, apart.gap, doubt, apart.closed),
+                        sentence(verdict, named, unknown, apart.gap, doubt, apart.closed),
                         decision.criticism.sentence,
                     ],
                 )
             ),
             effects=named,
             invisible=unseen,
-            unknown=decision.unknown,
+            unknown=unknown,
             where=places(base, noise),
             fitted=fitted,
             held_out=apart.gap,
@@ -151,6 +154,7 @@ class Finding:
                 *remarks(self.measurements, base),
                 *map(promise_note, promises),
                 *notes(named, outliers, apart.chosen),
+                *not_ruled_out(decision.answers, named, unknown),
             ),
             model=decision.model,
             plugins={**origins_of_locations(), **origins_of_effects(), **origins_of_checks()},
@@ -188,6 +192,9 @@ class Finding:
             return criticism.undecided
         if decision.named or decision.unknown is not None:
             return ""
+        for asked, judged in zip(decision.choice_sets, decision.answers, strict=True):
+            if asked.considered != judged.likeliest and NOTHING not in judged.answers:
+                return improbable(asked.considered, judged)
         if criticism.failures:  # what is wrong with the names has no place of its own
             return criticism.failures[0].sentence
         log_sigma, usual = decision.final.solution.log_sigma, decision.final.problem.guess
@@ -207,7 +214,7 @@ class Finding:
             return "unknown_effect"
         if not named:
             return "nothing_missing"
-        if any(n.confusable_with for n in named):
+        if any(n.confusable_with or n.or_else for n in named):
             return "indistinguishable"
         return "effect_named"
 
@@ -289,38 +296,25 @@ class Finding:
         )
 
 
-def _doubted(confidence: float, decision: Decision) -> float:
-    """Return the confidence of a name beside which something is not in the model."""
-    doubted = decision.criticism.incomplete
-    return min(confidence, DOUBTED_PROBABILITY) if doubted else confidence
-
-
 def _not_reported(unseen: Mapping[str, str], named: Sequence[Named]) -> dict[str, str]:
     """Return effects that no usual size would show, without those seen all the same."""
     reported = {name for one in named for name in (one.name, *one.confusable_with)}
     return {name: needs for name, needs in unseen.items() if name not in reported}
 
 
-def _named(one: Choice, decision: Decision, seen: Signatures) -> Named:
+def _named(one: Choice, decision: Decision) -> Named:
     """Return a name with the values that are written; its form as the search has it."""
     effect, final = one.effect, decision.written
     place = next(i for i, f in enumerate(final.found) if f.effect.name == effect.name)
     found, (share, form) = final.found[place], form_of(decision.known, place)
-    near = class_of(effect.name, seen)
-    confusable = tuple(n for n, p in one.alternatives if p >= REPORTED_PROBABILITY or n in near)
-    chances = dict(one.alternatives)
-    members = {effect.name: one.confidence, **{name: chances[name] for name in confusable}}
-    rivals = decision.criticism.rivals(effect.name)
-    if rivals:  # which the evidence of all data passes over
-        left = 1.0 - sum(rivals.values())
-        members = {name: left * chance for name, chance in members.items()} | rivals
-        confusable = tuple(name for name in members if name != effect.name)
+    reported = of_name(effect.name, decision)
     own = {name: parameters_of(found, name, final) for name in found.values}
     first = next(iter(own))
     return Named(
         name=effect.name, location=effect.location, parameters=own[first],
         by_configuration=own if effect.by_configuration else {},
         configuration=first if effect.by_configuration else "",
-        confidence=_doubted(min(sum(members.values()), 1.0), decision), probabilities=members,
-        confusable_with=confusable, form_share=share, form=form, choices=chosen_values(one, found),
+        confidence=reported.confidence, probabilities=reported.probabilities,
+        confusable_with=reported.confusable_with, or_else=reported.or_else,
+        form_share=share, form=form, choices=chosen_values(one, found),
     )  # fmt: skip

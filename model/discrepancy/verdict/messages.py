@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
+from model.discrepancy.answers.calibrated_answers import Judged
+from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
 from model.discrepancy.thresholds import FEWEST_SETUPS, REPORTED_FORM_SHARE, REPORTED_GAP_RATIO
 from model.discrepancy.verdict.result import (
     BeforeAfter,
@@ -21,6 +23,11 @@ from model.parameter import Parameter
 DIFFERS = {
     "stiffness": "the sheet's stiffness", "eibm": "the EIBM", "position": "the place on the arc",
     "force_zero": "the load cell's zero",
+}  # fmt: skip
+
+
+OTHER_ANSWERS = {
+    UNKNOWN: "something that is not in the catalogue", NOTHING: "nothing of the kind",
 }  # fmt: skip
 
 
@@ -42,10 +49,12 @@ def sentence(
         return "Nothing is seen that is not in the model: what is left is noise and scatter."
     if unknown is not None:
         more = f" besides {listed([class_name(n) for n in named])}" if named else ""
+        same = listed([title(name) for name in unknown.confusable_with], "or")
         return (
             f"Something is seen{more} that is neither in the model nor in the catalogue: it acts on"
             f" {unknown.location.replace('_', ' ')}, {unknown.depends}, most of all at"
             f" {unknown.peak_mm:.3g} {unknown.at_unit}."
+            + (f" It may be {same} all the same." if same else "")
         )
     is_not = "are not" if len(named) > 1 else "is not"
     names = listed([class_name(n) for n in named])
@@ -57,11 +66,44 @@ def sentence(
 
 
 def class_name(one: Named) -> str:
-    """Return the name of an effect, or all names of its class with their common probability."""
+    """Return the name of an effect, or all answers of its set, names with their probability."""
+    answers = [answer_title(name) for name in (one.name, *one.confusable_with, *one.or_else)]
+    if len(answers) == 1:
+        return answers[0]
+    said = " or ".join(answers)
     if not one.confusable_with:
-        return title(one.name)
-    names = " or ".join(title(name) for name in (one.name, *one.confusable_with))
-    return f"{names} (which these data cannot tell apart; together {percent(one.confidence)})"
+        return f"{said} ({percent(one.confidence)} that it is {answers[0]})"
+    what = "together" if not one.or_else else "the names together"
+    return f"{said} (which these data cannot tell apart; {what} {percent(one.confidence)})"
+
+
+def improbable(considered: str, judged: Judged) -> str:
+    """Return why what the search names, or does not name, is not reported."""
+    answers = [answer_title(name) for name in judged.answers]
+    if considered in (UNKNOWN, NOTHING):
+        return f"little speaks for anything, but it may be {' or '.join(answers)}"
+    own = percent(judged.probabilities.get(considered, 0.0))
+    return (
+        f"{title(considered)} explains most, but with a probability of only {own}; it may be"
+        f" {' or '.join(answers)}"
+    )
+
+
+def not_ruled_out(
+    answers: Sequence[Judged], named: Sequence[Named], unknown: Unknown | None
+) -> Iterator[str]:
+    """Yield what may be in the data besides, or although nothing is named."""
+    if not answers or unknown is not None:
+        return
+    others = [name for name in answers[-1].answers if name != NOTHING]
+    if others:
+        besides = " besides" if named else ""
+        yield f"not ruled out{besides}: {', '.join(map(answer_title, others))}"
+
+
+def answer_title(name: str) -> str:
+    """Return an effect's title, or what is said of something unknown and of nothing."""
+    return OTHER_ANSWERS.get(name) or title(name)
 
 
 def _capital(text: str) -> str:
@@ -115,9 +157,9 @@ def promise_note(one: Promise) -> str:
     )
 
 
-def listed(names: Sequence[str]) -> str:
+def listed(names: Sequence[str], last: str = "and") -> str:
     """Return names as English has them: a, b and c."""
-    return " and ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
+    return f" {last} ".join(filter(None, [", ".join(names[:-1]), *names[-1:]]))
 
 
 def too_few(setups: int) -> str:

@@ -29,8 +29,7 @@ class Choice:
     """A named effect with its alternatives."""
 
     effect: Effect
-    confidence: float
-    alternatives: tuple[tuple[str, float], ...]  # name, posterior; only those worth mentioning
+    confidence: float  # posterior by the evidence alone
     gain: float
     of_location: float  # posterior of all effects of its location
     before: MixedModelFit  # the model without it, the other names in place
@@ -58,16 +57,11 @@ def choice(
         raise TypeError(f"{chosen.name} is no effect of the catalogue")
     chances = posterior(ranking)
     own = chances.get(chosen.name, 0.0)
-    others = sorted(
-        ((n, p) for n, p in chances.items() if n != chosen.name and p > NEGLIGIBLE_PROBABILITY),
-        key=lambda item: -item[1],
-    )
     alike = {c.name for c in ranking if c.known and c.score.candidate.location == effect.location}
     of_location = sum(p for n, p in chances.items() if n in alike)
     return Choice(
         effect=effect,
         confidence=own,
-        alternatives=tuple(others),
         gain=chosen.gain,
         of_location=of_location,
         before=before,

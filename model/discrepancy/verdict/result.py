@@ -8,9 +8,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.criticism.check_result import CheckResult
 from model.discrepancy.data_checks.contract import Suspicion
-from model.discrepancy.verdict.choice_set import ChoiceSet
 from model.effects import title
 from model.measurements import FloatArray
 from model.parameter import Parameter
@@ -56,8 +56,10 @@ class Named:
     form: FormCurve | None = None
     choices: Mapping[str, ChosenValue] = field(default_factory=dict)  # by name of the parameter
     configuration: str = ""  # whose `parameters` are; empty: shared by all configurations
-    # posterior of each member of the class; older diagnoses have none
+    # of each member of the class, and of `or_else`; older diagnoses have none
     probabilities: Mapping[str, float] = field(default_factory=dict)
+    # answers of the set that are no names: `UNKNOWN`, `NOTHING`
+    or_else: tuple[str, ...] = ()
 
     @property
     def probability(self) -> float:
@@ -84,6 +86,7 @@ class Named:
             },
             "confidence": round(self.confidence, 6),
             "confusable_with": list(self.confusable_with),
+            "or_else": list(self.or_else),
             "probabilities": {k: round(p, 6) for k, p in self.probabilities.items()},
             "form_share": round(self.form_share, 4),
             **(
@@ -121,6 +124,10 @@ class Unknown:
     depends: str  # on voltage, position and time: one sentence
     at_unit: str = "mm"  # of the coordinate
     under: Under = ""  # which voltages it acts at, and which way
+    # effects of the catalogue that it may be all the same, and the probability of each answer;
+    # older diagnoses have none
+    confusable_with: tuple[str, ...] = ()
+    probabilities: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def peak_mm(self) -> float:
@@ -138,6 +145,8 @@ class Unknown:
             "along": self.along,
             "configuration": self.configuration,
             "depends": self.depends,
+            "confusable_with": list(self.confusable_with),
+            "probabilities": {k: round(p, 6) for k, p in self.probabilities.items()},
         }
 
 

@@ -27,16 +27,18 @@ def touch(on: Any, clamp_rad: float, s_hat: float, q: Array, w: Scratch) -> None
     low, half = on.breaks_m[here], 0.5 * (on.breaks_m[here + 1] - on.breaks_m[here])
     first, dof = on.first_node[here], on.first_dof[here]
     nodes, dofs = on.first_node[here + 1] - first, on.first_dof[here + 1] - dof
-    w.turn_hat[:] = 0.0
-    w.hat[:first] = on.weight_m[:first]
-    w.hat[first:] = 0.0
+    for m in range(len(w.hat)):
+        w.hat[m] = on.weight_m[m] if m < first else 0.0
+    for j in range(len(q)):
+        w.turn_hat[j] = 0.0
     for p in range(min(here, on.flexible)):
         w.turn_hat[on.first_dof[p]] = on.breaks_m[p + 1] - on.breaks_m[p]
     t = (s_hat - low) / half - 1.0
     before, P, k = 0.0, 1.0, 0.0  # P_(i - 1), P_i
     for i in range(nodes):
-        after = ((2 * i + 1) * t * P - i * before) / (i + 1)
-        integral = half * (after - before + (1.0 if i == 0 else 0.0)) / (2 * i + 1)
+        over = w.over[i]
+        after = (2.0 - over) * t * P - (1.0 - over) * before
+        integral = half * (after - before + (1.0 if i == 0 else 0.0)) * w.over[2 * i]
         for m in range(nodes):
             w.hat[first + m] += integral * on.to_legendre[first + i, m]
         if i < dofs:
@@ -56,8 +58,7 @@ def touch(on: Any, clamp_rad: float, s_hat: float, q: Array, w: Scratch) -> None
 @jit
 def levers(angle: Array, w: Scratch) -> None:
     """Write J = n_hat . dr_hat/dq, T = t_hat . dr_hat/dq and d(J)/d(s_hat)."""
-    w.J[:] = 0.0
-    w.T[:] = 0.0
+    w.J[:], w.T[:] = 0.0, 0.0
     nx, ny = w.at[4], w.at[5]
     for m in range(len(w.hat)):
         across = w.hat[m] * (-nx * w.sin[m] + ny * w.cos[m])

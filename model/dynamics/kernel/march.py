@@ -15,7 +15,7 @@ import numpy as np
 
 from model.dynamics.body import FAILED, SLIPPED
 from model.dynamics.kernel.contact import levers, touch
-from model.dynamics.kernel.residual import balance, move, push
+from model.dynamics.kernel.residual import balance, move
 from model.dynamics.kernel.tangent import assemble, derivatives, invert
 from model.dynamics.kernel.work import Scratch, new_work
 from model.jit import Array, jit
@@ -65,7 +65,6 @@ def evaluate(
 ) -> None:  # fmt: skip
     """Write the residuals' negative to `w.rhs`, the place along n_hat last."""
     move(body, state.q, state.v, state.a, clamp, w)
-    push(body, w)
     size = len(state.q)
     along = 0.0
     if contact:
@@ -188,7 +187,9 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
         if not done:
             return n, FAILED
         age += 1
-        x_rate[:] = state.x - track.x[n]
         relaxed(body, state, factors)
-        track.q[n + 1], track.v[n + 1], track.x[n + 1] = state.q, state.v, state.x
+        for j in range(size):
+            track.q[n + 1, j], track.v[n + 1, j] = state.q[j], state.v[j]
+        for i in range(2):
+            track.x[n + 1, i], x_rate[i] = state.x[i], state.x[i] - track.x[n, i]
     return len(given.step_s), 0

@@ -15,7 +15,7 @@ from model.jit import jit
 
 
 @jit
-def integrate(on: Any, row: int, w: Scratch) -> None:
+def integrate_columns(on: Any, row: int, w: Scratch) -> None:
     """Replace two rows of `w.by`, values at the nodes, by their integral from the clamp."""
     N = w.by.shape[2]
     w.start[:] = 0.0
@@ -52,10 +52,10 @@ def derivatives(body: Any, factor_v: float, factor_a: float, w: Scratch) -> None
             if body.wet:
                 w.by[2, m, k] = (-s * factor_v - c * spin) * phi
                 w.by[3, m, k] = (c * factor_v - s * spin) * phi
-    integrate(body.space, 0, w)
-    integrate(body.space, 4, w)
+    integrate_columns(body.space, 0, w)
+    integrate_columns(body.space, 4, w)
     if body.wet:
-        integrate(body.space, 2, w)
+        integrate_columns(body.space, 2, w)
 
 
 @jit

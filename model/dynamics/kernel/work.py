@@ -12,7 +12,8 @@ from model.jit import Array, jit
 class Scratch(NamedTuple):
     """At the M nodes where not said otherwise; x and y are rows 0 and 1."""
 
-    sin: Array  # of phi
+    phi: Array
+    sin: Array
     cos: Array
     spin: Array  # phi_t
     swing: Array  # phi_tt
@@ -34,6 +35,7 @@ class Scratch(NamedTuple):
     inverse: Array  # (N + 1, N + 1)
     rhs: Array  # (N + 1,)
     step: Array  # (N + 1,)
+    over: Array  # (2 M - 1,) 1/(i + 1)
     history: Array  # (N,) what the past adds to the Prony series
 
 
@@ -41,10 +43,11 @@ class Scratch(NamedTuple):
 def new_work(M: int, N: int) -> Scratch:
     """Scratch arrays for M nodes and N coefficients."""
     return Scratch(
-        sin=np.zeros(M), cos=np.zeros(M), spin=np.zeros(M), swing=np.zeros(M), e=np.zeros((2, M)),
+        phi=np.zeros(M), sin=np.zeros(M), cos=np.zeros(M), spin=np.zeros(M), swing=np.zeros(M),
+        e=np.zeros((2, M)), over=1.0 / np.arange(1.0, 2.0 * M), history=np.zeros(N),
         acceleration=np.zeros((2, M)), velocity=np.zeros((2, M)), force=np.zeros((2, M)),
         cut=np.zeros((2, M)), hat=np.zeros(M), turn_hat=np.zeros(N), at=np.zeros(6), J=np.zeros(N),
         T=np.zeros(N), slide=np.zeros(N), start=np.zeros((2, N)), by=np.zeros((6, M, N)),
         push=np.zeros((2, N)), matrix=np.zeros((N + 1, N + 1)), inverse=np.zeros((N + 1, N + 1)),
-        rhs=np.zeros(N + 1), step=np.zeros(N + 1), history=np.zeros(N),
+        rhs=np.zeros(N + 1), step=np.zeros(N + 1),
     )  # fmt: skip

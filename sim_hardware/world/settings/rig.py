@@ -157,6 +157,12 @@ class CellSettings(ClosedSettings):
     """Half the change of load that makes a full turn."""
     misalignment_deg: Annotated[float, Field(ge=-45, le=45)]
     """Of its axis from the tangent of the arc, counter-clockwise."""
+    resonance_hz: Annotated[float, Field(gt=0, le=1000)]
+    """Of its own, with the rolls on it, in a moving world ..."""
+    damping: Annotated[float, Field(gt=0, lt=1)]
+    """... relative to the critical one."""
+    travel_mm_per_s: Annotated[float, Field(gt=0, le=1000)]
+    """Greatest speed with which the rolls go to another position, in a moving world."""
     compliance_mm_per_mN: NotNegative
     """The object gives way along the arc."""
     warming_mN: float

@@ -116,6 +116,8 @@ class EibmSettings(ClosedSettings):
 class WaterSettings(ClosedSettings):
     """Water in the sheet: uneven after a rest, less and less under voltage."""
 
+    fluid: Literal["none", "air", "water"]
+    """What a moving sheet moves in."""
     first_pulse_deficit: Ratio
     """Share of Me that is missing while the water is unevenly distributed."""
     spread_s: Positive

@@ -6,15 +6,16 @@ differs from it. Keys are in the units of their names; properties and methods ar
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from sim_hardware.optics import OpticsSettings
 from sim_hardware.world.settings.base import ClosedSettings, NotNegative, Ratio
 from sim_hardware.world.settings.faults import FaultSettings
+from sim_hardware.world.settings.moving import ElectrodeSettings, LossSettings, MassSettings
 from sim_hardware.world.settings.rig import (
     AmplifierSettings,
     ArcSettings,
@@ -55,12 +56,18 @@ class ChainSettings(ClosedSettings):
     link_mm: Annotated[float, Field(ge=0.02, le=1)]
     step_ms: Annotated[float, Field(ge=0.1, le=10)]
     """Of the time grid on which the sheet's state moves."""
+    moving_links: Annotated[int, Field(ge=8, le=400)]
+    """Of the sheet, in a moving world."""
+    moving_step_ms: Annotated[float, Field(ge=0.01, le=2)]
+    """Of a moving world's time grid."""
 
 
 class WorldSettings(ClosedSettings):
     """A whole world."""
 
     seed: Annotated[int, Field(ge=0, lt=2**63)]
+    moving: bool
+    """Whether the sheet has mass, loss and electrodes; else it is at rest at each moment."""
     boards: Annotated[dict[str, str], Field(min_length=1)]
     """The rig's boards: a device's name and its product type."""
     wiring: WiringSettings
@@ -78,6 +85,9 @@ class WorldSettings(ClosedSettings):
     frame_delay_s: Annotated[float, Field(ge=0, le=1)]
     """The camera shows what was there so long ago."""
     creep: CreepSettings
+    mass: MassSettings
+    loss: LossSettings
+    electrodes: ElectrodeSettings
     view: ViewSettings
     bumps: list[BumpSettings]
     scatter: ScatterSettings
@@ -85,6 +95,31 @@ class WorldSettings(ClosedSettings):
     camera: OpticsSettings
     interlock: InterlockSettings
     faults: list[FaultSettings]
+
+    @model_validator(mode="after")
+    def _can_move(self) -> Self:
+        """Refuse what the equations of a moving sheet do not have."""
+        if not self.moving:
+            return self
+        without = {
+            "eibm.relaxation": self.eibm.relaxation,
+            "creep.share": self.creep.share,
+            "rolls.friction": self.rolls.friction,
+            "rolls.offset_mm": self.rolls.offset_mm,
+            "load_cell.compliance_mm_per_mN": self.load_cell.compliance_mm_per_mN,
+            "clamp.compliance_mrad_per_Nmm": self.clamp.compliance_mrad_per_Nmm,
+        }
+        for name, sheet in self.configurations.items():
+            table = f"configurations.{name}"
+            without[f"{table}.stiffening"] = sheet.stiffening
+            without[f"{table}.elongation_give"] = sheet.elongation_give
+            without[f"{table}.elongation_joint_mm"] = sheet.elongation_joint_mm
+        there = [f"{key} = {value:g}" for key, value in without.items() if value]
+        if there:
+            raise ValueError(
+                f"a moving world does not know {', '.join(there)}; set it to 0, or moving = false"
+            )
+        return self
 
     def eibm_per_m(self, configuration: str, s_m: FloatArray) -> FloatArray:
         """Me/B along a sheet, settled at +2 V."""

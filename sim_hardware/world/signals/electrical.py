@@ -25,13 +25,11 @@ class ElectricalSignals:
         self._current_noise = WhiteNoise(seed, _CURRENT_STREAM)
         self._readback_noise = WhiteNoise(seed, _READBACK_STREAM)
 
-    def current_V(self, times: FloatArray, sheet_V: FloatArray, since_s: FloatArray) -> FloatArray:
-        """Return the sheet's charging current and its leak, as volts across the shunt."""
+    def current_V(self, current_A: FloatArray, since_s: FloatArray) -> FloatArray:
+        """Return the sheet's current as volts across the shunt."""
         e = self._settings
-        charging = (self._amplifier.output_V(times) - sheet_V) / e.rise_time_s
-        current = e.capacitance_mF * 1e-3 * charging + sheet_V / e.leak_ohm
         noise_V = e.current_noise_mV * 1e-3 * self._current_noise.at(since_s)
-        return np.asarray(e.shunt_ohm * current) + noise_V
+        return np.asarray(e.shunt_ohm * current_A) + noise_V
 
     def readback_V(self, times: FloatArray, since_s: FloatArray) -> FloatArray:
         """Return the amplifier's output."""

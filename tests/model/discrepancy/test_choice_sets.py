@@ -6,7 +6,7 @@ import json
 
 import pytest
 
-from model.discrepancy.verdict.choice_set import ATTRIBUTES, NOTHING, UNKNOWN, ChoiceSet
+from model.discrepancy.answers.choice_set import ATTRIBUTES, NOTHING, UNKNOWN, ChoiceSet
 from tests.model.discrepancy.sessions import FALLING, diagnosed
 
 
@@ -17,7 +17,7 @@ def attributes(one: ChoiceSet, name: str):
 def test_nothing_named_leaves_one_question():
     (only,) = diagnosed().choice_sets
     assert only.considered == NOTHING
-    assert attributes(only, NOTHING)["nothing_reported"] == 1.0
+    assert attributes(only, NOTHING)["nothing_considered"] == 1.0
     assert attributes(only, NOTHING)["nothing_further"] == 0.0
     names = [a.name for a in only.alternatives]
     assert names[-2:] == [UNKNOWN, NOTHING]
@@ -29,12 +29,12 @@ def test_each_name_has_its_question_and_there_is_one_about_the_rest():
     assert (first.considered, rest.considered) == ("nonuniform_eibm", NOTHING)
     own = attributes(first, "nonuniform_eibm")
     assert own["behind"] == 0.0
-    assert own["considered"] == own["named"] == own["first"] == own["votes"] == 1.0
+    assert own["considered"] == own["first"] == own["votes"] == 1.0
     assert own["failed"] == 0.0
     assert own["uneven"] < 0.5
     assert own["misfit"] < 0.5
     others = [a for a in first.alternatives if a.name not in ("nonuniform_eibm", UNKNOWN, NOTHING)]
-    assert all(a.attributes["behind"] > 0.0 and "named" not in a.attributes for a in others)
+    assert all(a.attributes["behind"] > 0.0 and "considered" not in a.attributes for a in others)
     assert attributes(first, UNKNOWN)["unknown_ahead"] < 0.0
     assert attributes(rest, NOTHING)["nothing_further"] == 1.0
     assert "nonuniform_eibm" not in [a.name for a in rest.alternatives]

@@ -38,9 +38,10 @@ KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_meas
         "sentence", "notes", "data_checks", "gap_closed", "noise_floor", "promises",
         "checks"}  # fmt: skip
 NAMED_KEYS = {"name", "title", "slot", "parameters", "interval90", "by_configuration",
-              "confidence", "confusable_with", "form_share", "parameters_of",
+              "confidence", "confusable_with", "or_else", "form_share", "parameters_of",
               "probabilities"}  # fmt: skip
-UNKNOWN_KEYS = {"slot", "s_mm", "profile", "band", "unit", "along", "configuration", "depends"}
+UNKNOWN_KEYS = {"slot", "s_mm", "profile", "band", "unit", "along", "configuration", "depends",
+                "confusable_with", "probabilities"}  # fmt: skip
 
 
 def names(found) -> list[str]:

@@ -8,15 +8,18 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from model.discrepancy.answers.calibrated_answers import Judged
+from model.discrepancy.answers.choice_set import ChoiceSet
+from model.discrepancy.answers.reported_set import with_alternatives
+from model.discrepancy.criticism.check_result import Failure
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.prepare import Options, prepare
-from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
 from model.discrepancy.search.ranking import rank
-from model.discrepancy.search.signatures import forms, signatures
 from model.discrepancy.verdict import finding as verdicts
 from model.discrepancy.verdict.finding import Finding
 from model.discrepancy.verdict.posterior import Choice
+from model.discrepancy.verdict.result import Unknown
 from model.effects import effect
 from model.identification.likelihood.mixed_model_fit import fit_mixed_model
 from model.identification.likelihood.model_state import Found
@@ -25,53 +28,93 @@ from tests.model.discrepancy.sessions import base_fit, session
 PAIR = ("gravity", "clamp_angle")
 
 
-def found_with(alternatives: tuple[tuple[str, float], ...], confidence: float):
-    """A name as it is reported, from the search's posterior."""
+def decided(
+    probabilities: dict[str, float], answers: tuple[str, ...], rivals: tuple[str, ...] = ()
+):
+    """A decision for gravity, with the judged answers to that question."""
     base = base_fit()
     names = [scene.sheet.configuration for scene in base.problem.forward.scenes]
     values = {name: {"load_N_per_m": 0.01 * (i + 1)} for i, name in enumerate(names)}
     one = replace(base, found=(Found(effect=effect("gravity"), values=values),))
     choice = Choice(
-        effect=effect("gravity"), confidence=confidence, alternatives=alternatives, gain=50.0,
-        of_location=1.0, before=base, ranking=(),
+        effect=effect("gravity"), confidence=1.0, gain=50.0, of_location=1.0, before=base,
+        ranking=(),
     )  # fmt: skip
-    return choice, SimpleNamespace(written=one, known=one, criticism=Criticism())
+    failures = tuple(
+        Failure(consequence="one_of", sentence="", effects=("gravity",), rivals=(name,))
+        for name in rivals
+    )
+    return SimpleNamespace(
+        written=one, known=one, named=[choice], criticism=Criticism(failures=failures),
+        choice_sets=(ChoiceSet("gravity", ()),), answers=(Judged(probabilities, answers),),
+    )  # fmt: skip
 
 
 @pytest.fixture
 def reported(monkeypatch):
-    """Reports a choice; its form and its neighbours in these data are not looked at."""
-    seen = signatures(base_fit(), forms(candidates(base_fit(), [effect("gravity")]), {}), {})
+    """Reports gravity; its form and its parameters are not looked at."""
     monkeypatch.setattr(verdicts, "form_of", lambda *_: (0.0, None))
     monkeypatch.setattr(verdicts, "parameters_of", lambda *_: {})
 
-    def named(alternatives, confidence):
-        return verdicts._named(*found_with(alternatives, confidence), seen)
+    def named(*args, **other):
+        found = decided(*args, **other)
+        return verdicts._named(found.named[0], found)
 
     return named
 
 
+CLASS = {"clamp_angle": 0.966, "roll_offset": 0.03, "gravity": 0.004}
+
+
 def test_the_confidence_of_a_class_is_the_sum_over_its_members(reported):
-    one = reported((("clamp_angle", 0.966), ("roll_offset", 0.03)), 0.004)
-    assert one.confusable_with == ("clamp_angle",)  # the other one is below 5 %
+    one = reported(CLASS, ("clamp_angle", "gravity"))
+    assert one.confusable_with == ("clamp_angle",)  # the other one is in no set
     assert one.confidence == pytest.approx(0.97)
     assert one.probabilities == {"gravity": 0.004, "clamp_angle": 0.966}
     assert one.probability == 0.004
+    assert one.or_else == ()
 
 
 @pytest.mark.parametrize(
-    ("confidence", "rival", "verdict"),
-    [(0.94, 0.05, "indistinguishable"), (0.85, 0.15, "indistinguishable"),
-     (0.97, 0.03, "effect_named")],
+    ("answers", "verdict"),
+    [(("clamp_angle", "gravity"), "indistinguishable"), (("gravity", "unknown"),
+     "indistinguishable"), (("gravity",), "effect_named")],
 )  # fmt: skip
-def test_a_name_has_no_rival_of_five_percent(reported, confidence, rival, verdict):
-    one = reported((("clamp_angle", rival),), confidence)
+def test_a_name_that_stands_alone_has_nothing_else_in_its_set(reported, answers, verdict):
+    one = reported({**CLASS, "unknown": 0.1}, answers)
     assert Finding._verdict(None, [one], None, "") == verdict
-    assert (verdict == "effect_named") == (one.confusable_with == ())
+
+
+def test_what_is_no_name_is_no_member_of_the_class(reported):
+    one = reported({"gravity": 0.8, "unknown": 0.2}, ("gravity", "unknown"))
+    assert one.confusable_with == ()
+    assert one.or_else == ("unknown",)
+    assert one.confidence == 0.8
+    assert one.probabilities == {"gravity": 0.8, "unknown": 0.2}
+
+
+def test_the_rival_of_a_failed_check_is_in_the_set(reported):
+    one = reported({"gravity": 0.97, "clamp_angle": 0.02}, ("gravity",), rivals=("clamp_angle",))
+    assert one.confusable_with == ("clamp_angle",)
+    assert one.confidence == pytest.approx(0.99)
+
+
+def test_what_is_unknown_has_the_names_that_it_may_be_all_the_same():
+    found = decided({"unknown": 0.6, **CLASS}, ("unknown", "clamp_angle", "gravity"))
+    unknown = Unknown(
+        location="eibm", configuration="", s_mm=np.zeros(1), profile=np.zeros(1), band=np.zeros(1),
+        unit="", along="s", depends="",
+    )  # fmt: skip
+    assert with_alternatives(unknown, found).confusable_with == ()  # gravity is named beside it
+    found.named = []
+    one = with_alternatives(unknown, found)
+    assert one.confusable_with == ("clamp_angle", "gravity")
+    assert one.probabilities == {"unknown": 0.6, "clamp_angle": 0.966, "gravity": 0.004}
+    assert one.to_json()["confusable_with"] == ["clamp_angle", "gravity"]
 
 
 def test_what_is_reported_is_not_invisible(reported):
-    one = reported((("clamp_angle", 0.4),), 0.6)
+    one = reported(CLASS, ("clamp_angle", "gravity"))
     unseen = {"gravity": "a", "clamp_angle": "b", "roll_offset": "c"}
     assert verdicts._not_reported(unseen, [one]) == {"roll_offset": "c"}
 

@@ -21,11 +21,10 @@ from model.discrepancy.search.outliers import (
     without,
 )
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.search.signatures import class_of, classes, forms, invisible, signatures
+from model.discrepancy.search.signatures import classes, forms, invisible, signatures
 from model.discrepancy.thresholds import (
     EVIDENCE_TEMPERATURE,
     FALSE_NAME_RATE,
-    NEGLIGIBLE_PROBABILITY,
 )
 from model.discrepancy.verdict.posterior import (
     Choice,
@@ -65,16 +64,6 @@ def test_posteriors_are_of_the_catalogue_s_effects_and_add_up_to_one():
     assert posterior([contender("unknown:time", 3.0)]) == {}
 
 
-def test_only_alternatives_worth_mentioning_are_kept_with_the_likeliest_first():
-    gains = {"gravity": 20.0, "roll_offset": 18.0, "clamp_angle": 19.0}
-    gains["frame_delay"] = 20.0 + 2.0 * EVIDENCE_TEMPERATURE * np.log(NEGLIGIBLE_PROBABILITY)
-    ranking = [contender(name, gain) for name, gain in gains.items()]
-    one = choice(ranking[0], ranking, base_fit())
-    assert one.effect.name == "gravity"
-    assert [name for name, _ in one.alternatives] == ["clamp_angle", "roll_offset"]
-    assert 0.4 < one.confidence < 0.9
-
-
 def test_a_free_form_cannot_be_chosen_as_a_name():
     with pytest.raises(TypeError, match="unknown:time is no effect"):
         choice(contender("unknown:time", 3.0), [], base_fit())
@@ -84,7 +73,6 @@ def named(name: str, gain: float, confidence: float, of_location: float) -> Choi
     return Choice(
         effect=effect(name),
         confidence=confidence,
-        alternatives=(),
         gain=gain,
         of_location=of_location,
         before=base_fit(),
@@ -228,7 +216,6 @@ def test_classes_are_of_effects_closer_than_four_sigma_and_an_effect_is_in_one_a
         for other in others:
             to = found.names.index(other)
             assert min(found.distance[at, to], found.distance[to, at]) < 4.0
-    assert class_of("nothing of the kind", found) == ()
 
 
 # ------------------------------------------------------------------------------ settle
@@ -265,7 +252,7 @@ def test_an_interval_holds_the_values_of_a_shape_that_explains_as_much():
 
     best, other = fit(100.0, 0.05, 0.1), fit(100.0, 0.02, 0.3)
     alone = Choice(
-        effect=relaxing, confidence=1.0, alternatives=(), gain=50.0, of_location=1.0,
+        effect=relaxing, confidence=1.0, gain=50.0, of_location=1.0,
         tried=(best,), before=best, ranking=(),
     )  # fmt: skip
     assert with_shapes(best, [alone]) is best

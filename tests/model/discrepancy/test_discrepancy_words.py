@@ -4,11 +4,26 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from model import Parameter
-from model.discrepancy.verdict.messages import promise_note, sentence
-from model.discrepancy.verdict.result import BeforeAfter, ClosedGap, Gap, Named, Next, Promise
+from model.discrepancy.answers.calibrated_answers import Judged
+from model.discrepancy.verdict.messages import (
+    improbable,
+    not_ruled_out,
+    promise_note,
+    sentence,
+)
+from model.discrepancy.verdict.result import (
+    BeforeAfter,
+    ClosedGap,
+    Gap,
+    Named,
+    Next,
+    Promise,
+    Unknown,
+)
 
 NAN = float("nan")
 NAMED = Named(
@@ -86,6 +101,51 @@ def test_a_class_is_named_with_all_its_members_and_their_common_probability():
         "Gravity or clamp angle (which these data cannot tell apart; together 93 %) is not in the"
         " model. "
     )
+
+
+def test_a_name_that_may_be_something_unknown_says_so():
+    both = BeforeAfter(gap(0.2, 1.5, 9.0), gap(0.03, 0.04, 1.0))
+    one = replace(NAMED, or_else=("unknown",), confidence=0.8)
+    said = sentence("indistinguishable", [one], None, both, "")
+    assert said.startswith(
+        "Gravity or something that is not in the catalogue (80 % that it is gravity) is not in the"
+        " model. "
+    )
+    one = replace(one, confusable_with=("clamp_angle",))
+    said = sentence("indistinguishable", [one], None, both, "")
+    assert said.startswith(
+        "Gravity or clamp angle or something that is not in the catalogue (which these data cannot"
+        " tell apart; the names together 80 %) is not in the model. "
+    )
+
+
+def test_an_unknown_that_a_name_may_be_all_the_same_says_so():
+    curve = np.zeros(2)
+    one = Unknown(
+        location="eibm", configuration="long", s_mm=curve, profile=curve, band=curve, unit="",
+        along="s", depends="under voltage", confusable_with=("gravity", "clamp_angle"),
+    )  # fmt: skip
+    said = sentence("unknown_effect", [], one, BeforeAfter(gap(1, 1, 1), gap(1, 1, 1)), "")
+    assert said.endswith(" It may be gravity or clamp angle all the same.")
+
+
+def test_what_is_not_likely_enough_is_told_with_the_other_answers():
+    judged = Judged({"unknown": 0.7, "gravity": 0.25}, ("unknown", "gravity"))
+    assert improbable("gravity", judged) == (
+        "gravity explains most, but with a probability of only 25 %; it may be something that is"
+        " not in the catalogue or gravity"
+    )
+    assert improbable("nothing", judged) == (
+        "little speaks for anything, but it may be something that is not in the catalogue or"
+        " gravity"
+    )
+
+
+def test_what_is_not_ruled_out_is_told_beside_nothing_and_beside_names():
+    judged = Judged({"nothing": 0.9, "gravity": 0.1}, ("nothing", "gravity"))
+    assert [*not_ruled_out([judged], [], None)] == ["not ruled out: gravity"]
+    assert [*not_ruled_out([judged], [NAMED], None)] == ["not ruled out besides: gravity"]
+    assert [*not_ruled_out([Judged({"nothing": 1.0}, ("nothing",))], [], None)] == []
 
 
 def test_a_closed_share_is_said_with_its_errors_and_the_floor():

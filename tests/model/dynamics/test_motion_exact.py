@@ -14,10 +14,10 @@ from model.dynamics import (
     Resolution,
     Simulation,
     Viscoelasticity,
+    energy,
+    linearise,
     simulate,
 )
-from model.dynamics.energy import energy
-from model.dynamics.linearised import linearise
 from model.mechanics.field import Field
 from tests.model.dynamics.cases import (
     CURVED,

@@ -45,7 +45,7 @@ class ChoiceOfName(VerdictCheck):
                     " or a configuration is left out"
                 ),
                 effects=(first.effect.name,),
-                rivals=((rival, min(HALF, times / len(cases))),),
+                rivals=(rival,),
             )
 
 

@@ -24,6 +24,7 @@ export class SchemaForm {
 
   make(key, schema, value, required) {
     const found = resolve(schema, this.root);
+    if (found.variants && isSwitch(found)) return this.switched(key, found, value);
     if (found.variants) return this.variants(key, found, value, required);
     const inner = found.schema;
     if (inner.type === "object")
@@ -53,12 +54,33 @@ export class SchemaForm {
     return textField(key, inner, value, required, this.changed, this.choices[key] ?? []);
   }
 
-  threeWay(key, schema, value) {
+  threeWay(key, schema, value, changed = this.changed) {
     const options = [
       { name: "yes", value: true },
       { name: "no", value: false },
     ];
-    return choiceField(key, schema, value ?? undefined, options, "by the mode", this.changed);
+    return choiceField(key, schema, value ?? undefined, options, "by the mode", changed);
+  }
+
+  /** Yes, no or by the mode; with yes, a table of values that have defaults. */
+  switched(key, { schema, variants }, value) {
+    const given = typeof value === "object" && value !== null;
+    const table = variants.find((one) => one.type === "object");
+    const inner = this.object("", { ...table, description: undefined }, given ? value : {}, false);
+    const body = h("div", { class: "variant", hidden: true }, inner.element);
+    const choice = this.threeWay(key, schema, given ? true : value, () => {
+      show();
+      this.changed();
+    });
+    const show = () => {
+      body.hidden = choice.get() !== true;
+    };
+    show();
+    return {
+      element: h("div", {}, choice.element, body),
+      get: () => (choice.get() === true ? (inner.get() ?? true) : choice.get()),
+      faults: () => [...choice.faults(), ...(choice.get() === true ? inner.faults() : [])],
+    };
   }
 
   /** A group of fields. */
@@ -272,9 +294,7 @@ export class SchemaForm {
           ? String(one.const)
           : one.type === "object"
             ? (one.title ?? "table").toLowerCase()
-            : one.type === "boolean"
-              ? "yes or no"
-              : `one ${one.type}`,
+            : `one ${one.type}`,
       value: one,
     }));
     const start = value === undefined ? schema.default : value;
@@ -307,6 +327,12 @@ export class SchemaForm {
       faults: () => [...kind.faults(), ...(inner?.faults() ?? [])],
     };
   }
+}
+
+/** Whether a key is true, false, a table of its own, or left out. */
+function isSwitch({ variants, nullable }) {
+  const types = variants.map((one) => one.type).sort();
+  return nullable && types.join() === "boolean,object";
 }
 
 function fits(value, schema) {

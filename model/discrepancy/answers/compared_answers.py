@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.families import Family, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group, group_amplitudes
@@ -20,7 +21,6 @@ from model.discrepancy.search.forward_selection import SearchResult, apart
 from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.ranking import RankedCandidate, best_scores
 from model.discrepancy.thresholds import COMPARED_NAMES, CROSS_VALIDATED_NAMES
-from model.discrepancy.verdict.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
 from model.discrepancy.verdict.posterior import Choice, Leftover
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.mixed_model import weigh
@@ -42,8 +42,6 @@ class ComparedAnswers:
     rest: Leftover | None  # what nonparametric terms find beside them
     unknown: bool  # whether the search calls that unknown
     criticism: Criticism
-    kept: Sequence[str]  # names that the checks leave
-    reported_unknown: bool  # whether something is called unknown in the end
 
     @property
     def outcome(self) -> SearchResult:
@@ -65,16 +63,13 @@ class ComparedAnswers:
         return (*map(self._of_name, self.named), self._of_rest())
 
     def _of_name(self, one: Choice) -> ChoiceSet:
-        names = self._names(one.ranking, one.effect.name)
-        free = _free_gain(one.before, one.ranking)
-        rejected = one.effect.name not in self.kept
-        unknown = self._unknown(
-            one.ranking, free, reported=rejected and self.reported_unknown,
-            failed=self._failed(one.effect.name),
-        )  # fmt: skip
-        gone = rejected and not self.reported_unknown
-        worth = apart(one.before, one.ranking[0])
-        nothing = _nothing(one.gain, worth, further=len(self.named) > 1, reported=gone)
+        ranking = [c for c in one.ranking if not c.name.startswith("outlier:")]
+        names = self._names(ranking, one.effect.name)
+        free = _free_gain(one.before, ranking)
+        failed = self._failed(one.effect.name)
+        unknown = self._unknown(ranking, free, considered=False, failed=failed)
+        worth = apart(one.before, ranking[0]) if ranking else 0.0
+        nothing = _nothing(one.gain, worth, further=len(self.named) > 1, considered=False)
         return ChoiceSet(one.effect.name, (*names, unknown, nothing))
 
     def _of_rest(self) -> ChoiceSet:
@@ -85,9 +80,9 @@ class ComparedAnswers:
         worth = 0.0 if best is None else apart(self.known, best)
         nothing = _nothing(
             0.0 if best is None else best.gain, worth,
-            further=bool(self.named), reported=not self.unknown,
+            further=bool(self.named), considered=not self.unknown,
         )  # fmt: skip
-        unknown = self._unknown(ranking, free, reported=self.unknown)
+        unknown = self._unknown(ranking, free, considered=self.unknown)
         considered = UNKNOWN if self.unknown else NOTHING
         return ChoiceSet(considered, (*self._names(ranking, ""), unknown, nothing))
 
@@ -119,7 +114,7 @@ class ComparedAnswers:
         if one.name == named:
             attributes |= {
                 "considered": 1.0,
-                "named": float(named in self.kept),
+                "beside": len(self.named) - 1.0,
                 "failed": self._failed(named),
                 "misfit": self._misfit,
                 "uneven": self._uneven(named),
@@ -135,21 +130,22 @@ class ComparedAnswers:
         ranking: Sequence[RankedCandidate],
         free: float,
         *,
-        reported: bool,
+        considered: bool,
         failed: float = 0.0,
     ) -> Alternative:
         best = max((c.gain for c in ranking if c.known), default=0.0)
-        rest = self.rest
+        beside, share = (0.0, 0.0) if self.rest is None else (self.rest.apart, self.rest.share)
+        beside = max(beside, 0.0)
         attributes = {
             "unknown": 1.0,
             "unknown_ahead": _signed_log(free - best),
             "unknown_ahead_share": float(
                 np.clip((free - best) / max(free, best, LEAST_EVIDENCE_LN), -1.0, 1.0)
             ),
-            "unexplained": 0.0 if rest is None else float(np.log1p(max(rest.apart, 0.0))),
-            "unexplained_share": 0.0 if rest is None else min(rest.share, 1.0),
+            "unexplained": float(np.log1p(beside)),
+            "unexplained_share": min(share, 1.0, beside / LEAST_EVIDENCE_LN),
             "scatter": self._scatter,
-            "unknown_reported": float(reported),
+            "unknown_considered": float(considered),
             "unknown_failed": failed,
         }
         return Alternative(UNKNOWN, attributes)
@@ -207,13 +203,13 @@ def _parts(some: Sequence[Family], kind: Callable[[Family], str]) -> Iterator[tu
         yield name, joined([f for f in some if kind(f) == name])
 
 
-def _nothing(gain: float, worth: float, *, further: bool, reported: bool) -> Alternative:
+def _nothing(gain: float, worth: float, *, further: bool, considered: bool) -> Alternative:
     return Alternative(
         NOTHING,
         {
             "nothing": 1.0,
             "nothing_further": float(further),
-            "nothing_reported": float(reported),
+            "nothing_considered": float(considered),
             "nothing_gain": _signed_log(gain),
             "nothing_apart": _signed_log(worth),
         },

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.dynamics.body import Body, Given, Track
+from model.dynamics.body import Body, Given, StepHistory
 from model.dynamics.material import relaxation
 from model.dynamics.motion import Simulation
 from model.dynamics.space import dense
@@ -53,7 +53,7 @@ def _sum(step_s: FloatArray, power: FloatArray) -> FloatArray:
     return np.concatenate([[0.0], np.cumsum(0.5 * step_s * (power[1:] + power[:-1]))])
 
 
-def _internal(body: Body, given: Given, track: Track) -> FloatArray:
+def _internal(body: Body, given: Given, track: StepHistory) -> FloatArray:
     """Return the internal variables (I, n + 1, N); they are relaxed where the piece begins."""
     y = track.q - body.rest
     z = np.repeat(y[None], len(body.shares), axis=0)
@@ -63,7 +63,7 @@ def _internal(body: Body, given: Given, track: Track) -> FloatArray:
     return z
 
 
-def _motion(body: Body, track: Track) -> tuple[FloatArray, FloatArray]:
+def _motion(body: Body, track: StepHistory) -> tuple[FloatArray, FloatArray]:
     """Return kinetic energy and the power lost in the fluid, (n + 1,) each."""
     angle, position = dense(body.space)
     phi, spin = track.q @ angle.T, track.v @ angle.T

@@ -2,67 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass
-
-from drivers.interfaces import CameraCounts, Clock, DeviceError, DeviceTimeoutError, VoltageWrite
-from protocols.execution.devices import Devices, StageMove
+from drivers.interfaces import CameraCounts, DeviceError, DeviceTimeoutError, VoltageWrite
+from protocols.execution.devices import StageMove
 from protocols.execution.events import (
-    Event,
     LoadCellArrived,
     LoadCellLeft,
     RunStarted,
     RunStopped,
     SignalsArrived,
     VoltageSet,
-    Warned,
 )
-from protocols.execution.output import GuardedOutput
 from protocols.execution.readings import ReadingMaker
-from protocols.execution.rules import LoopTiming, Rules
+from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
+from protocols.execution.runs.loop import Loop, Stopped
 from protocols.execution.states import RunState
-from protocols.execution.stop import StopLevel, StopRequest
+from protocols.execution.stop import StopLevel
 from protocols.planning.schedule import PlannedMove, PlannedRun
 
 # Making safe continues, and may take its time; until then only hands can act.
 NOT_ZERO = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand ({why})"
 OVERDUE_S = 0.5  # service so long overdue happens although an edge is near
-
-
-class Stopped(Exception):  # noqa: N818 - not an error: a request is followed
-    """The session is to end; the text is the reason that was given."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Loop:
-    """What all runs of a session are executed with."""
-
-    devices: Devices
-    output: GuardedOutput
-    clock: Clock
-    emit: Callable[[Event], None]
-    stop: StopRequest
-    beat: Callable[[], None]  # called at least every 50 ms while energised
-    enter: Callable[[RunState], None]
-    rules: Rules
-    timing: LoopTiming
-    keep_all_frames: bool
-
-    def guarded(self, what: str, act: Callable[[], object]) -> Exception | None:
-        """Do something while cleaning up: a failure is reported and does not stop the rest."""
-        try:
-            act()
-        except Exception as error:  # noqa: BLE001 - whatever it is, the clean-up continues
-            with suppress(Exception):
-                self.emit(Warned(self.clock.now(), f"{what}: {error or type(error).__name__}"))
-            return error
-        return None
-
-    def emit_if_possible(self, event: Event) -> None:
-        """Emit an event while cleaning up after a failure, which may be the recording's own."""
-        with suppress(Exception):
-            self.emit(event)
 
 
 class RunLoop:
@@ -80,6 +39,7 @@ class RunLoop:
         frame_rate_hz: float,
         stage_position_m: float | None,
         wetted_at_s: float | None,
+        feedback: FeedbackLaw | None = None,
     ) -> None:
         self._loop = loop
         self._run = run
@@ -87,6 +47,8 @@ class RunLoop:
         self._stage_position_m = stage_position_m
         self._wetted_at_s = wetted_at_s
         self._rows = loop.devices.rows()
+        self._feedback = feedback
+        self._control: ControlLoop | None = None
         self._maker: ReadingMaker | None = None
         self._zero_s = 0.0  # clock time of the run's time 0
         self._next_service_s = 0.0
@@ -133,6 +95,8 @@ class RunLoop:
             loop.timing,
             keep_all_frames=self._keep_all_frames,
         )
+        if self._run.reference and self._feedback is not None:
+            self._control = ControlLoop(loop, self._run, self._feedback, sample_clock, self._zero_s)
         loop.emit(
             RunStarted(
                 time_s=self._zero_s,
@@ -150,7 +114,8 @@ class RunLoop:
         """Execute the steps; False when a request ended them before the last one."""
         for index, step in enumerate(self._run.steps):
             due_s = self._zero_s + step.time_s
-            if not self._until(due_s, maker) or self._stop_before(index):
+            wait = self._under_control if index and self._control else self._until
+            if not wait(due_s, maker) or self._stop_before(index):
                 return self._cut_short(maker)
             if index == 0:
                 self._loop.enter(RunState.RUNNING)
@@ -190,6 +155,16 @@ class RunLoop:
             )
         )
         return moving.ended_s
+
+    def _under_control(self, when_s: float, maker: ReadingMaker) -> bool:
+        """Let the controller set the voltage until a moment; False when a stop is asked for."""
+        assert self._control is not None  # noqa: S101 - for the type checker
+        return self._control.until(
+            when_s,
+            maker.samples,
+            take_samples=lambda: self._take_samples(maker, self._loop.clock.now()),
+            service=lambda: self._service(maker),
+        )
 
     def _cut_short(self, maker: ReadingMaker) -> bool:
         """Follow a request to stop after the pulse, which is over now."""
@@ -303,6 +278,8 @@ class RunLoop:
         """
         loop, devices, maker = self._loop, self._loop.devices, self._maker
         emit = loop.emit if completed else loop.emit_if_possible
+        for periods in self._control.not_emitted() if self._control else ():
+            emit(periods)
         if maker is not None and not completed:
             loop.guarded("last samples", lambda: self._take_samples(maker, loop.clock.now()))
         failed = loop.guarded("stopping the signal input", devices.signals.stop)

@@ -1,0 +1,99 @@
+"""A controller of the force, designed from a model of the sheet in time."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from labrig.cli.command import Command
+from labrig.cli.options import ModelFile
+from labrig.cli.screen import print_table, say
+from labrig.errors import BadInputError
+
+
+class Controlled(StrEnum):
+    """What is controlled."""
+
+    FORCE = "force"
+
+
+class ControlMethod(StrEnum):
+    """How the controller is found."""
+
+    PI = "pi"
+    LQG = "lqg"
+
+
+def control(
+    model: ModelFile,
+    position_mm: Annotated[float, typer.Option(help="of the load cell along the arc")],
+    output: Annotated[  # noqa: ARG001 - the only one there is
+        Controlled, typer.Option(help="what is controlled")
+    ] = Controlled.FORCE,
+    configuration: Annotated[
+        str | None, typer.Option(help="needed where the model has several")
+    ] = None,
+    rate_hz: Annotated[float, typer.Option(help="writes of the voltage in a second")] = 200.0,
+    delay_ms: Annotated[
+        float, typer.Option(help="from a force to its voltage, the samples' mean age included")
+    ] = 3.0,
+    method: Annotated[
+        ControlMethod, typer.Option(help="pi, or lqg with an integrator")
+    ] = ControlMethod.LQG,
+    limit_V: Annotated[
+        float | None, typer.Option("--limit-V", help="of the voltage; by default 2 V")
+    ] = None,
+    rig: Annotated[
+        Path | None, typer.Option(help="rig.toml: the controller is for this rig only")
+    ] = None,
+    path: Annotated[
+        Path, typer.Option("--file", "-o", help="where the controller is written")
+    ] = Path("controller.toml"),
+) -> None:
+    """Design a controller of the force about rest at 0 V, and say what it will do.
+
+    `labrig run --controller` uses it. PI has the highest integral gain at which the sensitivity's
+    peak Ms stays below 1.6; LQG keeps the same bound.
+    """
+    from labrig.control.controller_file import save_controller
+    from labrig.control.sheet_loop import (
+        DEFAULT_LIMIT_V,
+        LoopGoal,
+        controller_config,
+        design_loop,
+        linear_sheet,
+        rig_limit_V,
+    )
+
+    if not (rate_hz > 0 and delay_ms >= 0):
+        raise BadInputError("--rate-hz must be positive, and --delay-ms not negative.")
+    most_V = DEFAULT_LIMIT_V if rig is None else min(DEFAULT_LIMIT_V, rig_limit_V(rig))
+    loop = LoopGoal(
+        method=method.value,
+        rate_hz=rate_hz,
+        delay_s=1e-3 * delay_ms,
+        limit_V=most_V if limit_V is None else limit_V,
+    )
+    sheet = linear_sheet(model, configuration, 1e-3 * position_mm)
+    made = design_loop(sheet, loop, model)
+    save_controller(controller_config(sheet, loop, made, model, rig), path)
+    step = made.step
+    print_table(
+        f"{path}: {method.value}, {sheet.sheet.configuration} at {position_mm:g} mm",
+        ["figure", "value"],
+        [
+            ["gain at rest", f"{1e3 * sheet.system.static_gain[0, 0]:.3f} mN/V"],
+            ["integral gain", f"{1e-3 * made.controller.integral_gain:.1f} V/(mN s)"],
+            ["sensitivity peak Ms", f"{made.sensitivity_peak:.2f}"],
+            [f"step of {1e3 * step.step_N:g} mN: 90 % after", f"{1e3 * step.rise_s:.0f} ms"],
+            ["within 2 % after", f"{1e3 * step.settled_s:.0f} ms"],
+            ["overshoot", f"{100 * step.overshoot:.1f} %"],
+        ],
+    )
+    say(f"wrote {path}")
+
+
+COMMAND = Command("control", control, order=156)

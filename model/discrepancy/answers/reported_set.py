@@ -1,0 +1,60 @@
+"""From the sets of answers to what is reported of each name, and of what is unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from model.discrepancy.answers.calibrated_answers import Judged, is_name
+from model.discrepancy.answers.choice_set import UNKNOWN
+from model.discrepancy.verdict.decision import Decision
+from model.discrepancy.verdict.result import Unknown
+
+NO_ANSWER = Judged({}, ())
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReportedSet:
+    """A name with what it may be confused with."""
+
+    confidence: float  # of all names of the set together
+    confusable_with: tuple[str, ...]
+    or_else: tuple[str, ...]  # answers of the set that are no names
+    probabilities: Mapping[str, float]  # of each member of the set
+
+
+def of_name(name: str, decision: Decision) -> ReportedSet:
+    """Return the set of a name that is reported; rivals that a check found are in it."""
+    judged = answer_about(name, decision)
+    names = dict.fromkeys([name, *judged.names, *decision.criticism.rivals(name)])
+    or_else = tuple(one for one in judged.answers if not is_name(one))
+    chances = {one: judged.probabilities.get(one, 0.0) for one in (*names, *or_else)}
+    return ReportedSet(
+        confidence=min(sum(chances[one] for one in names), 1.0),
+        confusable_with=tuple(one for one in names if one != name),
+        or_else=or_else,
+        probabilities=chances,
+    )
+
+
+def with_alternatives(unknown: Unknown, decision: Decision) -> Unknown:
+    """Return what is unknown with the names that it may be all the same.
+
+    Those of the questions whose names were rejected, and of the one about the rest.
+    """
+    reported = {one.effect.name for one in decision.named}
+    chances: dict[str, float] = {UNKNOWN: 0.0}
+    for asked, judged in zip(decision.choice_sets, decision.answers, strict=True):
+        if asked.considered in reported:
+            continue
+        for name in (UNKNOWN, *judged.names):
+            if name not in reported:
+                chances[name] = max(chances.get(name, 0.0), judged.probabilities[name])
+    others = sorted((n for n in chances if n != UNKNOWN), key=lambda n: -chances[n])
+    return replace(unknown, confusable_with=tuple(others), probabilities=chances)
+
+
+def answer_about(considered: str, decision: Decision) -> Judged:
+    """Return the judged answers to the question that the search answers so; or an empty one."""
+    pairs = zip(decision.choice_sets, decision.answers, strict=True)
+    return next((judged for asked, judged in pairs if asked.considered == considered), NO_ANSWER)

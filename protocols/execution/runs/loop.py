@@ -1,0 +1,50 @@
+"""What every run of a session is executed with, and how its end is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+from drivers.interfaces import Clock
+from protocols.execution.devices import Devices
+from protocols.execution.events import Event, Warned
+from protocols.execution.output import GuardedOutput
+from protocols.execution.rules import LoopTiming, Rules
+from protocols.execution.states import RunState
+from protocols.execution.stop import StopRequest
+
+
+class Stopped(Exception):  # noqa: N818 - not an error: a request is followed
+    """The session is to end; the text is the reason that was given."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """What all runs of a session are executed with."""
+
+    devices: Devices
+    output: GuardedOutput
+    clock: Clock
+    emit: Callable[[Event], None]
+    stop: StopRequest
+    beat: Callable[[], None]  # called at least every 50 ms while energised
+    enter: Callable[[RunState], None]
+    rules: Rules
+    timing: LoopTiming
+    keep_all_frames: bool
+
+    def guarded(self, what: str, act: Callable[[], object]) -> Exception | None:
+        """Do something while cleaning up: a failure is reported and does not stop the rest."""
+        try:
+            act()
+        except Exception as error:  # noqa: BLE001 - whatever it is, the clean-up continues
+            with suppress(Exception):
+                self.emit(Warned(self.clock.now(), f"{what}: {error or type(error).__name__}"))
+            return error
+        return None
+
+    def emit_if_possible(self, event: Event) -> None:
+        """Emit an event while cleaning up after a failure, which may be the recording's own."""
+        with suppress(Exception):
+            self.emit(event)

@@ -1,0 +1,140 @@
+"""`labrig control` and `labrig response` on the long sheet's model, and what they refuse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from labrig.cli.main import run
+from labrig.config.templates import write_templates
+from labrig.control.controller_file import load_controller
+from labrig.experiment.plan import ControlFiles, load_plan
+from labrig.model_file import save_model
+from model import Along, ConfiguredSheet, Parameter, SheetGeometry, SheetModel
+from model.dynamics import DynamicSheet
+
+pytestmark = pytest.mark.slow
+
+B = 1.27e-6
+DYNAMIC = {
+    "mass_per_length_kg_per_m": 5.775e-3,
+    "viscous_time_s": 2e-4,
+    "electrode_ohm_per_m": 4000.0,
+    "capacitance_F_per_m": 0.3,
+    "bulk_ohm_m": 0.5,
+    "leak_S_per_m": 0.1,
+    "source_ohm": 1.0,
+    "moment_per_volt_Nm": {"positive": 30 * B, "negative": 30 * B},
+    "prony": [{"share": 0.15, "time_s": 0.02}, {"share": 0.10, "time_s": 0.3}],
+    "fluid": "air",
+}
+
+
+def model(dynamic: bool = True) -> SheetModel:
+    geometry = SheetGeometry(
+        configuration="long",
+        free_length_m=0.05,
+        width_m=11e-3,
+        thickness_m=0.21e-3,
+        elongation_m=0.0,
+        arc_radius_m=0.04,
+        arc_origin_rad=0.0,
+        initial_curvature=None,
+    )
+    s = np.linspace(0.0, 0.05, 21)
+    one = ConfiguredSheet(
+        sheet=geometry,
+        B=Parameter(value=B, sigma=0.0, unit="N m^2"),
+        rest=Along(s, 24 * np.exp(-s / 0.04), np.zeros(21), "1/m"),
+        eibm={},
+    )
+    found = DynamicSheet.from_dict(DYNAMIC, "dynamic")
+    return SheetModel(sheets={"long": one}, dynamic={"long": found} if dynamic else {})
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    save_model(model(), tmp_path / "model.toml")
+    return tmp_path / "model.toml"
+
+
+def labrig(*arguments: object) -> int:
+    return run([str(argument) for argument in arguments])
+
+
+@pytest.mark.parametrize(("method", "settled_s"), [("pi", 0.5), ("lqg", 0.3)])
+def test_a_controller_is_designed_that_a_run_takes(
+    path: Path, method: str, settled_s: float, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = path.parent
+    file = folder / "controller.toml"
+    options = ["--position-mm", 5, "--rate-hz", 200, "--delay-ms", 3, "--method", method]
+    assert labrig("control", path, "--output", "force", *options, "-o", file) == 0
+    assert "within 2 % after" in capsys.readouterr().out
+    found = load_controller(file)
+    assert found.prediction is not None
+    assert found.prediction.sensitivity_peak <= 1.61
+    assert found.prediction.settled_s <= settled_s
+    write_templates(folder, simulated=True)
+    (folder / "force.csv").write_text("time_s,force_mN\n0,0\n0.5,1\n2,0\n")
+    files = [folder / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
+    plan = load_plan(*files, control=ControlFiles(file, folder / "force.csv"))
+    assert plan.schedule.runs[0].position_m == pytest.approx(0.005)
+
+
+def test_a_controller_for_one_rig_names_it(path: Path) -> None:
+    folder = path.parent
+    write_templates(folder, simulated=True)
+    file = folder / "controller.toml"
+    options = ["--position-mm", 5, "--method", "pi", "--rig", folder / "rig.toml", "-o", file]
+    assert labrig("control", path, *options) == 0
+    assert load_controller(file).rig is not None
+
+
+@pytest.mark.parametrize("output", ["force", "tip", "current"])
+def test_a_response_is_a_figure_and_two_tables(
+    path: Path, output: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = path.parent / "answers"
+    place = ["--position-mm", 5] if output == "force" else []
+    options = ["--input", "voltage", "--output", output, *place, "-o", folder, "--format", "svg"]
+    assert labrig("response", path, *options) == 0
+    assert "gain at rest" in capsys.readouterr().out
+    names = {file.name for file in folder.iterdir()}
+    assert names == {f"{output}.svg", f"{output}_step.csv", f"{output}_bode.csv"}
+    step = np.genfromtxt(folder / f"{output}_step.csv", delimiter=",", names=True)
+    bode = np.genfromtxt(folder / f"{output}_bode.csv", delimiter=",", names=True)
+    column = next(name for name in bode.dtype.names if name.endswith("_per_V"))
+    # at 0.01 Hz it is nearly at rest; after 3 s the step is nearly there
+    assert step[column][-1] == pytest.approx(bode[column][0], rel=0.15)
+    assert bode["frequency_hz"][0] == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["response"], "give --position-mm for the force"),
+        (["response", "--output", "tip", "--configuration", "short"], "does not know short"),
+        (["response", "--position-mm", 90], "cannot be reached"),
+        (["control", "--position-mm", 5, "--rate-hz", 0], "--rate-hz must be positive"),
+        (["control", "--position-mm", 90], "cannot be reached"),
+    ],
+)
+def test_what_cannot_be_answered_is_one_sentence(
+    path: Path, arguments: list[object], words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert labrig(arguments[0], path, *arguments[1:]) == 2
+    said = capsys.readouterr().err
+    assert words in said
+    assert "Traceback" not in said
+    assert not list(path.parent.glob("controller.toml"))
+
+
+def test_a_model_of_the_sheet_at_rest_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    save_model(model(dynamic=False), tmp_path / "still.toml")
+    assert labrig("control", tmp_path / "still.toml", "--position-mm", 5) == 2
+    assert "knows the sheet at rest only" in capsys.readouterr().err

@@ -1,0 +1,74 @@
+"""Probabilities of the answers to a question, and the set that is reported."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from model.discrepancy.answers.calibrated_answers import (
+    SAID,
+    SOMETHING,
+    CalibratedAnswers,
+    calibrated,
+)
+from model.discrepancy.answers.choice_set import (
+    ATTRIBUTES,
+    NOTHING,
+    UNKNOWN,
+    Alternative,
+    ChoiceSet,
+)
+
+ASKED = ChoiceSet(
+    "gravity",
+    (
+        Alternative("gravity", {"first": 1.0}),
+        Alternative("clamp_angle", {"behind": 2.0}),
+        Alternative(UNKNOWN, {"unknown": 1.0}),
+        Alternative(NOTHING, {"nothing": 1.0}),
+    ),
+)
+WEIGHTS = {"first": 1.0, "behind": -1.0, "unknown": -0.5, "nothing": -4.0}
+
+
+def test_probabilities_are_those_of_a_conditional_logit():
+    found = CalibratedAnswers(WEIGHTS, dict.fromkeys(SAID, 0.95)).probabilities(ASKED)
+    total = sum(math.exp(u) for u in (1.0, -2.0, -0.5, -4.0))
+    assert found == pytest.approx({
+        "gravity": math.exp(1.0) / total, UNKNOWN: math.exp(-0.5) / total,
+        "clamp_angle": math.exp(-2.0) / total, NOTHING: math.exp(-4.0) / total,
+    })  # fmt: skip
+    assert list(found) == ["gravity", UNKNOWN, "clamp_angle", NOTHING]
+
+
+@pytest.mark.parametrize(
+    ("considered", "answers"),
+    [
+        ("gravity", ("gravity", UNKNOWN)),
+        (UNKNOWN, ("gravity", UNKNOWN)),
+        (NOTHING, ("gravity", UNKNOWN, "clamp_angle", NOTHING)),
+    ],
+)
+def test_a_set_has_the_likeliest_answers_up_to_the_content_of_what_is_said(considered, answers):
+    own = CalibratedAnswers(WEIGHTS, {SOMETHING: 0.9, NOTHING: 1.0})
+    judged = own.judged(replace(ASKED, considered=considered))
+    assert judged.answers == answers
+    assert judged.likeliest == "gravity"
+    chances = judged.probabilities
+    assert judged.of_names == chances["gravity"] + chances["clamp_angle"]
+
+
+def test_large_utilities_do_not_overflow():
+    weights = {"first": 2000.0}
+    found = CalibratedAnswers(weights, dict.fromkeys(SAID, 0.95)).probabilities(ASKED)
+    assert found["gravity"] == 1.0
+
+
+def test_the_file_that_is_shipped_has_a_number_for_every_attribute_and_kind():
+    used = calibrated()
+    assert set(used.weights) == set(ATTRIBUTES)
+    assert set(used.contents) == set(SAID)
+    assert all(0.8 <= content < 1.0 for content in used.contents.values())
+    assert used.weights["behind"] <= 0.0
