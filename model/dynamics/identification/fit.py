@@ -84,11 +84,12 @@ class _Problem:
         cost = chi2 + float(moved @ (self.parameters.precision * moved))
         return _Point(theta, said, each, chi2, cost)
 
-    def jacobians(self, at: _Point) -> list[FloatArray]:
+    def jacobians(self, at: _Point, symmetric: bool = False) -> list[FloatArray]:
         """Return d prediction/d theta of each run, whitened; 0 where nothing was seen."""
         out = []
         for of, said, run in zip(self.forward, at.predictions, self.runs, strict=True):
-            J = of.sensitivity(self.parameters, at.theta, said)
+            find = of.symmetric_sensitivity if symmetric else of.sensitivity
+            J = find(self.parameters, at.theta, said)
             if run.x_m is not None and run.y_m is not None:
                 J[len(J) - run.x_m.size :][~np.isfinite(run.x_m + run.y_m).ravel()] = 0.0
             out.append(J)
@@ -109,6 +110,11 @@ class _Problem:
         length = np.sqrt(gradient @ np.linalg.solve(hessian, gradient) / len(gradient))
         return hessian, gradient, float(length)
 
+    def information(self, at: _Point) -> FloatArray:
+        """Return J'J (p, p) of all runs, what the data say of the parameters."""
+        matrices = self.jacobians(at, symmetric=True)
+        return np.asarray(sum(J.T @ J for J in matrices))
+
     @property
     def count(self) -> int:
         """Return the number of values that are compared."""
@@ -119,7 +125,6 @@ class _Found(NamedTuple):
     """Where a search ended."""
 
     at: _Point
-    data: FloatArray  # J'J
     steps: int
     converged: bool
 
@@ -145,7 +150,8 @@ def identify(
     for some, by in _beginnings(runs, fine):
         theta = _search(_Problem(parameters, some, noise, by), theta, BEGIN).at.theta
     problem = _Problem(parameters, runs, noise, fine)
-    at, data, steps, converged = _search(problem, theta, tolerance)
+    at, steps, converged = _search(problem, theta, tolerance)
+    data = problem.information(at)
     found, covariance = judged(parameters, at.theta, data, max(1.0, at.chi2 / problem.count))
     return Identification(
         beam=parameters.beam(at.theta), parameters=found, covariance=covariance, chi2=at.chi2,
@@ -177,8 +183,7 @@ def _search(problem: _Problem, theta: FloatArray, tolerance: float) -> _Found:
         at, damping, moved = _step(problem, at, hessian, gradient, damping)
         ended = length < tolerance or (fresh and not moved)
         before, fresh = length if moved else 0.0, False
-    data = hessian - np.diag(problem.parameters.precision)
-    return _Found(at, data, steps, length < tolerance)
+    return _Found(at, steps, length < tolerance)
 
 
 def _step(

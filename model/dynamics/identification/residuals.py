@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -126,6 +126,21 @@ class RunResiduals:
             moved[j] += DIFFERENCE
             columns.append((at, self.predict(parameters.beam(moved))))
         return self.whitened(list(columns)) / DIFFERENCE
+
+    def symmetric_sensitivity(
+        self, parameters: LogParameters, theta: FloatArray, at: Prediction
+    ) -> FloatArray:
+        """Return d prediction/d theta, whitened, (N, p), by central differences about `at`.
+
+        One-sided ones are off by half a step's curvature, which tells apart what no data do: a
+        free sheet of twice the stiffness, mass and moment moves as before.
+        """
+        columns = []
+        for j in range(len(theta)):
+            moved = DIFFERENCE * (np.arange(len(theta)) == j)
+            before, after = (self.predict(parameters.beam(theta + s * moved)) for s in (-1, 1))
+            columns.append((replace(before, phi_rad=at.phi_rad), after))
+        return self.whitened(list(columns)) / (2.0 * DIFFERENCE)
 
 
 def _difference(
