@@ -1,0 +1,18 @@
+"""What recorded motions say about the sheet: its parameters, each with an interval, or that not."""
+
+from model.dynamics.identification.fit import Identification, identify
+from model.dynamics.identification.information import information
+from model.dynamics.identification.noise import ChannelNoise, RecordingNoise
+from model.dynamics.identification.runs import PlannedRun, RecordedRun
+from model.dynamics.identification.uncertainty import DynamicParameter
+
+__all__ = [
+    "ChannelNoise",
+    "DynamicParameter",
+    "Identification",
+    "PlannedRun",
+    "RecordedRun",
+    "RecordingNoise",
+    "identify",
+    "information",
+]

@@ -1,0 +1,38 @@
+"""What planned runs will say about each parameter, before time is spent on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from model.dynamics.beam import DynamicBeam
+from model.dynamics.identification.noise import RecordingNoise
+from model.dynamics.identification.parameters import LogParameters
+from model.dynamics.identification.residuals import RunResiduals
+from model.dynamics.identification.runs import PlannedRun
+from model.dynamics.identification.uncertainty import DynamicParameter, judged
+from model.dynamics.motion import Resolution
+from model.measurements import ModelError
+
+
+def information(
+    beam: DynamicBeam,
+    runs: Sequence[PlannedRun],
+    noise: RecordingNoise,
+    resolution: Resolution | None = None,
+) -> tuple[DynamicParameter, ...]:
+    """Return each parameter of `beam` with the uncertainty after these runs (Cramer & Rao's bound).
+
+    The weak priors are those of `identify`. Raises ModelError.
+    """
+    if not runs:
+        raise ModelError("there is no run whose information could be told")
+    parameters = LogParameters(beam)
+    theta, p = parameters.theta, len(parameters.theta)
+    total = np.zeros((p, p))
+    for run in runs:
+        of = RunResiduals(run, noise, resolution or Resolution())
+        J = of.symmetric_sensitivity(parameters, theta, of.predict(beam))
+        total += J.T @ J
+    return judged(parameters, theta, total)[0]

@@ -1,0 +1,149 @@
+"""Whitened differences between recordings and model, and how these change with each parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.dynamics.beam import DynamicBeam
+from model.dynamics.identification.noise import RecordingNoise, Whitening
+from model.dynamics.identification.parameters import LogParameters
+from model.dynamics.identification.runs import PlannedRun, RecordedRun
+from model.dynamics.line import LineModes
+from model.dynamics.motion import SAME_TIME, Resolution, SheetMotion, Simulation
+from model.measurements import FloatArray, ModelError
+
+DIFFERENCE = 1e-3  # of a logarithm
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What the model says of a run, as `RecordedRun` holds it."""
+
+    force_N: FloatArray  # (n,)
+    current_A: FloatArray
+    x_m: FloatArray  # (m, p)
+    y_m: FloatArray
+    phi_rad: FloatArray
+
+
+def predict(beam: DynamicBeam, run: PlannedRun, resolution: Resolution) -> Prediction:
+    """Return the model's run. Raises ModelError, also where the sheet slips out of the rolls."""
+    if not run.force and not len(run.frame_s):
+        return _current_alone(beam, run, resolution)
+    times = np.unique(np.concatenate([run.time_s, run.frame_s]))
+    times = times[np.diff(times, prepend=-1.0) > SAME_TIME]
+    points = run.points_m if len(run.points_m) else np.zeros(1)
+    simulation = Simulation(beam, run.setup, run.drive, resolution=resolution)
+    motion: SheetMotion = simulation.advance(run.drive, times, points)
+    if motion.slipped_s is not None:
+        raise ModelError(f"{run.name}: the sheet slips out of the rolls at {motion.slipped_s:g} s")
+    samples = np.searchsorted(times, run.time_s - SAME_TIME)
+    frames = np.searchsorted(times, run.frame_s - SAME_TIME)
+    return Prediction(
+        motion.reading_N[samples], motion.current_A[samples],
+        motion.x_m[frames], motion.y_m[frames], motion.phi_rad[frames],
+    )  # fmt: skip
+
+
+def _current_alone(beam: DynamicBeam, run: PlannedRun, resolution: Resolution) -> Prediction:
+    """Return the current, for which the sheet need not move."""
+    if beam.electrodes is None:
+        raise ModelError("to predict a current the sheet's electrodes must be described")
+    line = LineModes(beam.electrodes, beam.length_m, resolution.line_terms)
+    inside = run.drive.time_s[(run.drive.time_s > 0.0) & (run.drive.time_s < run.time_s[-1])]
+    knots = np.unique(np.concatenate([np.zeros(1), run.time_s, inside]))
+    held = run.drive.at(0.5 * (knots[1:] + knots[:-1]))
+    modes = line.respond(np.zeros(resolution.line_terms), np.diff(knots), held)
+    current = line.current_A(modes, np.concatenate([held[:1], held]))
+    none = np.zeros((0, 1))
+    samples = np.searchsorted(knots, run.time_s)
+    return Prediction(np.zeros(len(samples)), current[samples], none, none, none)
+
+
+class RunResiduals:
+    """The residuals of one run."""
+
+    def __init__(self, run: PlannedRun, noise: RecordingNoise, resolution: Resolution) -> None:
+        """Prepare the whitening."""
+        self.run, self._resolution, self._curve_m = run, resolution, noise.curve_m
+        edges = run.drive.time_s
+        near = np.zeros(len(run.time_s), dtype=bool)
+        if len(run.time_s):
+            place = np.searchsorted(edges, run.time_s)
+            for side in (place - 1, place):
+                edge = edges[np.clip(side, 0, len(edges) - 1)]
+                near |= np.abs(run.time_s - edge) <= noise.edge_s
+        self._away = ~near
+        if run.current and near.all():
+            raise ModelError(f"{run.name}: no sample of the current is away from the voltage edges")
+        self._force = Whitening(noise.force, run.time_s, noise.mains_hz) if run.force else None
+        self._current = (
+            Whitening(noise.current, run.time_s[self._away], noise.mains_hz)
+            if run.current else None
+        )  # fmt: skip
+
+    def count(self, data: RecordedRun) -> int:
+        """Return the number of values that are compared."""
+        both = () if data.x_m is None or data.y_m is None else data.x_m + data.y_m
+        seen = np.isfinite(np.asarray(both, dtype=float)).sum()
+        return int(
+            len(self.run.time_s) * self.run.force + self._away.sum() * self.run.current + seen
+        )
+
+    def predict(self, beam: DynamicBeam) -> Prediction:
+        """Return what the model says of this run."""
+        return predict(beam, self.run, self._resolution)
+
+    def whitened(self, columns: list[tuple[Prediction, Prediction | RecordedRun]]) -> FloatArray:
+        """Return whitened differences, second less first, (N, m) of m pairs.
+
+        Curves differ across the sheet of the first: along it nothing can be told from a frame.
+        """
+        parts = []
+        if self._force is not None:
+            parts.append(self._force(_difference(columns, "force_N")))
+        if self._current is not None:
+            parts.append(self._current(_difference(columns, "current_A")[self._away]))
+        if len(self.run.frame_s):
+            across = [
+                np.cos(a.phi_rad) * (b.y_m - a.y_m) - np.sin(a.phi_rad) * (b.x_m - a.x_m)
+                for a, b in columns
+                if b.x_m is not None and b.y_m is not None
+            ]
+            flat = np.stack([part.ravel() for part in across], axis=1)
+            parts.append(np.where(np.isfinite(flat), flat, 0.0) / self._curve_m)
+        return np.concatenate(parts)
+
+    def sensitivity(
+        self, parameters: LogParameters, theta: FloatArray, at: Prediction
+    ) -> FloatArray:
+        """Return d prediction/d theta, whitened, (N, p), by forward differences from `at`."""
+        columns = []
+        for j in range(len(theta)):
+            moved = theta.copy()
+            moved[j] += DIFFERENCE
+            columns.append((at, self.predict(parameters.beam(moved))))
+        return self.whitened(list(columns)) / DIFFERENCE
+
+    def symmetric_sensitivity(
+        self, parameters: LogParameters, theta: FloatArray, at: Prediction
+    ) -> FloatArray:
+        """Return d prediction/d theta, whitened, (N, p), by central differences about `at`.
+
+        One-sided ones are off by half a step's curvature, which tells apart what no data do: a
+        free sheet of twice the stiffness, mass and moment moves as before.
+        """
+        columns = []
+        for j in range(len(theta)):
+            moved = DIFFERENCE * (np.arange(len(theta)) == j)
+            before, after = (self.predict(parameters.beam(theta + s * moved)) for s in (-1, 1))
+            columns.append((replace(before, phi_rad=at.phi_rad), after))
+        return self.whitened(list(columns)) / (2.0 * DIFFERENCE)
+
+
+def _difference(
+    columns: list[tuple[Prediction, Prediction | RecordedRun]], name: str
+) -> FloatArray:
+    return np.stack([getattr(b, name) - getattr(a, name) for a, b in columns], axis=1)
