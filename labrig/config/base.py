@@ -8,7 +8,8 @@ import json
 import reprlib
 import stat
 import tomllib
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
@@ -130,7 +131,7 @@ def validate(model: type[Model], data: dict[str, Any], name: str) -> Model:
 def _sentences(model: type[BaseModel], error: ValidationError, name: str) -> list[str]:
     """One for each key; the alternatives of a key that may be of several types go into one."""
     faults: dict[str, list[Any]] = {}
-    for fault in filter(_told_for_tables(error.errors()), error.errors()):
+    for fault in _without_tables(error.errors()):
         faults.setdefault(_where(fault["loc"]), []).append(fault)
     told = [f"{name}: {_sentence(model, where, faults[where])}." for where in list(faults)[:_MOST]]
     if len(faults) > _MOST:
@@ -138,16 +139,20 @@ def _sentences(model: type[BaseModel], error: ValidationError, name: str) -> lis
     return told
 
 
-def _told_for_tables(faults: Sequence[Any]) -> Callable[[Any], bool]:
-    """Return a filter: of a key that is `true` or a table, a table is told only what is in it."""
+def _without_tables(faults: Sequence[Any]) -> list[Any]:
+    """Return the faults; of a key that is `true` or a table, a table is told only what is in it."""
 
-    def told(fault: Any) -> bool:
-        key = fault["loc"][:-1]
-        of_table = [one for one in faults if one["loc"][: len(key)] == key]
-        is_table = fault["type"] == "bool_type" and isinstance(fault["input"], dict)
-        return not is_table or len(of_table) == 1
+    def is_table(fault: Any) -> bool:
+        return fault["type"] == "bool_type" and isinstance(fault["input"], dict)
 
-    return told
+    tables = {fault["loc"][:-1] for fault in faults if is_table(fault)}
+    if not tables:
+        return list(faults)
+    inside = Counter(
+        fault["loc"][:n] for fault in faults for n in range(len(fault["loc"]) + 1)
+        if fault["loc"][:n] in tables
+    )  # fmt: skip
+    return [f for f in faults if not is_table(f) or inside[f["loc"][:-1]] == 1]
 
 
 def _sentence(model: type[BaseModel], where: str, faults: list[Any]) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 from labrig.analysis.results.parameters import plain_parameter
 from model import Fit, FitOptions, Measurements, ModelError
+from model.identification.base_model import not_weighed, weighs
 from model.identification.joint import Joint, joint_fit
 from model.identification.observations import observe
 
@@ -85,6 +86,8 @@ def _step(
         joint, n = fits.fitted(so_far, name)
     except ModelError as error:
         return {**point, "why": f"{error}."}
+    if not weighs(joint.forward.looks[n]):
+        return {**point, "why": f"{not_weighed(name, joint.stiffness(n).value)}."}
     voltages = sorted({c.voltage_V for c in so_far.conditions if c.configuration == name} - {0.0})
     return {
         **point,
