@@ -214,7 +214,7 @@ class Finding:
             return "unknown_effect"
         if not named:
             return "nothing_missing"
-        if any(n.confusable_with or n.or_else for n in named):
+        if any(n.confusable_with for n in named):
             return "indistinguishable"
         return "effect_named"
 

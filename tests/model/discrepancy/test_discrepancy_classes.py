@@ -77,10 +77,10 @@ def test_the_confidence_of_a_class_is_the_sum_over_its_members(reported):
 
 @pytest.mark.parametrize(
     ("answers", "verdict"),
-    [(("clamp_angle", "gravity"), "indistinguishable"), (("gravity", "unknown"),
-     "indistinguishable"), (("gravity",), "effect_named")],
+    [(("clamp_angle", "gravity"), "indistinguishable"), (("gravity", "unknown"), "effect_named"),
+     (("gravity",), "effect_named")],
 )  # fmt: skip
-def test_a_name_that_stands_alone_has_nothing_else_in_its_set(reported, answers, verdict):
+def test_effects_are_indistinguishable_where_a_set_has_two_of_them(reported, answers, verdict):
     one = reported({**CLASS, "unknown": 0.1}, answers)
     assert Finding._verdict(None, [one], None, "") == verdict
 
