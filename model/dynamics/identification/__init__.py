@@ -3,16 +3,16 @@
 from model.dynamics.identification.fit import Identification, identify
 from model.dynamics.identification.information import information
 from model.dynamics.identification.noise import ChannelNoise, RecordingNoise
-from model.dynamics.identification.runs import PlannedRun, RecordedRun
+from model.dynamics.identification.runs import RecordedRun, RunPlan
 from model.dynamics.identification.uncertainty import DynamicParameter
 
 __all__ = [
     "ChannelNoise",
     "DynamicParameter",
     "Identification",
-    "PlannedRun",
     "RecordedRun",
     "RecordingNoise",
+    "RunPlan",
     "identify",
     "information",
 ]

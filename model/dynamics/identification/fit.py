@@ -15,7 +15,7 @@ import numpy as np
 from model.dynamics.beam import DynamicBeam
 from model.dynamics.identification.noise import RecordingNoise
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import Prediction, RunResiduals
+from model.dynamics.identification.residuals import PredictedRun, RunResiduals
 from model.dynamics.identification.runs import RecordedRun
 from model.dynamics.identification.uncertainty import DynamicParameter, judged
 from model.dynamics.motion import Resolution
@@ -55,7 +55,7 @@ class _Point(NamedTuple):
     """Where the search is."""
 
     theta: FloatArray
-    predictions: list[Prediction]
+    predictions: list[PredictedRun]
     residuals: list[FloatArray]  # whitened, of each run
     chi2: float  # of the data
     cost: float  # with the priors

@@ -10,7 +10,7 @@ from model.dynamics.beam import DynamicBeam
 from model.dynamics.identification.noise import RecordingNoise
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.identification.residuals import RunResiduals
-from model.dynamics.identification.runs import PlannedRun
+from model.dynamics.identification.runs import RunPlan
 from model.dynamics.identification.uncertainty import DynamicParameter, judged
 from model.dynamics.motion import Resolution
 from model.measurements import ModelError
@@ -18,7 +18,7 @@ from model.measurements import ModelError
 
 def information(
     beam: DynamicBeam,
-    runs: Sequence[PlannedRun],
+    runs: Sequence[RunPlan],
     noise: RecordingNoise,
     resolution: Resolution | None = None,
 ) -> tuple[DynamicParameter, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 from model.dynamics.beam import DynamicBeam
 from model.dynamics.identification.noise import RecordingNoise, Whitening
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.runs import PlannedRun, RecordedRun
+from model.dynamics.identification.runs import RecordedRun, RunPlan
 from model.dynamics.line import LineModes
 from model.dynamics.motion import SAME_TIME, Resolution, SheetMotion, Simulation
 from model.measurements import FloatArray, ModelError
@@ -17,8 +17,8 @@ from model.measurements import FloatArray, ModelError
 DIFFERENCE = 1e-3  # of a logarithm
 
 
-@dataclass(frozen=True)
-class Prediction:
+@dataclass(frozen=True, kw_only=True)
+class PredictedRun:
     """What the model says of a run, as `RecordedRun` holds it."""
 
     force_N: FloatArray  # (n,)
@@ -28,7 +28,7 @@ class Prediction:
     phi_rad: FloatArray
 
 
-def predict(beam: DynamicBeam, run: PlannedRun, resolution: Resolution) -> Prediction:
+def predict(beam: DynamicBeam, run: RunPlan, resolution: Resolution) -> PredictedRun:
     """Return the model's run. Raises ModelError, also where the sheet slips out of the rolls."""
     if not run.force and not len(run.frame_s):
         return _current_alone(beam, run, resolution)
@@ -41,13 +41,13 @@ def predict(beam: DynamicBeam, run: PlannedRun, resolution: Resolution) -> Predi
         raise ModelError(f"{run.name}: the sheet slips out of the rolls at {motion.slipped_s:g} s")
     samples = np.searchsorted(times, run.time_s - SAME_TIME)
     frames = np.searchsorted(times, run.frame_s - SAME_TIME)
-    return Prediction(
-        motion.reading_N[samples], motion.current_A[samples],
-        motion.x_m[frames], motion.y_m[frames], motion.phi_rad[frames],
+    return PredictedRun(
+        force_N=motion.reading_N[samples], current_A=motion.current_A[samples],
+        x_m=motion.x_m[frames], y_m=motion.y_m[frames], phi_rad=motion.phi_rad[frames],
     )  # fmt: skip
 
 
-def _current_alone(beam: DynamicBeam, run: PlannedRun, resolution: Resolution) -> Prediction:
+def _current_alone(beam: DynamicBeam, run: RunPlan, resolution: Resolution) -> PredictedRun:
     """Return the current, for which the sheet need not move."""
     if beam.electrodes is None:
         raise ModelError("to predict a current the sheet's electrodes must be described")
@@ -59,13 +59,15 @@ def _current_alone(beam: DynamicBeam, run: PlannedRun, resolution: Resolution) -
     current = line.current_A(modes, np.concatenate([held[:1], held]))
     none = np.zeros((0, 1))
     samples = np.searchsorted(knots, run.time_s)
-    return Prediction(np.zeros(len(samples)), current[samples], none, none, none)
+    return PredictedRun(
+        force_N=np.zeros(len(samples)), current_A=current[samples], x_m=none, y_m=none, phi_rad=none
+    )
 
 
 class RunResiduals:
     """The residuals of one run."""
 
-    def __init__(self, run: PlannedRun, noise: RecordingNoise, resolution: Resolution) -> None:
+    def __init__(self, run: RunPlan, noise: RecordingNoise, resolution: Resolution) -> None:
         """Prepare the whitening."""
         self.run, self._resolution, self._curve_m = run, resolution, noise.curve_m
         edges = run.drive.time_s
@@ -92,11 +94,13 @@ class RunResiduals:
             len(self.run.time_s) * self.run.force + self._away.sum() * self.run.current + seen
         )
 
-    def predict(self, beam: DynamicBeam) -> Prediction:
+    def predict(self, beam: DynamicBeam) -> PredictedRun:
         """Return what the model says of this run."""
         return predict(beam, self.run, self._resolution)
 
-    def whitened(self, columns: list[tuple[Prediction, Prediction | RecordedRun]]) -> FloatArray:
+    def whitened(
+        self, columns: list[tuple[PredictedRun, PredictedRun | RecordedRun]]
+    ) -> FloatArray:
         """Return whitened differences, second less first, (N, m) of m pairs.
 
         Curves differ across the sheet of the first: along it nothing can be told from a frame.
@@ -117,7 +121,7 @@ class RunResiduals:
         return np.concatenate(parts)
 
     def sensitivity(
-        self, parameters: LogParameters, theta: FloatArray, at: Prediction
+        self, parameters: LogParameters, theta: FloatArray, at: PredictedRun
     ) -> FloatArray:
         """Return d prediction/d theta, whitened, (N, p), by forward differences from `at`."""
         columns = []
@@ -128,7 +132,7 @@ class RunResiduals:
         return self.whitened(list(columns)) / DIFFERENCE
 
     def symmetric_sensitivity(
-        self, parameters: LogParameters, theta: FloatArray, at: Prediction
+        self, parameters: LogParameters, theta: FloatArray, at: PredictedRun
     ) -> FloatArray:
         """Return d prediction/d theta, whitened, (N, p), by central differences about `at`.
 
@@ -144,6 +148,6 @@ class RunResiduals:
 
 
 def _difference(
-    columns: list[tuple[Prediction, Prediction | RecordedRun]], name: str
+    columns: list[tuple[PredictedRun, PredictedRun | RecordedRun]], name: str
 ) -> FloatArray:
     return np.stack([getattr(b, name) - getattr(a, name) for a, b in columns], axis=1)

@@ -16,7 +16,7 @@ NONE = np.zeros(0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class PlannedRun:
+class RunPlan:
     """What is driven, and what is measured when."""
 
     drive: HeldVoltage  # as written
@@ -50,7 +50,7 @@ class PlannedRun:
 class RecordedRun:
     """A run with what was measured in it."""
 
-    plan: PlannedRun
+    plan: RunPlan
     force_N: FloatArray | None = None  # (n,)
     current_A: FloatArray | None = None  # (n,)
     x_m: FloatArray | None = None  # (m, p) points of the curves; NaN: not seen

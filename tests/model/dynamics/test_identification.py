@@ -11,9 +11,9 @@ from model import ModelError
 from model.dynamics import AIR, ContactSetup, HeldVoltage, Resolution
 from model.dynamics.identification import (
     ChannelNoise,
-    PlannedRun,
     RecordedRun,
     RecordingNoise,
+    RunPlan,
     identify,
     information,
 )
@@ -27,11 +27,11 @@ COARSE = Resolution(step_s=2e-3, degrees=(6, 2), free_degrees=6, line_terms=6)
 NOISE = RecordingNoise(
     force=ChannelNoise(white=1e-4), current=ChannelNoise(white=5e-5), curve_m=3e-5
 )
-PUSH = PlannedRun(
+PUSH = RunPlan(
     drive=HeldVoltage(np.array([0.1, 0.4]), np.array([2.0, -2.0])),
     time_s=np.arange(0.0, 0.8, 2e-3), setup=ContactSetup(radius_m=R, position_m=0.0),
 )  # fmt: skip
-RELEASE = PlannedRun(
+RELEASE = RunPlan(
     drive=HeldVoltage(np.array([0.1, 0.5]), np.array([2.0, 0.0])),
     time_s=np.arange(0.0, 1.2, 2e-3), force=False, frame_s=np.arange(0.0, 1.2, 0.04),
     points_m=np.array([0.5 * L, L]),
