@@ -65,6 +65,7 @@ def measure(
         *notes,
         *wetting_warnings(session),
         *dead_weight_warnings(session, forces, given.calibration),
+        *_controlled(session),
     ]
     warnings += [text for each in seen for text in each.warnings]
     return Measurements(
@@ -75,6 +76,18 @@ def measure(
         checksum=session.data_checksum,
         warnings=tuple(warnings),
     )
+
+
+def _controlled(session: RecordedSession) -> list[str]:
+    """Return why a session under a controller has no readings."""
+    if not any(run.planned.reference for run in session.runs):
+        return []
+    return [
+        (
+            "A controller set the voltage: such a run has no readings to analyze; `labrig export`"
+            " writes what was measured each period to control.csv."
+        )
+    ]
 
 
 @dataclass(frozen=True)

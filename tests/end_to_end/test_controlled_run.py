@@ -115,6 +115,7 @@ def test_a_controlled_session_is_exported_but_neither_replayed_nor_resumed(rig: 
     left = rig.run(options=control)
     folder = left.path.parent / "tables"
     assert labrig("analyze", left.path) == 0
+    assert "no readings to analyze" in "".join(rig.capsys.readouterr())
     assert labrig("export", left.path, "-o", folder) == 0
     table = np.genfromtxt(folder / "control.csv", delimiter=",", names=True)
     with open_session(left.path) as session:

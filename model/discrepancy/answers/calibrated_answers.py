@@ -1,4 +1,4 @@
-"""Probabilities of answers, and sets that hold the right one in 95 % of an ensemble of worlds.
+"""Probabilities of answers, and sets made to hold the right one in 95 % of the training worlds.
 
 The probability of answer a of a choice set is a conditional logit (McFadden 1974, in Frontiers in
 Econometrics),
