@@ -29,13 +29,12 @@ LEAST_PROBABILITY = 1e-4  # that a single question is judged by
 NAMES = tuple(ATTRIBUTES)
 # attributes that can only speak for an answer, or against it, whatever a few cases say
 FOR = {
-    "first", "considered", "votes", "polarity_votes", "borne_out", "positions_for",
-    "unknown_considered", "unknown_ahead", "unknown_ahead_share", "unexplained",
-    "unexplained_share", "scatter", "unknown_failed", "nothing_considered",
+    "first", "considered", "votes", "unknown_considered", "unknown_ahead", "unknown_ahead_share",
+    "unexplained", "unexplained_share", "scatter", "unknown_failed", "nothing_considered",
 }  # fmt: skip
 AGAINST = {
     "behind", "behind_share", "not_fitted", "form_share", "large", "freedom", "beside", "failed",
-    "misfit", "uneven", "other_form", "left_out_behind", "nothing_gain", "nothing_apart",
+    "misfit", "uneven", "nothing_gain", "nothing_apart",
 }  # fmt: skip
 
 

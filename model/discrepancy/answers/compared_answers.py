@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
-from model.discrepancy.answers.left_out_support import LeftOutSupport
+from model.discrepancy.answers.votes import votes
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.families import Family, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group, group_amplitudes
@@ -94,17 +94,14 @@ class ComparedAnswers:
         self, before: MixedModelFit, ranking: Sequence[RankedCandidate], named: str
     ) -> list[Alternative]:
         known = sorted((c for c in ranking if c.known), key=lambda c: -c.gain)
-        # names that explain nothing have no support to be told apart by
-        worth = known if known and known[0].gain > 0.0 else []
-        support = LeftOutSupport(
-            before=before, ranking=worth, log_sigma=self.known.solution.log_sigma, considered=named
-        )
+        asked = bool(named) or not self.named  # beside names that are in place no other is chosen
+        chosen = votes(before, known, self.known.solution.log_sigma, named) if asked else {}
         some = known[:COMPARED_NAMES]
         some += [c for c in known[COMPARED_NAMES:] if c.name == named]
-        return [self._name(c, known[0], named, support) for c in some]
+        return [self._name(c, known[0], named, chosen) for c in some]
 
     def _name(
-        self, one: RankedCandidate, best: RankedCandidate, named: str, support: LeftOutSupport
+        self, one: RankedCandidate, best: RankedCandidate, named: str, chosen: Mapping[str, float]
     ) -> Alternative:
         behind = best.gain - one.gain
         attributes = {
@@ -113,11 +110,7 @@ class ComparedAnswers:
             "first": float(one is best),
             "not_fitted": float(one.fitted is None),
             "form_share": 0.0 if one.fitted is None else form_share(one.fitted, -1),
-            "votes": support.votes.get(one.name, 0.0),
-            "polarity_votes": support.polarity_votes.get(one.name, 0.0),
-            "strength": float(np.log1p(max(one.gain, 0.0))),
-            "other_form": 1.0 - support.own_form.get(one.name, 1.0),
-            **_left_out(one, support),
+            "votes": chosen.get(one.name, 0.0),
             "large": float(np.log10(max(abs(one.score.amplitude), 1.0))),
             "freedom": float(np.log(one.score.candidate.columns.shape[1])),
         }
@@ -190,20 +183,6 @@ class ComparedAnswers:
         names = problem.noise.random_effects
         ratio = (self.known.solution.log_sigma - problem.guess)[: len(names)]
         return max([0.0, *(float(v) for n, v in zip(names, ratio, strict=True) if n in MOUNTING)])
-
-
-def _left_out(one: RankedCandidate, support: LeftOutSupport) -> dict[str, float]:
-    """Return what positions that are left out say of a name that was fitted."""
-    gains = support.left_out_gains.get(one.name)
-    if gains is None or not len(gains):
-        return {}
-    total = float(np.sum(gains))
-    best = max(float(np.sum(other)) for other in support.left_out_gains.values())
-    return {
-        "left_out_behind": float(np.log1p(max(best - total, 0.0))),
-        "borne_out": float(np.clip(total / max(one.gain, LEAST_EVIDENCE_LN), -1.0, 1.0)),
-        "positions_for": float(np.mean(gains > 0.0)),
-    }
 
 
 def _parts(some: Sequence[Family], kind: Callable[[Family], str]) -> Iterator[tuple[str, Index]]:
