@@ -71,7 +71,7 @@ def _refuse_mixture(config: RigConfig) -> None:
             continue
         if config.is_simulated:
             raise BadInputError(
-                f'rig.toml: {key} = {json.dumps(value)} is real and [{config.boards_kind}] address '
+                f"rig.toml: {key} = {json.dumps(value)} is real and [{config.boards_kind}] address "
                 'is "simulated"; set it to "simulated" too.'
             )
         raise BadInputError(
