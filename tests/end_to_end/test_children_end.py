@@ -64,7 +64,8 @@ def test_the_workers_of_a_killed_analysis_end(
 ) -> None:
     session = tmp_path / "session.h5"
     shutil.copy(small_rig(tmp_path_factory) / "session.h5", session)
-    script = "from pathlib import Path\nfrom labrig.analysis import analyze\n" + (
+    script = (
+        "from pathlib import Path\nfrom labrig.analysis import analyze\n"
         f"if __name__ == '__main__':\n    analyze(Path({str(session)!r}), workers=2)\n"
     )
     (tmp_path / "evaluate.py").write_text(script)
