@@ -94,9 +94,12 @@ def resized(
         raise ModelError("a sheet needs a positive length, and an elongation of zero or more")
     one = model.sheet(configuration)
     sheet = replace(one.sheet, free_length_m=length_m, elongation_m=elongation_m)
-    measured_m = one.measured_length_m or one.sheet.free_length_m
-    cut = replace(one, sheet=sheet, measured_length_m=measured_m)
-    return replace(model, sheets={configuration: cut})
+    measured_m = model.cut_from_m.get(configuration, one.sheet.free_length_m)
+    return replace(
+        model,
+        sheets={configuration: replace(one, sheet=sheet)},
+        cut_from_m={configuration: measured_m},
+    )
 
 
 def varied(one: ConfiguredSheet, B: float, bending: dict[float, float]) -> ConfiguredSheet:

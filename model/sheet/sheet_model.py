@@ -72,8 +72,6 @@ class ConfiguredSheet:
     B: Parameter  # N m^2
     rest: Along  # k0, 1/m
     eibm: Mapping[float, Along]  # by voltage, N m
-    # free length of the sheet that it is cut from, to which effects refer; 0: it is as measured
-    measured_length_m: float = 0.0
 
     @property
     def E(self) -> Parameter:
@@ -119,6 +117,8 @@ class SheetModel:
     dynamic: Mapping[str, DynamicSheet] = field(default_factory=dict)  # by configuration
     # whose prediction is asked for, where effects differ between sessions; 0: their mean
     session: int = 0
+    # free lengths as measured of sheets that are cut to another, to which their effects refer
+    cut_from_m: Mapping[str, float] = field(default_factory=dict)
 
     def sheet(self, configuration: str) -> ConfiguredSheet:
         """Return a configuration's parameters."""
@@ -183,7 +183,7 @@ class SheetModel:
             sheet=one.sheet, voltage_V=voltage_V, angle_rad=one.sheet.arc_origin_rad + along,
             B_Nm2=one.B.value, rest=one.rest.field(one.sheet.free_length_m),
             eibm=one.eibm_at(voltage_V), session=self.session,
-            measured_length_m=one.measured_length_m,
+            measured_length_m=self.cut_from_m.get(configuration, 0.0),
         )  # fmt: skip
 
     def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction:

@@ -60,7 +60,7 @@ class DesignAnswers:
 
     wanted: Wanted
     lines: tuple[StraightLine, ...]  # of the voltages that have one
-    control: Control | None
+    control: LinearControl | None
     shapes: ShapeDifference | None
     reach: Reach | None
     largest: dict[str, LargestForce]
@@ -77,7 +77,7 @@ class DesignAnswers:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Control:
+class LinearControl:
     """The plane through F(p, V), where it holds, and the controller made from it."""
 
     plane: LinearModel
@@ -140,9 +140,9 @@ def _check_section(model: SheetModel, wanted: Wanted) -> None:
         )
 
 
-def _control(model: SheetModel, wanted: Wanted) -> Control:
+def _control(model: SheetModel, wanted: Wanted) -> LinearControl:
     plane, error_N = fit_linear(model, wanted.configuration, wanted.low_m, wanted.high_m)
-    return Control(
+    return LinearControl(
         plane=plane,
         plane_error_N=error_N,
         valid=validity(model, plane, wanted.low_m, wanted.high_m),
@@ -165,8 +165,8 @@ def _sizes(model: SheetModel, wanted: Wanted, asked: _Questions) -> dict[str, Si
                 wanted.low_m,
                 wanted.high_m,
                 wanted.force_N,
-                name == WITH,
-                wanted.direction,
+                elongated=name == WITH,
+                direction=wanted.direction,
             ),
         )
         if size is not None:
@@ -209,7 +209,7 @@ def _line_table(found: DesignAnswers, name: str) -> Table:
     )
 
 
-def _control_table(control: Control, wanted: Wanted) -> Table:
+def _control_table(control: LinearControl, wanted: Wanted) -> Table:
     gains, plane = control.gains, control.plane
     valid = 100 * float(np.mean(control.valid.valid()))
     rows = (
@@ -316,7 +316,7 @@ def _line_as_dict(line: StraightLine) -> dict[str, Any]:
     }
 
 
-def _control_as_dict(control: Control | None) -> dict[str, Any]:
+def _control_as_dict(control: LinearControl | None) -> dict[str, Any]:
     if control is None:
         return {"linear_model": None, "state_space": None, "controller": None}
     return {
