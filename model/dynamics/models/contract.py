@@ -10,14 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import isfinite
 
 import numpy as np
 import numpy.typing as npt
 
 from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.mechanics.field import Field
 
 QUANTITIES = ("force", "current", "tip", "curve")
+PLACES = 41  # of a curve
 NO_FRAMES: npt.NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 
 
@@ -67,6 +70,14 @@ class DrivenSheet:
     def free(self) -> bool:
         """Return whether no load cell touches the sheet."""
         return self.position_m is None
+
+    @cached_property
+    def rest(self) -> Field:
+        """Return k0; a sheet without a stated k0 is straight."""
+        sheet = self.sheet
+        if sheet.initial_curvature is None:
+            return Field.constant(0.0, sheet.free_length_m)
+        return Field.linear(*sheet.initial_curvature, sheet.free_length_m)
 
     @property
     def angle_rad(self) -> float:

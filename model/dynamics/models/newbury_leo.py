@@ -12,13 +12,13 @@ Own reading: in contact the port is there (K and s of a linear beam), held, so w
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import held_states
-from model.dynamics.models.small_deflection import SmallDeflection
+from model.dynamics.models.small_deflection import small_deflection
 from model.measurements import FloatArray
 
 
@@ -41,10 +41,11 @@ class NewburyLeo(PublishedModel):
 
     def simulate(self, p: Mapping[str, float], run: DrivenSheet) -> Response:
         """See `PublishedModel.simulate`."""
-        beam = SmallDeflection(run)
-        at = run.sheet.free_length_m if run.free else beam.contact_m
+        beam = small_deflection(run)
+        if run.free:
+            beam = replace(beam, contact_m=run.sheet.free_length_m)
         kappa_per_V = 3.0 * p["d_m_per_V"] / run.sheet.thickness_m**2
-        port = _Port(p["B_Nm2"] / beam.compliance_m3(at), kappa_per_V * beam.bent_m2(at))
+        port = _Port(p["B_Nm2"] / beam.compliance_m3, kappa_per_V * beam.bent_m2)
         mass = 33.0 / 140.0 * p["mu_kg_per_m"] * run.sheet.free_length_m
         A, B = _system(p, port, mass if run.free else None)
         x = held_states(A, B, run.time_s, run.drive_V)
@@ -53,7 +54,7 @@ class NewburyLeo(PublishedModel):
         source = (run.drive_V - U) / p["R_ohm"]
         current = source + run.drive_V / p["Rdc_ohm"]
         if run.free:
-            return Response(current_A=current, tip_m=beam.rest_m(at) + u)
+            return Response(current_A=current, tip_m=beam.off_at_rest_m + u)
         held = port.stiffness_N_per_m * beam.off_at_rest_m
         force = held - port.elastic_force(p, u - port.free_m_per_V * U, z)
         return Response(force_N=force, current_A=current)

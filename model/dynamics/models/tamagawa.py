@@ -19,7 +19,6 @@ import numpy as np
 from model.dynamics.models.arc import arc_curves, arc_tip_m, contact_arc
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import lag
-from model.dynamics.models.small_deflection import mean_rest_curvature
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +36,7 @@ class Tamagawa(PublishedModel):
             k = np.full(len(t), arc.curvature_per_m)
             force = B * arc.force_over_B(moment / B)
             return Response(force_N=force, tip_m=arc_tip_m(run, k), curves_m=arc_curves(run, k))
-        k = mean_rest_curvature(run.sheet, run.sheet.free_length_m) + moment / B
+        k = run.rest.mean(run.sheet.free_length_m) + moment / B
         return Response(tip_m=arc_tip_m(run, k), curves_m=arc_curves(run, k))
 
 

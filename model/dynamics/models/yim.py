@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.dynamics.models.chain import Chain, ChainContact, chain_of
+from model.dynamics.models.chain import LINKS, Chain, ChainContact, chain_of
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import lag
 from model.measurements import FloatArray
@@ -29,7 +29,7 @@ class Yim(PublishedModel):
         U = lag(p["R_ohm"] * p["C_F"], run.time_s, run.drive_V)
         current = (run.drive_V - U) / p["R_ohm"]
         kappa = p["km_Nm_per_C"] * p["C_F"] * U / p["B_Nm2"]
-        chain = chain_of(run.sheet, with_elongation=not run.free)
+        chain = chain_of(run)
         force = None
         if run.free:
             angles = _moving(p, run, chain, kappa)
@@ -37,7 +37,7 @@ class Yim(PublishedModel):
             force, angles = ChainContact(chain, run.sheet.arc_radius_m, run.angle_rad).at(kappa)
             force = p["B_Nm2"] * force
         x, y = chain.joints(angles)
-        end = len(chain_of(run.sheet).link_m) + 1  # of the sheet
+        end = LINKS + 1  # of the sheet
         return Response(
             force_N=force, current_A=current, tip_m=y[:, end - 1],
             curves_m=(x[run.frames, :end], y[run.frames, :end]),
