@@ -3,7 +3,7 @@
 A model overrides `simulate`. It is called often, must not block, keeps no state and changes none of
 its arguments. It raises `ModelError` for a sheet that it cannot describe, such as a contact out of
 reach. A quantity that it does not predict stays None; one that it predicts only with or without a
-contact is None in the other case, or NaN at single samples.
+contact is None in the other case.
 """
 
 from __future__ import annotations
@@ -44,13 +44,17 @@ class ModelParameter:
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenSheet:
-    """A sheet, free or in contact, and the voltage that drives it from rest."""
+    """A sheet, free or in contact, and the voltage that drives it from rest.
+
+    It is discharged at the first time and rests at 0 s; times before that matter for its charge.
+    """
 
     sheet: SheetGeometry
     position_m: float | None  # of the load cell along the arc; None: free
     time_s: FloatArray  # (n,) ascending
     drive_V: FloatArray  # (n,) each held from its time to the next
     frames: npt.NDArray[np.int64] = field(default_factory=lambda: NO_FRAMES)  # samples with a curve
+    wanted: frozenset[str] = frozenset(QUANTITIES)  # a model may leave out the others
 
     def __post_init__(self) -> None:
         """Refuse what is no drive."""

@@ -6,14 +6,21 @@ from itertools import pairwise
 
 import numpy as np
 
-from model.measurements import FloatArray
+from model.measurements import FloatArray, ModelError
 
+GROWS = 1e-9  # a rate so much above 0, relative to the fastest, is no rounding
 WELL_CONDITIONED = 1e8  # of the matrix of eigenvectors
 
 
 def held_states(A: FloatArray, B: FloatArray, time_s: FloatArray, drive: FloatArray) -> FloatArray:
-    """Return x (n, states) of x' = A x + B u from rest; each u (n,) is held until the next."""
+    """Return x (n, states) of x' = A x + B u from rest; each u (n,) is held until the next.
+
+    `ModelError` where a state grows by itself.
+    """
     rates, modes = np.linalg.eig(A)
+    if np.max(np.real(rates)) > GROWS * np.max(np.abs(rates)):
+        raise ModelError("with these values the model is unstable")
+    rates = np.where(np.real(rates) > 0.0, rates - np.real(rates), rates)
     if np.linalg.cond(modes) < WELL_CONDITIONED:
         return _by_modes(rates, modes, B, time_s, drive)
     return _step_by_step(A, B, np.diff(time_s), drive)

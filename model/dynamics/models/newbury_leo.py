@@ -6,7 +6,8 @@ Port deflection u from the shape at rest (m), force f (N); U on the capacitor (V
 Tip: K = 3 B/l^3, M = 33/140 mu l, s = 3 d l^2/(2 h^2), h the thickness, d the effective strain
 coefficient (m/V). One s in both equations makes sensing and actuation reciprocal.
 
-Own reading: in contact the port is there (K and s of a linear beam), held, so without inertia; k0.
+Own reading: in contact the port is there (K and s of a linear beam), held, so without inertia; k0;
+the free sheet is a parabola, u x^2/l^2, beside k0.
 """
 
 from __future__ import annotations
@@ -16,10 +17,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
+from model.dynamics.models.contract import (
+    PLACES,
+    DrivenSheet,
+    ModelParameter,
+    PublishedModel,
+    Response,
+)
 from model.dynamics.models.held_drive import held_states
 from model.dynamics.models.small_deflection import small_deflection
 from model.measurements import FloatArray
+from model.mechanics.linear_beam import heights_m
 
 
 @dataclass(frozen=True)
@@ -54,7 +62,13 @@ class NewburyLeo(PublishedModel):
         source = (run.drive_V - U) / p["R_ohm"]
         current = source + run.drive_V / p["Rdc_ohm"]
         if run.free:
-            return Response(current_A=current, tip_m=beam.off_at_rest_m + u)
+            x = np.linspace(0.0, run.sheet.free_length_m, PLACES)
+            by_u = np.outer(u[run.frames], (x / run.sheet.free_length_m) ** 2)
+            y = heights_m(run.rest, x) + by_u
+            return Response(
+                current_A=current, tip_m=beam.off_at_rest_m + u,
+                curves_m=(np.broadcast_to(x, y.shape), y),
+            )  # fmt: skip
         held = port.stiffness_N_per_m * beam.off_at_rest_m
         force = held - port.elastic_force(p, u - port.free_m_per_V * U, z)
         return Response(force_N=force, current_A=current)
@@ -87,7 +101,7 @@ MODEL = NewburyLeo(
     from_source=False,
     source="J. Intell. Mater. Syst. Struct. 14, 333-42 and 343 (abstracts read)",
     equations="f = K*(u - s U) + M u''; Q = C U - s K*(u - s U); Q' = (V - U)/R; i = Q' + V/R_dc",
-    own_reading="one GHM term; s as of a bimorph, without relaxation; port at the contact; k0",
+    own_reading="one GHM term; s as of a bimorph, without relaxation; port at the contact; k0; a parabola",
     states=("U (V)", "z (m)", "z' (m/s)", "u (m)", "u' (m/s)"),
     parameters=(
         ModelParameter(
@@ -122,5 +136,5 @@ MODEL = NewburyLeo(
         ),
     ),
     predicts_in_contact=frozenset({"force", "current"}),
-    predicts_free=frozenset({"current", "tip"}),
+    predicts_free=frozenset({"current", "tip", "curve"}),
 )  # fmt: skip
