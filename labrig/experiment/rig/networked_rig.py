@@ -62,9 +62,10 @@ def served_rig(
     `record` is where the world writes down what happens to it; `options` are further ones of serve.
     """
     command = [sys.executable, "-m", "sim_hardware", "serve", "--port", "0"]
+    command += ["--end-with-input"]  # also where this process is killed: a pipe ends with it
     command += ["--configuration", configuration, "--record", str(record)]
     command += options
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     try:
         yield _addresses(process)
     finally:
@@ -74,8 +75,9 @@ def served_rig(
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-        if process.stdout is not None:
-            process.stdout.close()
+        for pipe in (process.stdin, process.stdout):
+            if pipe is not None:
+                pipe.close()
 
 
 def _addresses(process: subprocess.Popen[str]) -> dict[str, str]:
