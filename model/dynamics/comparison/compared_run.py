@@ -137,6 +137,18 @@ class ComparedRun:
         return self._with(force=quantity == "force", current=quantity == "current",
                           frames=slice(None) if quantity == "shape" else slice(0))  # fmt: skip
 
+    def thinned(self, rate_hz: float) -> ComparedRun:
+        """Return the run with about so many samples a second; none are averaged."""
+        times = self.plan.time_s
+        if len(times) < 2:
+            return self
+        every = max(1, round(1.0 / (rate_hz * float(np.median(np.diff(times))))))
+        plan = self.plan
+        return self._with(
+            force=plan.force, current=plan.current, frames=slice(None),
+            samples=slice(None, None, every),
+        )  # fmt: skip
+
     def part(self, low_s: float, high_s: float) -> ComparedRun | None:
         """Return what was measured from one time to before another, after the whole drive before.
 

@@ -25,6 +25,7 @@ STEP = 1e-4  # of the differences, in prior scales
 MISFIT_SIGMAS = 3.0  # residuals are larger than the noise explains from so many sigma on
 ROUNDS = 4  # of a fit and the misfits that come of it
 SAME_MISFIT = 0.05  # ends them
+ENOUGH = 0.02  # gain of ln density that ends a search
 MOST_STEPS = 30
 SIGMA_DETERMINED = 0.5  # of a parameter's prior scale
 
@@ -43,14 +44,24 @@ class FittedModel:
 
 
 def fit_model(
-    model: Contender, runs: Sequence[ComparedRun], begin: Mapping[str, float] | None = None
+    model: Contender,
+    runs: Sequence[ComparedRun],
+    begin: Mapping[str, float] | None = None,
+    *,
+    refine: bool = True,
 ) -> FittedModel:
-    """Fit a model; `ModelError` where it predicts nothing that was measured."""
+    """Fit a model, from its starting values or from `begin`.
+
+    refine: else `begin` is kept where it explains the data, as values of another fit to them do.
+    `ModelError` where it predicts nothing that was measured.
+    """
     problem = _Problem(model, runs)
     x = problem.unknowns(begin or {one.name: one.start for one in model.parameters})
     misfit = dict.fromkeys(problem.counts, 1.0)
     if not misfit:
         raise ModelError(f"the model '{model.name}' predicts nothing of what was measured")
+    if begin and set(problem.misfits(x).values()) == {1.0} and not refine:
+        return problem.fitted(x, misfit)
     for _ in range(ROUNDS):
         x = problem.least_squares(x, misfit)
         before, misfit = misfit, problem.misfits(x)
@@ -99,17 +110,18 @@ class _Problem:
             for end in ("low", "high")
         )
         inside = np.clip(x, low + 2.0 * STEP, high - 2.0 * STEP)
-        count = len(self._weighed(inside, misfit))
+        first = self._weighed(inside, misfit)
+        enough = max(ENOUGH / (0.5 * float(first @ first) + 1.0), 1e-8)
 
         def weighed(at: FloatArray) -> FloatArray:
             try:
                 return self._weighed(at, misfit)
             except ModelError:  # a step too far
-                return np.full(count, np.inf)
+                return np.full_like(first, np.inf)
 
         found = least_squares(
             weighed, inside, bounds=(low, high), max_nfev=MOST_STEPS, x_scale=1.0,
-            jac=lambda at: self.slopes(at, misfit), xtol=1e-6, ftol=1e-6,
+            jac=lambda at: self.slopes(at, misfit), xtol=1e-6, ftol=enough,
         )  # fmt: skip
         return np.asarray(found.x)
 

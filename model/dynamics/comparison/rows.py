@@ -55,7 +55,7 @@ def compare_models(
 
 def _row(model: Contender, data: HeldOut, begin: dict[str, float] | None) -> ComparisonRow:
     try:
-        fitted = fit_model(model, data.fitted, begin)
+        fitted = fit_model(model, data.fitted, begin, refine=False)
         scores = dict(_scores(fitted, data))
     except ModelError as error:
         return ComparisonRow(name=model.name, title=model.title, fitted=None, why=str(error))
