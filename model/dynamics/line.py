@@ -120,7 +120,8 @@ class LineModes:
         if not len(times):
             return np.zeros(self.terms)
         widths = np.diff(times, append=0.0)
-        return self.respond(np.zeros(self.terms), widths, source_V[: len(times)])[-1]
+        modes = self.respond(np.zeros(self.terms), widths, source_V[: len(times)])
+        return np.asarray(modes[-1])
 
     def transfer(self, p: complex) -> np.ndarray[Any, Any]:
         """Return the modes for a source of exp(p t) V."""

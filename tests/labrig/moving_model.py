@@ -16,14 +16,16 @@ DYNAMIC = {
     "bulk_ohm_m": 0.5,
     "leak_S_per_m": 0.1,
     "source_ohm": 1.0,
-    "moment_per_volt_Nm": {"positive": 30 * B, "negative": 30 * B},
     "prony": [{"share": 0.15, "time_s": 0.02}, {"share": 0.10, "time_s": 0.3}],
     "fluid": "air",
 }
 
 
-def model(dynamic: bool = True, *, fluid: str = "air", points: int = 21) -> SheetModel:
-    """`fluid` around it; `points` at which the file states the initial curvature."""
+def model(
+    dynamic: bool = True, *, fluid: str = "air", points: int = 21, negative_ratio: float = 1.0
+) -> SheetModel:
+    """`fluid` around it; `points` at which the file states the initial curvature; `negative_ratio`
+    of the moment per volt at U < 0 over that at U > 0."""
     geometry = SheetGeometry(
         configuration="long",
         free_length_m=0.05,
@@ -41,5 +43,7 @@ def model(dynamic: bool = True, *, fluid: str = "air", points: int = 21) -> Shee
         rest=Along(s, 24 * np.exp(-s / 0.04), np.zeros(points), "1/m"),
         eibm={},
     )
-    found = DynamicSheet.from_dict(DYNAMIC | {"fluid": fluid}, "dynamic")
+    alpha = {"positive": 30 * B, "negative": 30 * B * negative_ratio}
+    given = DYNAMIC | {"fluid": fluid, "moment_per_volt_Nm": alpha}
+    found = DynamicSheet.from_dict(given, "dynamic")
     return SheetModel(sheets={"long": one}, dynamic={"long": found} if dynamic else {})

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from drivers.interfaces import FloatArray
 from labrig.analysis.analyze import AnalysisInputs, inputs_of, shunt_ohm
@@ -22,6 +23,7 @@ from protocols.execution.events import LoadCellArrived, LoadCellLeft
 from protocols.planning.schedule import Purpose
 
 Progress = Callable[[float, str], None]
+Samples = npt.NDArray[np.bool_]  # which of them
 BEFORE_S = 0.5  # of each run count before its first voltage, or before the load cell moves
 LEAST_FRAME_RATE_HZ = 20.0  # a free sheet swings at 3 to 7 Hz
 
@@ -67,11 +69,11 @@ def motion_record(
     ]  # fmt: skip
     if not chosen:
         raise BadInputError(
-            f"{session.path}: no whole run of '{name}' was driven or had its load cell moved; record"
-            " one with labrig run, best with [extras] release = true."
+            f"{session.path}: no whole run of '{name}' was driven or had its load cell moved;"
+            " record one with labrig run, best with [extras] release = true."
         )
     reader = _RunReader(session, given, given.sheets[name], extractor, frames=frames)
-    runs = []
+    runs: list[RecordedRun] = []
     for done, run in enumerate(chosen):
 
         def advance(share: float, done: int = done, run: RunRecord = run) -> None:
@@ -166,7 +168,7 @@ class _RunReader:
 
     def _contact(
         self, run: RunRecord, begin_s: float, time_s: FloatArray
-    ) -> tuple[ContactSetup | None, FloatArray]:
+    ) -> tuple[ContactSetup | None, Samples]:
         """Return where the rolls are, and at which samples they rest, (n,)."""
         planned, sheet = run.planned, self._sheet
         if planned.purpose is not Purpose.MEASUREMENT or planned.position_m is None:
@@ -248,7 +250,7 @@ def _recorded(
     configuration: str,
     signals: MotionSignals,
     setup: ContactSetup | None,
-    still: FloatArray,
+    still: Samples,
     curves: FrameCurves | None,
 ) -> RecordedRun:
     none = np.zeros(0)
