@@ -43,7 +43,7 @@ class LinearBeam:
     def lever(self) -> Field:
         """Return the curvature B/N of a force at the rolls, R - s up to there."""
         R, length = self._at, self.rest.length_m
-        if R >= length:
+        if length <= R:
             return Field.linear(np.array([0.0, length]), np.array([R, R - length]), length)
         return Field.linear(np.array([0.0, R, length]), np.array([R, 0.0, 0.0]), length)
 

@@ -97,6 +97,10 @@ class ComparedRun:
             return run.y_m
         raise ModelError(f"{self.plan.name}: the {quantity} was not measured")
 
+    def count(self, quantity: Quantity) -> int:
+        """Return how many values of it were measured."""
+        return int(np.isfinite(self.values(quantity)).sum())
+
     def residuals(self, response: Response, quantity: Quantity) -> FloatArray | None:
         """Return predicted less measured, at the samples and frames; None: not predicted.
 

@@ -49,8 +49,9 @@ def fit_model(
     begin: Mapping[str, float] | None = None,
     *,
     refine: bool = True,
+    most_steps: int = MOST_STEPS,
 ) -> FittedModel:
-    """Fit a model, from its starting values or from `begin`.
+    """Fit a model, from its starting values or from `begin`, in so many steps at most.
 
     refine: else `begin` is kept where it explains the data, as values of another fit to them do.
     `ModelError` where it predicts nothing that was measured.
@@ -63,7 +64,7 @@ def fit_model(
     if begin and set(problem.misfits(x).values()) == {1.0} and not refine:
         return problem.fitted(x, misfit)
     for _ in range(ROUNDS):
-        x = problem.least_squares(x, misfit)
+        x = problem.least_squares(x, misfit, most_steps)
         before, misfit = misfit, problem.misfits(x)
         if all(abs(np.log(misfit[q] / before[q])) < SAME_MISFIT for q in misfit):
             break
@@ -101,7 +102,9 @@ class _Problem:
                 parts[of.quantity].append(of.run.whitened(of.off, of.quantity))
         return {q: np.concatenate(some) for q, some in parts.items()}
 
-    def least_squares(self, x: FloatArray, misfit: Mapping[Quantity, float]) -> FloatArray:
+    def least_squares(
+        self, x: FloatArray, misfit: Mapping[Quantity, float], most_steps: int
+    ) -> FloatArray:
         """Return where the residuals over their misfits and the priors are least."""
         from scipy.optimize import least_squares  # slow to import
 
@@ -119,9 +122,12 @@ class _Problem:
             except ModelError:  # a step too far
                 return np.full_like(first, np.inf)
 
+        def slopes(at: FloatArray) -> FloatArray:
+            return self.slopes(at, misfit)
+
         found = least_squares(
-            weighed, inside, bounds=(low, high), max_nfev=MOST_STEPS, x_scale=1.0,
-            jac=lambda at: self.slopes(at, misfit), xtol=1e-6, ftol=enough,
+            weighed, inside, bounds=(low, high), max_nfev=most_steps, x_scale=1.0,
+            jac=slopes, xtol=1e-6, ftol=enough,
         )  # fmt: skip
         return np.asarray(found.x)
 

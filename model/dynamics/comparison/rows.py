@@ -13,6 +13,8 @@ from model.dynamics.comparison.hold_out import HeldOut
 from model.dynamics.comparison.model_fit import FittedModel, fit_model
 from model.measurements import FloatArray, ModelError
 
+STEPS_ALONE = 6  # of a fit to one quantity, which begins at that to all of them
+
 
 @dataclass(frozen=True, kw_only=True)
 class Score:
@@ -71,16 +73,16 @@ def _scores(fitted: FittedModel, data: HeldOut) -> Iterator[tuple[Quantity, Scor
         if quantity not in fitted.misfit:
             continue
         alone = [run.only(quantity) for run in data.fitted if quantity in run.measured]
-        evidence = fit_model(fitted.model, alone, fitted.values).ln_evidence
+        refitted = fit_model(fitted.model, alone, fitted.values, most_steps=STEPS_ALONE)
         off, count = [np.zeros(0)], 0
         for run, response in answers:
             if quantity in run.measured:
-                count += int(np.isfinite(run.values(quantity)).sum())
+                count += run.count(quantity)
                 found = run.residuals(response, quantity)
                 off.append(np.zeros(0) if found is None else found[np.isfinite(found)])
         rmse, predicted = _rms(np.concatenate(off))
         share = predicted / count if count else float("nan")
-        yield quantity, Score(rmse=rmse, share=share, ln_evidence=evidence)
+        yield quantity, Score(rmse=rmse, share=share, ln_evidence=refitted.ln_evidence)
 
 
 def _rms(values: FloatArray) -> tuple[float, int]:

@@ -44,7 +44,7 @@ def chain_of(run: DrivenSheet, links: int = LINKS) -> Chain:
     h = sheet.free_length_m / links
     cells = np.full(links, h)
     cells[0] = 0.5 * h
-    rest = cells * run.rest(h * np.arange(links))
+    rest = cells * run.rest(h * np.arange(links, dtype=np.float64))
     rest[0] = 0.5 * h * run.rest.mean(0.5 * h)
     lengths = np.full(links, h)
     if not run.free and sheet.elongation_m > 0.0:

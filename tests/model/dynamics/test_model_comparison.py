@@ -1,4 +1,4 @@
-"""Fits of models to data of one of them, with known noise, and what the comparison makes of them."""
+"""Fits of models to data of one of them, with known noise, and the comparison of them."""
 
 from __future__ import annotations
 
