@@ -101,7 +101,7 @@ MODEL = NewburyLeo(
     from_source=False,
     source="J. Intell. Mater. Syst. Struct. 14, 333-42 and 343 (abstracts read)",
     equations="f = K*(u - s U) + M u''; Q = C U - s K*(u - s U); Q' = (V - U)/R; i = Q' + V/R_dc",
-    own_reading="one GHM term; s as of a bimorph, without relaxation; port at contact; k0; a parabola",
+    own_reading="one GHM term; s without relaxation; port at the contact; k0; a free parabola",
     states=("U (V)", "z (m)", "z' (m/s)", "u (m)", "u' (m/s)"),
     parameters=(
         ModelParameter(
