@@ -16,8 +16,7 @@ from labrig.report.parts.style import (
     letter,
     panels_width_in,
 )
-from model import SheetModel
-from model.dynamics import SheetMotion, simulate
+from model.dynamics import DynamicBeam, SheetMotion, simulate
 from model.dynamics.identification import RecordedRun
 from model.measurements import FloatArray
 
@@ -82,10 +81,9 @@ class ComparedRun:
         return float(np.sqrt(np.mean((measured - at) ** 2)))
 
 
-def compared(model: SheetModel, recorded: RecordedRun) -> ComparedRun:
+def compared(beam: DynamicBeam, recorded: RecordedRun) -> ComparedRun:
     """Return a recorded run with what a model says of it. Raises ModelError."""
     plan = recorded.plan
-    beam, _ = model.moving(plan.configuration, None)
     end_s = max(float(times[-1]) for times in (plan.time_s, plan.frame_s) if len(times))
     even = np.arange(0.0, end_s, _EVERY_S)
     times = np.unique(np.concatenate([even, plan.time_s, plan.frame_s]).round(9))
