@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 import typer
 
 from labrig.cli.command import Command
+from labrig.cli.model_errors import errors_of, say_errors, warn_of_misses
 from labrig.cli.options import EachConfiguration, Json, ModelFile
 from labrig.cli.screen import print_json, print_table, say, warn
 from labrig.errors import BadInputError
@@ -137,11 +138,14 @@ def _at_rest(
         for position in position_mm
         for volts in voltage
     ]
+    errors = errors_of(known, dict.fromkeys(one.configuration for one in found))
+    warn_of_misses(errors)
     if as_json:
         print_json([one.to_json() for one in found])
         return
     columns = ["sheet", "p mm", "V", "F mN", "N mN", "contact at mm", "angle deg", "remark"]
     print_table(f"{model}", columns, [_prediction_row(one) for one in found])
+    say_errors(errors)
 
 
 def _in_time(
