@@ -96,9 +96,10 @@ class DynamicFit:
         for volts, before in ((high, low), (low, high)):
             if volts:
                 steps = np.array([100.0, SAMPLE_S])
-                U = modes.at(s_m) @ modes.respond(
-                    np.zeros(LINE_TERMS), steps, np.array([before, volts])
-                )[-1]
+                U = (
+                    modes.at(s_m)
+                    @ modes.respond(np.zeros(LINE_TERMS), steps, np.array([before, volts]))[-1]
+                )
                 Me = self.found.beam.moment_of(U)
                 sign = "positive" if volts > 0.0 else "negative"
                 share = self.found[f"moment_per_{sign}_volt"].log_sigma
@@ -197,4 +198,3 @@ def model_of(fits: Sequence[DynamicFit], checksum: str) -> SheetModel:
         source=fits[0].source,
         checksum=checksum,
     )
-

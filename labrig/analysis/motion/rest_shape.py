@@ -107,6 +107,4 @@ def _across(run: RecordedRun, beam: DynamicBeam, normal_of: DynamicBeam) -> Floa
     phi = predict(normal_of, run.plan, Resolution()).phi_rad
     assert run.x_m is not None  # noqa: S101 - as `_at_rest` makes it
     assert run.y_m is not None  # noqa: S101
-    return np.asarray(
-        (np.cos(phi) * (run.y_m - said.y_m) - np.sin(phi) * (run.x_m - said.x_m))[0]
-    )
+    return np.asarray((np.cos(phi) * (run.y_m - said.y_m) - np.sin(phi) * (run.x_m - said.x_m))[0])
