@@ -92,8 +92,9 @@ def _seen(x: np.ndarray, y: np.ndarray, random: np.random.Generator) -> tuple:
     off = CURVE_M * random.standard_normal(x.shape) + COMMON_CURVE_M * random.standard_normal(
         x.shape[1]
     )
-    before = np.concatenate([np.zeros((len(x), 1)), x], axis=1), np.concatenate(
-        [np.zeros((len(y), 1)), y], axis=1
+    before = (
+        np.concatenate([np.zeros((len(x), 1)), x], axis=1),
+        np.concatenate([np.zeros((len(y), 1)), y], axis=1),
     )
     tx, ty = (np.gradient(b, axis=1)[:, 1:] for b in before)
     size = np.hypot(tx, ty)

@@ -87,13 +87,17 @@ def summary(rows: Sequence[dict[str, Any]]) -> Report:
     )  # fmt: skip
     notes = _notes(rows, good)
     title = "90 % intervals of what is said to be determined; z: error over stated sigma"
-    return Report(tables=(Table(title, columns, tuple(lines)),), figures={"rows": len(rows)}, notes=notes)
+    return Report(
+        tables=(Table(title, columns, tuple(lines)),), figures={"rows": len(rows)}, notes=notes
+    )
 
 
 def _undetermined(each: Sequence[dict[str, Any]]) -> tuple[str, str, str]:
     """How often what cannot be determined is said to be so, and what can be is stated."""
     cannot = [p for p in each if not p["determinable"]]
-    surely = [p for p in cannot if p["true_prior_share"] > SURELY or p["true_log_sigma"] > 2 * SURELY]
+    surely = [
+        p for p in cannot if p["true_prior_share"] > SURELY or p["true_log_sigma"] > 2 * SURELY
+    ]
     can = [p for p in each if p["determinable"]]
     return (
         _share(sum(not p["determined"] for p in cannot), len(cannot)),

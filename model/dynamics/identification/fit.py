@@ -7,8 +7,7 @@ residuals of force, current and curves of all runs at once and weak priors.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -24,7 +23,9 @@ from model.measurements import FloatArray, ModelError
 LONGEST = 1.0  # step of a logarithm
 BEGIN = 1.0  # a beginning is near enough when a step is this short, in standard deviations
 CONTRACTION = 0.1  # a step this much shorter than the last needs no new matrices
-MOST_STEPS = 40
+MOST_STEPS = 25
+LEAST_GAIN = 0.01  # of the cost: with exact derivatives too little to go on for ...
+NEAR = 0.1  # ... and as good as found when the step left is this short
 MOST_DAMPING, ROUGH_DAMPING = 1e8, 10.0
 
 
@@ -50,7 +51,8 @@ class Identification:
         return tuple(p.name for p in self.parameters if not p.determined)
 
 
-class _Point(NamedTuple):
+@dataclass(frozen=True)
+class _Point:
     """Where the search is."""
 
     theta: FloatArray
@@ -89,11 +91,12 @@ class _Problem:
     ) -> list[FloatArray]:
         """Return d prediction/d theta of each run, whitened; 0 where nothing was seen.
 
-        Long steps are good enough: what is compared with the data is computed with short ones.
+        Long steps are good enough, but where data say next to nothing: what is compared with the
+        data is computed with short ones. exact: short steps and central differences.
         """
         out = []
         for of, run in zip(self.forward if exact else self._rough, self.runs, strict=True):
-            J = of.sensitivity(self.parameters, at.theta, symmetric=symmetric)
+            J = of.sensitivity(self.parameters, at.theta, symmetric=symmetric or exact)
             if run.x_m is not None and run.y_m is not None:
                 J[len(J) - run.x_m.size :][~np.isfinite(run.x_m + run.y_m).ravel()] = 0.0
             out.append(J)
@@ -125,7 +128,8 @@ class _Problem:
         return sum(of.count(run) for of, run in zip(self.forward, self.runs, strict=True))
 
 
-class _Found(NamedTuple):
+@dataclass(frozen=True)
+class _Found:
     """Where a search ended."""
 
     at: _Point
@@ -145,8 +149,9 @@ def identify(
 
     start: what is known (lengths, fluid, initial curvature, source), starting values and centres of
     the priors for what is not. tolerance: the last step is this short, in standard deviations of
-    the parameters. The electrodes are found from the current alone, then all parameters from the
-    begin of each run, then from everything. Raises ModelError.
+    the parameters (0.1 of them where no step makes the fit better). resolution: None: FINE. The
+    electrodes are found from the current alone, then all parameters from the begin of each run,
+    then from everything. Raises ModelError.
     """
     _refuse(runs)
     parameters, fine = LogParameters(start), resolution or FINE
@@ -154,16 +159,18 @@ def identify(
     for some, louder, by in _beginnings(runs, noise, fine):
         theta = _search(_Problem(parameters, some, louder, by), theta, BEGIN).at.theta
     problem = _Problem(parameters, runs, noise, fine)
-    at, steps, converged = _search(problem, theta, tolerance)
+    search = _search(problem, theta, tolerance)
+    at = search.at
     data = problem.information(at)
     found, covariance = judged(parameters, at.theta, data, max(1.0, at.chi2 / problem.count))
     return Identification(
         beam=parameters.beam(at.theta), parameters=found, covariance=covariance, chi2=at.chi2,
-        count=problem.count, steps=steps, converged=converged,
+        count=problem.count, steps=search.steps, converged=search.converged,
     )  # fmt: skip
 
 
-class _Stage(NamedTuple):
+@dataclass(frozen=True)
+class _Stage:
     """A part of the data to begin with: until so long after the first edge, how much noisier."""
 
     until_s: float
@@ -206,15 +213,14 @@ def _search(problem: _Problem, theta: FloatArray, tolerance: float) -> _Found:
             jacobians, fresh = problem.jacobians(at, exact=exact), True
             hessian, gradient, length = problem.equations(at, jacobians)
         most = MOST_DAMPING if exact else ROUGH_DAMPING
+        cost = at.cost
         at, damping, moved = _step(problem, at, hessian, gradient, damping, most)
-        if length < tolerance:
+        gained = cost - at.cost
+        if length < tolerance or (exact and fresh and gained < LEAST_GAIN):
             break
-        if fresh and not moved:
-            if exact:
-                break
-            exact, before = True, 0.0
+        exact = exact or (fresh and not moved)
         before, fresh = length if moved else 0.0, False
-    return _Found(at, steps, length < tolerance)
+    return _Found(at, steps, length < max(tolerance, NEAR))
 
 
 def _step(

@@ -59,7 +59,7 @@ class RecordingNoise:
 
 
 def tempered(noise: RecordingNoise, factor: float) -> RecordingNoise:
-    """Return noise so many times stronger: a search then follows the priors where data say little."""
+    """Return noise so many times stronger, under which a search leans on the priors."""
 
     def stronger(of: ChannelNoise) -> ChannelNoise:
         return ChannelNoise(
