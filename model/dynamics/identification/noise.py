@@ -8,7 +8,7 @@ integrated out, so that they cost what they hide.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -56,6 +56,21 @@ class RecordingNoise:
             )
         if not 0.0 < self.mains_hz < np.inf or not 0.0 <= self.edge_s < np.inf:
             raise ModelError("the mains' frequency and the time left out at edges must be positive")
+
+
+def tempered(noise: RecordingNoise, factor: float) -> RecordingNoise:
+    """Return noise so many times stronger, under which a search leans on the priors."""
+
+    def stronger(of: ChannelNoise) -> ChannelNoise:
+        return ChannelNoise(
+            white=factor * of.white, zero=factor * of.zero, hum=factor * of.hum,
+            drift_per_sqrt_s=factor * of.drift_per_sqrt_s,
+        )  # fmt: skip
+
+    return replace(
+        noise, force=stronger(noise.force), current=stronger(noise.current),
+        curve_m=factor * noise.curve_m,
+    )  # fmt: skip
 
 
 class Whitening:
