@@ -141,6 +141,11 @@ class LoadCell:
         """Take off nothing."""
         self._tare_N = 0.0
 
+    def is_at_the_rail(self, volts: FloatArray) -> bool:
+        """Whether these samples reach the end of the input's range, for more than a glitch."""
+        peak = _lasting_peak(np.asarray(volts, dtype=float))
+        return not abs(peak) < _AT_THE_RAIL * self._range
+
     def check(self, volts: FloatArray) -> LoadCheck:
         """Judge a block of samples. The tare does not count: the cell carries it too."""
         values = np.asarray(volts, dtype=float)

@@ -23,6 +23,11 @@ class Check:
             return "FAILED"
         return "warning" if self.warning else "ok"
 
+    @property
+    def in_words(self) -> str:
+        """Return the check as one phrase."""
+        return f"{self.name}: {self.found}, wanted {self.wanted}"
+
     def as_dict(self) -> dict[str, Any]:
         """Return the check for JSON."""
         return {"name": self.name, "ok": self.ok, "found": self.found, "wanted": self.wanted}

@@ -29,6 +29,26 @@ def load_model(path: Path) -> SheetModel:
         raise BadInputError(f"{path}: {error}.") from None
 
 
+def moving_configuration(model: SheetModel, path: Path, wanted: str | None) -> str:
+    """Return the configuration to follow in time; `wanted` is needed where there are several.
+
+    Raises BadInputError, which names the file.
+    """
+    known = list(model.dynamic)
+    if not known:
+        raise BadInputError(
+            f"{path}: knows the sheet at rest only; fit it in time with labrig fit --dynamic."
+        )
+    if wanted is None and len(known) > 1:
+        raise BadInputError(
+            f"{path}: has several configurations; name one with --configuration: "
+            f"{', '.join(known)}."
+        )
+    if wanted is not None and wanted not in known:
+        raise BadInputError(f"{path}: does not know {wanted} in time; it knows {', '.join(known)}.")
+    return wanted or known[0]
+
+
 def save_model(model: SheetModel, path: Path) -> None:
     """Write a model file beside its place and rename it."""
     write_text(path, model_text(model))

@@ -1,7 +1,7 @@
 """`python -m sim_hardware serve`: a whole simulated rig on this computer, until a signal ends it.
 
-Prints one line for each address, then `ready`. Exit codes: 0 ended by a signal, 2 bad arguments or
-a bad world, 3 a port is taken.
+Prints one line for each address, then `ready`. Exit codes: 0 ended by a signal or by its input, 2
+bad arguments or a bad world, 3 a port is taken.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 BAD_ARGUMENTS, PORT_TAKEN = 2, 3
 _POLL_S = 0.2  # Windows wakes no thread for Ctrl-C: poll
+LINGER_S = 10.0  # after its input's end: the guard of a run that was killed still writes 0 V
 
 
 class ArgumentFaultError(Exception):
@@ -37,6 +38,8 @@ def main(arguments: Sequence[str]) -> int:
         _check(options)
         with ExitStack() as stack:
             end = _end_signal(stack)
+            if options.end_with_input:
+                threading.Thread(target=_follow_input, args=(end,), daemon=True).start()
             for line in _start(options, RealClock(), stack):
                 _say(line)
             _say("ready")
@@ -93,6 +96,11 @@ def _parser() -> argparse.ArgumentParser:
         "--strict-ownership",
         action="store_true",
         help="tasks belong to a connection and end with it, as with a local driver",
+    )
+    add(
+        "--end-with-input",
+        action="store_true",
+        help=f"end {LINGER_S:g} s after standard input ends, as it does with its parent process",
     )
     return parser
 
@@ -231,6 +239,13 @@ def _end_signal(stack: ExitStack) -> threading.Event:
     for number in (signal.SIGTERM, signal.SIGINT):
         stack.callback(signal.signal, number, signal.signal(number, stop))
     return end
+
+
+def _follow_input(end: threading.Event) -> None:
+    """Set `end` a while after the input's end: who started this process holds its other end."""
+    sys.stdin.read()
+    end.wait(LINGER_S)
+    end.set()
 
 
 def _say(line: str) -> None:

@@ -160,15 +160,15 @@ def _record_of(extractor: str) -> str:
 
 
 def _series(session: RecordedSession, calibration: LoadCellCalibration) -> list[TimeSeries]:
-    shunt_ohm, turns = _shunt_ohm(session), turns_of(session)
+    shunt, turns = shunt_ohm(session), turns_of(session)
     return [
-        time_series(run, calibration, shunt_ohm, turns[run.planned.index])
+        time_series(run, calibration, shunt, turns[run.planned.index])
         for run in session.runs
         if run.started and run.planned.purpose in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE)
     ]
 
 
-def _shunt_ohm(session: RecordedSession) -> float | None:
+def shunt_ohm(session: RecordedSession) -> float | None:
     """Return the shunt that turns the current channel's volts into amperes; None: not known."""
     sense = session.resolved.get("rig", {}).get("current_sense", {})
     value = sense.get("shunt_ohm")

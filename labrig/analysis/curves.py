@@ -16,6 +16,7 @@ import numpy as np
 from drivers.interfaces import FloatArray, GreyImage
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
+from labrig.parent_process import end_with_parent
 from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.session.format.layout import NO_FRAME, Array
 from model.measurements import Contact, Curve, SheetGeometry
@@ -256,6 +257,7 @@ def _pool(path: Path, workers: int) -> Iterator[ProcessPoolExecutor]:
 
 def _open_in_worker(path: Path) -> None:
     global _worker_session
+    end_with_parent()
     _worker_session = open_session(path)
 
 

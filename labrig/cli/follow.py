@@ -19,7 +19,7 @@ from labrig.experiment.hook_watch import hooks_of
 from labrig.experiment.hooks import Hooks, NotifyingOperator
 from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import ControlFiles, Plan, load_plan
-from labrig.experiment.preflight import calibrations
+from labrig.experiment.preflight import calibrations, doubts, refuse_implausible
 from labrig.experiment.replay import replay_plan, replay_rig
 from labrig.experiment.resume import Resumption, output_beside, resumed_plan
 from labrig.experiment.rig.wiring import wire
@@ -98,9 +98,10 @@ def resume_and_follow(
 
 
 def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) -> Result:
-    for check in calibrations(plan):
+    refuse_implausible(plan)
+    for check in (*calibrations(plan), *doubts(plan)):
         if check.warning or not check.ok:
-            warn(f"warning: {check.name}: {check.found}, wanted {check.wanted}")
+            warn(f"warning: {check.in_words}")
     operator = NoOperator(warn) if yes else ConsoleOperator(warn)
     stop = StopRequest()
     hub = EventBus(threaded=not plan.rig.is_simulated)

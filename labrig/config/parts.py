@@ -26,6 +26,10 @@ class CameraConfig(PartConfig):
     source: int | str = Field(description="anything OpenCV opens, iidc:GUID, or simulated")
     optics: Path = Field(description="optics.json of this camera")
     warn_after_days: int = Field(180, ge=1)
+    exposure_s: float | None = Field(
+        None, gt=0, le=1.0,
+        description="of a frame; the sheet in time is compared with the middle of it",
+    )  # fmt: skip
 
 
 class BoardsConfig(SettingsModel):

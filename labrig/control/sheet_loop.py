@@ -23,8 +23,8 @@ from labrig.control.controller_file import (
     rig_checksum,
 )
 from labrig.errors import BadInputError
-from labrig.model_file import load_model
-from model import ModelError, SheetModel
+from labrig.model_file import load_model, moving_configuration
+from model import ModelError
 from model.measurements import SheetGeometry
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def linear_sheet(path: Path, configuration: str | None, position_m: float | None
     from model.dynamics.motion import Resolution, Simulation
 
     model = load_model(path)
-    name = _configuration(model, path, configuration)
+    name = moving_configuration(model, path, configuration)
     drive = HeldVoltage(np.zeros(1), np.zeros(1))
     by = Resolution(degrees=_DEGREES, free_degrees=_FREE_DEGREES)
     try:
@@ -75,22 +75,6 @@ def linear_sheet(path: Path, configuration: str | None, position_m: float | None
     except ModelError as error:
         raise BadInputError(f"{path}: {name}: {error}.") from None
     return LinearSheet(model.sheet(name).sheet, position_m, system)
-
-
-def _configuration(model: SheetModel, path: Path, wanted: str | None) -> str:
-    known = list(model.dynamic)
-    if not known:
-        raise BadInputError(
-            f"{path}: knows the sheet at rest only; fit it in time with labrig fit --dynamic."
-        )
-    if wanted is None and len(known) > 1:
-        raise BadInputError(
-            f"{path}: has several configurations; name one with --configuration: "
-            f"{', '.join(known)}."
-        )
-    if wanted is not None and wanted not in known:
-        raise BadInputError(f"{path}: does not know {wanted} in time; it knows {', '.join(known)}.")
-    return wanted or known[0]
 
 
 def design_loop(sheet: LinearSheet, loop: LoopGoal, path: Path) -> LoopDesign:

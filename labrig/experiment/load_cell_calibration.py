@@ -14,12 +14,15 @@ from drivers.interfaces import Prompt
 from drivers.load_cell import CalibrationError, LoadCellCalibration
 from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.config.load_cell import FORCE_UNIT
+from labrig.config.templates import NOT_CALIBRATED
 from labrig.errors import BadInputError, StoppedError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig.rig import Rig, opened
 from labrig.files import discard, not_written
 
 LISTEN_S = 2.0  # to each weight
+# A cell's sensitivity stays within a percent for years; a factor is a wrong weight or another cell.
+LARGEST_CHANGE = 1.5
 
 
 def _nothing_more(load_N: float, mean_V: float) -> None:
@@ -52,6 +55,7 @@ def weigh(
             f'rig.toml: [force_sensor] kind = "{plan.rig.force_sensor.kind}" reports newtons by '
             "itself; calibrate it as its manual says, or leave [force_sensor] out."
         )
+    _check_loads(loads_N, plan.calibration.capacity_N)
     volts: list[float] = []
     with opened(rig):
         for load_N in loads_N:
@@ -66,6 +70,7 @@ def weigh(
     except CalibrationError as error:
         raise BadInputError(f"{error}.") from None
     before = plan.calibration
+    _check_sensitivity(fit.sensitivity_V_per_N, before)
     made = fit.calibration(
         date=dt.datetime.now(dt.UTC).date(),
         capacity_N=before.capacity_N,
@@ -77,13 +82,42 @@ def weigh(
     return DeadWeightSeries(tuple(loads_N), tuple(volts), fit, made)
 
 
+def _check_loads(loads_N: Sequence[float], capacity_N: float) -> None:
+    """Refuse what would harm the cell, before anybody hangs it there."""
+    largest_N = max(loads_N, key=abs)
+    if not abs(largest_N) <= capacity_N:
+        raise BadInputError(
+            f"a weight of {1e3 * largest_N:g} mN is above the load cell's capacity of "
+            f"{1e3 * capacity_N:g} mN (load_cell.toml); weights are given in mN, 9.81 for a gram."
+        )
+
+
+def _check_sensitivity(found_V_per_N: float, before: LoadCellCalibration) -> None:
+    """Refuse a line that is far from the last calibration's, if there ever was one."""
+    if before.date == NOT_CALIBRATED:
+        return
+    ratio = found_V_per_N / before.sensitivity_V_per_N
+    if not 1 / LARGEST_CHANGE < ratio < LARGEST_CHANGE:
+        raise BadInputError(
+            f"these weights give {found_V_per_N:.4g} V/N, the last calibration "
+            f"{before.sensitivity_V_per_N:.4g} V/N; check the weights, or for another cell set "
+            "sensitivity_V_per_N in load_cell.toml to its nominal value."
+        )
+
+
 def _listen(rig: Rig, load_N: float, tell: Callable[[str], None]) -> float:
     what = f"Hang {1e3 * load_N:g} mN on the load cell" if load_N else "Take every weight off"
     prompt = Prompt(kind="dead_weight", text=f"{what} and wait until it is still.", load_N=load_N)
     if not rig.operator.ask(prompt):
         raise StoppedError("stopped; no calibration was written.")
     row = list(rig.signals.channels).index("force")
-    mean_V = float(np.mean(rig.signals.measure(LISTEN_S)[row]))
+    volts = rig.signals.measure(LISTEN_S)[row]
+    if rig.load_cell.is_at_the_rail(volts):
+        raise BadInputError(
+            f"with {1e3 * load_N:g} mN the force input is at the end of its range; use less weight "
+            "or a larger [ni] ranges_V force, or look for a broken wire."
+        )
+    mean_V = float(np.mean(volts))
     tell(f"{1e3 * load_N:8.2f} mN  {1e3 * mean_V:+.5f} mV")
     return mean_V
 

@@ -14,12 +14,12 @@ from drivers.interfaces import Camera, DeviceError, Frame
 from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import template_path
-from labrig.errors import NotReadyError
+from labrig.errors import BadInputError, NotReadyError
 from labrig.experiment.next_measurement.dynamic_needs import not_determined
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.rig.channels import inputs_of
-from labrig.experiment.rig.rig import DRIVE, Rig, opened
-from labrig.plausibility import calibration_age
+from labrig.experiment.rig.rig import DRIVE, FORCE, Rig, opened
+from labrig.plausibility import SetUp, calibration_age, set_up_checks
 from protocols import time_under_voltage_s
 
 _QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
@@ -63,7 +63,8 @@ def _beside(rig: Path, name: str) -> Path:
 
 def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
     """Open the rig, check everything, close it. `folder` is where the session would go."""
-    checks = [*calibrations(plan), _names(plan), *_schedule(plan), disk_space([plan], folder)]
+    checks = [*calibrations(plan), *doubts(plan), _names(plan), *_schedule(plan)]
+    checks.append(disk_space([plan], folder))
     try:
         with opened(rig):
             checks += open_rig_checks(rig, plan)
@@ -97,6 +98,31 @@ def calibrations(plan: Plan) -> Iterator[Check]:
             yield Check(name="camera calibration", ok=False, found=found, wanted=wanted)
         else:
             yield calibration_age("camera calibration", date, camera.warn_after_days, today)
+
+
+def doubts(plan: Plan) -> list[Check]:
+    """Return the numbers of the files that can hardly be meant. Needs no device."""
+    optics, by_board = plan.optics, plan.rig.raw_force_unit == "V"
+    range_V = next(each.range_V for each in inputs_of(plan.rig) if each.name == FORCE)
+    return list(
+        set_up_checks(
+            SetUp(
+                schedule=plan.schedule,
+                sheets=plan.sheets,
+                calibration=plan.calibration if by_board else None,
+                force_range_V=range_V,
+                px_per_mm=None if optics is None or optics.homography else optics.px_per_mm,
+                image_size=None if optics is None else optics.image_size,
+            )
+        )
+    )
+
+
+def refuse_implausible(plan: Plan) -> None:
+    """Raise BadInputError with a line for each number that nobody can mean."""
+    faults = [check.in_words for check in doubts(plan) if not check.ok]
+    if faults:
+        raise BadInputError("\n".join(f"{text}." for text in faults))
 
 
 def estimated_size(plan: Plan, frame_bytes: int) -> int:

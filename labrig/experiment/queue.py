@@ -8,7 +8,7 @@ from pathlib import Path
 
 from labrig.errors import LabrigError
 from labrig.experiment.plan import Plan, load_plan
-from labrig.experiment.preflight import calibrations, disk_space
+from labrig.experiment.preflight import calibrations, disk_space, doubts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,11 +37,9 @@ def faults_of(runs: Sequence[QueuedRun]) -> list[str]:
         except LabrigError as error:
             faults.append(str(error))
     for plan in plans[:1]:  # the calibrations are the rig's, which all of them share
-        faults += [
-            f"{check.name}: {check.found}, wanted {check.wanted}."
-            for check in calibrations(plan)
-            if not check.ok
-        ]
+        faults += [f"{check.in_words}." for check in calibrations(plan) if not check.ok]
+    for plan in plans:
+        faults += [f"{check.in_words}." for check in doubts(plan) if not check.ok]
     if plans:
         space = disk_space(plans, runs[0].session.parent)
         if not space.ok:

@@ -13,7 +13,7 @@ from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan
-from labrig.experiment.preflight import open_rig_checks
+from labrig.experiment.preflight import open_rig_checks, refuse_implausible
 from labrig.experiment.resume import Resumption
 from labrig.experiment.rig.identities import recorded_devices
 from labrig.experiment.rig.parts_in_use import parts_in_use
@@ -79,9 +79,12 @@ def run_session(
     The complete runs of a `resumption` are copied instead of run.
     `on_step` is called with each step of the beginning, in words, `on_simulated` with what the
     file says of the rig: boards that are simulated elsewhere report it once they are open.
-    Raises NotReadyError before the first voltage, BadInputError when `path` cannot be written.
+    Raises NotReadyError before the first voltage, BadInputError when `path` cannot be written or
+    the plan has a number that nobody can mean.
     """
     result: Result | None = None
+    if check_first:
+        refuse_implausible(plan)
     try:
         with opened(rig, on_step), _ending_safely(rig) as shutdown:
             if check_first:

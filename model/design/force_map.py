@@ -87,13 +87,19 @@ def resized(
 ) -> SheetModel:
     """Return the same material with another free length and elongation.
 
-    Beyond the measured length the material is assumed to be the same as at its end.
+    Each place along the sheet keeps its material, effects included. Beyond the measured length the
+    material is assumed to be the same as at its end.
     """
     if not (np.isfinite(length_m) and length_m > 0.0 and elongation_m >= 0.0):
         raise ModelError("a sheet needs a positive length, and an elongation of zero or more")
     one = model.sheet(configuration)
     sheet = replace(one.sheet, free_length_m=length_m, elongation_m=elongation_m)
-    return replace(model, sheets={configuration: replace(one, sheet=sheet)})
+    measured_m = model.cut_from_m.get(configuration, one.sheet.free_length_m)
+    return replace(
+        model,
+        sheets={configuration: replace(one, sheet=sheet)},
+        cut_from_m={configuration: measured_m},
+    )
 
 
 def varied(one: ConfiguredSheet, B: float, bending: dict[float, float]) -> ConfiguredSheet:

@@ -19,10 +19,12 @@ from model.design.force_map import (
     resized,
     section,
 )
-from model.measurements import FloatArray
+from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter
 from model.sheet.sheet_model import SheetModel
 from model.sheet.solution import sampled_s
+
+LONGER = (1.25, 1.6, 2.0, 2.5)  # lengths that are tried, in radii of the arc
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,21 +116,38 @@ def shortest_sheet(model: SheetModel, configuration: str, low_m: float, high_m: 
     A configuration with an elongation keeps its sheet, and the elongation is what is shortened.
     """
     p, volts = section(low_m, high_m), known_voltages(model, configuration)
-    sheet = model.sheet(configuration).sheet
-    plenty = 2.5 * sheet.arc_radius_m
 
-    def longer(changed: SheetModel) -> SheetModel:
-        if sheet.elongation_m > 0.0:
-            return resized(changed, configuration, sheet.free_length_m, plenty)
-        return resized(changed, configuration, plenty, 0.0)
+    def contacts(changed: SheetModel) -> FloatArray:
+        return _reaching(changed, configuration, p, volts).s_hat_m
 
-    def question(changed: SheetModel) -> list[float]:
-        return [float(np.max(reached(force_map(longer(changed), configuration, p, volts)).s_hat_m))]
-
-    (length,) = propagate(model, configuration, question, ("m",))
-    s_hat = force_map(longer(model), configuration, p, volts).s_hat_m
+    (length,) = propagate(
+        model, configuration, lambda changed: [float(np.max(contacts(changed)))], ("m",)
+    )
+    s_hat = contacts(model)
     i, j = np.unravel_index(int(np.argmax(s_hat)), s_hat.shape)
     return Reach(length, float(p[i]), float(volts[j]))
+
+
+def _reaching(
+    model: SheetModel, configuration: str, position_m: FloatArray, voltage_V: FloatArray
+) -> ForceMap:
+    """Return the map of the first of ever longer sheets, or elongations, that reaches all of it.
+
+    What lies beyond the contact changes nothing; but the longer the sheet is, the more it curls.
+    """
+    sheet = model.sheet(configuration).sheet
+    for share in LONGER:
+        longer_m = share * sheet.arc_radius_m
+        lengths = (sheet.free_length_m, longer_m) if sheet.elongation_m else (longer_m, 0.0)
+        longer = resized(model, configuration, *lengths)
+        found = force_map(longer, configuration, position_m, voltage_V)
+        if found.all_reachable():
+            return found
+    i, j = np.argwhere(~found.reachable)[0]
+    raise ModelError(
+        f"no length of this sheet reaches {position_m[i] * 1e3:g} mm at {voltage_V[j]:+g} V; make"
+        " the section smaller"
+    )
 
 
 @dataclass(frozen=True)

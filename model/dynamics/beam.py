@@ -72,6 +72,11 @@ class DynamicBeam:
         if not all(isfinite(a) for a in self.moment_per_volt_Nm):
             raise ModelError("the moment per volt must be a finite number")
 
+    def moment_of(self, U: FloatArray) -> FloatArray:
+        """Return Me of the double layer's voltage."""
+        up, down = self.moment_per_volt_Nm
+        return np.asarray(np.where(U > 0.0, up, down) * U)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ContactSetup:
@@ -114,7 +119,10 @@ class ClampTurn:
 
 @dataclass(frozen=True)
 class HeldVoltage:
-    """Voltages of the source, each held from its time to the next; 0 V before the first."""
+    """Voltages of the source, each held from its time to the next; 0 V before the first.
+
+    Times before 0 tell how the electrodes are charged when a motion begins.
+    """
 
     time_s: FloatArray  # ascending
     voltage_V: FloatArray

@@ -114,6 +114,15 @@ class LineModes:
             out[first + 1 : last + 1] = rest + (out[first] - rest) * decay
         return out
 
+    def charged(self, time_s: FloatArray, source_V: FloatArray) -> FloatArray:
+        """Return the modes (T,) at time 0 of what was held from times before it on."""
+        times = time_s[time_s < 0.0]
+        if not len(times):
+            return np.zeros(self.terms)
+        widths = np.diff(times, append=0.0)
+        modes = self.respond(np.zeros(self.terms), widths, source_V[: len(times)])
+        return np.asarray(modes[-1])
+
     def transfer(self, p: complex) -> np.ndarray[Any, Any]:
         """Return the modes for a source of exp(p t) V."""
         return np.asarray(self._modes.final * self._modes.rate / (p + self._modes.rate))

@@ -95,7 +95,10 @@ class Simulation:
         released_from: Field | None = None,
         engine: Engine = "auto",
     ) -> None:
-        """Begin at rest at time 0: in equilibrium, or free in the curvature `released_from`."""
+        """Begin at rest at time 0: in equilibrium, or free in the curvature `released_from`.
+
+        What a `HeldVoltage` held before time 0 has charged the electrodes.
+        """
         self.beam, self.setup, self.clamp, self.engine = beam, setup, clamp, engine
         self.resolution = resolution or Resolution()
         self.time_s = 0.0
@@ -119,13 +122,16 @@ class Simulation:
         zero = np.zeros(1)
         psi = self._clamp(zero)[0]
         found, break_m = None, None
+        self.line: LineModes | None = None
+        if beam.electrodes is not None:
+            self.line = LineModes(beam.electrodes, beam.length_m, by.line_terms)
+            self._line_state = np.zeros(by.line_terms)
+            if isinstance(drive, HeldVoltage):
+                self._line_state = self.line.charged(drive.time_s, drive.voltage_V)
+        elif any(beam.moment_per_volt_Nm):
+            raise ModelError("a moment per volt needs the sheet's electrodes")
         if setup is not None:
-            kappa = beam.rest
-            if isinstance(drive, PrescribedMoment):
-                kappa = Field.smooth(
-                    lambda s: beam.rest(s) + drive.at(zero, s)[0] / beam.material.B_Nm2,
-                    beam.length_m, beam.rest.breaks_m[1:-1],
-                )  # fmt: skip
+            kappa = self._bent_at_begin(drive)
             angle = float(setup.angles(zero)[0]) - psi[0]
             found = start.equilibrium(beam, setup, kappa, angle, self.engine)
             break_m = by.break_m or float(found.s_hat_m[0])
@@ -133,17 +139,13 @@ class Simulation:
         self.body = start.body_of(beam, start.sheet_space(beam, degrees, break_m))
         on = self.body.space
         self._moments = moments(on)
-        self.line: LineModes | None = None
-        if beam.electrodes is not None:
-            self.line = LineModes(beam.electrodes, beam.length_m, by.line_terms)
+        if self.line is not None:
             self._line_at_nodes = self.line.at(np.minimum(on.s_m, beam.length_m))
-            self._line_state = np.zeros(by.line_terms)
-        elif any(beam.moment_per_volt_Nm):
-            raise ModelError("a moment per volt needs the sheet's electrodes")
         if isinstance(drive, PrescribedMoment):
             moment = self._moments @ drive.at(zero, on.s_m)[0]
         else:
-            moment = np.zeros(on.size)
+            modes = self._line_state[None] if self.line is not None else np.zeros((1, 1))
+            moment = self._moment_of(modes)[0]
         self.state: MotionState
         if released_from is not None:
             self.state = start.let_go(self.body, released_from, moment, psi)
@@ -152,6 +154,31 @@ class Simulation:
         self.state = start.at_rest(self.body, found, moment, float(psi[0]), place)
         if found is None and psi.any():
             start.accelerate(self.body, self.state, moment, psi)
+
+    def _bent_at_begin(self, drive: HeldVoltage | PrescribedMoment) -> Field:
+        """Return the curvature that a free sheet would begin with."""
+        beam, zero = self.beam, np.zeros(1)
+        kinks = beam.rest.breaks_m[1:-1]
+        B = beam.material.B_Nm2
+        if isinstance(drive, PrescribedMoment):
+            return Field.smooth(
+                lambda s: beam.rest(s) + drive.at(zero, s)[0] / B, beam.length_m, kinks
+            )
+        if self.line is None or not self._line_state.any():
+            return beam.rest
+        line, modes = self.line, self._line_state
+        return Field.smooth(
+            lambda s: beam.rest(s) + beam.moment_of(line.at(s) @ modes) / B, beam.length_m, kinks
+        )
+
+    def _moment_of(self, modes: FloatArray) -> FloatArray:
+        """Return int Me P_j ds (n, N) of the line's modes (n, T)."""
+        if self.line is None:
+            return np.zeros((len(modes), self.body.space.size))
+        up, down = self.beam.moment_per_volt_Nm
+        if up == down:
+            return np.asarray(modes @ (up * self._moments @ self._line_at_nodes).T)
+        return np.asarray(self.beam.moment_of(modes @ self._line_at_nodes.T) @ self._moments.T)
 
     def advance(
         self,
@@ -227,12 +254,7 @@ class Simulation:
             return np.zeros((len(ends), self.body.space.size)), (source, source, nothing)
         modes = self.line.respond(self._line_state, step_s, held)
         self._line_state = modes[-1]
-        up, down = self.beam.moment_per_volt_Nm
-        if up == down:
-            moment = modes @ (up * self._moments @ self._line_at_nodes).T
-        else:
-            U = modes @ self._line_at_nodes.T
-            moment = (np.where(U > 0.0, up, down) * U) @ self._moments.T
+        moment = self._moment_of(modes)
         clamp = self.line.clamp_V(modes, source)
         return moment, (source, clamp, (source - clamp) / self.line.line.source_ohm)
 

@@ -29,7 +29,10 @@ def _hinged(beam: BeamProblem, compliance: float) -> BeamProblem:
     A load F at the lever L bends what is c times as soft as the sheet by c F L^3/3B, and turns a
     hinge of the compliance h/B by F L h/B. Only the load turns it: the EIBM ends with the sheet.
     """
-    lever = beam.sheet.arc_radius_m - beam.sheet.free_length_m
+    radius_m, joint_m = beam.sheet.arc_radius_m, beam.material_length_m
+    if joint_m >= radius_m:  # measured without an elongation: the joint is this sheet's own
+        joint_m = beam.sheet.free_length_m
+    lever = radius_m - joint_m
     more = np.zeros_like(beam.soft)
     more[:, -1] = compliance * lever / (3.0 * beam.piece_m[-1])
     return replace(beam, soft=beam.soft + more, rest=beam.rest - more * (beam.eibm + beam.bend))

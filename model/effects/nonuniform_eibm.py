@@ -12,12 +12,16 @@ from model.measurements import FloatArray, SheetGeometry
 
 @dataclass(frozen=True)
 class NonuniformEibm(Effect):
-    """exp(-s/lambda) over its mean: the mean EIBM along the free length stays what it was."""
+    """exp(-s/lambda) over its mean: the mean EIBM along the free length stays what it was.
+
+    The free length is the measured one: a sheet that is cut keeps the EIBM of each place.
+    """
 
     def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del contact
-        share = falling(beam.s_m, p["decay_length_mm"] * 1e-3, beam.sheet.free_length_m)
+        decay_m = p["decay_length_mm"] * 1e-3
+        share = falling(beam.material_m, decay_m, beam.material_length_m)
         return replace(beam, eibm=beam.eibm * share)
 
     def derived(self, p: Values, sheet: SheetGeometry) -> dict[str, float]:

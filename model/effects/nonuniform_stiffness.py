@@ -9,13 +9,13 @@ from model.effects.interface import BeamProblem, ContactSolution, Effect, Effect
 
 @dataclass(frozen=True)
 class NonuniformStiffness(Effect):
-    """B(s) on a straight line, with B in the middle of the free length."""
+    """B(s) on a straight line, with B in the middle of the measured free length."""
 
     def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del contact
         change = p["relative_change"]
-        stiffness = 1.0 + change * beam.s_m / beam.sheet.free_length_m
+        stiffness = 1.0 + change * beam.material_m / beam.material_length_m
         return replace(beam, soft=beam.soft * (1.0 + 0.5 * change) / stiffness)
 
 

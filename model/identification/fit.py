@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -16,6 +17,7 @@ from model.identification.paper import PaperFit, identify
 from model.identification.residuals import ConditionResidual, Kind, Rmse, residuals, rmse
 from model.measurements import FloatArray, Measurements, ModelError
 from model.parameter import Parameter
+from model.sheet import misfit
 from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
 
 NODES = 51  # of a quantity along the sheet, as handed on
@@ -64,6 +66,12 @@ class Fit:
     options: FitOptions
     joint: Joint
 
+    @property
+    def preferred_model(self) -> SheetModel:
+        """The model with constant EIBM, unless it misses what the one along the sheet does not."""
+        missed = any(misfit.misfit(self.model, name).misses for name in self.configurations)
+        return self.varying_model if missed else self.model
+
     def to_json(self) -> dict[str, Any]:
         """For `fit --json`."""
         constant = self.rmse["constant"]
@@ -105,25 +113,40 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
         for varying in (False, True)
     ]  # fmt: skip
     rows = residuals(observed, models[0], models[1])
-    errors = {kind: rmse(rows, kind) for kind in ("constant", "varying")}
+    errors: dict[Kind, Rmse] = {
+        "constant": rmse(rows, "constant"), "varying": rmse(rows, "varying")
+    }  # fmt: skip
     configurations = {name: part.table(rows) for name, part in parts.items()}
     done = []
     kinds: tuple[Kind, ...] = ("constant", "varying")
     for model, kind in zip(models, kinds, strict=True):
-        own = {name: _merit(one.rmse[kind]) for name, one in configurations.items()}
-        done.append(replace(model, merit=_merit(errors[kind]), own_merit=own))
+        own = {
+            name: _merit(one.rmse, kind, [r for r in rows if r.configuration == name])
+            for name, one in configurations.items()
+        }
+        done.append(replace(model, merit=_merit(errors, kind, rows), own_merit=own))
     notes = (*cleaned.sentences(), *_notes(measurements, parts, configurations, rows, ratio))
     return Fit(
         model=done[0], varying_model=done[1], configurations=configurations, residuals=rows,
-        rmse={"constant": errors["constant"], "varying": errors["varying"]},
-        scatter=joint.scatter(), noise=joint.noise(), bootstrap_ratio=ratio, notes=notes,
-        options=options, joint=joint,
+        rmse=errors, scatter=joint.scatter(), noise=joint.noise(), bootstrap_ratio=ratio,
+        notes=notes, options=options, joint=joint,
     )  # fmt: skip
 
 
-def _merit(errors: Rmse) -> dict[str, float]:
-    """Return the errors as a model file states them: those that exist."""
-    merit = {"force_rmse_N": errors.force_N, "curve_rmse_m": errors.curve_m}
+def _merit(
+    errors: Mapping[Kind, Rmse], kind: Kind, rows: Sequence[ConditionResidual]
+) -> dict[str, float]:
+    """Return the errors as a model file states them: those that exist.
+
+    Beside those with constant EIBM stand those that the EIBM along the sheet would leave.
+    """
+    force_N = np.array([row.force_N for row in rows])
+    force_N = force_N[np.isfinite(force_N)]
+    merit = {misfit.FORCE: errors[kind].force_N, misfit.CURVE: errors[kind].curve_m}
+    merit[misfit.FORCE_SIZE] = float(np.sqrt(np.mean(force_N**2))) if len(force_N) else np.nan
+    if kind == "constant":
+        along = errors["varying"]
+        merit |= {misfit.ALONG_FORCE: along.force_N, misfit.ALONG_CURVE: along.curve_m}
     return {name: value for name, value in merit.items() if np.isfinite(value)}
 
 

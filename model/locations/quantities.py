@@ -83,6 +83,18 @@ class BeamProblem:
     upright: FloatArray | float = 1.0
     # (K,) number of the session among those analysed together, from 1; 0: of none in particular
     session_number: FloatArray | float = 0.0
+    # free length of the sheet whose material it is, where this one is cut to another; 0: its own
+    measured_length_m: float = 0.0
+
+    @property
+    def material_length_m(self) -> float:
+        """Free length of the measured sheet: what changes along the material refers to it."""
+        return self.measured_length_m or self.sheet.free_length_m
+
+    @property
+    def material_m(self) -> FloatArray:
+        """Nodes' places in the material (G,): beyond the measured length it is as at its end."""
+        return np.minimum(self.s_m, self.material_length_m)
 
 
 @dataclass(kw_only=True)

@@ -14,7 +14,7 @@ from model.effects import Effect, catalogue
 from model.effects.between_sessions import sessions_in
 from model.effects.interface import BeamProblem, ContactSolution
 from model.locations import location
-from model.measurements import FloatArray, ModelError
+from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.collocation import rule
 from model.mechanics.field import Field
 from model.sheet.beam_problem import UNKNOWN, ActiveEffect, ConditionProblem
@@ -24,7 +24,8 @@ from model.sheet.free_effect import acting_with, free_effect
 from model.sheet.solution import SolvedProblems, solved
 from model.sheet.typical_run import kept_readings, typical_run
 
-NODES = 14  # along the free length, where effects are worked out
+NODES = 14  # along the free length (each part of it), where effects are worked out
+SHORTEST_PART = 1e-6  # of the free length, that is a part of its own
 MOST_ROUNDS = 60
 SETTLED = 1e-9
 
@@ -118,7 +119,11 @@ def beam_problem(
 ) -> BeamProblem:
     """Return conditions of one configuration as effects see them, at times of typical runs."""
     sheet = setups[0].sheet
-    s = sheet.free_length_m * np.asarray(rule(NODES).c)
+    breaks_m = _breaks(sheet, setups[0].measured_length_m)
+    parts_m = np.diff(breaks_m)
+    s = np.concatenate(
+        [low + part * rule(NODES).c for low, part in zip(breaks_m, parts_m, strict=False)]
+    )
     B = np.array([one.B_Nm2 for one in setups])
     runs = [
         typical_run(v, -v, sheet.rise_time_s, np.nan if at is None else at)
@@ -126,7 +131,7 @@ def beam_problem(
     ]
     clock, of = kept_readings(runs, [float(o.voltage_V) for o in setups])
     none = np.zeros(len(setups))
-    ones = np.ones((len(setups), NODES))
+    ones = np.ones((len(setups), len(s)))
     return BeamProblem(
         sheet=sheet, s_m=s, voltage_V=np.array([one.voltage_V for one in setups]),
         stated_m=np.array([np.nan if p is None else p for p in positions_m]),
@@ -136,7 +141,8 @@ def beam_problem(
         elongation_soft=none, shift_m=none.copy(),
         tilt_rad=np.array([one.clamp_rad for one in setups]),
         offset_m=np.array([one.offset_m for one in setups]),
-        piece_m=sheet.free_length_m * np.asarray(rule(NODES).b), clock=clock, reading_of=of,
+        piece_m=np.concatenate([part * rule(NODES).b for part in parts_m]),
+        clock=clock, reading_of=of, measured_length_m=setups[0].measured_length_m,
         share=1.0 / np.bincount(of)[of], upright=np.ones(len(setups)),
         session_number=np.array([float(one.session) for one in setups]),
     )  # fmt: skip
@@ -171,12 +177,19 @@ def _setups(
     return result
 
 
+def _breaks(sheet: SheetGeometry, measured_length_m: float) -> FloatArray:
+    """Return the ends of the parts of a sheet: beyond the measured length its material is even."""
+    length_m = sheet.free_length_m
+    beyond = 0.0 < measured_length_m < (1.0 - SHORTEST_PART) * length_m
+    return np.array([0.0, *([measured_length_m] if beyond else []), length_m])
+
+
 def _field(beam: BeamProblem, values: FloatArray) -> Field:
-    """Return the polynomial through values at the nodes."""
-    length = beam.sheet.free_length_m
-    t = 2.0 * beam.s_m / length - 1.0
-    row = np.asarray(np.linalg.solve(np.vander(t, increasing=True), values), dtype=float)
-    return Field(np.array([0.0, length]), row[None])
+    """Return the polynomials through values at the nodes of each part."""
+    breaks_m = _breaks(beam.sheet, beam.measured_length_m)
+    t = 2.0 * np.asarray(rule(NODES).c) - 1.0
+    rows = np.linalg.solve(np.vander(t, increasing=True), values.reshape(-1, NODES).T).T
+    return Field(breaks_m, np.asarray(rows, dtype=float))
 
 
 def contact_solution(found: SolvedProblems, beam: BeamProblem) -> ContactSolution:

@@ -39,6 +39,7 @@ class ConditionProblem:
     elongation_soft: float = 0.0  # B over the elongation's stiffness; 0: rigid
     offset_m: float = 0.0  # from the neutral curve to the point on the arc, along the normal
     session: int = 0  # number of the session it stands for; 0: of none in particular
+    measured_length_m: float = 0.0  # of the sheet it is cut from; 0: it is the measured one
 
     @property
     def touches(self) -> bool:

@@ -117,6 +117,8 @@ class SheetModel:
     dynamic: Mapping[str, DynamicSheet] = field(default_factory=dict)  # by configuration
     # whose prediction is asked for, where effects differ between sessions; 0: their mean
     session: int = 0
+    # free lengths as measured of sheets that are cut to another, to which their effects refer
+    cut_from_m: Mapping[str, float] = field(default_factory=dict)
 
     def sheet(self, configuration: str) -> ConfiguredSheet:
         """Return a configuration's parameters."""
@@ -181,6 +183,7 @@ class SheetModel:
             sheet=one.sheet, voltage_V=voltage_V, angle_rad=one.sheet.arc_origin_rad + along,
             B_Nm2=one.B.value, rest=one.rest.field(one.sheet.free_length_m),
             eibm=one.eibm_at(voltage_V), session=self.session,
+            measured_length_m=self.cut_from_m.get(configuration, 0.0),
         )  # fmt: skip
 
     def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction:

@@ -123,6 +123,26 @@ def test_a_simulated_meter_needs_simulated_boards(
     assert '[force_sensor] port = "simulated" needs [ni] address' in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("written", "instead", "named"),
+    [
+        ('source = "simulated"', "source = 0", "[camera] source = 0"),
+        ('source = "simulated"', 'source = "http://a/"', '[camera] source = "http://a/"'),
+        ('port = "simulated"', 'port = "COM4"', '[force_sensor] port = "COM4"'),
+        ('kind = "manual"', 'kind = "zaber"\nport = "COM3"', '[stage] port = "COM3"'),
+    ],
+)
+def test_a_real_device_beside_simulated_boards_is_refused_and_not_replaced(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], written: str, instead: str, named: str
+) -> None:
+    folder = make_metered(tmp_path / "rig")
+    text = (folder / "rig.toml").read_text()
+    assert written in text
+    (folder / "rig.toml").write_text(text.replace(written, instead))
+    assert labrig("check", folder / "rig.toml") == 2
+    assert f"rig.toml: {named} is real" in capsys.readouterr().err
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="the simulated meter needs a pty")
 def test_it_is_read_over_a_serial_line_in_real_time(tmp_path: Path) -> None:
     with serving(tmp_path) as rig:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from labrig.cli.main import run
-from labrig.model_file import save_model
+from labrig.model_file import load_model, save_model
 from model import Along, ConfiguredSheet, Parameter, SheetGeometry, SheetModel
 
 pytestmark = pytest.mark.slow
@@ -75,9 +75,53 @@ def test_tables_and_figures_are_made(
     }
 
 
+def test_a_question_without_an_answer_takes_no_other_along(
+    model_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A sheet that ends short of the section's end: a longer one of its material would do."""
+    text = model_file.read_text()
+    model_file.write_text(text.replace("elongation_mm = 40.0", "elongation_mm = 35.0"))
+    arguments = ["design", str(model_file), "--section", "0:30", "-o", str(tmp_path / "figures")]
+    assert run([*arguments, "--json"]) == 0
+    printed = capsys.readouterr()
+    (found,) = json.loads(printed.out)
+    assert found["shortest_length_m"]["value"] > 0.04
+    assert found["lines"] == []
+    assert found["controller"] is None
+    assert "not reachable everywhere" in found["unanswered"]["largest forces"]
+    said = printed.err.strip().splitlines()
+    assert len(said) == len(set(found["unanswered"].values()))
+    assert any("no answer to" in line and "largest forces" in line for line in said)
+    assert {path.stem for path in (tmp_path / "figures").iterdir()} == {
+        "short-reach",
+        "short-elongation",
+    }
+
+
+def test_a_model_that_misses_its_own_data_is_warned_of(
+    model_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = load_model(model_file)
+    merit = {"force_rmse_N": 5e-4, "curve_rmse_m": 1.8e-3, "force_rms_N": 1e-3}
+    merit |= {"force_rmse_along_N": 2e-5, "curve_rmse_along_m": 3e-5}
+    save_model(model.with_merit(merit, {"short": merit}), model_file)
+    assert run(["design", str(model_file), "--section", "0:12"]) == 0
+    printed = capsys.readouterr()
+    assert "the model of 'short' misses its own data by 0.500 mN and 1.800 mm" in printed.err
+    assert "along the sheet, 0.020 mN and 0.030 mm" in printed.err
+    assert "RMS: short 0.500 mN and 1.800 mm" in printed.out
+    arguments = ["simulate", str(model_file), "--position-mm", "5", "--voltage", "2"]
+    assert run(arguments) == 0
+    assert "misses its own data" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("section", "said"),
-    [("0-12", "two positions in mm"), ("12:0", "beginning below"), ("0:160", "not reachable")],
+    [
+        ("0-12", "two positions in mm"),
+        ("12:0", "beginning below"),
+        ("0:160", "beyond half the circle"),
+    ],
 )
 def test_a_section_that_is_none_is_told_in_a_sentence(
     model_file: Path, capsys: pytest.CaptureFixture[str], section: str, said: str

@@ -47,6 +47,25 @@ def test_fit_writes_a_model_that_predicts_like_the_sheet(recorded, tmp_path, cap
 
 
 @pytest.mark.slow
+def test_fit_writes_the_model_that_describes_the_data_unless_told_otherwise(
+    recorded, tmp_path, capsys
+):
+    path = tmp_path / "model.toml"
+    assert run(["fit", str(recorded), "-o", str(path)]) == 0
+    out, err = printed(capsys)
+    assert f"{path} holds the EIBM along the sheet" in out
+    assert "misses its own data" not in err
+    assert len(load_model(path).sheet("long").eibm[2.0].s_m) > 1
+    assert run(["fit", str(recorded), "-o", str(path), "--force", "--constant"]) == 0
+    out, err = printed(capsys)
+    assert "holds the EIBM along the sheet" not in out
+    assert "warning: the model of 'long' misses its own data by" in err
+    assert len(load_model(path).sheet("long").eibm[2.0].s_m) == 1
+    assert run(["simulate", str(path), "--position-mm", "10", "--voltage", "2"]) == 0
+    assert "the model of 'long' misses its own data by" in printed(capsys)[1]
+
+
+@pytest.mark.slow
 def test_fit_json_is_one_object_of_the_documented_shape(recorded, capsys):
     assert run(["fit", str(recorded), "--json", "--q", "0"]) == 0
     found = json.loads(printed(capsys)[0])

@@ -10,8 +10,9 @@ from typing import Annotated
 import typer
 
 from labrig.cli.command import Command
+from labrig.cli.model_errors import errors_of, say_errors, warn_of_misses
 from labrig.cli.options import EachConfiguration, Json, ModelFile
-from labrig.cli.screen import print_json, print_table, say
+from labrig.cli.screen import print_json, print_table, say, warn
 from labrig.errors import BadInputError
 
 
@@ -46,7 +47,9 @@ def design(
     """Answer the design questions of the paper's section 5 for a working section.
 
     Best line and controller, largest difference of shapes, shortest sheet, largest forces, force in
-    both directions, and the sheet of least area with and without a rigid elongation.
+    both directions, and the sheet of least area with and without a rigid elongation. Each question
+    is answered by itself; what has no answer is reported with the reason. So is a model that does
+    not describe its own data.
     """
     from labrig.model_file import load_model
     from labrig.report.design.answers import Wanted, answer, as_dict, tables
@@ -69,12 +72,19 @@ def design(
         )
         for name in configuration or known.sheets
     ]
+    errors = errors_of(known, [found.wanted.configuration for found in answers])
+    warn_of_misses(errors)
+    for found in answers:
+        for why in dict.fromkeys(found.unanswered.values()):
+            asked = [name for name, reason in found.unanswered.items() if reason == why]
+            warn(f"{found.wanted.configuration}, no answer to {', '.join(asked)}: {why}.")
     if as_json:
-        print_json([as_dict(found) for found in answers])
+        print_json([as_dict(found, own) for found, own in zip(answers, errors, strict=True)])
     else:
         for found in answers:
             for table in tables(found):
                 print_table(table.title, table.columns, table.rows)
+        say_errors(errors)
     if output is not None:
         from labrig.report.design.figures import draw_design
 

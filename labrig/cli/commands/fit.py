@@ -11,6 +11,7 @@ import typer
 
 from labrig.cli.command import Command
 from labrig.cli.measurements import fitted_of, warn_of_suspicions
+from labrig.cli.model_errors import errors_of, warn_of_misses
 from labrig.cli.options import FigureFormats, Json, Stiffness
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
@@ -36,8 +37,13 @@ def fit(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite the model file")] = False,
     varying: Annotated[
-        bool, typer.Option("--varying", help="write the model with the EIBM along the sheet")
-    ] = False,
+        bool | None,
+        typer.Option(
+            "--varying/--constant",
+            help="write the model with the EIBM along the sheet, or the constant one",
+            show_default=False,
+        ),
+    ] = None,
     figures: Annotated[Path | None, typer.Option(help="a folder for figures 8 and 9")] = None,
     formats: FigureFormats = None,
     configuration: Annotated[
@@ -82,7 +88,8 @@ def fit(
     """Identify bending stiffness and electrically induced bending moment of a session's sheets.
 
     Sessions of the same sheet share them, unless --apart is given. The model file holds the model
-    with constant EIBM unless --varying is given.
+    with constant EIBM, or that with the EIBM along the sheet where the constant one misses the
+    data; --varying and --constant say which.
     """
     from labrig.model_file import save_model
     from labrig.report.data.separate_sessions import only
@@ -110,7 +117,9 @@ def fit(
     suspicious = warn_of_suspicions(measurements)
     written = []
     if output is not None:
-        save_model(found.varying_model if varying else found.model, output)
+        chosen = {None: found.preferred_model, True: found.varying_model, False: found.model}
+        save_model(chosen[varying], output)
+        warn_of_misses(errors_of(chosen[varying], found.configurations))
         written.append(output)
     if figures is not None:
         written += write_fit_figures(figures, found, measurements, wanted)
@@ -118,6 +127,8 @@ def fit(
         print_json({**found.to_json(), "data_checks": [one.to_json() for one in suspicious]})
         return
     _print(found, measurements, measured.sessions if by_run else None)
+    if output is not None and varying is None and found.preferred_model is found.varying_model:
+        say(f"{output} holds the EIBM along the sheet: with a constant one the model misses.")
     for path in written:
         say(f"wrote {path}")
 

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labrig.cli.command import Command
 from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, say, warn
+from labrig.errors import BadInputError
+
+if TYPE_CHECKING:
+    from model import SheetGeometry
 
 
 def plan(
@@ -22,10 +26,12 @@ def plan(
     """Show the schedule: times, voltages, readings, total duration, time under voltage.
 
     Says how long the sheet is at rest when free shapes are taken, and warns of what a dynamic fit
-    ([extras] release, [analysis] dynamic) would not know from it.
+    ([extras] release, [analysis] dynamic) would not know from it, and of positions that can hardly
+    be meant on the arc of the sheet.toml beside it.
     """
     from labrig.config import load_protocol
     from labrig.experiment.next_measurement.dynamic_needs import not_determined
+    from labrig.plausibility import SetUp, set_up_checks
     from labrig.report.tables.schedule import overview_rows, run_rows
     from protocols import describe, free_shapes_in_words, schedule_to_dict
 
@@ -62,8 +68,20 @@ def plan(
         say(f"Free shapes: {shapes}.")
     for text in not_determined(config, schedule):
         warn(f"{text}.")
+    for check in set_up_checks(SetUp(schedule=schedule, sheets=_sheets_beside(protocol))):
+        warn(f"warning: {check.in_words}")
     if picture is not None:
         say(f"wrote {picture}")
+
+
+def _sheets_beside(protocol: Path) -> dict[str, SheetGeometry] | None:
+    """Return the sheets of the sheet.toml beside protocol.toml, if there is a good one."""
+    from labrig.config import load_sheet
+
+    try:
+        return load_sheet(protocol.with_name("sheet.toml"))
+    except BadInputError:
+        return None
 
 
 COMMAND = Command("plan", plan, order=30)

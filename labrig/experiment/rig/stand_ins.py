@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 from drivers.cameras.capture_camera import CaptureCamera
@@ -86,3 +87,32 @@ def _not_simulated(where: str, there: Iterable[str]) -> BadInputError:
 def _world_file(plan: Plan) -> str:
     simulated = plan.rig.simulated
     return str((simulated.world if simulated else None) or "world.toml")
+
+
+def true_moving_sheet(world: Path, configuration: str) -> dict[str, float]:
+    """Return what a moving world holds of a sheet, by the keys of a model file's `dynamic`.
+
+    With them comes B_Nm2. For demonstrations: nothing of it enters a session.
+    """
+    settings = load_world(world)
+    sheet, line = settings.configurations[configuration], settings.electrodes
+    width_m, thickness_m = 1e-3 * sheet.width_mm, 1e-3 * sheet.thickness_mm
+    B_Nm2 = 1e6 * sheet.youngs_modulus_MPa * width_m * thickness_m**3 / 12
+    alpha_Nm = line.curvature_per_V_per_m * sheet.eibm_ratio * B_Nm2
+    found = {
+        "B_Nm2": B_Nm2,
+        "mass_per_length_kg_per_m": settings.mass.density_kg_per_m3 * width_m * thickness_m,
+        "electrode_ohm_per_m": line.ohm_per_m,
+        "capacitance_F_per_m": line.capacitance_F_per_m,
+        "bulk_ohm_m": line.bulk_ohm_m,
+        "leak_S_per_m": line.leak_S_per_m,
+        "source_ohm": line.source_ohm,
+        "viscous_time_s": 1e-3 * settings.loss.viscous_ms,
+        "moment_per_volt_Nm.positive": alpha_Nm,
+        "moment_per_volt_Nm.negative": alpha_Nm * settings.eibm.negative_ratio,
+    }
+    for i, (share, time_s) in enumerate(
+        zip(settings.loss.shares, settings.loss.times_s, strict=True)
+    ):
+        found |= {f"prony[{i}].share": share, f"prony[{i}].time_s": time_s}
+    return found

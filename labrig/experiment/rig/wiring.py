@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -47,12 +48,12 @@ def wire(plan: Plan, operator: Operator, emit: Callable[[Event], None] = _nobody
     """
     config = plan.rig
     _refuse_unsafe_boards(config)
+    _refuse_mixture(config)
     if config.is_simulated:
         from labrig.experiment.rig.stand_ins import StandIns  # slow to import
 
         stand_ins = StandIns(plan)
         return _wired(plan, stand_ins.clock, stand_ins.operator, emit, stand_ins)
-    _refuse_mixture(config)
     return _wired(plan, RealClock(), operator, emit, None)
 
 
@@ -66,11 +67,17 @@ def _refuse_unsafe_boards(config: RigConfig) -> None:
 
 def _refuse_mixture(config: RigConfig) -> None:
     for key, value in _addresses(config):
-        if value == SIMULATED:
+        if value is None or (value == SIMULATED) is config.is_simulated:
+            continue
+        if config.is_simulated:
             raise BadInputError(
-                f'rig.toml: {key} = "simulated" needs [{config.boards_kind}] address = '
-                '"simulated"; a simulated device and real boards cannot share a clock.'
+                f"rig.toml: {key} = {json.dumps(value)} is real and [{config.boards_kind}] address "
+                'is "simulated"; set it to "simulated" too.'
             )
+        raise BadInputError(
+            f'rig.toml: {key} = "simulated" needs [{config.boards_kind}] address = '
+            '"simulated"; a simulated device and real boards cannot share a clock.'
+        )
 
 
 def _addresses(config: RigConfig) -> Iterator[tuple[str, object]]:

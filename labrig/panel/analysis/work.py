@@ -46,7 +46,7 @@ def analyze(order: AnalysisOrder, progress: Progress) -> Done:
 
 
 def fit(order: AnalysisOrder, progress: Progress) -> Done:
-    """Fit all configurations that allow it and write the model with constant EIBM."""
+    """Fit all configurations that allow it and write the model that describes them."""
     from labrig.model_file import save_model
     from labrig.report.data.fitted import fit_what_can_be
     from labrig.report.data.suspicions import suspicions
@@ -62,7 +62,7 @@ def fit(order: AnalysisOrder, progress: Progress) -> Done:
         raise BadInputError(f"no configuration can be fitted: {why or 'nothing was measured'}.")
     lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
     notes += [f"{name}: could not be fitted: {why}." for name, why in lacking.items()]
-    save_model(fitted.fit.model, output_path(Path(order.session), "model"))
+    save_model(fitted.fit.preferred_model, output_path(Path(order.session), "model"))
     found = [_parameters(one) for one in fitted.fit.configurations.values()]
     return Done(message=f"{'; '.join(found)}.", files=("model",), notes=notes)
 

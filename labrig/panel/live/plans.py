@@ -5,6 +5,7 @@ from __future__ import annotations
 from drivers.load_cell import LoadCell
 from labrig.experiment.next_measurement.dynamic_needs import not_determined
 from labrig.experiment.plan import Plan
+from labrig.experiment.preflight import doubts
 from labrig.experiment.rig.channels import planned_channels
 from labrig.panel.live.event_stream import Message
 from labrig.panel.live.messages import plan_message
@@ -29,7 +30,10 @@ def message_of_plan(
         picture=optics_message(plan.optics),
         channels=planned_channels(plan.rig, LoadCell(plan.calibration)),
         done=done,
-        warnings=not_determined(plan.protocol, plan.schedule, plan.rig),
+        warnings=[
+            *(check.in_words for check in doubts(plan)),
+            *not_determined(plan.protocol, plan.schedule, plan.rig),
+        ],
     )
 
 

@@ -13,6 +13,7 @@ from typing import Any, Literal
 
 from labrig.errors import BadInputError, LabrigError
 from labrig.panel.pages._result_data import fitted_result
+from labrig.parent_process import end_with_parent
 from model import ModelError
 
 NICE = 10  # a run comes first
@@ -75,6 +76,7 @@ class ResultProcess:
 
 
 def _serve(connection: Connection[Any, Any]) -> None:
+    end_with_parent()
     if hasattr(os, "nice"):
         os.nice(NICE)
     while True:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,23 +15,33 @@ from model.design.force_map import force_map, known_voltages, section
 
 
 def draw_design(model: SheetModel, found: DesignAnswers, folder: Path) -> list[Path]:
-    """Draw all figures of one configuration into `folder`; their paths."""
+    """Draw the figure of each answer of one configuration into `folder`; their paths."""
     name = found.wanted.configuration
-    drawings = {
-        "forces": draw_forces,
-        "shapes": draw_shapes,
-        "reach": draw_reach,
-        "linear": draw_validity,
-        "elongation": draw_elongation,
+    drawings: dict[str, tuple[object, Callable[[SheetModel, DesignAnswers, Path], None]]] = {
+        "forces": (found.lines, draw_forces),
+        "shapes": (found.shapes, draw_shapes),
+        "reach": (found.reach, draw_reach),
+        "linear": (found.control, draw_validity),
+        "elongation": (found.elongated, draw_elongation),
+        "area": (found.sizes, draw_area),
     }
-    if found.sizes:
-        drawings["area"] = draw_area
     paths = []
-    for key, draw in drawings.items():
+    for key, (answered, draw) in drawings.items():
+        if not answered:
+            continue
         path = folder / f"{name}-{key}.png"
         draw(model, found, path)
         paths.append(path)
     return paths
+
+
+Found = TypeVar("Found")
+
+
+def answered(found: Found | None) -> Found:
+    """Return an answer that is drawn only where there is one."""
+    assert found is not None  # noqa: S101 - for the type checker
+    return found
 
 
 def draw_forces(model: SheetModel, found: DesignAnswers, path: Path) -> None:
@@ -39,14 +51,15 @@ def draw_forces(model: SheetModel, found: DesignAnswers, path: Path) -> None:
     forces = force_map(model, name, p, volts)
     with figure(9.0, 3.6) as fig:
         along, across = fig.subplots(1, 2)
-        for i, line in enumerate(found.lines):
+        for line in found.lines:
+            i = int(np.flatnonzero(volts == line.voltage_V)[0])
             colour = colour_of(line.voltage_V)
             label = label_of(line.voltage_V)
             along.plot(1e3 * p, 1e3 * forces.tangential_N[:, i], color=colour, label=label)
             best = line.at_zero_N.value + line.slope_N_per_m.value * p
             along.plot(1e3 * p, 1e3 * best, "--", color=colour, linewidth=0.9)
             across.plot(1e3 * p, 1e3 * forces.normal_N[:, i], color=colour)
-        level = 1e3 * found.both_ways.force_N.value
+        level = 1e3 * found.both_ways.force_N.value if found.both_ways else 0.0
         if level > 0:
             along.axhspan(-level, level, color="#999999", alpha=0.18)
         along.set(xlabel="position p (mm)", ylabel="F along the tangent (mN)")
@@ -59,18 +72,15 @@ def draw_forces(model: SheetModel, found: DesignAnswers, path: Path) -> None:
 
 def draw_shapes(model: SheetModel, found: DesignAnswers, path: Path) -> None:
     """Draw the shapes at opposite EIBMs where they are farthest apart."""
+    shapes = answered(found.shapes)
     with figure(5.4, 3.2) as fig:
         axes = fig.subplots()
-        for volt in found.shapes.voltages_V:
-            one = predict(
-                model, found.wanted.configuration, found.shapes.position_m, volt, as_seen=False
-            )
+        for volt in shapes.voltages_V:
+            one = predict(model, found.wanted.configuration, shapes.position_m, volt, as_seen=False)
             axes.plot(1e3 * one.x_m, 1e3 * one.y_m, color=colour_of(volt), label=label_of(volt))
         axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
-        apart_mm = 1e3 * found.shapes.distance_m.value
-        axes.set_title(
-            f"{apart_mm:.2f} mm apart at {1e3 * found.shapes.position_m:.1f} mm", loc="left"
-        )
+        apart_mm = 1e3 * shapes.distance_m.value
+        axes.set_title(f"{apart_mm:.2f} mm apart at {1e3 * shapes.position_m:.1f} mm", loc="left")
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.6), ncols=2)
         save(fig, path)
 
@@ -86,7 +96,7 @@ def draw_reach(model: SheetModel, found: DesignAnswers, path: Path) -> None:
             axes.plot(
                 1e3 * p, 1e3 * forces.s_hat_m[:, i], color=colour_of(volt), label=label_of(volt)
             )
-        axes.axhline(1e3 * found.reach.length_m.value, color="#222222", linestyle=":")
+        axes.axhline(1e3 * answered(found.reach).length_m.value, color="#222222", linestyle=":")
         axes.set(xlabel="position p (mm)", ylabel="contact along the sheet (mm)")
         axes.legend()
         save(fig, path)
@@ -94,7 +104,7 @@ def draw_reach(model: SheetModel, found: DesignAnswers, path: Path) -> None:
 
 def draw_validity(model: SheetModel, found: DesignAnswers, path: Path) -> None:  # noqa: ARG001
     """Draw the error of the linear model over position and voltage."""
-    valid = found.valid
+    valid = answered(found.control).valid
     size = 1e3 * float(np.nanmax(np.abs(valid.error_N)))
     with figure(5.4, 3.6) as fig:
         axes = fig.subplots()
@@ -119,14 +129,11 @@ def draw_validity(model: SheetModel, found: DesignAnswers, path: Path) -> None: 
 
 def draw_elongation(model: SheetModel, found: DesignAnswers, path: Path) -> None:  # noqa: ARG001
     """How straight F(p) is, against how much of the reach is sheet."""
+    elongated = answered(found.elongated)
     with figure(5.0, 3.4) as fig:
         axes = fig.subplots()
-        axes.plot(
-            1e3 * found.elongated.lengths_m,
-            100 * found.elongated.relative_error,
-            "o-",
-            color="#222222",
-        )
+        lengths_mm, error_percent = 1e3 * elongated.lengths_m, 100 * elongated.relative_error
+        axes.plot(lengths_mm, error_percent, "o-", color="#222222")
         axes.set(
             xlabel="length of the sheet, the rest is elongation (mm)",
             ylabel="error of the best line (% of the range)",

@@ -41,7 +41,7 @@ def create_file(path: Path, setup: SessionSetup) -> None:
 def fill_file(file: Any, setup: SessionSetup) -> None:
     """Write it into a file that is open and empty."""
     set_attributes(file, NX_class="NXroot", default="session", labrig_format=setup.version)
-    entry = _group(file, layout.ENTRY, "NXentry")
+    entry = create_group(file, layout.ENTRY, "NXentry")
     if setup.schedule.runs:
         set_attributes(entry, default="run_000")
     _status(entry, setup)
@@ -75,7 +75,8 @@ def put_text(group: Any, name: str, value: str, size: int | None = None) -> None
     group.create_dataset(name, data=np.array(raw, dtype=kind), dtype=kind)
 
 
-def _group(file: Any, path: str, nx_class: str) -> Any:
+def create_group(file: Any, path: str, nx_class: str) -> Any:
+    """Make a group of a NeXus class."""
     group = file.create_group(path)
     set_attributes(group, NX_class=nx_class)
     return group
@@ -89,14 +90,14 @@ def _status(entry: Any, setup: SessionSetup) -> None:
 
 
 def _setup_group(file: Any, setup: SessionSetup) -> None:
-    group = _group(file, layout.SETUP, "NXcollection")
+    group = create_group(file, layout.SETUP, "NXcollection")
     put_text(group, "schedule", json.dumps(schedule_to_dict(without_extras(setup.schedule))))
     extras = extras_of(setup.schedule)
     if extras:
         put_text(group, "extras", json.dumps(extras))
     put_text(group, "resolved", json.dumps(dict(setup.resolved)))
     for name, texts in (("texts", setup.texts), ("versions", setup.versions)):
-        folder = _group(file, f"{layout.SETUP}/{name}", "NXcollection")
+        folder = create_group(file, f"{layout.SETUP}/{name}", "NXcollection")
         for key, text in texts.items():
             put_text(folder, key, text)
     group.create_dataset("signals", data=channel_rows(setup.signals, setup.version))
@@ -117,10 +118,10 @@ def _about(file: Any, about: About) -> None:
     for number, person in enumerate(about.people, 1):
         values = person.model_dump()
         values["ORCID"] = values.pop("orcid")
-        _texts(_group(file, f"{layout.ENTRY}/user_{number}", "NXuser"), values)
+        _texts(create_group(file, f"{layout.ENTRY}/user_{number}", "NXuser"), values)
     if about.sample is not None:
         sample = about.sample
-        group = _group(file, f"{layout.ENTRY}/sample", "NXsample")
+        group = create_group(file, f"{layout.ENTRY}/sample", "NXsample")
         values = sample.model_dump(include={"material", "batch", "preparation"})
         values |= {"name": sample.identity, "description": sample.notes}
         values["preparation_date"] = "" if sample.made is None else sample.made.isoformat()
@@ -134,7 +135,7 @@ def _texts(group: Any, values: Mapping[str, str]) -> None:
 
 
 def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
-    group = _group(file, layout.run_path(run.index), "NXsubentry")
+    group = create_group(file, layout.run_path(run.index), "NXsubentry")
     set_attributes(
         group,
         default="signals",
@@ -164,11 +165,11 @@ def _not_started() -> Array:
 
 
 def _signals(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
-    group = _group(file, f"{layout.run_path(run.index)}/signals", "NXdata")
+    group = create_group(file, f"{layout.run_path(run.index)}/signals", "NXdata")
     set_attributes(group, signal=setup.channels[0] if setup.channels else "time")
-    _text_list(group, "axes", ["time"])
+    put_text_list(group, "axes", ["time"])
     if len(setup.channels) > 1:
-        _text_list(group, "auxiliary_signals", list(setup.channels[1:]))
+        put_text_list(group, "auxiliary_signals", list(setup.channels[1:]))
     chunk = layout.signal_chunk(setup.rate_hz)
     for name in (*setup.channels, "time"):
         column = _column(group, name, "<f8", chunk)
@@ -183,9 +184,9 @@ def _unit_of(name: str, setup: SessionSetup) -> str:
 
 
 def _frames(file: Any, run: PlannedRun, shape: tuple[int, int], dtype: np.dtype[Any]) -> None:
-    group = _group(file, f"{layout.run_path(run.index)}/frames", "NXdata")
+    group = create_group(file, f"{layout.run_path(run.index)}/frames", "NXdata")
     set_attributes(group, signal="images")
-    _text_list(group, "axes", ["time", ".", "."])
+    put_text_list(group, "axes", ["time", ".", "."])
     group.create_dataset(
         "images",
         shape=(0, *shape),
@@ -201,7 +202,8 @@ def _frames(file: Any, run: PlannedRun, shape: tuple[int, int], dtype: np.dtype[
             set_attributes(column, units=unit)
 
 
-def _text_list(group: Any, name: str, values: list[str]) -> None:
+def put_text_list(group: Any, name: str, values: list[str]) -> None:
+    """Write an attribute of several texts, of one fixed length."""
     raw = [value.encode("utf-8") for value in values]
     kind = layout.text_type(max(len(value) for value in raw))
     group.attrs.create(name, np.array(raw, dtype=kind), dtype=kind)

@@ -55,7 +55,8 @@ def _current_alone(beam: DynamicBeam, run: RunPlan, resolution: Resolution) -> P
     inside = run.drive.time_s[(run.drive.time_s > 0.0) & (run.drive.time_s < run.time_s[-1])]
     knots = np.unique(np.concatenate([np.zeros(1), run.time_s, inside]))
     held = run.drive.at(0.5 * (knots[1:] + knots[:-1]))
-    modes = line.respond(np.zeros(resolution.line_terms), np.diff(knots), held)
+    begun = line.charged(run.drive.time_s, run.drive.voltage_V)
+    modes = line.respond(begun, np.diff(knots), held)
     current = line.current_A(modes, np.concatenate([held[:1], held]))
     none = np.zeros((0, 1))
     samples = np.searchsorted(knots, run.time_s)

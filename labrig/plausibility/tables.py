@@ -1,20 +1,12 @@
-"""Plausibility checks: values that are allowed and can hardly be meant.
-
-Nothing is refused here. A limit that must hold stands in the configuration models and in
-`protocols.planning.limits`; a plausibility check yields a sentence, or a `Check` with a warning.
-Asked by imports of tables, by the preflight, and before a run.
-"""
+"""Columns of imported tables that seem to be in another unit: a sentence each."""
 
 from __future__ import annotations
 
-import datetime as dt
 import math
 from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from labrig.check import Check
-from labrig.config.templates import NOT_CALIBRATED
 from model.measurements import Condition, Curve, Measurements
 
 # Far beyond what a sheet on such a rig does, and far below what its load cell and stage resolve.
@@ -34,20 +26,6 @@ def unit_warnings(measurements: Measurements) -> Iterator[str]:
         yield from _curves(
             name, sheet.free_length_m + sheet.elongation_m, _all_curves(conditions, name)
         )
-
-
-def calibration_age(name: str, date: dt.date, warn_after_days: int, today: dt.date) -> Check:
-    """Return a check of a calibration's age: older than that is a warning, the future a fault."""
-    days = (today - date).days
-    wanted = f"at most {warn_after_days} days"
-    if days < 0:
-        return Check(name=name, ok=False, found="dated in the future", wanted="a date in the past")
-    if date == NOT_CALIBRATED:
-        return Check(
-            name=name, ok=True, found="never made: labrig init's", wanted=wanted, warning=True
-        )
-    late = days > warn_after_days
-    return Check(name=name, ok=True, found=f"{days} days old", wanted=wanted, warning=late)
 
 
 def _forces(values: list[float]) -> Iterator[str]:

@@ -1,0 +1,48 @@
+"""A motion that begins with charged electrodes, as what was held before time 0 has left them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from model.dynamics import ContactSetup, HeldVoltage, Simulation, simulate
+from model.dynamics.identification import RunPlan
+from model.dynamics.identification.residuals import predict
+from model.dynamics.motion import Resolution
+from tests.model.dynamics.cases import R, driven
+
+HELD = HeldVoltage(np.array([-1e4, 0.2]), np.array([1.5, -1.5]))
+ROLLS = ContactSetup(radius_m=R, position_m=0.005)
+TIMES = np.arange(0.0, 0.4, 2e-3)
+
+
+@pytest.mark.parametrize("setup", [None, ROLLS], ids=["free", "on the rolls"])
+def test_what_was_held_for_long_is_where_a_long_motion_comes_to(setup):
+    late = 40.0
+    long = simulate(
+        driven(), setup, HeldVoltage(np.array([0.0, late + 0.2]), HELD.voltage_V), TIMES + late
+    )
+    begun = simulate(driven(), setup, HELD, TIMES)
+    assert begun.current_A == pytest.approx(long.current_A, abs=1e-8)
+    assert begun.force_N == pytest.approx(long.force_N, abs=3e-7)
+    assert begun.x_m == pytest.approx(long.x_m, abs=1e-6)
+    assert begun.y_m == pytest.approx(long.y_m, abs=1e-6)
+
+
+def test_pulses_before_the_beginning_leave_their_charge():
+    pulses = HeldVoltage(np.array([0.0, 0.6, 1.1]), np.array([2.0, 0.0, 1.0]))
+    whole = simulate(driven(), ROLLS, pulses, TIMES + 1.0)
+    later = simulate(driven(), ROLLS, HeldVoltage(pulses.time_s - 1.0, pulses.voltage_V), TIMES)
+    assert later.current_A == pytest.approx(whole.current_A, abs=1e-9)
+
+
+def test_the_current_alone_begins_with_the_same_charge():
+    plan = RunPlan(drive=HELD, time_s=TIMES, force=False)
+    moved = RunPlan(drive=HELD, time_s=TIMES, setup=ROLLS)
+    alone, both = (predict(driven(), run, Resolution()).current_A for run in (plan, moved))
+    assert alone == pytest.approx(both, abs=1e-9)
+
+
+def test_nothing_held_before_is_a_discharged_sheet():
+    one = Simulation(driven(), None, HeldVoltage(np.zeros(1), np.ones(1)))
+    assert not one._line_state.any()
