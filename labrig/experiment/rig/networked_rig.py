@@ -7,6 +7,7 @@ import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import dropwhile
 from pathlib import Path
 from typing import Any
 
@@ -41,14 +42,17 @@ def at_addresses(rig: RigConfig, served: Mapping[str, str]) -> RigConfig:
 def why_not_served(schedule: Schedule) -> str:
     """Return why a simulated rig cannot run a schedule on the real clock; empty when it can.
 
-    What a simulated operator does by hand nobody does there: the sheet is in another process.
+    What a simulated operator does by hand nobody does there: the sheet is in another process. It
+    begins with the load cell away, so that free shapes and releases come first.
     """
     runs = schedule.runs
-    by_hand = any(run.purpose is not Purpose.MEASUREMENT or run.mounting for run in runs)
+    held = list(dropwhile(lambda run: run.purpose is Purpose.FREE_SHAPE, runs))
+    by_hand = any(run.purpose is not Purpose.MEASUREMENT or run.mounting for run in held)
     if by_hand or len({run.configuration for run in runs}) > 1:
         return (
-            "On the real clock a simulated rig measures one configuration, mounted once; choose "
-            'such a protocol (mode = "paper", one [[places]]), or the virtual clock.'
+            "On the real clock nobody works at a simulated rig, so it measures one configuration "
+            "as it is mounted; choose such a protocol (one [[places]], under [extras] no remounts, "
+            "dead weights or no_touch_zero), or the virtual clock."
         )
     return ""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from pathlib import Path
 from typing import Any
 
 from drivers.cameras.capture_camera import CaptureCamera
@@ -86,3 +87,30 @@ def _not_simulated(where: str, there: Iterable[str]) -> BadInputError:
 def _world_file(plan: Plan) -> str:
     simulated = plan.rig.simulated
     return str((simulated.world if simulated else None) or "world.toml")
+
+
+def true_moving_sheet(world: Path, configuration: str) -> dict[str, float]:
+    """Return what a moving world holds of a sheet, by the names that identification uses, in SI.
+
+    For demonstrations: nothing of it enters a session.
+    """
+    settings = load_world(world)
+    sheet, line = settings.configurations[configuration], settings.electrodes
+    width_m, thickness_m = 1e-3 * sheet.width_mm, 1e-3 * sheet.thickness_mm
+    B_Nm2 = 1e6 * sheet.youngs_modulus_MPa * width_m * thickness_m**3 / 12
+    alpha_Nm = line.curvature_per_V_per_m * sheet.eibm_ratio * B_Nm2
+    found = {
+        "B": B_Nm2,
+        "mass_per_length": settings.mass.density_kg_per_m3 * width_m * thickness_m,
+        "viscous_time": 1e-3 * settings.loss.viscous_ms,
+        "electrode_resistance": line.ohm_per_m,
+        "capacitance": line.capacitance_F_per_m,
+        "bulk_resistance": line.bulk_ohm_m,
+        "leak": line.leak_S_per_m,
+        "moment_per_positive_volt": alpha_Nm,
+        "moment_per_negative_volt": alpha_Nm * settings.eibm.negative_ratio,
+    }
+    terms = zip(settings.loss.shares, settings.loss.times_s, strict=True)
+    for number, (share, time_s) in enumerate(terms, 1):
+        found |= {f"share_{number}": share, f"time_{number}": time_s}
+    return found
