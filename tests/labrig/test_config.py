@@ -160,7 +160,7 @@ def test_measured_initial_curvature_is_left_to_the_fit() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", r"there is no configuration"),
+        ("", "this is an empty file; a sheet.toml is needed"),
         ("x = 3\n", r"x is not a known key at top level"),
         ("[long]\nfree_length_mm = 50.0\n", r"\[long\]: width_mm is missing"),
         (SHEET.replace("50.0", "-1"), r"free_length_mm = -1: should be greater than 0"),

@@ -135,7 +135,7 @@ def test_a_meter_is_too_slow_for_a_controller(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("", "is empty"),
+        ("", "this is an empty file; a CSV table is needed"),
         ("time_s,force_mN\n", "two rows at least"),
         ("time_s,force_mN\n0,0\n", "two rows at least"),
         ("time_s,force_N\n0,0\n1,0\n", "column 'force_N' is not known"),

@@ -17,6 +17,7 @@ from labrig.session.tables.decimals import from_plain
 MOST_BYTES = 256 << 20  # days of samples
 _MOST_DIGITS = 9  # a session counts in 32 bits
 _MOST_OF_A_NAME = 40  # characters that are worth showing
+_TABLE = "a CSV table"
 _BEGIN = 1 << 16  # characters that tell which kind of file it is
 _WANTED = {"point": CURVES, "force_mN": FORCES, "drive_V": SIGNALS}  # by the column they need
 Value = TypeVar("Value")
@@ -106,9 +107,11 @@ def rows_of(
 
 def _refuse_other_kind(text: str, path: Path, required: Sequence[str]) -> None:
     """Raise BadInputError for a file that is surely no such table."""
-    wanted = next((kind for column, kind in _WANTED.items() if column in required), "a CSV table")
+    measured = "configuration" in required  # else a table of its own, such as a reference
+    found = (kind for column, kind in _WANTED.items() if measured and column in required)
+    wanted = next(found, _TABLE)
     kinds = kinds_of_text(text[:_BEGIN])
-    alike = set(_WANTED.values()) if wanted == "a CSV table" else {wanted}
+    alike = set(_WANTED.values()) if wanted == _TABLE else {wanted}
     if kinds and not kinds & alike:
         raise other_kind(path, min(kinds), wanted)
 

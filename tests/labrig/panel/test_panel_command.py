@@ -25,10 +25,10 @@ from tests.labrig.panel.page import Server
         (["--certificate", "rig.toml", "--key", "rig.toml"], "cannot be used"),
         (["--data", "nowhere"], "no such folder"),
         (["--host", "192.0.2.1", "--insecure"], "cannot listen"),
-        (["sheet.toml"], "load_cell is missing"),
+        (["sheet.toml"], "this is a sheet.toml; a rig.toml is needed"),
         (["replayed.toml"], "this rig is a recorded session"),
         (["none.h5"], "is no HDF5 file"),
-        (["rig.toml", "--model", "sheet.toml"], "not a model file"),
+        (["rig.toml", "--model", "sheet.toml"], "this is a sheet.toml; a model file is needed"),
     ],
 )
 def test_a_wrong_start_is_told_in_a_sentence(rig_folder, monkeypatch, capsys, options, told):

@@ -110,7 +110,7 @@ def broken_schedule(file):
 BAD_FILES = {
     "there is no such file": lambda path, _: None,
     "a folder": lambda path, _: path.mkdir(),
-    "is empty": lambda path, _: write(path, b""),
+    "this is an empty file": lambda path, _: write(path, b""),
     "is no HDF5 file": lambda path, _: write(path, b"configuration,position_mm\n"),
     "no labrig session": lambda path, _: plain_hdf5(path),
     "truncated": lambda path, recorded: write(path, recorded.read_bytes()[:-5000]),

@@ -268,10 +268,10 @@ def test_signals_that_begin_anew_are_of_the_next_run(tmp_path):
 
 HEAD = "configuration,position_mm,voltage_V,reading,force_mN"
 BAD_FORCES = {
-    "forces.csv: column 'Force_mN' is not known; the columns are": "configuration,Force_mN\n",
+    "forces.csv: column 'Force_mN' is not known; did you mean force_mN": "configuration,Force_mN\n",
     "forces.csv: column force_mN is missing": "configuration,position_mm,voltage_V,reading\n",
     "forces.csv: column reading is there twice": f"{HEAD},reading\n",
-    "forces.csv: is empty": "",
+    "forces.csv: this is an empty file; a forces.csv is needed": "",
     "forces.csv: holds no readings": f"{HEAD}\n",
     "separated by commas": FORCES.replace(",", ";"),
     "line 3: column force_mN: 'O.29' is not a number": FORCES.replace("0.29", "O.29"),
