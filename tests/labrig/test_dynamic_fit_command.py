@@ -157,9 +157,9 @@ def test_options_that_cannot_be_followed_are_refused_in_a_sentence(path, capsys,
     assert says in refusal(capsys, "fit", path, *arguments)
 
 
-def test_a_session_of_tables_has_nothing_in_time(tmp_path, capsys):
-    tables = session(tmp_path / "tables.h5", measure("long"))
-    assert "holds no signals over time, only tables" in refusal(capsys, "fit", tables, "--dynamic")
+def test_a_session_without_a_current_is_refused(tmp_path, capsys):
+    silent = session(tmp_path / "silent.h5", measure("long"))
+    assert "no current was recorded" in refusal(capsys, "fit", silent, "--dynamic")
 
 
 def test_what_only_the_user_knows_is_asked_for(path):

@@ -25,6 +25,7 @@ from model.dynamics.identification import (
 from model.measurements import FloatArray, SheetGeometry
 
 SAMPLE_S = 0.5  # after an edge, where the static part of a model file is sampled
+NEAR = 0.5  # standard deviations
 THIN = 4  # samples, of which one is enough to come near
 LINE_TERMS, ALONG, REST_NODES = 12, 21, 41
 
@@ -135,12 +136,17 @@ def dynamic_fit(
         _require_same(one, other)
     runs = tuple(run for record in records for run in record.runs)
     source = ", ".join(record.source for record in records)
+    if not any(run.plan.current for run in runs):
+        raise BadInputError(
+            f"{source}: no current was recorded, without which nothing that follows a voltage can"
+            " be told apart: wire its channel and state [current_sense] shunt_ohm in rig.toml."
+        )
     begun = begin or beginning(first.sheet, runs, stated)
     try:
         noise = noise_at_first(runs)
         near, rest = _near(begun, runs, noise)
         noise = noise_of_residuals(near, runs, noise)
-        found = identify(near, runs, noise)
+        found = identify(near, runs, noise, near=True)
     except ModelError as error:
         raise BadInputError(f"{source}: {error}.") from None
     return DynamicFit(
@@ -159,8 +165,10 @@ def _near(
     """
     rest = None
     fewer = [_thinned(run) for run in runs]
-    for tolerance in (1.0, 0.3):
-        beam = identify(beam, fewer, noise, resolution=COARSE, tolerance=tolerance).beam
+    for again in (False, True):
+        beam = identify(
+            beam, fewer, noise, resolution=COARSE, tolerance=NEAR, near=again
+        ).beam  # fmt: skip
         rest = rest_curvature(beam, runs, noise.curve_m)
         if rest is None:
             break

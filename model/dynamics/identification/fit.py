@@ -136,18 +136,20 @@ def identify(
     *,
     resolution: Resolution | None = None,
     tolerance: float = 0.02,
+    near: bool = False,
 ) -> Identification:
     """Return the sheet that explains the runs.
 
     start: what is known (lengths, fluid, initial curvature, source), starting values and centres of
     the priors for what is not. tolerance: the last step is this short, in standard deviations of
-    the parameters. The electrodes are found from the current alone, then all parameters from the
-    first 1.2 s of each run, then from everything. Raises ModelError.
+    the parameters. near: `start` is near the answer; else the electrodes are found from the current
+    alone, then all parameters from the first 1.2 s of each run, then from everything. Raises
+    ModelError.
     """
     _refuse(runs)
     parameters, fine = LogParameters(start), resolution or Resolution()
     theta = parameters.theta
-    for some, by in _beginnings(runs, fine):
+    for some, by in () if near else _beginnings(runs, fine):
         theta = _search(_Problem(parameters, some, noise, by), theta, BEGIN).at.theta
     problem = _Problem(parameters, runs, noise, fine)
     at, steps, converged = _search(problem, theta, tolerance)
