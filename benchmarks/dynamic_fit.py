@@ -18,9 +18,9 @@ import numpy as np
 
 from benchmarks.report import Report, Table, busy
 from labrig.analysis.motion import MotionRecord, motion_record
-from labrig.analysis.motion.beginning import Surroundings
+from labrig.analysis.motion.beginning import StatedValues
 from labrig.analysis.motion.dynamic_fit import DynamicFit, dynamic_fit
-from labrig.report.tables.dynamic_fit import shown
+from labrig.report.tables.in_time.parameters import shown
 from labrig.session import open_session
 from model.dynamics import Resolution
 from model.dynamics.identification.parameters import LogParameters
@@ -42,7 +42,7 @@ def measure() -> Report:
     for run in found.runs:
         predict(TRUTH, run.plan, Resolution())  # compiles
     begin_s = time.process_time()
-    fit = dynamic_fit([found], Surroundings())
+    fit = dynamic_fit([found], StatedValues())
     fit_s = time.process_time() - begin_s
     figures = {"read_s": read_s, "fit_s": fit_s, "parameters": _figures(fit)}
     notes = (
