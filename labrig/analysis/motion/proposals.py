@@ -81,7 +81,7 @@ def _candidates(
     rolls = ContactSetup(
         radius_m=sheet.arc_radius_m, origin_rad=sheet.arc_origin_rad, position_m=at_m
     )
-    planner = _Planner(sheet, rolls, frame_rate_hz)
+    planner = _RunPlanner(sheet, rolls, frame_rate_hz)
     volts = round(volts, 2)
     for name, key, extra in (
         ("release", "[extras] release = true", Release(voltages_V=(volts,))),
@@ -102,7 +102,7 @@ def _candidates(
 
 
 @dataclass(frozen=True)
-class _Planner:
+class _RunPlanner:
     """Makes runs of extras."""
 
     sheet: SheetGeometry
