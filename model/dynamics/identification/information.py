@@ -49,6 +49,6 @@ def information_matrix(
     total = np.zeros((p, p))
     for run in runs:
         of = RunResiduals(run, noise, resolution or Resolution())
-        J = of.symmetric_sensitivity(parameters, theta, of.predict(beam))
+        J = of.sensitivity(parameters, theta, symmetric=True)
         total += J.T @ J
     return total
