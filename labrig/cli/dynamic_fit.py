@@ -87,7 +87,7 @@ def fit_in_time(request: DynamicRequest, output: Path | None, *, as_json: bool) 
     """Identify the sheets in time, print them and write the model file."""
     from labrig.analysis.motion.dynamic_fit import model_of
     from labrig.model_file import save_model
-    from labrig.report.tables.dynamic_fit import dynamic_json, dynamic_table, noise_sentence
+    from labrig.report.tables.in_time.parameters import dynamic_json, dynamic_table, noise_sentence
 
     fits = fitted_in_time(request)
     if output is not None:
@@ -110,7 +110,7 @@ def fit_in_time(request: DynamicRequest, output: Path | None, *, as_json: bool) 
 def fitted_in_time(request: DynamicRequest) -> list[DynamicFit]:
     """Read the sessions and fit each configuration that moved in them."""
     _check(request)
-    from labrig.analysis.motion.beginning import Surroundings
+    from labrig.analysis.motion.beginning import StatedValues
     from labrig.analysis.motion.dynamic_fit import dynamic_fit
     from labrig.analysis.motion.record import moving_configurations
     from labrig.session import open_session
@@ -120,7 +120,7 @@ def fitted_in_time(request: DynamicRequest) -> list[DynamicFit]:
         found = request.configurations or moving_configurations(session)
         source_ohm = _source_ohm(session)
     end = request.elongation_g_per_m
-    stated = Surroundings(
+    stated = StatedValues(
         fluid=request.fluid, source_ohm=source_ohm,
         elongation_kg_per_m=None if end is None else GRAM * end,
     )  # fmt: skip

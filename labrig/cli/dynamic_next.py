@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def next_in_time(request: DynamicRequest, model: Path | None, *, as_json: bool) -> None:
     """Print what further runs would determine of each configuration."""
     from labrig.analysis.motion.proposals import proposals
-    from labrig.report.tables.dynamic_next import next_table, next_text, proposals_json
+    from labrig.report.tables.in_time.proposals import next_table, next_text, proposals_json
     from labrig.session import open_session
 
     with open_session(request.sessions[0]) as session:

@@ -85,7 +85,7 @@ def fit_and_draw(session: Path, folder: Path) -> None:
 
 def parameter_rows(fit: DynamicFit, truth: Mapping[str, float]) -> Iterator[list[str]]:
     """Yield a row for each parameter: what was found, and what the world holds."""
-    from labrig.report.tables.dynamic_fit import shown
+    from labrig.report.tables.in_time.parameters import shown
 
     for one in fit.found.parameters:
         as_shown = shown(one.name)

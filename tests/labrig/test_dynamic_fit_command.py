@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from labrig.analysis.motion.beginning import Surroundings, beginning
+from labrig.analysis.motion.beginning import StatedValues, beginning
 from labrig.cli import dynamic_fit
 from labrig.cli.dynamic_fit import DynamicRequest, fitted_in_time, spread
 from labrig.cli.main import run
@@ -19,7 +19,8 @@ from model.dynamics.identification.parameters import LogParameters
 from tests.labrig.moving_session import TRUTH, moving_session
 from tests.labrig.report_data import measure, session
 
-pytestmark = pytest.mark.slow  # a session is recorded, measured and fitted: half a minute
+# a session is recorded, measured and fitted: half a minute of CPU
+pytestmark = [pytest.mark.slow, pytest.mark.timeout(1200)]
 
 WANTED = dict(zip(
     [one.name for one in LogParameters(TRUTH).quantities], np.exp(LogParameters(TRUTH).theta),
@@ -157,9 +158,9 @@ def test_options_that_cannot_be_followed_are_refused_in_a_sentence(path, capsys,
     assert says in refusal(capsys, "fit", path, *arguments)
 
 
-def test_a_session_of_tables_has_nothing_in_time(tmp_path, capsys):
-    tables = session(tmp_path / "tables.h5", measure("long"))
-    assert "holds no signals over time, only tables" in refusal(capsys, "fit", tables, "--dynamic")
+def test_a_session_without_a_current_is_refused(tmp_path, capsys):
+    silent = session(tmp_path / "silent.h5", measure("long"))
+    assert "no current was recorded" in refusal(capsys, "fit", silent, "--dynamic")
 
 
 def test_what_only_the_user_knows_is_asked_for(path):
@@ -171,10 +172,10 @@ def test_what_only_the_user_knows_is_asked_for(path):
         record = motion_record(opened, frames=False)
     longer = replace(record.sheet, elongation_m=0.04)
     with pytest.raises(BadInputError, match="state it with --elongation-g-per-m"):
-        beginning(longer, record.runs, Surroundings())
+        beginning(longer, record.runs, StatedValues())
     unknown = replace(record.sheet, initial_curvature=None)
     with pytest.raises(BadInputError, match="no free sheet was filmed at rest"):
-        beginning(unknown, record.runs, Surroundings())
+        beginning(unknown, record.runs, StatedValues())
 
 
 def test_few_positions_are_chosen_evenly():

@@ -9,7 +9,7 @@ import numpy as np
 
 from labrig.analysis.comparison.result import ComparedModel, ComparedQuantity, DynamicComparison
 from labrig.analysis.motion import motion_record
-from labrig.analysis.motion.beginning import COARSE, Surroundings, beginning
+from labrig.analysis.motion.beginning import COARSE, StatedValues, beginning
 from labrig.analysis.motion.noise import noise_at_first
 from labrig.analysis.motion.record import MotionRecord
 from labrig.analysis.motion.rest_shape import rest_curvature
@@ -75,7 +75,7 @@ def why_not_in_time(session: RecordedSession, configuration: str) -> str:
 def compare_in_time(
     session: RecordedSession,
     configuration: str,
-    stated: Surroundings | None = None,
+    stated: StatedValues | None = None,
     *,
     progress: Progress | None = None,
     extractor: str = BUILT_IN,
@@ -94,7 +94,7 @@ def compare_in_time(
     begun = FRAMES_SHARE + FIT_SHARE
     tell(FRAMES_SHARE, "the moving sheet")
     try:
-        beam, values, data = _full(record, stated or Surroundings())
+        beam, values, data = _full(record, stated or StatedValues())
         full = FullContender(beam, COARSE)
         others = [PublishedContender(one) for one in models().values()]
         contenders: list[Contender] = [full, *others]
@@ -122,7 +122,7 @@ def _positions(session: RecordedSession, configuration: str) -> list[float]:
 
 
 def _full(
-    record: MotionRecord, stated: Surroundings
+    record: MotionRecord, stated: StatedValues
 ) -> tuple[DynamicBeam, dict[str, float], HeldOut]:
     """Return the sheet to begin with, its parameters as they fit best, and the runs with its k0.
 

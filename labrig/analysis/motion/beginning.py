@@ -32,7 +32,7 @@ FORCE_EVERY = 5  # samples
 
 
 @dataclass(frozen=True, kw_only=True)
-class Surroundings:
+class StatedValues:
     """What no recording tells: stated by the user."""
 
     fluid: str = "air"
@@ -41,7 +41,7 @@ class Surroundings:
 
 
 def beginning(
-    sheet: SheetGeometry, runs: Sequence[RecordedRun], stated: Surroundings
+    sheet: SheetGeometry, runs: Sequence[RecordedRun], stated: StatedValues
 ) -> DynamicBeam:
     """Return a sheet to begin with. Raises BadInputError, where something must be stated."""
     beam = _usual(sheet, stated)
@@ -57,7 +57,7 @@ def beginning(
     return _with_mass(beam, [run for run in runs if run.plan.setup is None])
 
 
-def _usual(sheet: SheetGeometry, stated: Surroundings) -> DynamicBeam:
+def _usual(sheet: SheetGeometry, stated: StatedValues) -> DynamicBeam:
     name = sheet.configuration
     if sheet.elongation_m > 0.0 and stated.elongation_kg_per_m is None:
         raise BadInputError(

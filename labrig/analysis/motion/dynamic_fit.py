@@ -8,10 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from labrig.analysis.motion.beginning import COARSE, Surroundings, beginning
+from labrig.analysis.motion.beginning import COARSE, StatedValues, beginning
 from labrig.analysis.motion.noise import noise_at_first, noise_of_residuals
 from labrig.analysis.motion.record import MotionRecord
-from labrig.analysis.motion.rest_shape import RestCurvature, rest_curvature
+from labrig.analysis.motion.rest_shape import MeasuredRest, rest_curvature
 from labrig.errors import BadInputError
 from model import Along, ConfiguredSheet, ModelError, Parameter, SheetModel
 from model.dynamics import DynamicBeam, DynamicSheet, LineModes, PronyTerm
@@ -25,6 +25,7 @@ from model.dynamics.identification import (
 from model.measurements import FloatArray, SheetGeometry
 
 SAMPLE_S = 0.5  # after an edge, where the static part of a model file is sampled
+NEAR, CLOSE = 0.5, 0.1  # the last step of a search, in standard deviations
 THIN = 4  # samples, of which one is enough to come near
 LINE_TERMS, ALONG, REST_NODES = 12, 21, 41
 
@@ -37,7 +38,7 @@ class DynamicFit:
     runs: tuple[RecordedRun, ...]
     found: Identification
     noise: RecordingNoise
-    stated: Surroundings
+    stated: StatedValues
     source: str
     rest_sigma_per_m: FloatArray | None = None  # evenly along the sheet; None: k0 is as stated
     missing: tuple[str, ...] = ()
@@ -124,7 +125,7 @@ def _by(parameter: DynamicParameter) -> str:
 
 
 def dynamic_fit(
-    records: Sequence[MotionRecord], stated: Surroundings, begin: DynamicBeam | None = None
+    records: Sequence[MotionRecord], stated: StatedValues, begin: DynamicBeam | None = None
 ) -> DynamicFit:
     """Identify the sheet of some records; `begin`: a sheet known from before.
 
@@ -135,12 +136,17 @@ def dynamic_fit(
         _require_same(one, other)
     runs = tuple(run for record in records for run in record.runs)
     source = ", ".join(record.source for record in records)
+    if not any(run.plan.current for run in runs):
+        raise BadInputError(
+            f"{source}: no current was recorded, without which nothing that follows a voltage can"
+            " be told apart: wire its channel and state [current_sense] shunt_ohm in rig.toml."
+        )
     begun = begin or beginning(first.sheet, runs, stated)
     try:
         noise = noise_at_first(runs)
         near, rest = _near(begun, runs, noise)
         noise = noise_of_residuals(near, runs, noise)
-        found = identify(near, runs, noise)
+        found = identify(near, runs, noise, tolerance=CLOSE, near=True)
     except ModelError as error:
         raise BadInputError(f"{source}: {error}.") from None
     return DynamicFit(
@@ -152,15 +158,17 @@ def dynamic_fit(
 
 def _near(
     beam: DynamicBeam, runs: Sequence[RecordedRun], noise: RecordingNoise
-) -> tuple[DynamicBeam, RestCurvature | None]:
+) -> tuple[DynamicBeam, MeasuredRest | None]:
     """Return a sheet near the answer, from fewer samples and with longer steps, and its k0.
 
     The amplifier's offset bends the sheet at rest, so its k0 is known when its moment per volt is.
     """
     rest = None
     fewer = [_thinned(run) for run in runs]
-    for tolerance in (1.0, 0.3):
-        beam = identify(beam, fewer, noise, resolution=COARSE, tolerance=tolerance).beam
+    for again in (False, True):
+        beam = identify(
+            beam, fewer, noise, resolution=COARSE, tolerance=NEAR, near=again
+        ).beam  # fmt: skip
         rest = rest_curvature(beam, runs, noise.curve_m)
         if rest is None:
             break

@@ -9,7 +9,7 @@ import numpy as np
 
 from labrig.analysis.motion.beginning import COARSE
 from labrig.analysis.motion.frames import CURVE_POINTS, REACH
-from labrig.analysis.motion.way import Way
+from labrig.analysis.motion.way import LoadCellWay
 from model.dynamics import ContactSetup, DynamicBeam, HeldVoltage
 from model.dynamics.identification import (
     DynamicParameter,
@@ -81,7 +81,7 @@ def _candidates(
     rolls = ContactSetup(
         radius_m=sheet.arc_radius_m, origin_rad=sheet.arc_origin_rad, position_m=at_m
     )
-    planner = _Planner(sheet, rolls, frame_rate_hz)
+    planner = _RunPlanner(sheet, rolls, frame_rate_hz)
     volts = round(volts, 2)
     for name, key, extra in (
         ("release", "[extras] release = true", Release(voltages_V=(volts,))),
@@ -102,7 +102,7 @@ def _candidates(
 
 
 @dataclass(frozen=True)
-class _Planner:
+class _RunPlanner:
     """Makes runs of extras."""
 
     sheet: SheetGeometry
@@ -139,7 +139,7 @@ class _Planner:
         if run.move is None:
             return replace(self.rolls, position_m=run.position_m)
         left_s = run.move.time_s - begin_s
-        way = Way(
+        way = LoadCellWay(
             from_m=run.position_m, to_m=run.move.position_m, left_s=left_s,
             arrived_s=left_s + TRAVEL_S,
         )  # fmt: skip

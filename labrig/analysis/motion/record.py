@@ -12,7 +12,7 @@ from drivers.interfaces import FloatArray
 from labrig.analysis.analyze import AnalysisInputs, inputs_of, shunt_ohm
 from labrig.analysis.motion.frames import FrameCurves, frame_curves
 from labrig.analysis.motion.signals import MotionSignals, is_whole, motion_signals
-from labrig.analysis.motion.way import Way
+from labrig.analysis.motion.way import LoadCellWay
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN
 from labrig.session import RecordedSession, RunRecord
@@ -172,7 +172,7 @@ class _RunReader:
         planned, sheet = run.planned, self._sheet
         if planned.purpose is not Purpose.MEASUREMENT or planned.position_m is None:
             return None, np.ones(len(time_s), dtype=bool)
-        way = Way.of(self._session, run, begin_s)
+        way = LoadCellWay.of(self._session, run, begin_s)
         setup = ContactSetup(
             radius_m=sheet.arc_radius_m, origin_rad=sheet.arc_origin_rad,
             position_m=planned.position_m if way is None else way.at,

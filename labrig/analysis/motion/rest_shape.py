@@ -27,7 +27,7 @@ FEWEST_FRAMES = 3
 
 
 @dataclass(frozen=True, kw_only=True)
-class RestCurvature:
+class MeasuredRest:
     """k0 as measured; `sigma_per_m` of it, (S,) at `s_m`."""
 
     rest: Field
@@ -37,7 +37,7 @@ class RestCurvature:
 
 def rest_curvature(
     beam: DynamicBeam, runs: Sequence[RecordedRun], curve_m: float, *, stated: bool = True
-) -> RestCurvature | None:
+) -> MeasuredRest | None:
     """Return the initial curvature with which `beam` has the recorded free shape at rest.
 
     curve_m: standard deviation of a curve's point; it does not average out over frames. None where
@@ -65,7 +65,7 @@ def rest_curvature(
     s_m = np.linspace(0.0, beam.length_m, 41)
     modes = legendre.legvander(2.0 * s_m / beam.length_m - 1.0, TERMS - 1)
     covariance = np.linalg.inv(hessian)
-    return RestCurvature(
+    return MeasuredRest(
         rest=_bent(beam, terms, found).rest, s_m=s_m,
         sigma_per_m=np.sqrt(np.einsum("si,ij,sj->s", modes, covariance, modes)),
     )  # fmt: skip

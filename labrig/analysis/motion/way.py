@@ -13,7 +13,7 @@ from protocols.execution.events import LoadCellArrived, LoadCellLeft
 
 
 @dataclass(frozen=True, kw_only=True)
-class Way:
+class LoadCellWay:
     """The load cell's way to another position: the smoothest (minimum jerk) in its time."""
 
     from_m: float
@@ -22,7 +22,7 @@ class Way:
     arrived_s: float
 
     @staticmethod
-    def of(session: RecordedSession, run: RunRecord, begin_s: float) -> Way | None:
+    def of(session: RecordedSession, run: RunRecord, begin_s: float) -> LoadCellWay | None:
         """Return the way as the log has it; None where the load cell rests."""
         zero_s, move = run.time_zero_s + begin_s, run.planned.move
         left = arrived = None
@@ -33,7 +33,7 @@ class Way:
                 arrived = event
         if move is None or left is None or arrived is None or run.planned.position_m is None:
             return None
-        return Way(
+        return LoadCellWay(
             from_m=run.planned.position_m, to_m=move.position_m, left_s=left.time_s - zero_s,
             arrived_s=max(arrived.time_s, left.time_s + 1e-3) - zero_s,
         )  # fmt: skip

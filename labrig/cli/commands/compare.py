@@ -95,11 +95,11 @@ def _in_time(
 ) -> tuple[list[DynamicComparison], dict[str, str]]:
     """Return what was compared and kept, and by configuration why not, a sentence each."""
     from labrig.analysis.comparison import compare_in_time, keep_comparisons, why_not_in_time
-    from labrig.analysis.motion.beginning import Surroundings
+    from labrig.analysis.motion.beginning import StatedValues
     from labrig.session import open_session, stored_curve_extractor
 
     gram = None if elongation_g_per_m is None else 1e-3 * elongation_g_per_m
-    stated = Surroundings(elongation_kg_per_m=gram)
+    stated = StatedValues(elongation_kg_per_m=gram)
     found: list[DynamicComparison] = []
     why_not: dict[str, str] = {}
     extractor = stored_curve_extractor(session).partition(" ")[0]
@@ -128,7 +128,7 @@ def _in_time(
 
 def _show(rows: tuple[BaselineRow, ...], compared: list[DynamicComparison]) -> None:
     from labrig.report.tables.baselines import baseline_table
-    from labrig.report.tables.dynamic_comparison import dynamic_comparison_table, not_fitted
+    from labrig.report.tables.in_time.comparison import dynamic_comparison_table, not_fitted
 
     tables: list[Table] = [baseline_table(rows)] if rows else []
     for table in (*tables, *map(dynamic_comparison_table, compared)):

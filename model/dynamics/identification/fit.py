@@ -144,19 +144,20 @@ def identify(
     *,
     resolution: Resolution | None = None,
     tolerance: float = 0.02,
+    near: bool = False,
 ) -> Identification:
     """Return the sheet that explains the runs.
 
     start: what is known (lengths, fluid, initial curvature, source), starting values and centres of
     the priors for what is not. tolerance: the last step is this short, in standard deviations of
-    the parameters (0.1 of them where no step makes the fit better). resolution: None: FINE. The
-    electrodes are found from the current alone, then all parameters from the begin of each run,
-    then from everything. Raises ModelError.
+    the parameters (0.1 of them where no step makes the fit better). resolution: None: FINE. near:
+    `start` is near the answer; else the electrodes are found from the current alone, then all
+    parameters from the begin of each run, then from everything. Raises ModelError.
     """
     _refuse(runs)
     parameters, fine = LogParameters(start), resolution or FINE
     theta = parameters.theta
-    for some, louder, by in _beginnings(runs, noise, fine):
+    for some, louder, by in () if near else _beginnings(runs, noise, fine):
         theta = _search(_Problem(parameters, some, louder, by), theta, BEGIN).at.theta
     problem = _Problem(parameters, runs, noise, fine)
     search = _search(problem, theta, tolerance)

@@ -8,7 +8,7 @@ from typing import Any
 
 from labrig.analysis.motion.proposals import Proposal
 from labrig.report.parts.table import Table, number
-from labrig.report.tables.dynamic_fit import shown
+from labrig.report.tables.in_time.parameters import shown
 from model.dynamics.identification import DynamicParameter
 
 _INTERVAL = 1.6449  # standard deviations to either side hold 90 %
