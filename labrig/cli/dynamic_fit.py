@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
@@ -16,6 +20,32 @@ if TYPE_CHECKING:
 
 MOST_POSITIONS = 3  # in contact, unless they are named: each adds seconds
 GRAM = 1e-3
+
+
+class SheetFluid(StrEnum):
+    """What the sheet moves in."""
+
+    AIR = "air"
+    WATER = "water"
+    VACUUM = "vacuum"
+
+
+DynamicPositions = Annotated[
+    list[float] | None,
+    typer.Option(
+        "--position-mm",
+        help=f"with --dynamic: a position that is used, repeatable; by default {MOST_POSITIONS}",
+    ),
+]
+DynamicFluid = Annotated[
+    SheetFluid, typer.Option("--fluid", help="with --dynamic: what the sheet moves in")
+]
+ElongationMass = Annotated[
+    float | None,
+    typer.Option(
+        "--elongation-g-per-m", help="with --dynamic: mass of the rigid elongation per length"
+    ),
+]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,6 +64,23 @@ def refuse_others(command: str, given: dict[str, Any]) -> None:
     other = next((name for name, value in given.items() if value not in (None, False, [], 0)), None)
     if other is not None:
         raise BadInputError(f"labrig {command} --dynamic does not go with {other}; leave one out.")
+
+
+def refuse_without_dynamic(request: DynamicRequest) -> None:
+    """Raise BadInputError where what only the sheet in time needs was given without --dynamic."""
+    given = {
+        "--position-mm": request.positions_mm, "--fluid": request.fluid != SheetFluid.AIR,
+        "--elongation-g-per-m": request.elongation_g_per_m is not None,
+    }  # fmt: skip
+    for name, value in given.items():
+        if value:
+            raise BadInputError(f"{name} is for the sheet in time: give --dynamic with it.")
+
+
+def _check(request: DynamicRequest) -> None:
+    end = request.elongation_g_per_m
+    if end is not None and not 0.0 < end < math.inf:
+        raise BadInputError(f"--elongation-g-per-m {end:g}: a positive number is needed.")
 
 
 def fit_in_time(request: DynamicRequest, output: Path | None, *, as_json: bool) -> None:
@@ -62,6 +109,7 @@ def fit_in_time(request: DynamicRequest, output: Path | None, *, as_json: bool) 
 
 def fitted_in_time(request: DynamicRequest) -> list[DynamicFit]:
     """Read the sessions and fit each configuration that moved in them."""
+    _check(request)
     from labrig.analysis.motion.beginning import Surroundings
     from labrig.analysis.motion.dynamic_fit import dynamic_fit
     from labrig.analysis.motion.record import moving_configurations
@@ -69,13 +117,14 @@ def fitted_in_time(request: DynamicRequest) -> list[DynamicFit]:
 
     fits = []
     with open_session(request.sessions[0]) as session:
-        names = request.configurations or moving_configurations(session) or [None]
+        found = request.configurations or moving_configurations(session)
         source_ohm = _source_ohm(session)
     end = request.elongation_g_per_m
     stated = Surroundings(
         fluid=request.fluid, source_ohm=source_ohm,
         elongation_kg_per_m=None if end is None else GRAM * end,
     )  # fmt: skip
+    names: list[str | None] = [*found] or [None]
     for name in names:
         records = records_of(request, name)
         for text in dict.fromkeys(text for one in records for text in one.missing):
