@@ -89,10 +89,8 @@ def parameter_rows(fit: DynamicFit, truth: Mapping[str, float]) -> Iterator[list
 
     for one in fit.found.parameters:
         as_shown = shown(one.name)
-        low, high = one.parameter.interval()
-        value, low, high, true = (
-            f"{as_shown.scale * x:.4g}" for x in (one.parameter.value, low, high, truth[one.name])
-        )
+        numbers = (one.parameter.value, *one.parameter.interval(), truth[one.name])
+        value, low, high, true = (f"{as_shown.scale * x:.4g}" for x in numbers)
         interval = f"{low} to {high}" if one.determined else "not determined"
         yield [as_shown.text, as_shown.unit, value, interval, true]
 

@@ -147,11 +147,8 @@ def _within(
 ) -> None:
     """Draw what lies about a pulse, in thousandths; time counts from its begin."""
     show = (times >= begin_s - _BEFORE_S) & (times <= end_s + _AFTER_S)
-    size = {".": 1.5, "o": 2.6}.get(mark)
-    look = {"color": colour, "markersize": size, "linestyle": "none", "marker": mark}
-    if size is None:
-        look = {"color": colour, "linestyle": mark}
-    axes.plot(times[show] - begin_s, 1e3 * values[show], **look)
+    size = {".": 1.5, "o": 2.6}.get(mark, 0.0)
+    axes.plot(times[show] - begin_s, 1e3 * values[show], mark, color=colour, markersize=size)
 
 
 def _legend() -> list[Artist]:
