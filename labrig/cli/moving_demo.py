@@ -12,7 +12,7 @@ from labrig.cli.screen import print_table, say
 
 if TYPE_CHECKING:
     from labrig.analysis.motion.dynamic_fit import DynamicFit
-    from labrig.report.figures.motion import ComparedRun
+    from labrig.report.figures.motion import MotionComparison
 
 CONFIGURATION, WORLD = "long", "moving.toml"
 PROTOCOL = f"""\
@@ -95,7 +95,7 @@ def parameter_rows(fit: DynamicFit, truth: Mapping[str, float]) -> Iterator[list
         yield [as_shown.text, as_shown.unit, value, interval, true]
 
 
-def _errors(run: ComparedRun) -> list[str]:
+def _errors(run: MotionComparison) -> list[str]:
     def fixed(value: float, digits: int) -> str:
         return "-" if math.isnan(value) else f"{1e3 * value:.{digits}f}"
 
