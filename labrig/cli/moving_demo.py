@@ -12,7 +12,7 @@ from labrig.cli.screen import print_table, say
 
 if TYPE_CHECKING:
     from labrig.analysis.motion.dynamic_fit import DynamicFit
-    from labrig.report.figures.motion import ComparedRun
+    from labrig.report.figures.motion import MotionComparison
 
 CONFIGURATION, WORLD = "long", "moving.toml"
 PROTOCOL = f"""\
@@ -89,15 +89,13 @@ def parameter_rows(fit: DynamicFit, truth: Mapping[str, float]) -> Iterator[list
 
     for one in fit.found.parameters:
         as_shown = shown(one.name)
-        low, high = one.parameter.interval()
-        value, low, high, true = (
-            f"{as_shown.scale * x:.4g}" for x in (one.parameter.value, low, high, truth[one.name])
-        )
+        numbers = (one.parameter.value, *one.parameter.interval(), truth[one.name])
+        value, low, high, true = (f"{as_shown.scale * x:.4g}" for x in numbers)
         interval = f"{low} to {high}" if one.determined else "not determined"
         yield [as_shown.text, as_shown.unit, value, interval, true]
 
 
-def _errors(run: ComparedRun) -> list[str]:
+def _errors(run: MotionComparison) -> list[str]:
     def fixed(value: float, digits: int) -> str:
         return "-" if math.isnan(value) else f"{1e3 * value:.{digits}f}"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from labrig.report.figures.motion import ComparedRun, compared, motion_figure
+from labrig.report.figures.motion import MotionComparison, compared, motion_figure
 from model.dynamics import ContactSetup, HeldVoltage, simulate
 from model.dynamics.identification import RecordedRun, RunPlan
 from tests.labrig.moving_model import model
@@ -40,12 +40,12 @@ def recorded(position_m: float | None, noise: float) -> RecordedRun:
 
 
 @pytest.fixture(scope="module")
-def pair() -> tuple[ComparedRun, ComparedRun]:
+def pair() -> tuple[MotionComparison, MotionComparison]:
     beam, _ = model().moving("long", None)
     return compared(beam, recorded(0.005, 1.0)), compared(beam, recorded(None, 1.0))
 
 
-def test_errors_are_those_that_were_added(pair: tuple[ComparedRun, ComparedRun]) -> None:
+def test_errors_are_those_that_were_added(pair: tuple[MotionComparison, MotionComparison]) -> None:
     held, free = pair
     assert held.force_rms_N == pytest.approx(1e-3, rel=1e-3)
     assert held.current_rms_A == pytest.approx(2e-3, rel=1e-3)
@@ -55,13 +55,13 @@ def test_errors_are_those_that_were_added(pair: tuple[ComparedRun, ComparedRun])
 
 
 def test_the_pulse_is_that_of_the_voltage_not_of_the_offset(
-    pair: tuple[ComparedRun, ComparedRun],
+    pair: tuple[MotionComparison, MotionComparison],
 ) -> None:
     assert pair[0].pulse_s() == (0.5, 1.1)
 
 
 def test_the_figure_shows_both_beside_each_other_from_the_voltage_on(
-    pair: tuple[ComparedRun, ComparedRun],
+    pair: tuple[MotionComparison, MotionComparison],
 ) -> None:
     fig = motion_figure(*pair)
     force, current, tip = fig.axes

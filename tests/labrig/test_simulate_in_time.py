@@ -273,7 +273,7 @@ def test_drive_and_file_are_needed(folder: Path, capsys: pytest.CaptureFixture[s
         ("time_s,voltage_V\n0,0\n0.5,two\n1,0\n", "'two' is not a number"),
         ("time_s,voltage_V\n0,2\n", "has two rows at least"),
         ("time_s,volts\n0,2\n", "column 'volts' is not known"),
-        ("", "is empty"),
+        ("", "this is an empty file"),
     ],
 )
 def test_a_table_that_is_no_drive_is_refused_at_its_line(

@@ -30,7 +30,7 @@ _BEFORE_S, _AFTER_S = 0.1, 0.3  # of a pulse that are drawn, too
 
 
 @dataclass(frozen=True, kw_only=True)
-class ComparedRun:
+class MotionComparison:
     """A recorded run, and what a model says of it at each ms and at each sample and frame."""
 
     recorded: RecordedRun
@@ -83,19 +83,19 @@ class ComparedRun:
         return float(np.sqrt(np.mean((measured - at)[away] ** 2)))
 
 
-def compared(beam: DynamicBeam, recorded: RecordedRun) -> ComparedRun:
+def compared(beam: DynamicBeam, recorded: RecordedRun) -> MotionComparison:
     """Return a recorded run with what a model says of it. Raises ModelError."""
     plan = recorded.plan
     end_s = max(float(times[-1]) for times in (plan.time_s, plan.frame_s) if len(times))
     even = np.arange(0.0, end_s, _EVERY_S)
     times = np.unique(np.concatenate([even, plan.time_s, plan.frame_s]).round(9))
     points = plan.points_m[-1:] if len(plan.points_m) else np.array([beam.length_m])
-    return ComparedRun(
+    return MotionComparison(
         recorded=recorded, simulated=simulate(beam, plan.setup, plan.drive, times, s_m=points)
     )
 
 
-def motion_figure(held: ComparedRun, free: ComparedRun) -> Figure:
+def motion_figure(held: MotionComparison, free: MotionComparison) -> Figure:
     """Force and current over a pulse in contact, the tip over a pulse of the free sheet."""
     with figure(panels_width_in(3), 3.2) as fig:
         panels = fig.subplots(1, 3)
@@ -114,7 +114,7 @@ def motion_figure(held: ComparedRun, free: ComparedRun) -> Figure:
 
 
 def _signal(
-    axes: Axes, run: ComparedRun, measured: FloatArray | None, simulated: FloatArray
+    axes: Axes, run: MotionComparison, measured: FloatArray | None, simulated: FloatArray
 ) -> None:
     begin_s, end_s = run.pulse_s()
     if measured is not None:
@@ -122,7 +122,7 @@ def _signal(
     _within(axes, run.simulated.time_s, simulated, begin_s, end_s, "-", POSITIVE)
 
 
-def _tip(axes: Axes, run: ComparedRun) -> None:
+def _tip(axes: Axes, run: MotionComparison) -> None:
     begin_s, _ = run.pulse_s()
     end_s = float(run.simulated.time_s[-1])
     times, frames = run.simulated.time_s, run.recorded.plan.frame_s
@@ -147,11 +147,8 @@ def _within(
 ) -> None:
     """Draw what lies about a pulse, in thousandths; time counts from its begin."""
     show = (times >= begin_s - _BEFORE_S) & (times <= end_s + _AFTER_S)
-    size = {".": 1.5, "o": 2.6}.get(mark)
-    look = {"color": colour, "markersize": size, "linestyle": "none", "marker": mark}
-    if size is None:
-        look = {"color": colour, "linestyle": mark}
-    axes.plot(times[show] - begin_s, 1e3 * values[show], **look)
+    size = {".": 1.5, "o": 2.6}.get(mark, 0.0)
+    axes.plot(times[show] - begin_s, 1e3 * values[show], mark, color=colour, markersize=size)
 
 
 def _legend() -> list[Artist]:
