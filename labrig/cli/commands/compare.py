@@ -128,7 +128,7 @@ def _in_time(
 
 def _show(rows: tuple[BaselineRow, ...], compared: list[DynamicComparison]) -> None:
     from labrig.report.tables.baselines import baseline_table
-    from labrig.report.tables.dynamic_comparison import dynamic_comparison_table, not_fitted
+    from labrig.report.tables.in_time.comparison import dynamic_comparison_table, not_fitted
 
     tables: list[Table] = [baseline_table(rows)] if rows else []
     for table in (*tables, *map(dynamic_comparison_table, compared)):

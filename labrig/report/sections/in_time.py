@@ -7,7 +7,7 @@ from labrig.report.data.findings import Findings
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.section import Section
 from labrig.report.sections.interface import ReportSection
-from labrig.report.tables.dynamic_comparison import dynamic_comparison_table, not_fitted
+from labrig.report.tables.in_time.comparison import dynamic_comparison_table, not_fitted
 
 
 def applies(findings: Findings) -> bool:
