@@ -8,7 +8,7 @@ from labrig.analysis.comparison.result import (
     ComparedModel,
     ComparedQuantity,
     DynamicComparison,
-    _KeptComparisons,
+    KeptComparisons,
 )
 from labrig.config.base import parse_json
 from labrig.report.tables.in_time.comparison import dynamic_comparison_table, not_fitted
@@ -49,8 +49,8 @@ FOUND = DynamicComparison(
 
 
 def test_what_is_kept_comes_back():
-    text = to_json(_KeptComparisons((FOUND,)))
-    (again,) = from_plain(_KeptComparisons, parse_json(text, "test"), lenient=True).comparisons
+    text = to_json(KeptComparisons((FOUND,)))
+    (again,) = from_plain(KeptComparisons, parse_json(text, "test"), lenient=True).comparisons
     assert again.models[:2] == FOUND.models[:2]
     assert math.isnan(again.models[2].quantities["force"].rmse)
     assert again.models[3].why_not == "it predicts nothing"
