@@ -190,7 +190,7 @@ def test_a_bad_prediction_of_one_quantity_does_not_silence_the_others(bao_runs):
     """`yim` has no leak: its current is wrong, and its force, shape and evidence are not worse."""
     leaking = contender("bao")
     values = away(leaking, 1) | {"R2_ohm": 20.0}
-    runs = runs_of(leaking, values, positions=(0.0, None))
+    runs = runs_of(leaking, values, positions=(0.0, 0.01))
     fitted = fit_model(contender("yim"), runs)
     assert fitted.misfit["current"] > 20.0
     alone = fit_model(contender("yim"), [run.only("force") for run in runs if run.plan.force])
