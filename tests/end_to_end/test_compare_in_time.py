@@ -49,7 +49,7 @@ def compared(tmp_path_factory):
 def test_the_moving_sheet_predicts_best_and_the_report_shows_it(compared, tmp_path, capsys):
     session = tmp_path / "session.h5"
     session.write_bytes((compared / "session.h5").read_bytes())
-    assert labrig("report", session, tmp_path / "before", "--format", "svg") == 0
+    assert labrig("report", session, "-o", tmp_path / "before", "--format", "svg") == 0
     assert "keeps the result for this page" in (tmp_path / "before/index.html").read_text()
     capsys.readouterr()
     assert labrig("compare", session, "--dynamic", "--json") == 0
@@ -73,7 +73,7 @@ def test_the_moving_sheet_predicts_best_and_the_report_shows_it(compared, tmp_pa
     assert full["parameters"]["mass_per_length"] == pytest.approx(5.775e-3, rel=0.1)
     assert set(models["huynh_alici"]["quantities"]) == {"force"}
     assert models["yim"]["quantities"]["current"]["misfit"] > 10.0  # it has no leak
-    assert labrig("report", session, tmp_path / "after", "--format", "svg") == 0
+    assert labrig("report", session, "-o", tmp_path / "after", "--format", "svg") == 0
     page = (tmp_path / "after/index.html").read_text()
     assert "moving sheet of large deflections (labrig)" in page
     assert "after Lee, Park and Kim 2005" in page

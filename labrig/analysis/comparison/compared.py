@@ -18,11 +18,11 @@ from labrig.extractors.choice import BUILT_IN
 from labrig.session import RecordedSession
 from model.dynamics import DynamicBeam
 from model.dynamics.comparison import (
-    ComparedRun,
     ComparisonRow,
     Contender,
     FullContender,
     HeldOut,
+    MeasuredRun,
     PublishedContender,
     compare_models,
     hold_out,
@@ -153,7 +153,7 @@ def _compared(
     s_m = np.linspace(0.0, rest.length_m, REST_NODES)
     bent = replace(sheet, initial_curvature=(s_m, rest(s_m)))
     return hold_out([
-        ComparedRun(run=run, sheet=bent, noise=noise).thinned(RATE_HZ) for run in runs
+        MeasuredRun(run=run, sheet=bent, noise=noise).thinned(RATE_HZ) for run in runs
     ])  # fmt: skip
 
 

@@ -50,13 +50,15 @@ class DynamicComparison:
 
 
 @dataclass(frozen=True)
-class _Kept:
+class KeptComparisons:
+    """What a session holds."""
+
     comparisons: tuple[DynamicComparison, ...]
 
 
 def keep_comparisons(session: Path, found: Sequence[DynamicComparison]) -> None:
     """Store them in the session, in place of older ones; a new analysis removes them."""
-    store_finding(session, NAME, to_json(_Kept(tuple(found))))
+    store_finding(session, NAME, to_json(KeptComparisons(tuple(found))))
 
 
 def kept_comparisons(session: Path) -> tuple[DynamicComparison, ...]:
@@ -66,7 +68,7 @@ def kept_comparisons(session: Path) -> tuple[DynamicComparison, ...]:
         return ()
     try:
         plain = parse_json(text, f"{session}: its comparison of models in time")
-        return from_plain(_Kept, plain, lenient=True).comparisons
+        return from_plain(KeptComparisons, plain, lenient=True).comparisons
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BadInputError(
             f"{session}: its comparison of models in time cannot be read ({error!r}); run labrig"

@@ -22,7 +22,7 @@ LN_2PI = float(np.log(2.0 * np.pi))
 
 
 @dataclass(frozen=True, kw_only=True)
-class ComparedRun:
+class MeasuredRun:
     """A run of a sheet, with the noise of what was measured in it.
 
     Samples of the current at a voltage edge do not count: there it jumps, and models differ in
@@ -136,12 +136,12 @@ class ComparedRun:
         white = {"force": noise.force.white, "current": noise.current.white}
         return white.get(quantity, noise.curve_m)
 
-    def only(self, quantity: Quantity) -> ComparedRun:
+    def only(self, quantity: Quantity) -> MeasuredRun:
         """Return the run with nothing but one quantity measured."""
         return self._with(force=quantity == "force", current=quantity == "current",
                           frames=slice(None) if quantity == "shape" else slice(0))  # fmt: skip
 
-    def thinned(self, rate_hz: float) -> ComparedRun:
+    def thinned(self, rate_hz: float) -> MeasuredRun:
         """Return the run with about so many samples a second; none are averaged."""
         times = self.plan.time_s
         if len(times) < 2:
@@ -153,7 +153,7 @@ class ComparedRun:
             samples=slice(None, None, every),
         )  # fmt: skip
 
-    def part(self, low_s: float, high_s: float) -> ComparedRun | None:
+    def part(self, low_s: float, high_s: float) -> MeasuredRun | None:
         """Return what was measured from one time to before another, after the whole drive before.
 
         None where that is nothing.
@@ -171,7 +171,7 @@ class ComparedRun:
 
     def _with(
         self, *, force: bool, current: bool, frames: slice, samples: slice = slice(None)
-    ) -> ComparedRun:
+    ) -> MeasuredRun:
         run, plan = self.run, self.plan
         frame_s = plan.frame_s[frames]
         points_m = plan.points_m if len(frame_s) else plan.points_m[:0]

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 
 from model.dynamics.beam import DynamicBeam
-from model.dynamics.comparison.compared_run import ComparedRun
+from model.dynamics.comparison.compared_run import MeasuredRun
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.identification.residuals import predict
 from model.dynamics.models import ModelParameter, PublishedModel, Response
@@ -35,7 +35,7 @@ class Contender(Protocol):
     def parameters(self) -> tuple[ModelParameter, ...]:
         """Return what a fit finds."""
 
-    def respond(self, values: Mapping[str, float], run: ComparedRun) -> Response:
+    def respond(self, values: Mapping[str, float], run: MeasuredRun) -> Response:
         """Return the response at the run's samples and frames. Raises ModelError."""
 
 
@@ -60,7 +60,7 @@ class PublishedContender:
         """Return what a fit finds."""
         return self.model.parameters
 
-    def respond(self, values: Mapping[str, float], run: ComparedRun) -> Response:
+    def respond(self, values: Mapping[str, float], run: MeasuredRun) -> Response:
         """Return the response at the run's samples and frames. Raises ModelError."""
         return run.sampled(self.model.simulate(values, run.driven))
 
@@ -98,7 +98,7 @@ class FullContender:
     def _logarithms(self) -> LogParameters:
         return LogParameters(self.start)
 
-    def respond(self, values: Mapping[str, float], run: ComparedRun) -> Response:
+    def respond(self, values: Mapping[str, float], run: MeasuredRun) -> Response:
         """Return the response at the run's samples and frames. Raises ModelError."""
         theta = np.log([values[one.name] for one in self.parameters])
         plan, length = run.plan, self.start.length_m

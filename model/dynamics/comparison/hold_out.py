@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.dynamics.comparison.compared_run import ComparedRun
+from model.dynamics.comparison.compared_run import MeasuredRun
 from model.measurements import FloatArray
 
 LEAST_POSITIONS = 3  # of which one is left out
@@ -19,8 +19,8 @@ LEAST_PULSES = 2
 class HeldOut:
     """Runs to fit and runs to predict; what is fitted of a run keeps the drive of all of it."""
 
-    fitted: tuple[ComparedRun, ...]
-    predicted: tuple[ComparedRun, ...]
+    fitted: tuple[MeasuredRun, ...]
+    predicted: tuple[MeasuredRun, ...]
 
     @property
     def in_words(self) -> str:
@@ -36,7 +36,7 @@ class HeldOut:
         return " and ".join(parts) or "nothing"
 
 
-def hold_out(runs: Sequence[ComparedRun]) -> HeldOut:
+def hold_out(runs: Sequence[MeasuredRun]) -> HeldOut:
     """Return every third position (the middle one of three) and the last pulses as predicted.
 
     A pulse begins with a change of the voltage; where a run has but one, as a release has, its last
@@ -44,8 +44,8 @@ def hold_out(runs: Sequence[ComparedRun]) -> HeldOut:
     """
     places = sorted({run.position_m for run in runs if run.position_m is not None})
     out = {*places[EVERY // 2 :: EVERY]} if len(places) >= LEAST_POSITIONS else set()
-    fitted: list[ComparedRun] = []
-    predicted: list[ComparedRun] = []
+    fitted: list[MeasuredRun] = []
+    predicted: list[MeasuredRun] = []
     for run in runs:
         if run.position_m in out:
             predicted.append(run)
@@ -57,7 +57,7 @@ def hold_out(runs: Sequence[ComparedRun]) -> HeldOut:
     return HeldOut(tuple(fitted), tuple(predicted))
 
 
-def _cut_s(run: ComparedRun) -> float:
+def _cut_s(run: MeasuredRun) -> float:
     """Return the time from which on a run is predicted."""
     times = np.concatenate([run.plan.time_s, run.plan.frame_s])
     first, last = float(np.min(times)), float(np.max(times))

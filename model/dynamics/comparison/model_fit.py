@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from model.dynamics.comparison.compared_run import LN_2PI, ComparedRun, Quantity
+from model.dynamics.comparison.compared_run import LN_2PI, MeasuredRun, Quantity
 from model.dynamics.comparison.contender import Contender
 from model.dynamics.models import ModelParameter
 from model.measurements import FloatArray, ModelError
@@ -45,7 +45,7 @@ class FittedModel:
 
 def fit_model(
     model: Contender,
-    runs: Sequence[ComparedRun],
+    runs: Sequence[MeasuredRun],
     begin: Mapping[str, float] | None = None,
     *,
     refine: bool = True,
@@ -56,7 +56,7 @@ def fit_model(
     refine: else `begin` is kept where it explains the data, as values of another fit to them do.
     `ModelError` where it predicts nothing that was measured.
     """
-    problem = _Problem(model, runs)
+    problem = _ModelProblem(model, runs)
     x = problem.unknowns(begin or {one.name: one.start for one in model.parameters})
     misfit = dict.fromkeys(problem.counts, 1.0)
     if not misfit:
@@ -71,10 +71,10 @@ def fit_model(
     return problem.fitted(x, misfit)
 
 
-class _Problem:
+class _ModelProblem:
     """A model and runs."""
 
-    def __init__(self, model: Contender, runs: Sequence[ComparedRun]) -> None:
+    def __init__(self, model: Contender, runs: Sequence[MeasuredRun]) -> None:
         self.model, self.runs = model, runs
         self.counts: dict[Quantity, int] = {}  # of the values that are predicted
         start = {one.name: one.start for one in model.parameters}
@@ -195,7 +195,7 @@ class _Problem:
 class _Residuals(NamedTuple):
     """Of one quantity of one run."""
 
-    run: ComparedRun
+    run: MeasuredRun
     quantity: Quantity
     off: FloatArray | None  # None: not predicted
 

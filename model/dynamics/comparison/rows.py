@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from model.dynamics.comparison.compared_run import QUANTITIES, ComparedRun, Quantity
+from model.dynamics.comparison.compared_run import QUANTITIES, MeasuredRun, Quantity
 from model.dynamics.comparison.contender import Contender
 from model.dynamics.comparison.hold_out import HeldOut
 from model.dynamics.comparison.model_fit import FittedModel, fit_model
@@ -17,7 +17,7 @@ STEPS_ALONE = 6  # of a fit to one quantity, which begins at that to all of them
 
 
 @dataclass(frozen=True, kw_only=True)
-class Score:
+class QuantityScore:
     """How well a model does with one quantity."""
 
     rmse: float  # of what was held out and is predicted; N, A or m; NaN: nothing
@@ -32,7 +32,7 @@ class ComparisonRow:
     name: str
     title: str
     fitted: FittedModel | None  # None: `why` it was not fitted
-    scores: dict[Quantity, Score] = field(default_factory=dict)  # of what it predicts
+    scores: dict[Quantity, QuantityScore] = field(default_factory=dict)  # of what it predicts
     ln_evidence: float = np.nan  # of everything, what it does not predict included
     why: str = ""
 
@@ -40,7 +40,7 @@ class ComparisonRow:
 def compare_models(
     models: Sequence[Contender],
     data: HeldOut,
-    begin: Callable[[Contender, Sequence[ComparedRun]], dict[str, float] | None],
+    begin: Callable[[Contender, Sequence[MeasuredRun]], dict[str, float] | None],
     progress: Callable[[float, str], None] | None = None,
 ) -> list[ComparisonRow]:
     """Fit each model to some runs and predict the others; the largest ln evidence comes first.
@@ -67,7 +67,7 @@ def _row(model: Contender, data: HeldOut, begin: dict[str, float] | None) -> Com
     )  # fmt: skip
 
 
-def _scores(fitted: FittedModel, data: HeldOut) -> Iterator[tuple[Quantity, Score]]:
+def _scores(fitted: FittedModel, data: HeldOut) -> Iterator[tuple[Quantity, QuantityScore]]:
     answers = [(run, fitted.model.respond(fitted.values, run)) for run in data.predicted]
     for quantity in QUANTITIES:
         if quantity not in fitted.misfit:
@@ -82,7 +82,7 @@ def _scores(fitted: FittedModel, data: HeldOut) -> Iterator[tuple[Quantity, Scor
                 off.append(np.zeros(0) if found is None else found[np.isfinite(found)])
         rmse, predicted = _rms(np.concatenate(off))
         share = predicted / count if count else float("nan")
-        yield quantity, Score(rmse=rmse, share=share, ln_evidence=refitted.ln_evidence)
+        yield quantity, QuantityScore(rmse=rmse, share=share, ln_evidence=refitted.ln_evidence)
 
 
 def _rms(values: FloatArray) -> tuple[float, int]:

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.dynamics import ContactSetup, HeldVoltage
-from model.dynamics.comparison import ComparedRun, Contender
+from model.dynamics.comparison import Contender, MeasuredRun
 from model.dynamics.identification import ChannelNoise, RecordedRun, RecordingNoise, RunPlan
 from model.dynamics.models.conformance import SHEET
 
@@ -35,7 +35,7 @@ def planned(position_m: float | None, name: str = "") -> RunPlan:
 
 def recorded(
     model: Contender, values: Mapping[str, float], position_m: float | None, seed: int
-) -> ComparedRun | None:
+) -> MeasuredRun | None:
     """Return what a model says of such a run, and noise; None where it says nothing."""
     random = np.random.default_rng(seed)
     plan = planned(position_m)
@@ -44,7 +44,7 @@ def recorded(
         plan=plan, force_N=np.zeros_like(plan.time_s) if plan.force else None,
         current_A=np.zeros_like(plan.time_s), x_m=np.zeros(shape), y_m=np.zeros(shape),
     )  # fmt: skip
-    said = model.respond(values, ComparedRun(run=blank, sheet=SHEET, noise=NOISE))
+    said = model.respond(values, MeasuredRun(run=blank, sheet=SHEET, noise=NOISE))
 
     if said.force_N is said.current_A is said.curves_m is None:
         return None
@@ -66,7 +66,7 @@ def recorded(
         plan=plan, force_N=noisy(said.force_N, NOISE.force.white),
         current_A=noisy(said.current_A, NOISE.current.white), x_m=x, y_m=y,
     )  # fmt: skip
-    return ComparedRun(run=run, sheet=SHEET, noise=NOISE)
+    return MeasuredRun(run=run, sheet=SHEET, noise=NOISE)
 
 
 def _points(x_m, y_m, ahead_m):

@@ -10,8 +10,8 @@ from scipy.stats import multivariate_normal, norm
 
 from model.dynamics import AIR, ContactSetup, HeldVoltage, Resolution
 from model.dynamics.comparison import (
-    ComparedRun,
     FullContender,
+    MeasuredRun,
     PublishedContender,
     compare_models,
     fit_model,
@@ -174,7 +174,7 @@ def test_the_evidence_of_a_linear_model_is_exact(noise):
     C = covariance(noise.force, t)
     force = 4e-5 * t + np.random.default_rng(1).multivariate_normal(0.0 * t, C)
     plan = replace(planned(0.0), frame_s=np.zeros(0), points_m=np.zeros(0), current=False)
-    run = ComparedRun(run=RecordedRun(plan=plan, force_N=force), sheet=SHEET, noise=noise)
+    run = MeasuredRun(run=RecordedRun(plan=plan, force_N=force), sheet=SHEET, noise=noise)
     exact = multivariate_normal(1e-5 * t, C + 9e-10 * np.outer(t, t)).logpdf(force)
     found = fit_model(LINEAR, [run]).ln_evidence
     assert found == pytest.approx(exact, abs=0.01)
@@ -190,7 +190,7 @@ def test_a_bad_prediction_of_one_quantity_does_not_silence_the_others(bao_runs):
     """`yim` has no leak: its current is wrong, and its force, shape and evidence are not worse."""
     leaking = contender("bao")
     values = away(leaking, 1) | {"R2_ohm": 20.0}
-    runs = runs_of(leaking, values, positions=(0.0, None))
+    runs = runs_of(leaking, values, positions=(0.0, 0.01))
     fitted = fit_model(contender("yim"), runs)
     assert fitted.misfit["current"] > 20.0
     alone = fit_model(contender("yim"), [run.only("force") for run in runs if run.plan.force])
@@ -252,4 +252,4 @@ def test_a_load_cell_that_moves_is_refused_in_a_sentence(bao_runs):
     setup = ContactSetup(radius_m=0.04, position_m=lambda t: 0.001 * t)
     plan = RunPlan(drive=PULSES, time_s=np.arange(3.0), setup=setup, current=False, name="step")
     with pytest.raises(ModelError, match="step: the load cell moves during the run"):
-        ComparedRun(run=RecordedRun(plan=plan, force_N=np.zeros(3)), sheet=SHEET, noise=NOISE)
+        MeasuredRun(run=RecordedRun(plan=plan, force_N=np.zeros(3)), sheet=SHEET, noise=NOISE)

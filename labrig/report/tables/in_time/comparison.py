@@ -8,7 +8,7 @@ from labrig.report.parts.table import Table, fixed
 COLUMNS = (
     ("force", "force", 1e3, "mN", 3),
     ("current", "current", 1e3, "mA", 3),
-    ("shape", "shape", 1e3, "mm", 2),
+    ("shape", "shape", 1e3, "mm", 3),
 )  # quantity, as people call it, scale, unit, decimals
 WHOLE = 0.995  # less of the values that were held out is told beside the error
 
