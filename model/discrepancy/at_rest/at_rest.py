@@ -43,6 +43,35 @@ class AtRest:
     dynamics: Mapping[str, DynamicsTaken]  # by configuration
     varied: tuple[Varied, ...] = ()  # the same less other dynamics
 
+    def of(self, kept: Measurements) -> AtRest:
+        """Return the same of what was kept of the measurements: fewer conditions and readings."""
+        own = {_key(c): c for c in kept.conditions}
+
+        def like(data: Measurements) -> Measurements:
+            found = (_like(c, own[_key(c)]) for c in data.conditions if _key(c) in own)
+            return replace(data, conditions=tuple(found))
+
+        others = tuple(Varied(one.step, like(one.measurements)) for one in self.varied)
+        return replace(self, measurements=kept, varied=others)
+
+
+def _key(one: Condition) -> tuple[object, ...]:
+    """Return what tells a condition from all others."""
+    return (
+        one.configuration, one.position_m, one.voltage_V, one.mounting, one.run, one.tilt_rad,
+        one.approach, one.session,
+    )  # fmt: skip
+
+
+def _like(one: Condition, kept: Condition) -> Condition:
+    """Return a condition in which the same readings count."""
+    pairs = zip(one.readings, kept.readings, strict=True)
+    readings = (
+        replace(r, valid=k.valid, why=k.why, curve=None if k.curve is None else r.curve)
+        for r, k in pairs
+    )
+    return replace(one, readings=tuple(readings))
+
 
 def at_rest(measurements: Measurements, model: SheetModel) -> AtRest:
     """Return measurements without what the dynamics of a model explain of them.

@@ -7,7 +7,7 @@ of the readings.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -247,10 +247,10 @@ def _levels(drive_V: FloatArray, volts: FloatArray) -> Index:
 
 
 def _times(
-    run: DrivenRun, conditions: Sequence[Condition] | object, sampled: Sequence[FloatArray]
+    run: DrivenRun, conditions: Iterable[Condition], sampled: Sequence[FloatArray]
 ) -> FloatArray:
     """Return all instants at which something of a run was measured, ascending."""
-    readings = [r for c in conditions for r in c.readings]  # type: ignore[attr-defined]
+    readings = [r for c in conditions for r in c.readings]
     frames = np.array([frame_at_s(r) for r in readings])
     windows = [] if run.position_m is None else [np.array([at_s(r) + WITHIN for r in readings])]
     every = np.unique(np.concatenate([frames, *(w.ravel() for w in windows), *sampled]))
