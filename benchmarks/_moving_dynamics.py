@@ -21,7 +21,7 @@ from model.sheet.sheet_model import ConfiguredSheet
 
 FEW_M = (0.0, 0.01, 0.02, 0.03)
 MOST_M = (0.0, 0.005, 0.01, 0.015, 0.02, 0.025, 0.03)
-SLOW_GEL_S = 4.0
+SLOW_GEL_S, FINE_S = 4.0, 1e-3
 # viscous time in s, share of B that relaxes in 30 ms, and the damping ratio of both at 3.3 Hz
 LOSSES = {"usual": (4e-3, 0.35, 0.12), "small": (4e-4, 0.14, 0.036), "least": (2e-4, 0.045, 0.012)}
 
@@ -36,12 +36,12 @@ def session(
         positions_m={"long": positions_m}, free_shapes=free_shapes, readings=readings,
         random_order=True,
     )  # fmt: skip
-    with _loss(loss):
+    with _world_of(loss):
         found = WORLD.measure(design, dict(hidden), seed)
-    return replace(
-        found, conditions=tuple(map(timed, found.conditions)),
-        series=tuple(map(averaged, found.series)),
-    )  # fmt: skip
+        return replace(
+            found, conditions=tuple(map(timed, found.conditions)),
+            series=tuple(map(averaged, found.series)),
+        )  # fmt: skip
 
 
 def timed(condition: Condition) -> Condition:
@@ -54,7 +54,7 @@ def timed(condition: Condition) -> Condition:
 def averaged(series: TimeSeries) -> TimeSeries:
     """A series whose drive is the mean about its times, as that of a recording is.
 
-    The world takes two steps of 5 ms together, and states the middle of their beginnings.
+    The world takes two steps together, and states the middle of their beginnings.
     """
     before = np.concatenate([[0.0], series.drive_V[:-1]])
     return replace(series, drive_V=0.75 * series.drive_V + 0.25 * before)
@@ -64,9 +64,11 @@ def known(value: float, unit: str = "") -> Parameter:
     return Parameter(value=value, sigma=0.0, unit=unit)
 
 
-def _loss(name: str) -> AbstractContextManager[object]:
-    viscous_s, share, _ = LOSSES[name]
-    return patch.multiple(world, VISCOUS_S=viscous_s, QUICK_SHARE=share)
+def _world_of(loss: str) -> AbstractContextManager[object]:
+    """The world with a loss; where it is small held sheets ring at 20 Hz, which asks for steps."""
+    viscous_s, share, _ = LOSSES[loss]
+    steps = {} if loss == "usual" else {"HELD_STEP_S": FINE_S, "FREE_STEP_S": FINE_S}
+    return patch.multiple(world, VISCOUS_S=viscous_s, QUICK_SHARE=share, **steps)
 
 
 def true_model(

@@ -59,7 +59,7 @@ def swing_mm(seed: int, loss: str) -> float:
 
 def interval(count: int, of: int) -> str:
     """90 % interval of a share (Jeffreys)."""
-    low, high = beta.ppf((0.05, 0.95), count + 0.5, of - count + 0.5)
+    low, high = (float(beta.ppf(p, count + 0.5, of - count + 0.5)) for p in (0.05, 0.95))
     return f"{100 * low:.0f} - {100 * high:.0f} %"
 
 
