@@ -9,7 +9,7 @@ element. A step with held voltage is exact: each mode of the line decays by itse
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import pairwise
 from math import isfinite
 from typing import Any, NamedTuple
@@ -56,6 +56,14 @@ class _Modes(NamedTuple):
     clamp_by_source: float  # V(0) per volt of the source
 
 
+@cache
+def _slopes(terms: int) -> FloatArray:
+    """Return int P_i' P_j' from -1 to 1, (T, T)."""
+    x, w = legendre.leggauss(terms + 1)
+    slope = np.array([legendre.legval(x, legendre.legder(row)) for row in np.eye(terms)])
+    return np.asarray(slope * w @ slope.T)
+
+
 @dataclass(frozen=True)
 class LineModes:
     """The line with `terms` Legendre polynomials over the sheet, as decoupled modes."""
@@ -87,10 +95,7 @@ class LineModes:
 
     def _slopes(self, scale: FloatArray) -> FloatArray:
         """Return S."""
-        x, w = legendre.leggauss(self.terms + 1)
-        slopes = [legendre.legval(x, legendre.legder(row)) for row in np.eye(self.terms)]
-        slope = np.array(slopes) * scale[:, None]
-        return np.asarray(slope * w @ slope.T * 2.0 / self.length_m)
+        return np.asarray(_slopes(self.terms) * np.outer(scale, scale) * 2.0 / self.length_m)
 
     @property
     def rates_per_s(self) -> FloatArray:

@@ -135,6 +135,7 @@ class Simulation:
             angle = float(setup.angles(zero)[0]) - psi[0]
             found = start.equilibrium(beam, setup, kappa, angle, self.engine)
             break_m = by.break_m or float(found.s_hat_m[0])
+        self.break_m = break_m
         degrees = by.degrees if setup is not None else (by.free_degrees,)
         self.body = start.body_of(beam, start.sheet_space(beam, degrees, break_m))
         on = self.body.space

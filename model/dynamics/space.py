@@ -8,7 +8,7 @@ and, with no width, a mass at its end. A panel of d polynomials has d + 5 Gauss-
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -84,6 +84,21 @@ def _polynomials(nodes: int, count: int) -> tuple[FloatArray, FloatArray]:
     return np.asarray(legendre.legvander(t, count - 1)), integrated_legendre(t, count)
 
 
+class _Panels:
+    """A space as a key: the same panels have the same matrices, which many runs share."""
+
+    __slots__ = ("_key", "on")
+
+    def __init__(self, on: Space) -> None:
+        self.on, self._key = on, (on.breaks_m.tobytes(), on.first_dof.tobytes())
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Panels) and self._key == other._key
+
+
 def norms(on: Space) -> FloatArray:
     """Return int P_j^2 ds of each coefficient, (N,)."""
     widths = np.diff(on.breaks_m)
@@ -94,7 +109,13 @@ def norms(on: Space) -> FloatArray:
 
 
 def moments(on: Space) -> FloatArray:
-    """Return the matrix (N, M) that takes nodal values to int f P_j ds."""
+    """Return the matrix (N, M) that takes nodal values to int f P_j ds; not to be changed."""
+    return _moments(_Panels(on))
+
+
+@lru_cache(maxsize=16)
+def _moments(panels: _Panels) -> FloatArray:
+    on = panels.on
     rows = np.zeros((on.size, len(on.s_m)))
     for p in range(on.flexible):
         nodes = slice(on.first_node[p], on.first_node[p + 1])
@@ -112,8 +133,13 @@ class Rows(NamedTuple):
 
 
 def rows_at(on: Space, s_m: FloatArray) -> Rows:
-    """Return the matrices for points from the clamp to the end of the elongation."""
-    s = np.atleast_1d(np.asarray(s_m, dtype=float))
+    """Return the matrices for points from the clamp to the end of the elongation; not to change."""
+    return _rows_at(_Panels(on), tuple(np.atleast_1d(np.asarray(s_m, dtype=float)).tolist()))
+
+
+@lru_cache(maxsize=64)
+def _rows_at(panels: _Panels, places_m: tuple[float, ...]) -> Rows:
+    on, s = panels.on, np.array(places_m)
     panel = np.clip(np.searchsorted(on.breaks_m[1:-1], s, side="left"), 0, len(on.breaks_m) - 3)
     k, angle = np.zeros((len(s), on.size)), np.zeros((len(s), on.size))
     position = np.zeros((len(s), len(on.s_m)))
@@ -140,7 +166,13 @@ def rows_at(on: Space, s_m: FloatArray) -> Rows:
 
 
 def dense(on: Space) -> tuple[FloatArray, FloatArray]:
-    """Return angle (M, N) and position (M, M) at all nodes as whole matrices."""
+    """Return angle (M, N) and position (M, M) at all nodes as whole matrices; not to be changed."""
+    return _dense(_Panels(on))
+
+
+@lru_cache(maxsize=16)
+def _dense(panels: _Panels) -> tuple[FloatArray, FloatArray]:
+    on = panels.on
     M = len(on.s_m)
     angle, position = np.zeros((M, on.size)), np.zeros((M, M))
     for p, (low, high) in enumerate(pairwise(on.breaks_m)):

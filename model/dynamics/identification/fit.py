@@ -8,14 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from model.dynamics.beam import DynamicBeam
-from model.dynamics.identification.noise import RecordingNoise
+from model.dynamics.identification.noise import RecordingNoise, tempered
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import PredictedRun, RunResiduals
+from model.dynamics.identification.residuals import FINE, RunResiduals, coarser
 from model.dynamics.identification.runs import RecordedRun
 from model.dynamics.identification.uncertainty import DynamicParameter, judged
 from model.dynamics.motion import Resolution
@@ -24,9 +23,10 @@ from model.measurements import FloatArray, ModelError
 LONGEST = 1.0  # step of a logarithm
 BEGIN = 1.0  # a beginning is near enough when a step is this short, in standard deviations
 CONTRACTION = 0.1  # a step this much shorter than the last needs no new matrices
-BEGIN_S = 1.2  # of each run are enough to begin with: the phase of a ring-down is not yet lost
-MOST_STEPS = 40
-MOST_DAMPING = 1e8
+MOST_STEPS = 25
+LEAST_GAIN = 0.01  # of the cost: with exact derivatives too little to go on for ...
+NEAR = 0.1  # ... and as good as found when the step left is this short
+MOST_DAMPING, ROUGH_DAMPING = 1e8, 10.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,11 +51,11 @@ class Identification:
         return tuple(p.name for p in self.parameters if not p.determined)
 
 
-class _Point(NamedTuple):
+@dataclass(frozen=True)
+class _Point:
     """Where the search is."""
 
     theta: FloatArray
-    predictions: list[PredictedRun]
     residuals: list[FloatArray]  # whitened, of each run
     chi2: float  # of the data
     cost: float  # with the priors
@@ -70,6 +70,8 @@ class _Problem:
     ) -> None:  # fmt: skip
         self.parameters, self.runs = parameters, runs
         self.forward = [RunResiduals(run.plan, noise, resolution) for run in runs]
+        coarse = coarser(resolution)
+        self._rough = [RunResiduals(run.plan, noise, coarse) for run in runs]
 
     def point(self, theta: FloatArray) -> _Point:
         """Evaluate the model. Raises ModelError."""
@@ -82,14 +84,19 @@ class _Problem:
         chi2 = float(sum(r @ r for r in each))
         moved = theta - self.parameters.theta
         cost = chi2 + float(moved @ (self.parameters.precision * moved))
-        return _Point(theta, said, each, chi2, cost)
+        return _Point(theta, each, chi2, cost)
 
-    def jacobians(self, at: _Point, symmetric: bool = False) -> list[FloatArray]:
-        """Return d prediction/d theta of each run, whitened; 0 where nothing was seen."""
+    def jacobians(
+        self, at: _Point, *, symmetric: bool = False, exact: bool = False
+    ) -> list[FloatArray]:
+        """Return d prediction/d theta of each run, whitened; 0 where nothing was seen.
+
+        Long steps are good enough, but where data say next to nothing: what is compared with the
+        data is computed with short ones. exact: short steps and central differences.
+        """
         out = []
-        for of, said, run in zip(self.forward, at.predictions, self.runs, strict=True):
-            find = of.symmetric_sensitivity if symmetric else of.sensitivity
-            J = find(self.parameters, at.theta, said)
+        for of, run in zip(self.forward if exact else self._rough, self.runs, strict=True):
+            J = of.sensitivity(self.parameters, at.theta, symmetric=symmetric or exact)
             if run.x_m is not None and run.y_m is not None:
                 J[len(J) - run.x_m.size :][~np.isfinite(run.x_m + run.y_m).ravel()] = 0.0
             out.append(J)
@@ -121,7 +128,8 @@ class _Problem:
         return sum(of.count(run) for of, run in zip(self.forward, self.runs, strict=True))
 
 
-class _Found(NamedTuple):
+@dataclass(frozen=True)
+class _Found:
     """Where a search ended."""
 
     at: _Point
@@ -141,56 +149,86 @@ def identify(
 
     start: what is known (lengths, fluid, initial curvature, source), starting values and centres of
     the priors for what is not. tolerance: the last step is this short, in standard deviations of
-    the parameters. The electrodes are found from the current alone, then all parameters from the
-    first 1.2 s of each run, then from everything. Raises ModelError.
+    the parameters (0.1 of them where no step makes the fit better). resolution: None: FINE. The
+    electrodes are found from the current alone, then all parameters from the begin of each run,
+    then from everything. Raises ModelError.
     """
     _refuse(runs)
-    parameters, fine = LogParameters(start), resolution or Resolution()
+    parameters, fine = LogParameters(start), resolution or FINE
     theta = parameters.theta
-    for some, by in _beginnings(runs, fine):
-        theta = _search(_Problem(parameters, some, noise, by), theta, BEGIN).at.theta
+    for some, louder, by in _beginnings(runs, noise, fine):
+        theta = _search(_Problem(parameters, some, louder, by), theta, BEGIN).at.theta
     problem = _Problem(parameters, runs, noise, fine)
-    at, steps, converged = _search(problem, theta, tolerance)
+    search = _search(problem, theta, tolerance)
+    at = search.at
     data = problem.information(at)
     found, covariance = judged(parameters, at.theta, data, max(1.0, at.chi2 / problem.count))
     return Identification(
         beam=parameters.beam(at.theta), parameters=found, covariance=covariance, chi2=at.chi2,
-        count=problem.count, steps=steps, converged=converged,
+        count=problem.count, steps=search.steps, converged=search.converged,
     )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class _Stage:
+    """A part of the data to begin with: until so long after the first edge, how much noisier."""
+
+    until_s: float
+    temper: float
+
+
+STAGES = (_Stage(0.35, 30.0), _Stage(1.0, 10.0), _Stage(np.inf, 3.0))
+
+
 def _beginnings(
-    runs: Sequence[RecordedRun], fine: Resolution
-) -> Iterator[tuple[list[RecordedRun], Resolution]]:
-    """Yield what leads near the answer for little time."""
+    runs: Sequence[RecordedRun], noise: RecordingNoise, fine: Resolution
+) -> Iterator[tuple[list[RecordedRun], RecordingNoise, Resolution]]:
+    """Yield what leads near the answer for little time: each knows the last one's place.
+
+    One swing first, so that no period is counted wrongly; noise taken for stronger than it is, so
+    that the loss does not run away to explain a frequency that is still wrong.
+    """
     currents = [run.current_alone() for run in runs if run.plan.current]
     if currents:
-        yield currents, fine
-    yield [run.until(BEGIN_S) for run in runs], fine
+        yield currents, noise, fine
+    coarse = coarser(fine)
+    for stage in STAGES:
+        some = [run.until(float(run.plan.drive.time_s[0]) + stage.until_s) for run in runs]
+        yield some, tempered(noise, stage.temper), coarse
 
 
 def _search(problem: _Problem, theta: FloatArray, tolerance: float) -> _Found:
-    """Step until a step is short; a step shorter by far than the last needs no new matrices."""
+    """Step until a step is short; a step shorter by far than the last needs no new matrices.
+
+    Where derivatives with long steps lead nowhere, those with short ones are taken.
+    """
     at = problem.point(theta)
+    exact = False
     jacobians, fresh, damping, before = problem.jacobians(at), True, 0.0, 0.0
-    steps, length, ended = 0, np.inf, False
-    while not ended and steps < MOST_STEPS:
+    steps, length = 0, np.inf
+    while steps < MOST_STEPS:
         steps += 1
         hessian, gradient, length = problem.equations(at, jacobians)
         if not fresh and length > CONTRACTION * before:
-            jacobians, fresh = problem.jacobians(at), True
+            jacobians, fresh = problem.jacobians(at, exact=exact), True
             hessian, gradient, length = problem.equations(at, jacobians)
-        at, damping, moved = _step(problem, at, hessian, gradient, damping)
-        ended = length < tolerance or (fresh and not moved)
+        most = MOST_DAMPING if exact else ROUGH_DAMPING
+        cost = at.cost
+        at, damping, moved = _step(problem, at, hessian, gradient, damping, most)
+        gained = cost - at.cost
+        if length < tolerance or (exact and fresh and gained < LEAST_GAIN):
+            break
+        exact = exact or (fresh and not moved)
         before, fresh = length if moved else 0.0, False
-    return _Found(at, steps, length < tolerance)
+    return _Found(at, steps, length < max(tolerance, NEAR))
 
 
 def _step(
-    problem: _Problem, at: _Point, hessian: FloatArray, gradient: FloatArray, damping: float
-) -> tuple[_Point, float, bool]:
+    problem: _Problem, at: _Point, hessian: FloatArray, gradient: FloatArray, damping: float,
+    most: float,
+) -> tuple[_Point, float, bool]:  # fmt: skip
     """Return a better point, the damping that led there, and whether there was one."""
-    while damping < MOST_DAMPING:
+    while damping < most:
         damped = hessian + damping * np.diag(np.diag(hessian))
         step = np.linalg.solve(damped, gradient)
         step *= min(1.0, LONGEST / float(np.max(np.abs(step), initial=LONGEST)))

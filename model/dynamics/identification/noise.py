@@ -8,7 +8,7 @@ integrated out, so that they cost what they hide.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
 
 import numpy as np
@@ -58,6 +58,21 @@ class RecordingNoise:
             raise ModelError("the mains' frequency and the time left out at edges must be positive")
 
 
+def tempered(noise: RecordingNoise, factor: float) -> RecordingNoise:
+    """Return noise so many times stronger, under which a search leans on the priors."""
+
+    def stronger(of: ChannelNoise) -> ChannelNoise:
+        return ChannelNoise(
+            white=factor * of.white, zero=factor * of.zero, hum=factor * of.hum,
+            drift_per_sqrt_s=factor * of.drift_per_sqrt_s,
+        )  # fmt: skip
+
+    return replace(
+        noise, force=stronger(noise.force), current=stronger(noise.current),
+        curve_m=factor * noise.curve_m,
+    )  # fmt: skip
+
+
 class Whitening:
     """Takes residuals of a channel to independent ones of variance 1: a linear map.
 
@@ -70,10 +85,13 @@ class Whitening:
         """Prepare the map for samples at `time_s` (n,)."""
         self._gain, self._scale = _innovations(noise, time_s)
         self._hum: FloatArray | None = None
+        # of the map; half that of C^-1
+        self.ln_determinant = float(np.sum(np.log(self._scale)))
         if noise.hum > 0.0:
             columns = noise.hum * self._level_free(_hum(time_s, mains_hz))
             with_prior = np.concatenate([columns, np.eye(columns.shape[1])])
-            self._hum = np.linalg.qr(with_prior)[0]
+            self._hum, triangle = np.linalg.qr(with_prior)
+            self.ln_determinant -= float(np.sum(np.log(np.abs(np.diag(triangle)))))
 
     def __call__(self, columns: FloatArray) -> FloatArray:
         """Return whitened columns (n + h, m) of residuals (n, m); h: amplitudes of the hum."""

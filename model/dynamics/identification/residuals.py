@@ -15,6 +15,17 @@ from model.dynamics.motion import SAME_TIME, Resolution, SheetMotion, Simulation
 from model.measurements import FloatArray, ModelError
 
 DIFFERENCE = 1e-3  # of a logarithm
+FINE = Resolution(step_s=5e-4)  # a step of 1 ms is off by as much as 25 frames of a release say
+COARSE_STEP_S, COARSE_DEGREES = 2e-3, (6, 2)
+
+
+def coarser(fine: Resolution) -> Resolution:
+    """Return a resolution good enough for derivatives, and to come near."""
+    return replace(
+        fine, step_s=max(fine.step_s, COARSE_STEP_S),
+        degrees=tuple(min(pair) for pair in zip(fine.degrees, COARSE_DEGREES, strict=False)),
+        free_degrees=min(fine.free_degrees, COARSE_DEGREES[0]),
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,6 +37,7 @@ class PredictedRun:
     x_m: FloatArray  # (m, p)
     y_m: FloatArray
     phi_rad: FloatArray
+    break_m: float | None = None  # between the panels of the sheet; None: there is but one
 
 
 def predict(beam: DynamicBeam, run: RunPlan, resolution: Resolution) -> PredictedRun:
@@ -44,6 +56,7 @@ def predict(beam: DynamicBeam, run: RunPlan, resolution: Resolution) -> Predicte
     return PredictedRun(
         force_N=motion.reading_N[samples], current_A=motion.current_A[samples],
         x_m=motion.x_m[frames], y_m=motion.y_m[frames], phi_rad=motion.phi_rad[frames],
+        break_m=simulation.break_m,
     )  # fmt: skip
 
 
@@ -65,21 +78,28 @@ def _current_alone(beam: DynamicBeam, run: RunPlan, resolution: Resolution) -> P
     )
 
 
+def away_from_edges(
+    run: RunPlan, noise: RecordingNoise
+) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Return which samples (n,) of the current count: at a voltage edge it jumps."""
+    edges = run.drive.time_s
+    near = np.zeros(len(run.time_s), dtype=bool)
+    place = np.searchsorted(edges, run.time_s)
+    for side in (place - 1, place):
+        edge = edges[np.clip(side, 0, len(edges) - 1)]
+        near |= np.abs(run.time_s - edge) <= noise.edge_s
+    return ~near
+
+
 class RunResiduals:
     """The residuals of one run."""
 
     def __init__(self, run: RunPlan, noise: RecordingNoise, resolution: Resolution) -> None:
         """Prepare the whitening."""
         self.run, self._resolution, self._curve_m = run, resolution, noise.curve_m
-        edges = run.drive.time_s
-        near = np.zeros(len(run.time_s), dtype=bool)
-        if len(run.time_s):
-            place = np.searchsorted(edges, run.time_s)
-            for side in (place - 1, place):
-                edge = edges[np.clip(side, 0, len(edges) - 1)]
-                near |= np.abs(run.time_s - edge) <= noise.edge_s
-        self._away = ~near
-        if run.current and near.all():
+        self._break_m: float | None = None
+        self._away = away_from_edges(run, noise)
+        if run.current and not self._away.any():
             raise ModelError(f"{run.name}: no sample of the current is away from the voltage edges")
         self._force = Whitening(noise.force, run.time_s, noise.mains_hz) if run.force else None
         self._current = (
@@ -96,8 +116,13 @@ class RunResiduals:
         )
 
     def predict(self, beam: DynamicBeam) -> PredictedRun:
-        """Return what the model says of this run."""
-        return predict(beam, self.run, self._resolution)
+        """Return what the model says of this run.
+
+        The panels part where the first sheet asked about touches, so that all share their matrices.
+        """
+        said = predict(beam, self.run, replace(self._resolution, break_m=self._break_m))
+        self._break_m = said.break_m
+        return said
 
     def whitened(
         self, columns: list[tuple[PredictedRun, PredictedRun | RecordedRun]]
@@ -122,30 +147,20 @@ class RunResiduals:
         return np.concatenate(parts)
 
     def sensitivity(
-        self, parameters: LogParameters, theta: FloatArray, at: PredictedRun
+        self, parameters: LogParameters, theta: FloatArray, *, symmetric: bool
     ) -> FloatArray:
-        """Return d prediction/d theta, whitened, (N, p), by forward differences from `at`."""
-        columns = []
-        for j in range(len(theta)):
-            moved = theta.copy()
-            moved[j] += DIFFERENCE
-            columns.append((at, self.predict(parameters.beam(moved))))
-        return self.whitened(list(columns)) / DIFFERENCE
-
-    def symmetric_sensitivity(
-        self, parameters: LogParameters, theta: FloatArray, at: PredictedRun
-    ) -> FloatArray:
-        """Return d prediction/d theta, whitened, (N, p), by central differences about `at`.
+        """Return d prediction/d theta, whitened, (N, p), by forward or central differences.
 
         One-sided ones are off by half a step's curvature, which tells apart what no data do: a
         free sheet of twice the stiffness, mass and moment moves as before.
         """
-        columns = []
-        for j in range(len(theta)):
-            moved = DIFFERENCE * (np.arange(len(theta)) == j)
-            before, after = (self.predict(parameters.beam(theta + s * moved)) for s in (-1, 1))
+        at = self.predict(parameters.beam(theta))
+        columns: list[tuple[PredictedRun, PredictedRun | RecordedRun]] = []
+        for moved in DIFFERENCE * np.eye(len(theta)):
+            after = self.predict(parameters.beam(theta + moved))
+            before = self.predict(parameters.beam(theta - moved)) if symmetric else at
             columns.append((replace(before, phi_rad=at.phi_rad), after))
-        return self.whitened(list(columns)) / (2.0 * DIFFERENCE)
+        return self.whitened(columns) / (DIFFERENCE * (2.0 if symmetric else 1.0))
 
 
 def _difference(

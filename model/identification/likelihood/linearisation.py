@@ -6,8 +6,9 @@ where the set-ups really are, and the residuals those of nominal set-ups.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -156,6 +157,8 @@ class Linearisation:
     residual: FloatArray  # (N,)
     columns: FloatArray  # (N, p)
     data: Data
+    # what was once computed at these states, by what it is: see `search.evidence.candidates`
+    at_states: dict[Hashable, Any] = field(default_factory=dict, compare=False, repr=False)
 
 
 def sensitivities(

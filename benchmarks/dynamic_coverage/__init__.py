@@ -1,0 +1,1 @@
+"""How often the intervals of `model.dynamics.identification` hold the truth of the moving world."""
