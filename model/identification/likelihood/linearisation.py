@@ -149,7 +149,7 @@ def _form(shaped: FloatArray, base: FloatArray) -> FloatArray:
     return np.where(there, shaped / np.where(there, base, 1.0), 1.0)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Linearisation:
     """The data about a point: base parameters and active effects as columns of `data.X`."""
 
@@ -220,7 +220,7 @@ def linearise(
         fixed=np.where(empty, 1.0, pad(noise.fixed)), precision=width**-2.0, away=theta - mean,
         width=width_of(noise),
     )  # fmt: skip
-    return Linearisation(states, residual, columns, data)
+    return Linearisation(states=states, residual=residual, columns=columns, data=data)
 
 
 def priors_of(bases: Bases) -> tuple[FloatArray, FloatArray]:
