@@ -89,7 +89,8 @@ def _checked(measurements: Measurements, options: Options) -> tuple[CheckedData,
         if checked.stops:
             return checked, AtRest(measurements=measurements, dynamics={})
         raise
-    return check_data(rested.measurements), rested
+    checked = check_data(rested.measurements)
+    return checked, rested.of(checked.measurements)
 
 
 def _searched(

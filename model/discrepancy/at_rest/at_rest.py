@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.at_rest.excess import (
-    MovingSheet,
     RunExcess,
     Scale,
+    SheetInMotion,
     charged_eibm_Nm,
     counted,
     excess,
@@ -26,8 +26,7 @@ from model.discrepancy.at_rest.varied import Step, Varied, unsure
 from model.dynamics import Resolution
 from model.effects.catalogue import catalogue
 from model.measurements import Condition, Measurements, ModelError, TimeSeries
-from model.mechanics.field import Field
-from model.sheet.sheet_model import SheetModel
+from model.sheet.sheet_model import Along, SheetModel
 
 STEP = 0.05  # relative, of stiffness and EIBM
 EDGE_S = 1e-3  # how well the edges' times are known against those of frames and readings
@@ -42,6 +41,35 @@ class AtRest:
     measurements: Measurements
     dynamics: Mapping[str, DynamicsTaken]  # by configuration
     varied: tuple[Varied, ...] = ()  # the same less other dynamics
+
+    def of(self, kept: Measurements) -> AtRest:
+        """Return the same of what was kept of the measurements: fewer conditions and readings."""
+        own = {_key(c): c for c in kept.conditions}
+
+        def like(data: Measurements) -> Measurements:
+            found = (_like(c, own[_key(c)]) for c in data.conditions if _key(c) in own)
+            return replace(data, conditions=tuple(found))
+
+        others = tuple(Varied(one.step, like(one.measurements)) for one in self.varied)
+        return replace(self, measurements=kept, varied=others)
+
+
+def _key(one: Condition) -> tuple[object, ...]:
+    """Return what tells a condition from all others."""
+    return (
+        one.configuration, one.position_m, one.voltage_V, one.mounting, one.run, one.tilt_rad,
+        one.approach, one.session,
+    )  # fmt: skip
+
+
+def _like(one: Condition, kept: Condition) -> Condition:
+    """Return a condition in which the same readings count."""
+    pairs = zip(one.readings, kept.readings, strict=True)
+    readings = (
+        replace(r, valid=k.valid, why=k.why, curve=None if k.curve is None else r.curve)
+        for r, k in pairs
+    )
+    return replace(one, readings=tuple(readings))
 
 
 def at_rest(measurements: Measurements, model: SheetModel) -> AtRest:
@@ -114,12 +142,12 @@ def _of_one(
 ) -> tuple[_Changed, DynamicsTaken, list[_Other]]:
     sheet, one, dynamic = measurements.sheets[name], model.sheet(name), model.dynamic[name]
     runs = list(driven_runs(measurements, name))
-    stated, length = sheet.initial_curvature, sheet.free_length_m
-    rest = one.rest.field(length) if stated is None else Field.linear(*stated, length)
+    stated = sheet.initial_curvature
+    rest = one.rest if stated is None else Along(*stated, np.zeros(len(stated[0])), "1/m")
     eibm = charged_eibm_Nm(dynamic, sheet, runs, measurements)
     if 0.0 in eibm.values():
         raise ModelError(f"the dynamic model of '{name}' makes no EIBM at a voltage of these data")
-    moving = MovingSheet(
+    moving = SheetInMotion(
         sheet=sheet, dynamic=dynamic, B_Nm2=one.B.value, rest=rest, eibm_Nm=eibm,
         scale=Scale(stiffness=1.0, eibm={}),
     )  # fmt: skip
@@ -137,7 +165,7 @@ def _of_one(
     return change, _taken(measurements, found, eibm), others
 
 
-def _others(moving: MovingSheet) -> Iterator[tuple[Step, MovingSheet]]:
+def _others(moving: SheetInMotion) -> Iterator[tuple[Step, SheetInMotion]]:
     """Yield sheets that differ in one parameter, and in which."""
     name, B = moving.sheet.configuration, moving.B_Nm2
     none = Step(configuration=name, of="unsure")

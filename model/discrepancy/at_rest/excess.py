@@ -7,7 +7,7 @@ of the readings.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,9 +26,8 @@ from model.measurements import (
     Reading,
     SheetGeometry,
 )
-from model.mechanics.equilibrium import SolverStatus
-from model.mechanics.field import Field
-from model.sheet.beam_problem import ConditionProblem
+from model.parameter import Parameter
+from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
 from model.sheet.solution import SolvedProblems, solved
 
 WITHIN = np.linspace(-WINDOW_S, WINDOW_S, 9)  # of a reading: for the mean that its filter makes
@@ -53,44 +52,44 @@ class Scale:
 
 
 @dataclass(frozen=True, kw_only=True)
-class MovingSheet:
+class SheetInMotion:
     """One configuration in time, and the same at rest."""
 
     sheet: SheetGeometry
     dynamic: DynamicSheet
     B_Nm2: float  # of the model file
-    rest: Field
+    rest: Along  # k0
     eibm_Nm: Mapping[float, float]  # at the instants of readings, of the file's B
     scale: Scale
     late_s: float = 0.0  # all edges of the drive
 
     def beam(self) -> DynamicBeam:
         """Return it as it moves."""
-        beam = self.dynamic.beam(self.sheet, self.B_Nm2, self.rest)
+        beam = self.dynamic.beam(self.sheet, self.B_Nm2, self.rest.field(self.sheet.free_length_m))
         more, (up, down) = self.scale.stiffness, beam.moment_per_volt_Nm
         material = replace(beam.material, B_Nm2=self.B_Nm2 * more)
         return replace(beam, material=material, moment_per_volt_Nm=(more * up, more * down))
 
     def solved(self, position_m: float | None, volts: Sequence[float]) -> SolvedProblems:
         """Return its equilibria at these voltages. Raises ModelError where there is none."""
-        sheet, B = self.sheet, self.B_Nm2 * self.scale.stiffness
-        along = np.nan if position_m is None else position_m / sheet.arc_radius_m
-        problems = []
-        for v in volts:
-            eibm = self.eibm_Nm.get(v, 0.0) * self.scale.stiffness * self.scale.eibm.get(v, 1.0)
-            problems.append(
-                ConditionProblem(
-                    sheet=sheet, voltage_V=v, angle_rad=sheet.arc_origin_rad + along, B_Nm2=B,
-                    rest=self.rest, eibm=Field.constant(eibm, sheet.free_length_m),
-                )
-            )  # fmt: skip
-        found = solved(problems)
-        if position_m is not None and np.any(found.status != SolverStatus.SOLVED):
+        stiffer = self.scale.stiffness
+        eibm = {
+            v: Along.constant(_exact(stiffer * self.scale.eibm.get(v, 1.0) * moment, "N m"))
+            for v, moment in self.eibm_Nm.items()
+        }
+        B = _exact(stiffer * self.B_Nm2, "N m^2")
+        name = self.sheet.configuration
+        model = SheetModel(sheets={name: ConfiguredSheet(self.sheet, B, self.rest, eibm)})
+        found = solved(model.setups(name, [(position_m, v) for v in volts]))
+        if position_m is not None and not np.all(np.isfinite(found.force_N)):
             raise ModelError(
-                f"the dynamic model of '{sheet.configuration}' has no equilibrium at"
-                f" {position_m * 1e3:g} mm"
+                f"the dynamic model of '{name}' has no equilibrium at {position_m * 1e3:g} mm"
             )
         return found
+
+
+def _exact(value: float, unit: str) -> Parameter:
+    return Parameter(value=value, sigma=0.0, unit=unit)
 
 
 def charged_eibm_Nm(
@@ -99,7 +98,8 @@ def charged_eibm_Nm(
     """Return the mean EIBM along the sheet at the readings that count, by voltage."""
     found: dict[float, list[float]] = {}
     held = [run for run in runs if run.position_m is not None] or list(runs)
-    beam = dynamic.beam(sheet, 1.0, Field.constant(0.0, sheet.free_length_m))
+    straight = Along.constant(_exact(0.0, "1/m")).field(sheet.free_length_m)
+    beam = dynamic.beam(sheet, 1.0, straight)
     if beam.electrodes is None:
         return {}
     line = LineModes(beam.electrodes, beam.length_m, Resolution().line_terms)
@@ -195,7 +195,7 @@ class CurveExcess:
 
 
 def excess(
-    moving: MovingSheet, run: DrivenRun, data: Measurements, resolution: Resolution | None = None
+    moving: SheetInMotion, run: DrivenRun, data: Measurements, resolution: Resolution | None = None
 ) -> RunExcess:
     """Return what motion and charge add to everything that was measured in a run."""
     conditions = {i: data.conditions[i] for i in run.conditions}
@@ -247,10 +247,10 @@ def _levels(drive_V: FloatArray, volts: FloatArray) -> Index:
 
 
 def _times(
-    run: DrivenRun, conditions: Sequence[Condition] | object, sampled: Sequence[FloatArray]
+    run: DrivenRun, conditions: Iterable[Condition], sampled: Sequence[FloatArray]
 ) -> FloatArray:
     """Return all instants at which something of a run was measured, ascending."""
-    readings = [r for c in conditions for r in c.readings]  # type: ignore[attr-defined]
+    readings = [r for c in conditions for r in c.readings]
     frames = np.array([frame_at_s(r) for r in readings])
     windows = [] if run.position_m is None else [np.array([at_s(r) + WITHIN for r in readings])]
     every = np.unique(np.concatenate([frames, *(w.ravel() for w in windows), *sampled]))

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 from model.dynamics import DynamicSheet, PronyTerm
 from model.measurements import Measurements
@@ -50,7 +50,8 @@ def unsure(dynamic: DynamicSheet) -> Iterator[DynamicSheet]:
     """
     for name in _NAMES:
         if getattr(dynamic, name).value > 0.0:
-            yield replace(dynamic, **{name: _larger(getattr(dynamic, name))})
+            changed: dict[str, Any] = {name: _larger(getattr(dynamic, name))}
+            yield replace(dynamic, **changed)
     for i, term in enumerate(dynamic.prony):
         for other in (
             PronyTerm(share=_larger(term.share), time_s=term.time_s),

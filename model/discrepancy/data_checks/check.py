@@ -18,6 +18,7 @@ from model.discrepancy.data_checks.changed_data import Compared, Trial, compared
 from model.discrepancy.data_checks.contract import DataCheck, Suspicion
 from model.discrepancy.data_checks.kinds._data import quoted
 from model.discrepancy.data_checks.quick_fit import QuickFit, Tolerances, bare, quick_fit
+from model.discrepancy.data_checks.swinging_shapes import without_swinging
 from model.discrepancy.thresholds import (
     FAILED_CURVE_SHARE,
     FAILED_FORCE_SHARE,
@@ -34,7 +35,7 @@ SAME_SIGMA, SAME_SHARE = 5.0, 0.02  # within which two configurations ask for th
 class CheckedData:
     """Measurements with what is suspicious about them."""
 
-    measurements: Measurements  # without readings far from the others
+    measurements: Measurements  # without readings far from the others, and what still swings
     suspicions: tuple[Suspicion, ...] = ()
     notes: tuple[str, ...] = ()  # what was left out
 
@@ -57,8 +58,11 @@ def check_data(measurements: Measurements) -> CheckedData:
     found = [one for check in checks for one in check.suspicions(data)]
     stops = [one for one in found if one.severity == "stop"]
     # what else seems wrong follows from these, as a rule
-    found = stops or [*found, *_of_the_fit(data, checks)]
-    return CheckedData(measurements=data, suspicions=tuple(found), notes=cleaned.sentences())
+    at_rest, left_out = without_swinging(data)
+    found = stops or [*found, *_of_the_fit(at_rest, checks)]
+    return CheckedData(
+        measurements=at_rest, suspicions=tuple(found), notes=(*cleaned.sentences(), *left_out)
+    )
 
 
 def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Suspicion]:
