@@ -9,6 +9,7 @@ from typing import Any
 import tomlkit
 
 from labrig.config.base import parse_toml, read_text
+from labrig.config.file_kinds import MODEL, refuse_other_kind
 from labrig.errors import BadInputError
 from labrig.files import write_text
 from model import ModelError, SheetModel
@@ -22,7 +23,9 @@ _HEADER = (
 
 def load_model(path: Path) -> SheetModel:
     """Read a model file. Raises BadInputError naming file and key."""
-    data = parse_toml(read_text(path), str(path))
+    text = read_text(path)
+    refuse_other_kind(text, str(path), MODEL)
+    data = parse_toml(text, str(path))
     try:
         return SheetModel.from_dict(data)
     except ModelError as error:

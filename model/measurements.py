@@ -80,6 +80,7 @@ class Reading:
     valid: bool = True
     why: str = ""  # the reason when not valid
     curve: Curve | None = None
+    frame_s: float | None = None  # middle of the exposure that shows `curve`, since the run began
     # of further channels at the sampling point, by name and unit: {"temperature_degC": 21.5}
     other_values: Mapping[str, float] = field(default_factory=dict)
 

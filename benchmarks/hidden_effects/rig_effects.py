@@ -83,6 +83,11 @@ _SCALE = Form(
     set_to("view.scale_error"), "camera", felt_by="curve",
     parameters=lambda e: {"relative_error": e},
 )  # fmt: skip
+_ROLL = Form(
+    "camera_roll", "turned", "rad that pictures are turned", 0.03, 0.2,
+    set_to("view.roll_rad"), "camera", felt_by="curve", accepted=("rest_curvature",),
+    parameters=lambda a: {"angle_rad": a},
+)  # fmt: skip
 _PERSPECTIVE = Form(
     "camera_perspective", "along_x", "lengths look so much longer 50 mm away", 0.05, 0.3,
     set_to("view.perspective_x"), "camera", felt_by="curve",
@@ -123,6 +128,7 @@ FORMS: tuple[Form, ...] = (
             change=set_to("arc.scale_error", 1 / MIDDLE_MM), parameters=lambda _: {}),
     _SCALE,
     replace(_SCALE, form="stretched", change=set_to("view.stretch"), parameters=lambda _: {}),
+    _ROLL,
     _PERSPECTIVE,
     replace(_PERSPECTIVE, form="along_y", change=set_to("view.perspective_y")),
     Form("frame_delay", "late", "s", 0.42, 0.9, set_to("frame_delay_s"), "camera",

@@ -33,7 +33,8 @@ AS_IN_CATALOGUE = {
     "force_offset": ("constant",), "force_drift": ("line",),
     "load_cell_misalignment": ("turned",), "load_cell_hysteresis": ("play",),
     "load_cell_compliance": ("linear",), "position_error": ("offset",), "camera_scale": ("both",),
-    "camera_perspective": ("along_x", "along_y"), "frame_delay": ("late",),
+    "camera_roll": ("turned",), "camera_perspective": ("along_x", "along_y"),
+    "frame_delay": ("late",),
 }  # fmt: skip
 EXTRAS = Extras(
     free_shapes=True, remounts=3, random_order=True, reversed_approach=True, no_touch_zero=True

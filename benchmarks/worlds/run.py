@@ -125,8 +125,13 @@ def _asked(one: Made, kept: Record) -> Record:
 
 
 def _verdict(said: Answer) -> str:
+    """Return what a method says in the words of `diagnose`."""
+    if said.verdict:
+        return said.verdict
     if said.unknown is not None:
         return "unknown_effect"
+    if any(one.confusable_with for one in said.named):
+        return "indistinguishable"
     return "effect_named" if said.named else "nothing_missing"
 
 

@@ -8,6 +8,7 @@ from typing import Literal, cast
 from labrig.analysis.curves import ConditionCurves
 from labrig.analysis.forces import ForceReading
 from labrig.session import RecordedSession, RunRecord
+from labrig.session.format.layout import NO_FRAME
 from model.measurements import Condition, Kind, Reading
 from protocols.planning.schedule import PlannedRun, Purpose
 
@@ -59,6 +60,7 @@ def _readings(
     run_begin_s: float,
 ) -> Iterator[Reading]:
     since_wetting_s = run.since_wetting_s
+    frame_s = _frame_times_s(run)
     for reading in readings:
         if reading.voltage_V != voltage_V:
             continue
@@ -72,8 +74,18 @@ def _readings(
             valid=reading.valid,
             why=reading.why,
             curve=None if curves is None else curves.by_reading.get(reading.index),
+            frame_s=frame_s.get(reading.index),
             other_values=reading.other_values,
         )
+
+
+def _frame_times_s(run: RunRecord) -> dict[int, float]:
+    """Return when the frame of each reading that has one was taken, since the run began."""
+    rows = run.readings[run.readings["frame"] != NO_FRAME] if run.started else ()
+    if not len(rows):
+        return {}
+    time_s = run.frame_column("time")
+    return {int(row["index"]): float(time_s[int(row["frame"])]) for row in rows}
 
 
 def _position_m(planned: PlannedRun) -> float | None:

@@ -43,7 +43,10 @@ Stiffness = Annotated[
     ),
 ]
 KnownModel = Annotated[
-    Path | None, typer.Option("--model", help="a model file whose effects are known")
+    Path | None,
+    typer.Option(
+        "--model", help="a model file whose effects, and dynamics where it has them, are known"
+    ),
 ]
 Symmetric = Annotated[
     bool, typer.Option("--symmetric", help="one |EIBM| for both polarities: asymmetry is a finding")

@@ -17,6 +17,7 @@ from packaging.licenses import InvalidLicenseExpression, canonicalize_license_ex
 from pydantic import AfterValidator, Field
 
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+from labrig.config.file_kinds import ABOUT, refuse_other_kind
 from labrig.errors import BadInputError
 
 FILE = "about.toml"  # its name beside rig.toml and among a session's texts
@@ -134,6 +135,8 @@ class About(ClosedModel):
 
 def parse_about(text: str, name: str) -> About:
     """about.toml's text as an object."""
+    if text.strip():
+        refuse_other_kind(text, name, ABOUT)
     return validate(About, parse_toml(text, name), name)
 
 

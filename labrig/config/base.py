@@ -16,6 +16,7 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_validator
 
+from labrig.config.file_kinds import TEXT, kind_of_bytes, other_kind
 from labrig.errors import BadInputError
 
 MOST_BYTES = 8 << 20  # of a file that a person writes
@@ -56,7 +57,10 @@ def _insist(value: Any, wanted: frozenset[type]) -> None:
         if bool not in wanted:
             raise ValueError("should be neither true nor false")
     elif isinstance(value, str) and wanted <= _NO_WORDS:
-        raise ValueError("should be a valid number, without quotes")
+        kind = "a number" if wanted & {int, float} else "true or false"
+        raise ValueError(f"should be {kind}, without quotes")
+    elif isinstance(value, int | float) and bool in wanted and not wanted & {int, float}:
+        raise ValueError("should be true or false")
     elif isinstance(value, int | float) and dt.date in wanted:
         raise ValueError("should be a date such as 2026-11-21")
 
@@ -77,6 +81,9 @@ def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
     except FileNotFoundError:
         raise BadInputError(f"{path}: there is no such file.") from None
     except UnicodeDecodeError as error:
+        kind = kind_of_bytes(error.object[:8])
+        if kind:
+            raise other_kind(path, kind, TEXT) from None
         raise BadInputError(
             f"{path}: not a text file in UTF-8 (byte {error.start} cannot be read); save it "
             "as UTF-8."
@@ -160,13 +167,30 @@ def _sentence(model: type[BaseModel], where: str, faults: list[Any]) -> str:
     if first["type"] == "extra_forbidden":
         return f"{where} is not a known key{_suggestion(model, first['loc'])}"
     if first["type"] == "missing":
-        return f"{where} is missing; it is required"
+        return _missing(where, first["loc"])
+    said = " or ".join(dict.fromkeys(map(_said, _best(faults))))
+    if not first["loc"]:
+        return said
     given = "" if isinstance(first["input"], dict) else f" = {_short(first['input'])}"
-    return f"{where}{given}: {' or '.join(dict.fromkeys(map(_said, faults)))}"
+    return f"{where}{given}: {said}"
+
+
+def _best(faults: list[Any]) -> list[Any]:
+    """Return what is wrong with the alternative that was meant, where a check of ours tells."""
+    ours = [fault for fault in faults if fault["type"] == "value_error"]
+    return ours if ours and isinstance(faults[0]["input"], dict) else faults
+
+
+def _missing(where: str, location: tuple[Any, ...]) -> str:
+    if location and isinstance(location[-1], int):
+        return f"{_where(location[:-1])} lacks value {location[-1] + 1}"
+    return f"{where} is missing; it is required"
 
 
 def _short(value: Any) -> str:
     """Return a value for a message: whole, but not a page of it."""
+    if isinstance(value, bool):
+        return str(value).lower()
     writer = reprlib.Repr()
     writer.maxstring = writer.maxother = writer.maxlong = 80
     return writer.repr(value)
@@ -176,11 +200,39 @@ def _cut(key: str) -> str:
     return key if len(key) <= _KEY else f"{key[:_KEY]}..."
 
 
+# What pydantic says in the words of its own language, by the type of the fault.
+_PLAINLY = {
+    "string_type": "should be a text in quotes",
+    "path_type": "should be a path in quotes",
+    "float_type": "should be a number",
+    "float_parsing": "should be a number",
+    "int_type": "should be a whole number",
+    "int_parsing": "should be a whole number",
+    "int_from_float": "should be a whole number",
+    "bool_type": "should be true or false",
+    "bool_parsing": "should be true or false",
+    "tuple_type": "should be a list in brackets",
+    "list_type": "should be a list in brackets",
+    "date_type": "should be a date such as 2026-11-21",
+    "date_parsing": "should be a date such as 2026-11-21",
+    "date_from_datetime_parsing": "should be a date such as 2026-11-21",
+    "date_from_datetime_inexact": "should be a date such as 2026-11-21",
+    "model_type": "should be a table",
+    "model_attributes_type": "should be a table",
+    "dict_type": "should be a table",
+}
+
+
 def _said(fault: Any) -> str:
+    kind, context = fault["type"], fault.get("ctx", {})
+    if kind in _PLAINLY:
+        return _PLAINLY[kind]
+    if kind == "too_short":
+        return f"should have at least {context['min_length']} of them"
+    if kind == "too_long":
+        return f"should have at most {context['max_length']} of them"
     said: str = fault["msg"].removeprefix("Value error, ").removeprefix("Input ").rstrip(".")
-    if fault["type"] in {"model_type", "model_attributes_type", "dict_type"}:
-        return "should be a table"
-    return said.removesuffix(", unable to parse string as a number")
+    return said
 
 
 def _where(location: tuple[Any, ...]) -> str:

@@ -11,6 +11,7 @@ from pydantic import Field, model_validator
 
 from drivers.load_cell import GSO_10_CAPACITY_N, LoadCellCalibration
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+from labrig.config.file_kinds import LOAD_CELL, refuse_other_kind
 
 FORCE_UNIT = "force_channel_unit"  # key of the resolved configuration: V, or N where a meter reads
 
@@ -42,6 +43,7 @@ class LoadCellConfig(ClosedModel):
 
 def parse_load_cell(text: str, name: str) -> LoadCellCalibration:
     """load_cell.toml's text as a calibration."""
+    refuse_other_kind(text, name, LOAD_CELL)
     return validate(LoadCellConfig, parse_toml(text, name), name).calibration()
 
 

@@ -13,6 +13,7 @@ from pydantic import Field, create_model, field_validator, model_validator
 from drivers.plugins import PluginFolder
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.config.derived import SettingsModel, model_of
+from labrig.config.file_kinds import PROTOCOL, refuse_other_kind
 from labrig.errors import BadInputError
 from protocols import Extra, Extras, Place, ProtocolKind, Schedule, ScheduleError, make_schedule
 from protocols.extras.conformance import faults as extra_faults
@@ -225,6 +226,7 @@ def _place(place: PlaceConfig) -> Place:
 
 def parse_protocol(text: str, name: str) -> ProtocolConfig:
     """protocol.toml's text as a configuration."""
+    refuse_other_kind(text, name, PROTOCOL)
     return validate(protocol_model(), parse_toml(text, name), name)
 
 

@@ -17,6 +17,7 @@ from drivers.force_sensors import FORCE_SENSORS
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.config.channels import Channels, require_distinct
 from labrig.config.derived import SIMULATED, raising_value_errors
+from labrig.config.file_kinds import RIG, refuse_other_kind
 from labrig.config.hooks import HooksConfig
 from labrig.config.parts import (
     CAMERA,
@@ -201,6 +202,7 @@ class ReplayConfig(ClosedModel):
 
 def parse_rig(text: str, name: str) -> RigConfig | ReplayConfig:
     """rig.toml's text as a configuration; paths stay as they are written."""
+    refuse_other_kind(text, name, RIG)
     data = parse_toml(text, name)
     if "replay" in data:
         return validate(ReplayConfig, data, name)
@@ -216,7 +218,9 @@ def load_output(path: Path) -> RigConfig | ReplayConfig:
 
     A camera whose plug-in is gone must not keep anybody from making the output safe.
     """
-    data = parse_toml(read_text(path), str(path))
+    text = read_text(path)
+    refuse_other_kind(text, str(path), RIG)
+    data = parse_toml(text, str(path))
     if "replay" in data:
         return validate(ReplayConfig, data, str(path))
     kept = {name: table for name, table in data.items() if name not in NOT_THE_OUTPUT}

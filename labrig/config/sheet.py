@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+from labrig.config.file_kinds import SHEET, refuse_other_kind
 from labrig.errors import BadInputError
 from model.measurements import SheetGeometry
 
@@ -77,6 +78,7 @@ class Sheet(ClosedModel):
 
 def parse_sheet(text: str, name: str) -> dict[str, SheetGeometry]:
     """sheet.toml's text as geometries by configuration; a single one may stand at top level."""
+    refuse_other_kind(text, name, SHEET)
     data = parse_toml(text, name)
     arc = validate(ArcConfig, data.pop("arc", {}), f"{name}: [arc]")
     tables = _tables(data, name)

@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 
 from drivers.load_cell import LoadCellCalibration
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+from labrig.config.file_kinds import CONTROLLER, refuse_other_kind
 from labrig.config.rig import RigConfig
 from labrig.errors import BadInputError
 from labrig.files import write_text
@@ -198,6 +199,7 @@ def _matrix(rows: list[list[float]], shape: tuple[int, int], name: str) -> np.nd
 
 def parse_controller(text: str, name: str) -> ControllerConfig:
     """Return controller.toml's text as an object; BadInputError has a sentence for each fault."""
+    refuse_other_kind(text, name, CONTROLLER)
     return validate(ControllerConfig, parse_toml(text, name), name)
 
 

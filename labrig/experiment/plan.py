@@ -172,6 +172,4 @@ def _check_against_rig(plan: Plan, called: Mapping[str, str]) -> None:
             plan.schedule, SafetyLimits(limits.sheet_voltage_V, limits.time_under_voltage_s)
         )
     except ScheduleError as error:
-        raise BadInputError(
-            f"{called['protocol.toml']}: against the [limits] of the rig: {error}."
-        ) from None
+        raise BadInputError(f"{called['protocol.toml']}: {error}.") from None

@@ -74,10 +74,12 @@ class SetUp:
 def set_up_checks(set_up: SetUp) -> Iterator[Check]:
     """Yield a warning or a fault for each number that can hardly be meant."""
     sheets = set_up.sheets or {}
-    for radius_m in sorted({sheet.arc_radius_m for sheet in sheets.values()}):
-        yield from RADIUS.checks("sheet.toml [arc] radius_mm", 1e3 * radius_m)
+    lengths = [check for sheet in sheets.values() for check in _lengths(sheet)]
+    yield from {check.name: check for check in lengths}.values()  # the arc's radius once
+    if not all(check.ok for check in lengths):
+        sheets = {}  # what follows from a wrong length is no further fault
     for sheet in sheets.values():
-        yield from _sheet(sheet)
+        yield from _initial_curvature(sheet)
     yield from _positions(set_up.schedule, sheets)
     yield from _voltages(set_up.schedule)
     if set_up.calibration is not None:
@@ -87,10 +89,10 @@ def set_up_checks(set_up: SetUp) -> Iterator[Check]:
         yield from _images(set_up.px_per_mm, set_up.image_size, sheets)
 
 
-def _sheet(sheet: SheetGeometry) -> Iterator[Check]:
+def _lengths(sheet: SheetGeometry) -> Iterator[Check]:
     at = f"sheet.toml [{sheet.configuration}]"
-    length_m = sheet.free_length_m
-    yield from FREE_LENGTH.checks(f"{at} free_length_mm", 1e3 * length_m)
+    yield from RADIUS.checks("sheet.toml [arc] radius_mm", 1e3 * sheet.arc_radius_m)
+    yield from FREE_LENGTH.checks(f"{at} free_length_mm", 1e3 * sheet.free_length_m)
     yield from WIDTH.checks(f"{at} width_mm", 1e3 * sheet.width_m)
     yield from THICKNESS.checks(f"{at} thickness_mm", 1e3 * sheet.thickness_m)
     if sheet.elongation_m:
@@ -98,6 +100,10 @@ def _sheet(sheet: SheetGeometry) -> Iterator[Check]:
     if sheet.clamped_length_m:
         yield from CLAMPED.checks(f"{at} clamped_length_mm", 1e3 * sheet.clamped_length_m)
     yield from RISE_TIME.checks(f"{at} rise_time_s", sheet.rise_time_s)
+
+
+def _initial_curvature(sheet: SheetGeometry) -> Iterator[Check]:
+    at, length_m = f"sheet.toml [{sheet.configuration}]", sheet.free_length_m
     if sheet.initial_curvature is not None:
         nodes_m, per_m = sheet.initial_curvature
         bend_deg = math.degrees(float(np.max(np.abs(per_m))) * length_m)

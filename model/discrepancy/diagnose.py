@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.data_checks.check import check_data
+from model.discrepancy.at_rest.at_rest import AtRest, at_rest, refuse_copies
+from model.discrepancy.at_rest.outcome import with_dynamics
+from model.discrepancy.at_rest.varied import Varied
+from model.discrepancy.data_checks.check import CheckedData, check_data
 from model.discrepancy.data_checks.outcome import contradiction, stopped, with_checks
-from model.discrepancy.prepare import Options, prepare, sessions, setups
+from model.discrepancy.prepare import Options, check_geometry, prepare, sessions, setups
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import search
 from model.discrepancy.search.nonparametric_terms import unknowns
@@ -38,12 +41,13 @@ def diagnose(
     options = options or Options()
     say = progress or (lambda *_: None)
     say("checking the data", 0.0)
-    checked = check_data(measurements)
-    measurements = checked.measurements
+    checked, rested = _checked(measurements, options)
     if checked.stops:
         return replace(stopped(checked), seconds=time.perf_counter() - began)
-    finding = _searched(measurements, options, say)
+    finding = _searched(checked.measurements, options, say, rested.varied)
     result = with_checks(finding.diagnosis, checked)
+    if options.model is not None:
+        result = with_dynamics(result, rested, measurements, options.model)
     say("done", 1.0)
     return replace(result, seconds=time.perf_counter() - began)
 
@@ -52,23 +56,51 @@ def next_measurement(
     measurements: Measurements, between: tuple[str, ...], options: Options | None = None
 ) -> Next:
     """Return which measurement separates effects best; raise `ModelError` where none does."""
-    checked = check_data(measurements)
+    options = options or Options()
+    checked, rested = _checked(measurements, options)
     if checked.stops:
         raise ModelError(contradiction(checked))
     chosen = [_in_sessions(name, sessions(checked.measurements)) for name in between]
     if len(chosen) < 2:
         raise ModelError("name two effects to be told apart, for example gravity and clamp_angle")
-    finding = _searched(checked.measurements, options or Options(), lambda *_: None)
+    finding = _searched(checked.measurements, options, lambda *_: None, rested.varied)
     found = finding.separating(chosen)
     if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:
         raise ModelError(f"nothing on the menu would tell {' from '.join(between)}")
     return found
 
 
-def _searched(measurements: Measurements, options: Options, say: Progress) -> Finding:
+def _checked(measurements: Measurements, options: Options) -> tuple[CheckedData, AtRest]:
+    """Return measurements less what dynamics explain, as the data checks leave them.
+
+    Where the dynamics have no answer the data as they are may say why; else raises ModelError.
+    """
+    if options.model is not None:
+        refuse_copies(options.model)
+    if options.model is None or not options.model.dynamic:
+        return check_data(measurements), AtRest(measurements=measurements, dynamics={})
+    for name, one in measurements.sheets.items():
+        if name in options.model.dynamic:
+            check_geometry(one, options.model.sheet(name).sheet)
+    try:
+        rested = at_rest(measurements, options.model)
+    except ModelError:
+        checked = check_data(measurements)
+        if checked.stops:
+            return checked, AtRest(measurements=measurements, dynamics={})
+        raise
+    return check_data(rested.measurements), rested
+
+
+def _searched(
+    measurements: Measurements,
+    options: Options,
+    say: Progress,
+    varied: Sequence[Varied],
+) -> Finding:
     """Return the finished search of measurements that passed the data checks."""
     say("fitting the base model", 0.01)
-    ready = prepare(measurements, options)
+    ready = prepare(measurements, options, varied)
     effects = _effects(options, sessions(measurements))
 
     def searching(step: str, share: float) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.discrepancy.at_rest.varied import Varied
 from model.discrepancy.thresholds import (
     LONGEST_CURVE_RATIO,
     SHORTEST_CURVE_RATIO,
@@ -21,7 +23,7 @@ from model.identification.base_model import (
 )
 from model.identification.data.data_vector import DataVector, look
 from model.identification.likelihood.forward_model import ForwardModel
-from model.identification.likelihood.linearisation import Bases
+from model.identification.likelihood.linearisation import Bases, FurtherColumns, sensitivities
 from model.identification.likelihood.mixed_model_fit import FitProblem
 from model.identification.likelihood.model_state import Found
 from model.identification.likelihood.row_noise import noise_of
@@ -58,8 +60,13 @@ class Prepared:
     notes: tuple[str, ...]
 
 
-def prepare(measurements: Measurements, options: Options) -> Prepared:
-    """Return everything usable; a `ModelError` where not even the base model can be fitted."""
+def prepare(
+    measurements: Measurements, options: Options, varied: Sequence[Varied] = ()
+) -> Prepared:
+    """Return everything usable; a `ModelError` where not even the base model can be fitted.
+
+    `varied`: the same measurements less other dynamics.
+    """
     used = _kept(measurements, options.hold_out)
     names = [n for n in used.sheets if any(c.configuration == n for c in used.conditions)]
     if not names:
@@ -92,9 +99,57 @@ def prepare(measurements: Measurements, options: Options) -> Prepared:
     if options.model is not None:
         for one in looks:
             sheet = options.model.sheet(one.sheet.configuration).sheet
-            _check_geometry(one.sheet, sheet)
+            check_geometry(one.sheet, sheet)
+    if varied:
+        bases = _with_dynamics(forward, bases, theta, varied, options.hold_out)
+        theta = np.append(theta, np.zeros(bases.size - len(theta)))
     problem = FitProblem.of(forward, bases, noise_of(forward))
     return Prepared(problem, theta, _active(options.model, kept), tuple(notes))
+
+
+def _with_dynamics(
+    forward: ForwardModel,
+    bases: Bases,
+    theta: FloatArray,
+    varied: Sequence[Varied],
+    hold_out: tuple[tuple[str, float], ...],
+) -> Bases:
+    """Return the base models with what changes where the dynamics are not quite those stated."""
+    _, residual, _ = sensitivities(forward, bases, theta)
+    rests = [scene.rest for scene in forward.scenes]
+    rows, places, size = list[FloatArray](), list[int](), bases.size
+    zero, step = list[float](), list[float]()
+    eibm, stiffness = dict[int, FloatArray](), dict[int, FloatArray]()
+    for one in varied:
+        how = one.step
+        if how.configuration not in forward.names:
+            continue
+        c = forward.names.index(how.configuration)
+        part = bases.parts[c]
+        data = _kept(one.measurements, hold_out)
+        looks = [look(data, name) for name in forward.names]
+        _, other, _ = sensitivities(ForwardModel(looks, rests, like=forward), bases, theta)
+        rows.append(residual - other)
+        if how.of == "unsure":
+            place, value, change, size = size, 0.0, 1.0, size + 1
+        elif how.of == "stiffness":
+            place, value, change = part.stiffness, float(np.log(how.value)), how.size
+        else:
+            place, sign = part.eibm[how.voltage_V]
+            value, change = sign * how.value, sign * how.value * how.size
+        if how.of == "eibm":
+            eibm[c] = eibm.get(c, np.zeros(len(residual))) + rows[-1] / how.size
+        elif how.of == "stiffness":
+            stiffness[c] = rows[-1] / how.size
+        places.append(place)
+        zero.append(value)
+        step.append(change)
+    further = FurtherColumns(
+        rows=np.stack(rows, axis=1), places=tuple(places), zero=np.array(zero),
+        step=np.array(step), own=range(bases.size, size),
+        eibm=eibm, stiffness={c: stiffer - eibm[c] for c, stiffer in stiffness.items()},
+    )  # fmt: skip
+    return replace(bases, size=size, further=further)
 
 
 def _anchored(forward: ForwardModel, bases: Bases, theta: FloatArray) -> Bases:
@@ -209,7 +264,7 @@ def sessions(measurements: Measurements) -> int:
     return max((c.session for c in measurements.conditions), default=1)
 
 
-def _check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
+def check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
     """Raise a `ModelError` where the model was fitted to another sheet than this one."""
     for what, a, b in (
         ("free length", sheet.free_length_m, other.free_length_m),

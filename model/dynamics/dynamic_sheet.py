@@ -11,14 +11,15 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from model.dynamics.beam import ContactSetup, DynamicBeam, Elongation
-from model.dynamics.fluid import AIR, VACUUM, FluidLoad, fluid_load
+from model.dynamics.fluid import VACUUM, FluidLoad, fluid_load
 from model.dynamics.line import ElectrodeLine
 from model.dynamics.material import Viscoelasticity
 from model.measurements import ModelError, SheetGeometry
 from model.mechanics.field import Field
 from model.parameter import Parameter, finite
 
-WATER_FREQUENCY_HZ = 0.71  # at which the added mass in water is taken: the long sheet's first mode
+# at which the added mass and the linear drag are taken: the long sheet's first mode
+AIR_FREQUENCY_HZ, WATER_FREQUENCY_HZ = 3.3, 0.71
 FLUIDS = ("air", "water", "vacuum")
 _POSITIVE = (
     "mass_per_length_kg_per_m",
@@ -151,7 +152,9 @@ def fluid_around(name: str, width_m: float) -> FluidLoad:
     """Return the load of a fluid on a sheet of this width."""
     if name == "water":
         return fluid_load(width_m, 1000.0, 1e-3, WATER_FREQUENCY_HZ, drag_coefficient=2.0)
-    return AIR if name == "air" else VACUUM
+    if name == "air":
+        return fluid_load(width_m, 1.2, 1.82e-5, AIR_FREQUENCY_HZ, drag_coefficient=2.0)
+    return VACUUM
 
 
 class _DynamicReader:

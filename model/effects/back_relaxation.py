@@ -91,5 +91,6 @@ EFFECT = BackRelaxation(
         ),
         SPREAD,
     ),
+    explained_by_dynamics=True,
     form_error_along=("time", "voltage"),
 )

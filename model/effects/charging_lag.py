@@ -97,5 +97,6 @@ EFFECT = ChargingLag(
             starting_values=(1.0, 0.0),
         ),
     ),
+    explained_by_dynamics=True,
     form_error_along=("time", "voltage"),
 )

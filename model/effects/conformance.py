@@ -88,6 +88,8 @@ def _faults_of_words(effect: Effect) -> Iterator[str]:
             f"its form differs along {', '.join(unknown)}, which is none of"
             f" {', '.join(_FORM_COORDINATES)}"
         )
+    if not isinstance(effect.explained_by_dynamics, bool):
+        yield "its explained_by_dynamics is neither True nor False"
     if not effect.parameters:
         yield "it has no parameter that says how much of it there is"
     if len({parameter.name for parameter in effect.parameters}) < len(effect.parameters):

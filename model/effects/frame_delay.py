@@ -52,6 +52,7 @@ EFFECT = FrameDelay(
             starting_values=(0.0, 1.0),
         ),
     ),
+    explained_by_dynamics=True,
     form_error_along=("time", "run"),
     of_the_rig=True,
 )

@@ -108,6 +108,9 @@ class Effect:
     in_base_model: bool = False
     title: str = ""  # what readers are shown; empty: the name, in words
     needs_session: bool = False  # says nothing of a single run, whose session has no course
+    # part of what a model with dynamics says of charge, loss and swing: beside such a model it is
+    # what the dynamics leave, never a second copy of them
+    explained_by_dynamics: bool = False
 
     @property
     def amplitude(self) -> EffectParameter:

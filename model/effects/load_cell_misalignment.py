@@ -44,7 +44,7 @@ EFFECT = LoadCellMisalignment(
             prior_scale=0.05,
             low=-0.8,
             high=0.8,
-            instrument_limit=0.44,
+            instrument_limit=0.6,
             beyond="a load cell turned by {degrees} degrees would be seen",
         ),
     ),

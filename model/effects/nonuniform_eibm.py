@@ -70,6 +70,7 @@ EFFECT = NonuniformEibm(
             starting_values=(5, 8, 12, 20, 35, 60, 120),
         ),
     ),
+    explained_by_dynamics=True,
     form_error_along=("s", "voltage"),
     extra={"end_to_root_ratio": ""},
 )

@@ -63,6 +63,8 @@ def _section(e: Effect) -> Iterable[str]:
     yield f"- **may differ along**: {', '.join(e.form_error_along)}" + (
         "; each configuration may have its own size" if e.by_configuration else ""
     )
+    if e.explained_by_dynamics:
+        yield "- **explained by dynamics**: with a model that has them it is what they leave"
     yield f"- **source**: {e.source}\n"
     yield "| parameter | meaning | unit | plausible | bounds | absent at | tried |"
     yield "|---|---|---|---|---|---|---|"

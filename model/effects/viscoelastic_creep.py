@@ -160,5 +160,6 @@ EFFECT = ViscoelasticCreep(
             starting_values=(0.0, 1.0),
         ),
     ),
+    explained_by_dynamics=True,
     form_error_along=("time", "position"),
 )

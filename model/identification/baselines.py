@@ -22,9 +22,12 @@ from model.identification.options import FitOptions
 from model.identification.residuals import distance_to
 from model.identification.starting_values import rest_field
 from model.measurements import FloatArray, Measurements, ModelError
+from model.mechanics.arc import arc_contact, arc_points
 from model.mechanics.equilibrium import SolverStatus, problems, solve
 from model.mechanics.field import Field
+from model.mechanics.linear_beam import LinearBeam
 
+PLACES = 201  # of a shape
 FORCE_SCALE_N, CURVE_SCALE_M = 1e-4, 3e-4  # what is weighed as one: the paper's own order of error
 
 
@@ -43,79 +46,31 @@ Simple = Callable[[Observed, Field, float, float], Answer]
 
 def constant_curvature(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
     """Fit an arc through the contact, or an arc whose straight elongation passes through it."""
-    R, length = observed.sheet.arc_radius_m, observed.sheet.free_length_m
-    k = 2.0 * np.sin(angle) / R
-    s_hat = 2.0 * angle / k if abs(k) > 1e-9 else R
-    if s_hat > length:
-        for _ in range(60):  # distance of the contact from the elongation's line, by secant
-            h = 1e-6
-            off, ahead = _aside(k, length, R, angle), _aside(k + h, length, R, angle)
-            step = off * h / (ahead - off)
-            k -= float(np.clip(step, -20.0, 20.0))
-            if abs(step) < 1e-10:
-                break
-        x, y = _arc(k, np.array([length]))
-        s_hat = length + float(np.hypot(R * np.cos(angle) - x[0], R * np.sin(angle) - y[0]))
-    loaded = min(s_hat, length)
-    s = np.linspace(0.0, loaded, 61)
-    x, y = _arc(k, s)
-    phi = k * loaded
-    lever = (R * np.cos(angle) - x) * np.cos(phi) + (R * np.sin(angle) - y) * np.sin(phi)
-    mean_lever = float(np.trapezoid(lever, s)) / loaded
-    push = (rest.mean(loaded) + bend - k) / mean_lever
-    whole = np.linspace(0.0, length, 201)
-    return Answer(float(push * np.cos(phi - angle)), *_arc(k, whole))
-
-
-def _arc(k: float, s: FloatArray) -> tuple[FloatArray, FloatArray]:
-    half = 0.5 * k * s
-    chord = s * np.sinc(half / np.pi)
-    return chord * np.cos(half), chord * np.sin(half)
-
-
-def _aside(k: float, length: float, R: float, angle: float) -> float:
-    x, y = _arc(k, np.array([length]))
-    phi = k * length
-    return float(
-        -(R * np.cos(angle) - x[0]) * np.sin(phi) + (R * np.sin(angle) - y[0]) * np.cos(phi)
-    )
+    sheet = observed.sheet
+    arc = arc_contact(rest, sheet.arc_radius_m, angle, elongation_m=np.inf)
+    s = np.linspace(0.0, sheet.free_length_m, PLACES)
+    x, y = arc_points(np.array([arc.curvature_per_m]), s)
+    return Answer(float(arc.force_over_B(np.array(bend))), x[0], y[0])
 
 
 def linear_beam(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
     """Small deflections: y'' = k0 + Me/B - (N/B)(R - x), y(R) = R beta."""
-    return _small(observed, rest, lambda x: np.full_like(x, bend), angle)
+    uniform = Field.constant(1.0, observed.sheet.free_length_m)
+    return _small(observed, rest, uniform, bend, angle)
 
 
 def equivalent_beam(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
     """Fit the voltage as a force f at the tip: y'' = k0 + (f/B)(l - x) - (N/B)(R - x)."""
     length = observed.sheet.free_length_m
-    return _small(observed, rest, lambda x: bend * (length - x) / (0.5 * length), angle)
+    by_tip = Field.linear(np.array([0.0, length]), np.array([2.0, 0.0]), length)
+    return _small(observed, rest, by_tip, bend, angle)
 
 
-def _small(
-    observed: Observed, rest: Field, active: Callable[[FloatArray], FloatArray], angle: float
-) -> Answer:
-    R, length = observed.sheet.arc_radius_m, observed.sheet.free_length_m
-    x = np.linspace(0.0, length, 401)
-    lever = np.maximum(R - x, 0.0)
-    free, unit = (_twice(values, x) for values in (rest(x) + active(x), lever))
-    at_free, at_unit = (_at(y, x, R) for y in (free, unit))
-    push = (at_free - R * angle) / at_unit
-    return Answer(float(push), x, free - push * unit)
-
-
-def _twice(curvature: FloatArray, x: FloatArray) -> FloatArray:
-    h = x[1]
-    slope = np.concatenate([[0.0], np.cumsum(0.5 * h * (curvature[1:] + curvature[:-1]))])
-    rise: FloatArray = np.concatenate([[0.0], np.cumsum(0.5 * h * (slope[1:] + slope[:-1]))])
-    return rise
-
-
-def _at(y: FloatArray, x: FloatArray, place: float) -> float:
-    """Height at a place; beyond the sheet along its last direction."""
-    if place <= x[-1]:
-        return float(np.interp(place, x, y))
-    return float(y[-1] + (place - x[-1]) * (y[-1] - y[-2]) / (x[-1] - x[-2]))
+def _small(observed: Observed, rest: Field, active: Field, bend: float, angle: float) -> Answer:
+    sheet = observed.sheet
+    beam = LinearBeam(rest, active, sheet.arc_radius_m, angle)
+    x, kappa = np.linspace(0.0, sheet.free_length_m, PLACES), np.array([bend])
+    return Answer(float(beam.force_over_B(kappa)[0]), x, beam.heights_m(x, kappa)[0])
 
 
 def full_model(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
@@ -125,7 +80,7 @@ def full_model(observed: Observed, rest: Field, bend: float, angle: float) -> An
     found = solve(problems(kappa, angle, sheet.arc_radius_m, 10.0 * sheet.arc_radius_m))
     if found.status[0] != SolverStatus.SOLVED:
         raise ModelError("no equilibrium")
-    shape = found.shapes(np.linspace(0.0, sheet.free_length_m, 201))
+    shape = found.shapes(np.linspace(0.0, sheet.free_length_m, PLACES))
     return Answer(float(found.force(1.0)[0]), shape.x_m[0], shape.y_m[0])
 
 

@@ -152,6 +152,8 @@ class ActiveEffect:
     profile: Profile | None = None
     location: str = ""  # of `unknown`
     configurations: tuple[str, ...] = ()  # in which it acts; empty: all
+    # in which it is what the dynamics leave, of an effect that these have a part of
+    beside_dynamics: tuple[str, ...] = ()
 
     def values(self, configuration: str) -> dict[str, float] | None:
         """Numbers by name for a configuration; None where the effect does not act."""
@@ -169,6 +171,8 @@ class ActiveEffect:
             result["slot"] = self.location
         if self.configurations:
             result["configurations"] = list(self.configurations)
+        if self.beside_dynamics:
+            result["beside_dynamics"] = list(self.beside_dynamics)
         result["parameters"] = {k: p.to_dict() for k, p in self.parameters.items()}
         if self.by_configuration:
             result["by_configuration"] = {
@@ -215,13 +219,14 @@ class ActiveEffect:
             profile=None if profile is None else Profile.from_dict(profile, f"{where}.profile"),
             location=str(data.get("slot", "")),
             configurations=_names(data, where),
+            beside_dynamics=_names(data, where, "beside_dynamics"),
         )
 
 
-def _names(data: dict[str, Any], where: str) -> tuple[str, ...]:
-    names = data.get("configurations", [])
+def _names(data: dict[str, Any], where: str, key: str = "configurations") -> tuple[str, ...]:
+    names = data.get(key, [])
     if not isinstance(names, list) or not all(isinstance(n, str) for n in names):
-        raise ModelError(f"{where}.configurations: a list of names is wanted")
+        raise ModelError(f"{where}.{key}: a list of names is wanted")
     return tuple(names)
 
 

@@ -122,8 +122,10 @@ class SheetModel:
 
     def sheet(self, configuration: str) -> ConfiguredSheet:
         """Return a configuration's parameters."""
+        if not self.sheets:
+            raise ModelError("this model has no configuration: nothing was fitted")
         if configuration not in self.sheets:
-            known = ", ".join(sorted(self.sheets)) or "none"
+            known = ", ".join(sorted(self.sheets))
             raise ModelError(f"the model has no configuration '{configuration}' (it has: {known})")
         return self.sheets[configuration]
 

@@ -89,7 +89,7 @@ def limit_faults(run: PlannedRun, limits: SafetyLimits) -> Iterator[str]:
     if not fits(under_s, limits.time_under_voltage_s):
         yield (
             f"{under_s:g} s under voltage is longer than the limit of "
-            f"{limits.time_under_voltage_s:g} s a run ([limits] time_under_voltage_s)"
+            f"{limits.time_under_voltage_s:g} s ([limits] time_under_voltage_s)"
         )
     moved_m = None if run.move is None else run.move.position_m
     for position_m in (run.via_m, run.position_m, moved_m):

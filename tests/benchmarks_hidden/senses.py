@@ -135,6 +135,7 @@ SENSES: dict[str, Number] = {
     "load_cell_compliance": less(slope("short")),
     "position_error": less(lambda m: force(m, "short", 0.015, 0)),
     "camera_scale": reach,
+    "camera_roll": lambda m: reach(m, 1),
     "camera_perspective": lambda m: reach(m) + reach(m, 1),
     "frame_delay": less(lambda m: height(m, 2) - height(m, -2)),  # seen is the pulse before
     # outside the catalogue

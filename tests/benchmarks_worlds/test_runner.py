@@ -8,14 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.data_mistakes.mistakes import MISTAKES
 from benchmarks.hidden_effects.records import Foretold, Hid, Name, Record, Unseen, append, load
-from benchmarks.worlds import sealed
+from benchmarks.hidden_effects.visible import Visible
+from benchmarks.worlds import run, sealed
 from benchmarks.worlds.__main__ import main
-from benchmarks.worlds.cases import SHARES, made, tasks
+from benchmarks.worlds.cases import SHARES, Made, made, tasks
 from benchmarks.worlds.conditions import left_out, unmeasured, without
 from benchmarks.worlds.contract import Design
 from benchmarks.worlds.generators.chain import WORLD
 from benchmarks.worlds.methods import boosted
+from benchmarks.worlds.methods._contract import Answer
 from benchmarks.worlds.registry import digest
 from benchmarks.worlds.run import method, methods
 from benchmarks.worlds.table import confidently_wrong, rows
@@ -188,6 +191,43 @@ def test_a_sealed_world_is_refused_once_it_has_changed(tmp_path: Path) -> None:
     file.write_text(text.format("0" * 64))
     with pytest.raises(ValueError, match="not the one that was sealed"):
         sealed.check("chain", 7, file)
+
+
+def test_a_session_that_stops_the_search_is_recorded_without_a_prediction(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Data that contradict what is stated of them have no model: that is no failure."""
+    task = tasks("chain", 1, 3, ["single"])[0]
+    bare = WORLD.measure(Design(), {}, 3)
+    mistake = next(one for one in MISTAKES if one.name == "curves in m instead of mm")
+    session, _ = mistake.make(bare, np.random.default_rng(3))
+    visible = Visible((20.0,), (20.0,), {}, {}, {})
+    one = Made(task, WORLD, {"zero": 1.0}, bare, session, visible)
+    monkeypatch.setattr(run, "made", lambda _: one)
+    (found,) = run.records(task)
+    assert (found.error, found.verdict, found.foretold) == ("", "cannot_tell", None)
+
+
+@pytest.mark.parametrize(
+    ("said", "verdict"),
+    [
+        (Answer(), "nothing_missing"),
+        (Answer(verdict="cannot_tell"), "cannot_tell"),
+        (Answer(named=[Name("gravity", 0.9, [], 0.0, {})]), "effect_named"),
+        (Answer(named=[Name("gravity", 0.9, ["force_drift"], 0.0, {})]), "indistinguishable"),
+        (Answer(unknown=Unseen("eibm", "long", "s", 3.0)), "unknown_effect"),
+    ],
+)
+def test_a_verdict_is_recorded_as_what_it_is(
+    said: Answer, verdict: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bare = WORLD.measure(Design(), {}, 3)
+    task = tasks("chain", 1, 3, ["nothing"])[0]
+    one = Made(task, WORLD, {}, bare, bare, Visible((), (), {}, {}, {}))
+    monkeypatch.setattr(run, "made", lambda _: one)
+    monkeypatch.setattr(run, "method", lambda _: lambda _: said)
+    (found,) = run.records(task)
+    assert found.verdict == verdict
 
 
 @pytest.mark.parametrize("name", [m for m in methods() if m != "boosted"])

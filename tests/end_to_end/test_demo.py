@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import re
 import sys
 from contextlib import redirect_stdout
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ pytestmark = [
 FREE_POSITION_M = {"long": 15e-3, "short": 5e-3}  # where the undriven sheet rests, in the paper
 E_PA = {"long": 150e6, "short": 100e6}  # of the default world
 THICKNESS_M, WIDTH_M = 0.21e-3, 11e-3
+NUMBER = re.compile(r"(?<![\w.])\d[\d.]*(?![\w.])")
 POSITIONS = {"demo": 7}  # of each configuration; other sessions have four
 OTHER = """
 [pulse_train]
@@ -123,6 +125,30 @@ def test_its_ten_seconds_on_the_real_clock_are_recorded_as_simulated(demo: Demo)
         assert session.clock == "real"
         assert session.simulated
         assert session.boards == "simulated"
+
+
+def test_its_sheet_that_moves_is_found_as_the_world_holds_it(demo: Demo) -> None:
+    table = demo.printed[demo.printed.index("The long sheet in time") :].splitlines()
+    found = {
+        line.split("  ")[0]: [float(x) for x in NUMBER.findall(line.partition("  ")[2])]
+        for line in table[3:16]
+    }
+    assert len(found) == 13
+    for name, allowed in (
+        ("mass per length", 0.02),
+        ("Prony share 2", 0.03),
+        ("Prony time 2", 0.05),
+        ("capacitance c", 0.01),
+        ("electrodes r", 0.01),
+    ):
+        fitted, low, high, true = found[name]
+        assert low < fitted < high
+        assert fitted == pytest.approx(true, rel=allowed)
+    B, true_B = found["relaxed bending stiffness B"][0], found["relaxed bending stiffness B"][-1]
+    assert pytest.approx(true_B, rel=0.04) == B  # of set-ups that scatter by 1 %
+    folder = demo.folder / "moving"
+    assert {p.name for p in folder.glob("motion.*")} == {"motion.png", "motion.svg"}
+    assert load_model(folder / "model.toml").dynamic["long"].fluid == "air"
 
 
 def test_each_effect_of_the_world_is_named_beside_the_others_with_its_own_values(

@@ -60,7 +60,7 @@ def test_all_that_about_toml_states_is_understood():
         ("[[people]]\nrole = 'operator'", r"\[people\.0\] name is missing"),
         ("[sample]\nbatch = '1'", r"\[sample\] identity is missing"),
         ("[sample]\nidentity = 'S'\nmade = 3", r"made = 3: should be a date such as 2026-11-21"),
-        ("[sample]\nidentity = 17", r"\[sample\] identity = 17: should be a valid string"),
+        ("[sample]\nidentity = 17", r"\[sample\] identity = 17: should be a text in quotes"),
         ('title = "a\\u0000b"', r"title = .*: should be text without control characters"),
         ('title = "a\\nb"', r"title = .*: should be one line"),
         (f'title = "{"x" * 201}"', r"title = .*should have at most 200 characters"),

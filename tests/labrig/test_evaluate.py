@@ -247,7 +247,10 @@ def test_a_model_file_that_cannot_be_written_is_one_sentence(tmp_path):
 @pytest.mark.slow
 def test_compare_shows_what_large_deflection_and_a_varying_eibm_are_worth(recorded, capsys):
     assert run(["compare", str(recorded), "--json"]) == 0
-    rows = json.loads(printed(capsys)[0])
+    told = json.loads(printed(capsys)[0])
+    rows = told["static"]
+    assert told["dynamic"] == []
+    assert "release = true" in told["why_no_dynamic"]["long"]
     errors = {(row["configuration"], row["model"]): row["curve_rmse_mm"] for row in rows}
     assert errors["long", "linear beam"] > 1.0
     assert errors["long", "full model, EIBM along the sheet"] < 0.1

@@ -74,7 +74,7 @@ def test_an_extra_is_true_or_a_table():
         ("[extras.chirp]\nende_hz = 5\n", r"\[extras.chirp\] ende_hz is not a known key; did you"),
         ("[extras.release]\nhold_s = 0\n", r"\[extras.release\] hold_s = 0.*greater than 0"),
         ("[extras]\nrelase = true\n", r"\[extras\] relase is not a known key; did you mean relea"),
-        ("[extras]\nrelease = 3\n", r"\[extras\] release = 3: should be a valid boolean"),
+        ("[extras]\nrelease = 3\n", r"\[extras\] release = 3: should be true or false"),
         (
             '[extras]\nmode = "paper"\nrelease = true\n',
             'mode "paper" has no extras; remove release',

@@ -41,7 +41,8 @@ def recorded(position_m: float | None, noise: float) -> RecordedRun:
 
 @pytest.fixture(scope="module")
 def pair() -> tuple[ComparedRun, ComparedRun]:
-    return compared(model(), recorded(0.005, 1.0)), compared(model(), recorded(None, 1.0))
+    beam, _ = model().moving("long", None)
+    return compared(beam, recorded(0.005, 1.0)), compared(beam, recorded(None, 1.0))
 
 
 def test_errors_are_those_that_were_added(pair: tuple[ComparedRun, ComparedRun]) -> None:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from model.discrepancy import diagnose
 from model.discrepancy.prepare import Options, prepare
 from model.effects import effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
@@ -86,3 +87,13 @@ def test_a_perspective_is_what_it_is(made: Measurements):
     value, half = interval(fitted(session, "camera_perspective", direction_rad=0.0))
     assert value == pytest.approx(0.05, abs=half)
     assert half < 5e-4
+
+
+@pytest.mark.slow
+def test_a_rolled_camera_is_named_and_not_a_sheet_that_is_bent(measure):
+    """All set-ups have it, so that it would hide in the scatter of the clamp's direction."""
+    cos, sin = np.cos(0.03), np.sin(0.03)
+    usual = measure(positions_mm=(0, 10, 20, 30))
+    found = diagnose(along_the_sheet(usual, lambda x, y: (cos * x - sin * y, sin * x + cos * y)))
+    assert (found.verdict, [one.name for one in found.effects]) == ("effect_named", ["camera_roll"])
+    assert found.effects[0].parameters["angle_rad"].value == pytest.approx(0.03, rel=0.02)

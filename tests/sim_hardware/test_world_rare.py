@@ -201,6 +201,8 @@ def test_the_image_is_distorted_as_the_world_says() -> None:
     assert grown[1] == pytest.approx([0.05 * 1.21, 0.0])
     turned = world(view__perspective_x=0.1).view.seen(points)
     assert turned[1] == pytest.approx([0.055, 0.0])
+    rolled = world(view__roll_rad=0.1).view.seen(points)
+    assert rolled[1] == pytest.approx([0.05 * np.cos(0.1), 0.05 * np.sin(0.1)])
     dented = world(view__dent_mm=0.5).view.seen(points)
     assert dented[2] - points[2] == pytest.approx([0.0, 0.5e-3])
     assert dented[0] == pytest.approx([0.0, 0.0], abs=1e-6)

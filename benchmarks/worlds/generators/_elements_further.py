@@ -1,4 +1,4 @@
-"""What no catalogue knows."""
+"""What no catalogue knew when this world was made; a rolled camera has a name since."""
 
 from __future__ import annotations
 
@@ -137,7 +137,8 @@ FURTHER: dict[str, Acting] = {
     "barrel": _u(
         "The lens draws the picture together towards its middle: -c (rho/50 mm)^2 of rho.",
         ("camera",), sizes=(0.03, 0.3), unit="", image=_barrel),
-    "rolled_camera": _u(
+    "rolled_camera": acting(
         "The camera is turned about its own axis: curves, not forces, are turned at the clamp.",
-        ("camera", "rest_curvature"), sizes=(0.015, 0.2), unit="rad", image=_rolled),
+        "camera_roll", ("camera",), (0.015, 0.2), "rad", image=_rolled,
+        parameters=lambda c: {"angle_rad": c}),
 }  # fmt: skip

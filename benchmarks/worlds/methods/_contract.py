@@ -20,8 +20,9 @@ Foretell = Callable[[str, float, float], Prediction]
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What a method says of a session. Nothing said: nothing is missing."""
+    """What a method says of a session. Nothing said, no verdict: nothing is missing."""
 
+    verdict: str = ""  # as `diagnose` words it; empty: what follows from names and unknown
     # each with its posterior probability (1 where the method states none), what it may be confused
     # with, and parameters with 90 % intervals; the reported set is names and confusable ones
     named: list[Name] = field(default_factory=list)

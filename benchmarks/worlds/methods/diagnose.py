@@ -21,11 +21,13 @@ def answer(measurements: Measurements) -> Answer:
     found = diagnose(measurements)
     ranking = [(r.name, r.log_bayes) for r in found.ranking if not r.name.startswith("unknown")]
     return Answer(
+        verdict=found.verdict,
         named=[name_of(n) for n in found.effects],
         unknown=unseen_of(found.unknown),
         invisible=list(found.invisible),
         ranking=ranking[:RANKED],
         closed=float(found.closed) if np.isfinite(found.closed) else None,
-        foretell=partial(predict, read_back(found.model)),
+        # data that contradict what is stated of them have no model
+        foretell=partial(predict, read_back(found.model)) if found.searched else None,
         choice_sets=[one.to_json() for one in found.choice_sets],
     )

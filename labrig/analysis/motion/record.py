@@ -12,14 +12,13 @@ from drivers.interfaces import FloatArray
 from labrig.analysis.analyze import AnalysisInputs, inputs_of, shunt_ohm
 from labrig.analysis.motion.frames import FrameCurves, frame_curves
 from labrig.analysis.motion.signals import MotionSignals, is_whole, motion_signals
+from labrig.analysis.motion.way import Way
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN
 from labrig.session import RecordedSession, RunRecord
-from labrig.session.reading.moves import moves_of
 from model.dynamics import ContactSetup
 from model.dynamics.identification import RecordedRun, RunPlan
 from model.measurements import SheetGeometry
-from protocols.execution.events import LoadCellArrived, LoadCellLeft
 from protocols.planning.schedule import Purpose
 
 Progress = Callable[[float, str], None]
@@ -173,7 +172,7 @@ class _RunReader:
         planned, sheet = run.planned, self._sheet
         if planned.purpose is not Purpose.MEASUREMENT or planned.position_m is None:
             return None, np.ones(len(time_s), dtype=bool)
-        way = _Way.of(self._session, run, begin_s)
+        way = Way.of(self._session, run, begin_s)
         setup = ContactSetup(
             radius_m=sheet.arc_radius_m, origin_rad=sheet.arc_origin_rad,
             position_m=planned.position_m if way is None else way.at,
@@ -211,38 +210,6 @@ class _RunReader:
                 "How long a frame was exposed is not stated, so its time is taken as that of its"
                 " arrival: state [camera] exposure_s in rig.toml."
             )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Way:
-    """The load cell's way to another position: the smoothest (minimum jerk) in its time."""
-
-    from_m: float
-    to_m: float
-    left_s: float
-    arrived_s: float
-
-    @staticmethod
-    def of(session: RecordedSession, run: RunRecord, begin_s: float) -> _Way | None:
-        """Return the way as the log has it; None where the load cell rests."""
-        zero_s, move = run.time_zero_s + begin_s, run.planned.move
-        left = arrived = None
-        for event in moves_of(session, run):
-            if isinstance(event, LoadCellLeft):
-                left = event
-            elif isinstance(event, LoadCellArrived):
-                arrived = event
-        if move is None or left is None or arrived is None or run.planned.position_m is None:
-            return None
-        return _Way(
-            from_m=run.planned.position_m, to_m=move.position_m, left_s=left.time_s - zero_s,
-            arrived_s=max(arrived.time_s, left.time_s + 1e-3) - zero_s,
-        )  # fmt: skip
-
-    def at(self, time_s: FloatArray) -> FloatArray:
-        """Return the position at each time."""
-        u = np.clip((time_s - self.left_s) / (self.arrived_s - self.left_s), 0.0, 1.0)
-        return self.from_m + (self.to_m - self.from_m) * u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
 
 
 def _recorded(

@@ -42,7 +42,8 @@ def demo(
     """Run the paper's experiment on the simulated rig: record, analyse, fit, diagnose, report.
 
     Then ten seconds on the real clock, the same drivers speaking TCP and serial to the simulated
-    boards, camera and stage in another process.
+    boards, camera and stage in another process. Last a sheet that moves: a release and some pulses
+    are recorded, mass, losses and electrodes identified, and a pulse drawn with its model.
     """
     from labrig.config.templates import write_templates
 
@@ -68,6 +69,8 @@ def demo(
             "7. Ten seconds on the real clock: boards over TCP, camera over HTTP, a serial stage"
         )
         _real_clock(folder / "real-clock")
+    _heading(f"{7 if simulated_only else 8}. A sheet that moves: mass, losses, electrodes")
+    _moving(folder / "moving")
     say()
     say(f"The demo took {time.monotonic() - began:.0f} s. Open {folder / 'report' / 'index.html'}")
 
@@ -112,6 +115,14 @@ def _real_clock(folder: Path) -> None:
         table = overview(opened).tables()[1]
     print_table(table.title, table.columns, table.rows)
     say(f"The world's own record of the last voltage: {_last_voltage(record)} V")
+
+
+def _moving(folder: Path) -> None:
+    from labrig.cli.moving_demo import fit_and_draw, write_moving_rig
+
+    files = write_moving_rig(folder)
+    _run(*files, folder / "session.h5")
+    fit_and_draw(folder / "session.h5", folder)
 
 
 def _last_voltage(record: Path) -> str:

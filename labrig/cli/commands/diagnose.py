@@ -86,7 +86,11 @@ def diagnose(
         keep(sessions[0], found)
     written = []
     if output is not None and not found.searched:
-        warn(f"{output} is not written: there is no model of data that contradict what is stated.")
+        older = "; what is there is older" if output.exists() else ""
+        warn(
+            f"{output} is not written: there is no model of data that contradict what is"
+            f" stated{older}."
+        )
     elif output is not None:
         from labrig.model_file import save_model
 

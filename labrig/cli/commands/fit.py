@@ -10,6 +10,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from labrig.cli.command import Command
+from labrig.cli.dynamic_fit import (
+    DynamicFluid,
+    DynamicPositions,
+    DynamicRequest,
+    ElongationMass,
+    SheetFluid,
+    fit_in_time,
+    refuse_others,
+    refuse_without_dynamic,
+)
 from labrig.cli.measurements import fitted_of, warn_of_suspicions
 from labrig.cli.model_errors import errors_of, warn_of_misses
 from labrig.cli.options import FigureFormats, Json, Stiffness
@@ -83,6 +93,15 @@ def fit(
     ] = 0,
     q: Annotated[float, typer.Option(help="weight exponent q of (7)")] = 1.0,
     stiffness_Nm2: Stiffness = None,
+    dynamic: Annotated[
+        bool,
+        typer.Option(
+            "--dynamic", help="the sheet in time instead: also mass, loss, electrodes (dynamics.md)"
+        ),
+    ] = False,
+    position_mm: DynamicPositions = None,
+    fluid: DynamicFluid = SheetFluid.AIR,
+    elongation_g_per_m: ElongationMass = None,
     as_json: Json = False,
 ) -> None:
     """Identify bending stiffness and electrically induced bending moment of a session's sheets.
@@ -90,6 +109,12 @@ def fit(
     Sessions of the same sheet share them, unless --apart is given. The model file holds the model
     with constant EIBM, or that with the EIBM along the sheet where the constant one misses the
     data; --varying and --constant say which.
+
+    With --dynamic, from the runs as they were recorded, force, current and every frame over time:
+    relaxed stiffness, mass, loss, electrodes and moment per volt, each with its 90 % interval, how
+    much of its variance is the prior's, or which measurement would determine it. Mass and loss need
+    a free sheet that moves ([extras] release = true), the rest pulses in contact. The model file
+    holds the sheet in time, for simulate --time, response and control.
     """
     from labrig.model_file import save_model
     from labrig.report.data.separate_sessions import only
@@ -99,6 +124,21 @@ def fit(
 
     if output is not None and output.exists() and not force:
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    in_time = DynamicRequest(
+        sessions=sessions, configurations=configuration or [], positions_mm=position_mm or [],
+        fluid=fluid.value, elongation_g_per_m=elongation_g_per_m,
+    )  # fmt: skip
+    if dynamic:
+        at_rest = {
+            "--varying or --constant": varying is not None, "--figures": figures,
+            "--format": formats, "--hold-out": hold_out, "--apart": apart, "--by-run": by_run,
+            "--symmetric": symmetric, "--measured-curvature": measured_curvature,
+            "--bootstrap": bootstrap, "--q": q != 1.0, "--stiffness-Nm2": stiffness_Nm2,
+        }  # fmt: skip
+        refuse_others("fit", at_rest)
+        fit_in_time(in_time, output, as_json=as_json)
+        return
+    refuse_without_dynamic(in_time)
     if 0 < bootstrap < FEWEST_REPEATS:
         raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
     if not math.isfinite(q):

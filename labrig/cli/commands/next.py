@@ -9,6 +9,14 @@ import typer
 
 from labrig.cli.command import Command
 from labrig.cli.diagnosis import diagnosed, keep, known_model
+from labrig.cli.dynamic_fit import (
+    DynamicFluid,
+    DynamicRequest,
+    ElongationMass,
+    SheetFluid,
+    refuse_others,
+)
+from labrig.cli.dynamic_next import next_in_time
 from labrig.cli.measurements import of_sessions_or_tables
 from labrig.cli.options import (
     CurvesFile,
@@ -41,12 +49,25 @@ def next_measurement(
         Path | None, typer.Option("--output", "-o", help="the protocol.toml to write")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite the protocol")] = False,
+    dynamic: Annotated[
+        bool,
+        typer.Option(
+            "--dynamic",
+            help="for the sheet in time instead: what a release, a chirp, a step of"
+            " the load cell or another position would determine",
+        ),
+    ] = False,
+    fluid: DynamicFluid = SheetFluid.AIR,
+    elongation_g_per_m: ElongationMass = None,
     as_json: Json = False,
 ) -> None:
     """Say which further measurement tells two effects apart, and write its protocol.
 
     Without --between, what the diagnosis of the (first) session proposes; a session that holds none
     is diagnosed first.
+
+    With --dynamic, which further run would determine what of the sheet in time: a table of the 90 %
+    intervals now and expected. It fits the session as labrig fit --dynamic does, or takes --model.
     """
     from labrig.experiment.next_measurement.next_protocol import protocol_text
     from labrig.experiment.next_measurement.proposal import proposal
@@ -58,6 +79,19 @@ def next_measurement(
         raise BadInputError(f"--between names {between[0]} twice; name two different effects.")
     if output is not None and output.exists() and not force:
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    if dynamic:
+        refuse_others("next", {
+            "--between": between, "--sheet": sheet, "--forces": forces, "--curves": curves,
+            "--signals": signals, "--symmetric": symmetric, "--output": output,
+        })  # fmt: skip
+        if not sessions:
+            raise BadInputError("--dynamic: give a session.")
+        request = DynamicRequest(
+            sessions=sessions, configurations=[], positions_mm=[], fluid=fluid.value,
+            elongation_g_per_m=elongation_g_per_m,
+        )  # fmt: skip
+        next_in_time(request, model, as_json=as_json)
+        return
     measurements = of_sessions_or_tables(sessions, sheet, forces, curves, signals)
     options = DiagnoseOptions(symmetric=symmetric, model=known_model(model))
     diagnosis = None

@@ -20,8 +20,10 @@ def verify(session: Recorded, as_json: Json = False) -> None:
         rows = [[c.word, c.name, c.found, c.wanted] for c in checks]
         print_table(f"{session}", ["", "check", "found", "wanted"], rows)
     if not good:
-        failed = ", ".join(item.name for item in checks if not item.ok)
-        raise BadInputError(f"{session}: {failed}: not as it should be.")
+        failed = [item for item in checks if not item.ok]
+        if failed[0].name == "opens":  # what is wrong names the file
+            raise BadInputError(f"{failed[0].found.rstrip('.')}.")
+        raise BadInputError(f"{session}: not in order: {', '.join(c.name for c in failed)}.")
 
 
 COMMAND = Command("verify", verify, order=100)

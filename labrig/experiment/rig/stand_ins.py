@@ -90,9 +90,9 @@ def _world_file(plan: Plan) -> str:
 
 
 def true_moving_sheet(world: Path, configuration: str) -> dict[str, float]:
-    """Return what a moving world holds of a sheet, by the keys of a model file's `dynamic`.
+    """Return what a moving world holds of a sheet, by the names that identification uses, in SI.
 
-    With them comes B_Nm2. For demonstrations: nothing of it enters a session.
+    For demonstrations: nothing of it enters a session.
     """
     settings = load_world(world)
     sheet, line = settings.configurations[configuration], settings.electrodes
@@ -100,19 +100,17 @@ def true_moving_sheet(world: Path, configuration: str) -> dict[str, float]:
     B_Nm2 = 1e6 * sheet.youngs_modulus_MPa * width_m * thickness_m**3 / 12
     alpha_Nm = line.curvature_per_V_per_m * sheet.eibm_ratio * B_Nm2
     found = {
-        "B_Nm2": B_Nm2,
-        "mass_per_length_kg_per_m": settings.mass.density_kg_per_m3 * width_m * thickness_m,
-        "electrode_ohm_per_m": line.ohm_per_m,
-        "capacitance_F_per_m": line.capacitance_F_per_m,
-        "bulk_ohm_m": line.bulk_ohm_m,
-        "leak_S_per_m": line.leak_S_per_m,
-        "source_ohm": line.source_ohm,
-        "viscous_time_s": 1e-3 * settings.loss.viscous_ms,
-        "moment_per_volt_Nm.positive": alpha_Nm,
-        "moment_per_volt_Nm.negative": alpha_Nm * settings.eibm.negative_ratio,
+        "B": B_Nm2,
+        "mass_per_length": settings.mass.density_kg_per_m3 * width_m * thickness_m,
+        "viscous_time": 1e-3 * settings.loss.viscous_ms,
+        "electrode_resistance": line.ohm_per_m,
+        "capacitance": line.capacitance_F_per_m,
+        "bulk_resistance": line.bulk_ohm_m,
+        "leak": line.leak_S_per_m,
+        "moment_per_positive_volt": alpha_Nm,
+        "moment_per_negative_volt": alpha_Nm * settings.eibm.negative_ratio,
     }
-    for i, (share, time_s) in enumerate(
-        zip(settings.loss.shares, settings.loss.times_s, strict=True)
-    ):
-        found |= {f"prony[{i}].share": share, f"prony[{i}].time_s": time_s}
+    terms = zip(settings.loss.shares, settings.loss.times_s, strict=True)
+    for number, (share, time_s) in enumerate(terms, 1):
+        found |= {f"share_{number}": share, f"time_{number}": time_s}
     return found

@@ -16,8 +16,7 @@ from labrig.report.parts.style import (
     letter,
     panels_width_in,
 )
-from model import SheetModel
-from model.dynamics import SheetMotion, simulate
+from model.dynamics import DynamicBeam, SheetMotion, simulate
 from model.dynamics.identification import RecordedRun
 from model.measurements import FloatArray
 
@@ -26,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_EVERY_S = 1e-3
+_EVERY_S, _EDGE_S = 1e-3, 2e-3
 _BEFORE_S, _AFTER_S = 0.1, 0.3  # of a pulse that are drawn, too
 
 
@@ -39,12 +38,12 @@ class ComparedRun:
 
     @property
     def force_rms_N(self) -> float:
-        """Of measured less simulated force; NaN where no force was measured."""
+        """Of measured less simulated force, of single samples; NaN where none was measured."""
         return self._rms(self.recorded.force_N, self.simulated.reading_N)
 
     @property
     def current_rms_A(self) -> float:
-        """Of the current."""
+        """Of the current. Samples at edges of the voltage are left out, where it jumps."""
         return self._rms(self.recorded.current_A, self.simulated.current_A)
 
     @property
@@ -78,14 +77,15 @@ class ComparedRun:
     def _rms(self, measured: FloatArray | None, simulated: FloatArray) -> float:
         if measured is None:
             return np.nan
-        at = np.interp(self.recorded.plan.time_s, self.simulated.time_s, simulated)
-        return float(np.sqrt(np.mean((measured - at) ** 2)))
+        times, edges = self.recorded.plan.time_s, self.recorded.plan.drive.time_s
+        away = np.min(np.abs(times[:, None] - edges), axis=1) > _EDGE_S
+        at = np.interp(times, self.simulated.time_s, simulated)
+        return float(np.sqrt(np.mean((measured - at)[away] ** 2)))
 
 
-def compared(model: SheetModel, recorded: RecordedRun) -> ComparedRun:
+def compared(beam: DynamicBeam, recorded: RecordedRun) -> ComparedRun:
     """Return a recorded run with what a model says of it. Raises ModelError."""
     plan = recorded.plan
-    beam, _ = model.moving(plan.configuration, None)
     end_s = max(float(times[-1]) for times in (plan.time_s, plan.frame_s) if len(times))
     even = np.arange(0.0, end_s, _EVERY_S)
     times = np.unique(np.concatenate([even, plan.time_s, plan.frame_s]).round(9))

@@ -12,6 +12,7 @@ from labrig.report.parts.table import Table, number
 from model.effects import Effect, EffectParameter
 
 _WIDTH = 96
+BESIDE_DYNAMICS = "explain it: with a model that has them it is what they leave"
 
 
 def catalogue_table(effects: Mapping[str, Effect]) -> Table:
@@ -26,7 +27,9 @@ def catalogue_table(effects: Mapping[str, Effect]) -> Table:
         for one in effects.values()
     )
     columns = ("effect", "acts on", "parameters", "what it is")
-    return Table(title=f"The catalogue: {len(rows)} effects", columns=columns, rows=rows)
+    explained = [one.name for one in effects.values() if one.explained_by_dynamics]
+    note = f"Explained by a model with dynamics, and deviations from it: {', '.join(explained)}."
+    return Table(title=f"The catalogue: {len(rows)} effects", columns=columns, rows=rows, note=note)
 
 
 def _sentence(text: str) -> str:
@@ -49,6 +52,8 @@ def effect_lines(one: Effect) -> Iterator[str]:
         yield textwrap.fill(
             text, _WIDTH, initial_indent=f"  {title:12s}", subsequent_indent=" " * 14
         )
+    if one.explained_by_dynamics:
+        yield f"  {'dynamics':12s}{BESIDE_DYNAMICS}"
 
 
 def parameter_table(one: Effect) -> Table:
@@ -78,6 +83,7 @@ def effect_as_dict(one: Effect) -> dict[str, Any]:
         "parameters": [_parameter_as_dict(p) for p in one.parameters],
         "derived": dict(one.extra),
         "by_configuration": one.by_configuration,
+        "explained_by_dynamics": one.explained_by_dynamics,
         "form_may_differ_along": list(one.form_error_along),
     }  # fmt: skip
 

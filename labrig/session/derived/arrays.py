@@ -146,6 +146,7 @@ def _reading_table(readings: Sequence[tuple[int, Reading]]) -> Array:
             "time_s": [_or_nan(r.time_s) for _, r in readings],
             "session_s": [_or_nan(r.session_s) for _, r in readings],
             "wetted_s": [_or_nan(r.wetted_s) for _, r in readings],
+            "frame_s": [_or_nan(r.frame_s) for _, r in readings],
             "valid": [bool(r.valid) for _, r in readings],
             "why": [r.why for _, r in readings],
             **{
@@ -252,6 +253,8 @@ def _conditions(
                 time_s=_known(row["time_s"]),
                 session_s=_known(row["session_s"]),
                 wetted_s=_known(row["wetted_s"]),
+                # measurements of before do not have it
+                frame_s=_known(row["frame_s"]) if "frame_s" in (row.dtype.names or ()) else None,
                 valid=bool(row["valid"]),
                 why=str(row["why"]),
                 curve=curves.get((at, len(readings[at]))),

@@ -19,7 +19,7 @@ from labrig.session.supplements.store import replaced, seal
 from model.measurements import Measurements
 
 # What was made of the measurements: texts beside them, gone with them.
-FINDINGS = frozenset({"diagnosis"})
+FINDINGS = frozenset({"diagnosis", "dynamic_comparison"})
 
 
 def store_measurements(

@@ -12,6 +12,7 @@ import h5py
 import numpy as np
 
 from drivers.interfaces import RealClock
+from labrig.config.file_kinds import SESSION, kind_of_file, other_kind
 from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.reading.guard_report import read_guard_report
@@ -81,8 +82,12 @@ def check_is_hdf5(path: Path) -> None:
     except OSError as error:
         raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
     if begin != _SIGNATURE:
+        has_journal = journal_path(path).exists()
+        kind = "" if has_journal else kind_of_file(path)
+        if kind:
+            raise other_kind(path, kind, SESSION)
         said = "is empty" if not begin else "is no HDF5 file"
-        hint = f"; run labrig recover {path}" if journal_path(path).exists() else ""
+        hint = f"; run labrig recover {path}" if has_journal else ""
         raise BadInputError(f"{path}: {said}, so it is no session{hint}.")
 
 

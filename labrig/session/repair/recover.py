@@ -137,8 +137,7 @@ def _open_old(path: Path, journal: JournalReader | None, until: ExitStack, notes
     except (BadInputError, OSError, RuntimeError) as error:
         if journal is None:
             raise BadInputError(
-                f"{path}: nothing can be recovered: the file does not open ({error}) and there is "
-                f"no whole journal {journal_path(path)}."
+                f"nothing can be recovered: {str(error).rstrip('.')}; and it has no whole journal."
             ) from None
     notes.append("The session file does not open; everything comes from its journal.")
     return None

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import csv
+import difflib
 import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
 from labrig.config import read_text
+from labrig.config.file_kinds import CURVES, FORCES, SIGNALS, kinds_of_text, other_kind
 from labrig.errors import BadInputError
 from labrig.session.tables.decimals import from_plain
 
 MOST_BYTES = 256 << 20  # days of samples
 _MOST_DIGITS = 9  # a session counts in 32 bits
+_MOST_OF_A_NAME = 40  # characters that are worth showing
+_BEGIN = 1 << 16  # characters that tell which kind of file it is
+_WANTED = {"point": CURVES, "force_mN": FORCES, "drive_V": SIGNALS}  # by the column they need
 Value = TypeVar("Value")
 
 
@@ -80,6 +85,7 @@ def rows_of(
     prefix: str | None = None,
 ) -> Iterator[CsvRow]:
     """Yield the rows of a file's text; `path` is what errors call it. See `read_rows`."""
+    _refuse_other_kind(text, path, required)
     reader = csv.reader(io.StringIO(text, newline=""), strict=True)
     try:
         header = [name.strip() for name in next(reader, [])]
@@ -96,6 +102,15 @@ def rows_of(
             yield CsvRow(path, reader.line_num, texts)
     except csv.Error as error:
         raise BadInputError(f"{path}, line {reader.line_num}: not valid CSV: {error}.") from None
+
+
+def _refuse_other_kind(text: str, path: Path, required: Sequence[str]) -> None:
+    """Raise BadInputError for a file that is surely no such table."""
+    wanted = next((kind for column, kind in _WANTED.items() if column in required), "a CSV table")
+    kinds = kinds_of_text(text[:_BEGIN])
+    alike = set(_WANTED.values()) if wanted == "a CSV table" else {wanted}
+    if kinds and not kinds & alike:
+        raise other_kind(path, min(kinds), wanted)
 
 
 def _check_header(
@@ -116,13 +131,22 @@ def _check_header(
     for name in header:
         if name not in known and not (prefix and name.startswith(prefix) and name != prefix):
             raise BadInputError(
-                f"{path}: column {name!r} is not known; the columns are {', '.join(known)}."
+                f"{path}: column {_short(name)!r} is not known; {_hint(name, known)}."
             )
         if header.count(name) > 1:
             raise BadInputError(f"{path}: column {name} is there twice.")
     for name in required:
         if name not in header:
             raise BadInputError(f"{path}: column {name} is missing; it is required.")
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= _MOST_OF_A_NAME else f"{name[:_MOST_OF_A_NAME]}..."
+
+
+def _hint(name: str, known: Sequence[str]) -> str:
+    close = difflib.get_close_matches(name[:_MOST_OF_A_NAME], known, n=1, cutoff=0.5)
+    return f"did you mean {close[0]}" if close else f"the columns are {', '.join(known)}"
 
 
 def integer(text: str) -> int:

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from pydantic import ConfigDict, Field, model_validator
 
 from labrig.config.base import ClosedModel, parse_json, read_text, validate
+from labrig.config.file_kinds import OPTICS, refuse_other_kind
 from labrig.errors import BadInputError
 from labrig.vision.calibration.lens import distort, undistort
 
@@ -91,6 +92,7 @@ class Optics(ClosedModel):
     @classmethod
     def from_json(cls, text: str, name: str = "optics.json") -> Self:
         """Return the text of an optics.json; `name` is the file's name for the errors."""
+        refuse_other_kind(text, name, OPTICS)
         data = parse_json(text, name)
         if not isinstance(data, dict):
             raise BadInputError(f"{name}: must hold one JSON object with px_per_mm and clamp_px.")

@@ -14,6 +14,7 @@ import numpy.typing as npt
 from pydantic import Field
 
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+from labrig.config.file_kinds import IMAGE, SHEET, kind_of_file, other_kind, refuse_other_kind
 from labrig.config.sheet import Sheet
 from labrig.errors import BadInputError
 from labrig.vision.curve import NeutralCurve, StripGeometry
@@ -38,7 +39,9 @@ def load_strip(path: Path, configuration: str | None = None) -> StripGeometry:
 
     Where it states no thickness, the image decides.
     """
-    data = parse_toml(read_text(path), str(path))
+    text = read_text(path)
+    refuse_other_kind(text, str(path), SHEET)
+    data = parse_toml(text, str(path))
     data.pop("arc", None)
     table = data if "free_length_mm" in data else _chosen(data, configuration, path)
     known = {key: value for key, value in table.items() if key in _Strip.model_fields}
@@ -67,10 +70,17 @@ def read_image(path: Path) -> npt.NDArray[Any]:
     """Return an image as it is stored: 8 or 16 bit, grey or colour."""
     import cv2
 
+    if not path.exists():
+        raise BadInputError(f"{path}: there is no such file.")
+    if path.is_dir():
+        raise BadInputError(f"{path}: this is a folder, an image is needed.")
     try:
         data = np.fromfile(path, dtype=np.uint8)
     except OSError as error:
         raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
+    kind = kind_of_file(path)
+    if kind not in ("", IMAGE):
+        raise other_kind(path, kind, IMAGE)
     image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
     if image is None:
         raise BadInputError(f"{path}: not an image, or damaged.")

@@ -23,7 +23,7 @@ ATTRIBUTES = {
     "considered": "named by the search",
     "not_fitted": "its evidence is that of the linearised model",
     "form_share": "share of its contribution that is model-form error",
-    "votes": "share of the left-out positions without which it is chosen",
+    "votes": "share of the left-out positions without which it is chosen, the other names in place",
     "large": "log10 of its amplitude over the prior scale, where that is above 1",
     "freedom": "ln of the number of its columns, the ways in which its form may differ included",
     "beside": "the search names something else, too",

@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
+from model.discrepancy.answers.votes import votes
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.families import Family, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group, group_amplitudes
 from model.discrepancy.criticism.named_model import MOUNTING, NamedModel, limited_scatter
-from model.discrepancy.search.cross_validation import best_without, position_groups
-from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.forward_selection import SearchResult, apart
 from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.ranking import RankedCandidate, best_scores
-from model.discrepancy.thresholds import COMPARED_NAMES, CROSS_VALIDATED_NAMES
+from model.discrepancy.thresholds import COMPARED_NAMES
 from model.discrepancy.verdict.posterior import Choice, Leftover
 from model.identification.data.data_vector import Index
-from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 
 MOST_FAILURES = 3
@@ -64,7 +61,7 @@ class ComparedAnswers:
 
     def _of_name(self, one: Choice) -> ChoiceSet:
         ranking = [c for c in one.ranking if not c.name.startswith("outlier:")]
-        names = self._names(ranking, one.effect.name)
+        names = self._names(one.before, ranking, one.effect.name)
         free = _free_gain(one.before, ranking)
         failed = self._failed(one.effect.name)
         unknown = self._unknown(ranking, free, considered=False, failed=failed)
@@ -84,7 +81,7 @@ class ComparedAnswers:
         )  # fmt: skip
         unknown = self._unknown(ranking, free, considered=self.unknown)
         considered = UNKNOWN if self.unknown else NOTHING
-        return ChoiceSet(considered, (*self._names(ranking, ""), unknown, nothing))
+        return ChoiceSet(considered, (*self._names(self.known, ranking, ""), unknown, nothing))
 
     @property
     def _last_ranking(self) -> Sequence[RankedCandidate]:
@@ -93,13 +90,19 @@ class ComparedAnswers:
             return [c for c in self.rest.ranking if not c.name.startswith("outlier:")]
         return []
 
-    def _names(self, ranking: Sequence[RankedCandidate], named: str) -> list[Alternative]:
+    def _names(
+        self, before: MixedModelFit, ranking: Sequence[RankedCandidate], named: str
+    ) -> list[Alternative]:
         known = sorted((c for c in ranking if c.known), key=lambda c: -c.gain)
+        asked = bool(named) or not self.named  # beside names that are in place no other is chosen
+        chosen = votes(before, known, self.known.solution.log_sigma, named) if asked else {}
         some = known[:COMPARED_NAMES]
         some += [c for c in known[COMPARED_NAMES:] if c.name == named]
-        return [self._name(c, known[0], named) for c in some]
+        return [self._name(c, known[0], named, chosen) for c in some]
 
-    def _name(self, one: RankedCandidate, best: RankedCandidate, named: str) -> Alternative:
+    def _name(
+        self, one: RankedCandidate, best: RankedCandidate, named: str, chosen: Mapping[str, float]
+    ) -> Alternative:
         behind = best.gain - one.gain
         attributes = {
             "behind": float(np.log1p(behind)),
@@ -107,7 +110,7 @@ class ComparedAnswers:
             "first": float(one is best),
             "not_fitted": float(one.fitted is None),
             "form_share": 0.0 if one.fitted is None else form_share(one.fitted, -1),
-            "votes": self._votes.get(one.name, 0.0),
+            "votes": chosen.get(one.name, 0.0),
             "large": float(np.log10(max(abs(one.score.amplitude), 1.0))),
             "freedom": float(np.log(one.score.candidate.columns.shape[1])),
         }
@@ -180,21 +183,6 @@ class ComparedAnswers:
         names = problem.noise.random_effects
         ratio = (self.known.solution.log_sigma - problem.guess)[: len(names)]
         return max([0.0, *(float(v) for n, v in zip(names, ratio, strict=True) if n in MOUNTING)])
-
-    @cached_property
-    def _votes(self) -> Mapping[str, float]:
-        """Return the share of the positions without which each name explains most."""
-        base = self.outcome.base
-        ranked = [c for c in self.outcome.turns[0].ranking if c.known][:CROSS_VALIDATED_NAMES]
-        effects = {c.name: c.score.candidate.effect for c in ranked}
-        effects |= {one.effect.name: one.effect for one in self.named}
-        pool = candidates(base, [e for e in effects.values() if e is not None])
-        groups = position_groups(base)
-        if not pool or not groups:
-            return {}
-        judge = replace(base, solution=weigh(base.linear.data, self.known.solution.log_sigma))
-        chosen = Counter(best_without(judge, pool, runs).candidate.name for runs in groups)
-        return {name: times / len(groups) for name, times in chosen.items()}
 
 
 def _parts(some: Sequence[Family], kind: Callable[[Family], str]) -> Iterator[tuple[str, Index]]:

@@ -11,6 +11,7 @@ from model.discrepancy.data_checks.contract import Change, DataCheck
 from model.discrepancy.data_checks.quick_fit import QuickFit, Tolerances, fit_with, quick_fit
 from model.measurements import Measurements
 
+NEARLY_SETTLED = 1e-2  # relative fall of the squares: a change leaves a tenth of them, or is none
 EXPLAINED_MISFIT = 3.0  # of a fit to which nothing can be added
 
 
@@ -72,7 +73,7 @@ def _fits(
         if change.continuous and value == change.stated and stated is not None:
             begin: QuickFit | None = replace(stated, value=value)
         else:
-            begin = quick_fit(change.apply(data, value), tolerances, value)
+            begin = quick_fit(change.apply(data, value), tolerances, value, NEARLY_SETTLED)
         if not change.continuous:
             yield begin
             continue

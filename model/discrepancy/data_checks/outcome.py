@@ -15,11 +15,17 @@ from model.sheet.sheet_model import SheetModel
 def contradiction(checked: CheckedData) -> str:
     """Return why nothing can be searched for, a sentence without its full stop."""
     said = "; ".join(one.sentence for one in checked.stops)
-    return f"These data contradict what is stated of them, so nothing is searched for: {said}"
+    return (
+        "These data contradict what is stated of them, so nothing is searched for and there is no"
+        f" model: {said}"
+    )
 
 
 def stopped(checked: CheckedData) -> Diagnosis:
-    """Return the diagnosis of data that contradict what is stated of them: nothing is named."""
+    """Return the diagnosis of data that contradict what is stated of them: nothing is named.
+
+    Its model has no configuration, since nothing was fitted.
+    """
     nothing = Gap(force_rmse_mN=np.nan, curve_rmse_mm=np.nan, chi2_per_dof=np.nan)
     gap, empty = BeforeAfter(nothing, nothing), np.zeros((0, 0))
     measurements = checked.measurements

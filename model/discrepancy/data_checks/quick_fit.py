@@ -16,7 +16,7 @@ from model.discrepancy.data_checks.contract import Change
 from model.identification.base_model import BaseOptions, bases_of, usual_stiffness
 from model.identification.data.data_vector import look, means_of
 from model.identification.likelihood.forward_model import ForwardModel
-from model.identification.likelihood.gauss_newton import least_squares
+from model.identification.likelihood.gauss_newton import ENOUGH, least_squares
 from model.identification.likelihood.linearisation import Bases, priors_of, sensitivities
 from model.identification.observations import observe
 from model.identification.starting_values import rest_field
@@ -170,13 +170,19 @@ def _weights(forward: ForwardModel, tolerances: Tolerances) -> FloatArray:
 
 
 def quick_fit(
-    measurements: Measurements, tolerances: Tolerances, value: float = np.nan
+    measurements: Measurements,
+    tolerances: Tolerances,
+    value: float = np.nan,
+    enough: float = ENOUGH,
 ) -> QuickFit | None:
-    """Return the fit of bare measurements; None where the model has no answer."""
+    """Return the fit of bare measurements; None where the model has no answer.
+
+    `enough` is the share of the squares that a step may take for the fit to be settled.
+    """
     try:
         with np.errstate(all="ignore"):  # data that fit nothing lead anywhere
             posed = _Posed.of(measurements, tolerances)
-            theta = least_squares(posed.forward, posed.bases, posed.start())
+            theta = least_squares(posed.forward, posed.bases, posed.start(), enough)
             found = posed.at(theta, value)
     except (ModelError, np.linalg.LinAlgError):
         return None

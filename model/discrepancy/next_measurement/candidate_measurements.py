@@ -400,13 +400,15 @@ def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFi
     rests = [scene.rest for scene in problem.forward.scenes]
     forward = ForwardModel(looks, rests, like=problem.forward)
     noise = noise_of(forward)
-    larger = FitProblem.of(forward, problem.bases, noise)
     bases = problem.bases
+    if bases.further is not None:  # planned data are those of a sheet at rest
+        bases = replace(bases, further=bases.further.of_rows(forward.layout.size))
+    larger = FitProblem.of(forward, bases, noise)
     if any(
         len(a.voltages_V) != len(b.voltages_V)
         for a, b in zip(looks, problem.forward.looks, strict=True)
     ):
-        bases = _with_half(problem, forward)
+        bases = _with_half(replace(problem, bases=bases), forward)
         larger = replace(larger, bases=bases)
     theta = fitted.theta
     if bases.size > problem.bases.size:

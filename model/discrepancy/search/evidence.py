@@ -68,41 +68,46 @@ def candidates(
 ) -> list[Candidate]:
     """Return every effect in each of its shapes, as columns at the present model.
 
-    Not `tolerant`: its form alone, without the ways in which it may differ.
+    Not `tolerant`: its form alone, without the ways in which it may differ. Those of an effect are
+    computed once at the same states.
     """
-    forward, states = fitted.problem.forward, fitted.linear.states
-    result = []
+    forward, kept = fitted.problem.forward, fitted.linear.at_states
     dated = any(
         np.ptp(part.clock.session) > 0.0 for part in forward.layout.parts if len(part.clock.session)
     )
+    result = []
     for effect in effects:
         if effect.needs_session and not dated:
             continue
-        for values in members(effect):
-            steps = [forward.step(c, states[c], effect, values) for c in range(len(states))]
-            columns = np.concatenate(
-                [
-                    atoms(forward, states, effect, steps, tolerant=tolerant),
-                    *(
-                        _further(forward, states, effect, k)
-                        for k in effect.parameters
-                        if k.estimated
-                    ),
-                ],
-                axis=1,
-            )
-            sizes = FULL if effect.amplitude.starting_values else SIZES
-            result.append(
-                Candidate(
-                    name=effect.name,
-                    values=values,
-                    columns=columns,
-                    sizes=sizes,
-                    effect=effect,
-                    location=effect.location,
-                )
-            )
+        key = (id(forward), effect.name, tolerant)
+        of, found = kept.get(key, (None, []))
+        if of is not effect:
+            found = [
+                _candidate(fitted, effect, values, tolerant=tolerant) for values in members(effect)
+            ]
+            kept[key] = (effect, found)
+        result += found
     return result
+
+
+def _candidate(
+    fitted: MixedModelFit, effect: Effect, values: Values, *, tolerant: bool
+) -> Candidate:
+    """Return an effect in one shape, as columns at the present model."""
+    forward, states = fitted.problem.forward, fitted.linear.states
+    steps = [forward.step(c, states[c], effect, values) for c in range(len(states))]
+    further = [_further(forward, states, effect, k) for k in effect.parameters if k.estimated]
+    columns = np.concatenate(
+        [atoms(forward, states, effect, steps, tolerant=tolerant), *further], axis=1
+    )
+    return Candidate(
+        name=effect.name,
+        values=values,
+        columns=columns,
+        sizes=FULL if effect.amplitude.starting_values else SIZES,
+        effect=effect,
+        location=effect.location,
+    )
 
 
 def _further(

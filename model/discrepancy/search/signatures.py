@@ -18,6 +18,8 @@ from model.effects.interface import Effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location
 
+TINY = 1e-9
+
 
 def forms(pool: Sequence[Candidate], chosen: Mapping[str, Mapping[str, float]]) -> list[Candidate]:
     """Return one candidate for each effect: the shape that was found, or the middle one."""
@@ -72,11 +74,22 @@ def invisible(
         needs = effect.isolates
         if location(effect.location).in_time and not streams:
             needs = "the readings in their order, and the series within a pulse: " + needs
-        result[name] = needs
+        result[name] = f"{needs} {_seen_from(effect, float(length))}".rstrip()
     for name, effect in effects.items():
         if name not in found.names:  # not even its form can be worked out
             result[name] = "when in the session each reading was taken: " + effect.isolates
     return result
+
+
+def _seen_from(effect: Effect, length: float) -> str:
+    """Return from which size on it would be seen, a sentence; empty where sizes are no scale."""
+    size = effect.amplitude
+    if size.starting_values or size.log:
+        return ""
+    away = size.prior_scale * DETECTION_SIGMA / max(length, TINY)
+    if size.neutral + away > size.high and size.neutral - away < size.low:
+        return "Here it is not seen at any size that it can have."
+    return f"Here it is seen from {size.neutral + away:.2g}{f' {size.unit}'.rstrip()} on."
 
 
 def _streams(fitted: MixedModelFit) -> bool:

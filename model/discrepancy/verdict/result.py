@@ -9,6 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from model.discrepancy.answers.choice_set import ChoiceSet
+from model.discrepancy.at_rest.taken import DynamicsTaken
 from model.discrepancy.criticism.check_result import CheckResult
 from model.discrepancy.data_checks.contract import Suspicion
 from model.effects import title
@@ -346,6 +347,8 @@ class Diagnosis:
     promises: tuple[Promise, ...] = ()  # of proposals that were measured
     checks: tuple[CheckResult, ...] = ()  # what the verdict checks said of the names
     choice_sets: tuple[ChoiceSet, ...] = ()  # the answers that were compared, for benchmarks
+    # by configuration: what the dynamics of the model that was given explain
+    dynamics: Mapping[str, DynamicsTaken] = field(default_factory=dict)
 
     @property
     def searched(self) -> bool:
@@ -371,8 +374,17 @@ class Diagnosis:
             "sentence": self.sentence,
             "notes": list(self.notes),
             "data_checks": [one.to_json() for one in self.data_checks],
+            **self._dynamics_object(),
             **({"plugins": dict(self.plugins)} if self.plugins else {}),
         }
+
+    def _dynamics_object(self) -> dict[str, Any]:
+        """Return what the dynamics explain, and which names are what they leave."""
+        if not self.dynamics:
+            return {}
+        beside = [one.name for one in self.model.effects if one.beside_dynamics]
+        taken = {name: one.to_json() for name, one in self.dynamics.items()}
+        return {"dynamics": {"explain": taken, "deviations": beside}}
 
 
 def _parameter_object(one: Parameter) -> dict[str, float | None]:

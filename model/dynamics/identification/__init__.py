@@ -1,7 +1,7 @@
 """What recorded motions say about the sheet: its parameters, each with an interval, or that not."""
 
 from model.dynamics.identification.fit import Identification, identify
-from model.dynamics.identification.information import information
+from model.dynamics.identification.information import expected, information, information_matrix
 from model.dynamics.identification.noise import ChannelNoise, RecordingNoise
 from model.dynamics.identification.runs import RecordedRun, RunPlan
 from model.dynamics.identification.uncertainty import DynamicParameter
@@ -13,6 +13,8 @@ __all__ = [
     "RecordedRun",
     "RecordingNoise",
     "RunPlan",
+    "expected",
     "identify",
     "information",
+    "information_matrix",
 ]

@@ -13,7 +13,7 @@ from model.dynamics.identification.residuals import RunResiduals
 from model.dynamics.identification.runs import RunPlan
 from model.dynamics.identification.uncertainty import DynamicParameter, judged
 from model.dynamics.motion import Resolution
-from model.measurements import ModelError
+from model.measurements import FloatArray, ModelError
 
 
 def information(
@@ -26,6 +26,22 @@ def information(
 
     The weak priors are those of `identify`. Raises ModelError.
     """
+    return expected(beam, information_matrix(beam, runs, noise, resolution))
+
+
+def expected(beam: DynamicBeam, matrix: FloatArray) -> tuple[DynamicParameter, ...]:
+    """Return the same after runs of this information: matrices of several runs are summed."""
+    parameters = LogParameters(beam)
+    return judged(parameters, parameters.theta, matrix)[0]
+
+
+def information_matrix(
+    beam: DynamicBeam,
+    runs: Sequence[RunPlan],
+    noise: RecordingNoise,
+    resolution: Resolution | None = None,
+) -> FloatArray:
+    """Return Fisher's information (p, p) of the logarithms. Raises ModelError."""
     if not runs:
         raise ModelError("there is no run whose information could be told")
     parameters = LogParameters(beam)
@@ -35,4 +51,4 @@ def information(
         of = RunResiduals(run, noise, resolution or Resolution())
         J = of.sensitivity(parameters, theta, symmetric=True)
         total += J.T @ J
-    return judged(parameters, theta, total)[0]
+    return total

@@ -85,10 +85,13 @@ class Whitening:
         """Prepare the map for samples at `time_s` (n,)."""
         self._gain, self._scale = _innovations(noise, time_s)
         self._hum: FloatArray | None = None
+        # of the map; half that of C^-1
+        self.ln_determinant = float(np.sum(np.log(self._scale)))
         if noise.hum > 0.0:
             columns = noise.hum * self._level_free(_hum(time_s, mains_hz))
             with_prior = np.concatenate([columns, np.eye(columns.shape[1])])
-            self._hum = np.linalg.qr(with_prior)[0]
+            self._hum, triangle = np.linalg.qr(with_prior)
+            self.ln_determinant -= float(np.sum(np.log(np.abs(np.diag(triangle)))))
 
     def __call__(self, columns: FloatArray) -> FloatArray:
         """Return whitened columns (n + h, m) of residuals (n, m); h: amplitudes of the hum."""

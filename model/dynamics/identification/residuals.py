@@ -78,6 +78,19 @@ def _current_alone(beam: DynamicBeam, run: RunPlan, resolution: Resolution) -> P
     )
 
 
+def away_from_edges(
+    run: RunPlan, noise: RecordingNoise
+) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Return which samples (n,) of the current count: at a voltage edge it jumps."""
+    edges = run.drive.time_s
+    near = np.zeros(len(run.time_s), dtype=bool)
+    place = np.searchsorted(edges, run.time_s)
+    for side in (place - 1, place):
+        edge = edges[np.clip(side, 0, len(edges) - 1)]
+        near |= np.abs(run.time_s - edge) <= noise.edge_s
+    return ~near
+
+
 class RunResiduals:
     """The residuals of one run."""
 
@@ -85,15 +98,8 @@ class RunResiduals:
         """Prepare the whitening."""
         self.run, self._resolution, self._curve_m = run, resolution, noise.curve_m
         self._break_m: float | None = None
-        edges = run.drive.time_s
-        near = np.zeros(len(run.time_s), dtype=bool)
-        if len(run.time_s):
-            place = np.searchsorted(edges, run.time_s)
-            for side in (place - 1, place):
-                edge = edges[np.clip(side, 0, len(edges) - 1)]
-                near |= np.abs(run.time_s - edge) <= noise.edge_s
-        self._away = ~near
-        if run.current and near.all():
+        self._away = away_from_edges(run, noise)
+        if run.current and not self._away.any():
             raise ModelError(f"{run.name}: no sample of the current is away from the voltage edges")
         self._force = Whitening(noise.force, run.time_s, noise.mains_hz) if run.force else None
         self._current = (

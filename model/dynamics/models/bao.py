@@ -18,7 +18,7 @@ import numpy as np
 from model.dynamics.models.arc import arc_curves, arc_tip_m
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import held_states
-from model.dynamics.models.small_deflection import SmallDeflection, mean_rest_curvature
+from model.dynamics.models.small_deflection import beam_response
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,8 +38,8 @@ class Bao(PublishedModel):
         q, kappa = held_states(A, push, run.time_s, run.drive_V).T
         current = (run.drive_V - q / p["C_F"]) / p["R1_ohm"] + run.drive_V / p["R2_ohm"]
         if not run.free:
-            return SmallDeflection(run).response(p["B_Nm2"], kappa, current)
-        k = mean_rest_curvature(run.sheet, run.sheet.free_length_m) + kappa
+            return beam_response(run, p["B_Nm2"], kappa, current)
+        k = run.rest.mean(run.sheet.free_length_m) + kappa
         return Response(current_A=current, tip_m=arc_tip_m(run, k), curves_m=arc_curves(run, k))
 
 

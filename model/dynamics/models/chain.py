@@ -11,8 +11,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from model.dynamics.models.small_deflection import mean_rest_curvature, rest_curvature
-from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.dynamics.models.contract import DrivenSheet
+from model.measurements import FloatArray, ModelError
 
 LINKS = 10
 GRID_PER_M = 10.0  # of Me/B, where the contact is solved; splines between
@@ -38,16 +38,17 @@ class Chain:
         return x, y
 
 
-def chain_of(sheet: SheetGeometry, links: int = LINKS, with_elongation: bool = False) -> Chain:
-    """Return the chain of a sheet."""
+def chain_of(run: DrivenSheet, links: int = LINKS) -> Chain:
+    """Return the chain of a run's sheet, in contact with its elongation."""
+    sheet = run.sheet
     h = sheet.free_length_m / links
     cells = np.full(links, h)
     cells[0] = 0.5 * h
-    rest = cells * rest_curvature(sheet, h * np.arange(links, dtype=np.float64))
-    rest[0] = 0.5 * h * mean_rest_curvature(sheet, 0.5 * h)
+    rest = cells * run.rest(h * np.arange(links, dtype=np.float64))
+    rest[0] = 0.5 * h * run.rest.mean(0.5 * h)
     lengths = np.full(links, h)
-    if with_elongation and sheet.elongation_m > 0.0:
-        end = rest_curvature(sheet, np.array([sheet.free_length_m - 0.25 * h]))
+    if not run.free and sheet.elongation_m > 0.0:
+        end = run.rest(sheet.free_length_m - 0.25 * h)
         lengths = np.append(lengths, sheet.elongation_m)
         cells, rest = np.append(cells, 0.5 * h), np.append(rest, 0.5 * h * end)
     return Chain(lengths, cells, rest)

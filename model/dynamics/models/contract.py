@@ -3,21 +3,24 @@
 A model overrides `simulate`. It is called often, must not block, keeps no state and changes none of
 its arguments. It raises `ModelError` for a sheet that it cannot describe, such as a contact out of
 reach. A quantity that it does not predict stays None; one that it predicts only with or without a
-contact is None in the other case, or NaN at single samples.
+contact is None in the other case.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import isfinite
 
 import numpy as np
 import numpy.typing as npt
 
 from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.mechanics.field import Field
 
 QUANTITIES = ("force", "current", "tip", "curve")
+PLACES = 41  # of a curve
 NO_FRAMES: npt.NDArray[np.int64] = np.zeros(0, dtype=np.int64)
 
 
@@ -41,13 +44,17 @@ class ModelParameter:
 
 @dataclass(frozen=True, kw_only=True)
 class DrivenSheet:
-    """A sheet, free or in contact, and the voltage that drives it from rest."""
+    """A sheet, free or in contact, and the voltage that drives it from rest.
+
+    It is discharged at the first time and rests at 0 s; times before that matter for its charge.
+    """
 
     sheet: SheetGeometry
     position_m: float | None  # of the load cell along the arc; None: free
     time_s: FloatArray  # (n,) ascending
     drive_V: FloatArray  # (n,) each held from its time to the next
     frames: npt.NDArray[np.int64] = field(default_factory=lambda: NO_FRAMES)  # samples with a curve
+    wanted: frozenset[str] = frozenset(QUANTITIES)  # a model may leave out the others
 
     def __post_init__(self) -> None:
         """Refuse what is no drive."""
@@ -67,6 +74,14 @@ class DrivenSheet:
     def free(self) -> bool:
         """Return whether no load cell touches the sheet."""
         return self.position_m is None
+
+    @cached_property
+    def rest(self) -> Field:
+        """Return k0; a sheet without a stated k0 is straight."""
+        sheet = self.sheet
+        if sheet.initial_curvature is None:
+            return Field.constant(0.0, sheet.free_length_m)
+        return Field.linear(*sheet.initial_curvature, sheet.free_length_m)
 
     @property
     def angle_rad(self) -> float:

@@ -14,8 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
-from model.dynamics.models.small_deflection import PLACES, rest_curvature
+from model.dynamics.models.contract import (
+    PLACES,
+    DrivenSheet,
+    ModelParameter,
+    PublishedModel,
+    Response,
+)
 from model.measurements import FloatArray, ModelError
 from model.mechanics.equilibrium import SolverStatus, problems, solve
 from model.mechanics.field import Field
@@ -31,11 +36,7 @@ class Gonzalez(PublishedModel):
     def simulate(self, p: Mapping[str, float], run: DrivenSheet) -> Response:
         """See `PublishedModel.simulate`."""
         sheet, length = run.sheet, run.sheet.free_length_m
-        nodes = np.array([0.0, length])
-        if sheet.initial_curvature is not None:
-            inside = sheet.initial_curvature[0]
-            nodes = np.unique(np.concatenate([nodes, inside[(inside > 0) & (inside < length)]]))
-        rest = Field.linear(nodes, rest_curvature(sheet, nodes) + p["bend_per_m"], length)
+        rest = run.rest + Field.constant(p["bend_per_m"], length)
         s = np.linspace(0.0, length, PLACES)
         n, frames = len(run.time_s), len(run.frames)
         if run.free:

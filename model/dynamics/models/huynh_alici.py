@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import lag
-from model.dynamics.models.small_deflection import SmallDeflection
+from model.dynamics.models.small_deflection import small_deflection
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +24,7 @@ class HuynhAlici(PublishedModel):
             return Response()
         U = lag(p["tau_s"], run.time_s, run.drive_V)
         B = p["B_Nm2"]
-        return Response(force_N=B * SmallDeflection(run).force_over_B(p["gain_Nm_per_V"] / B * U))
+        return Response(force_N=B * small_deflection(run).force_over_B(p["gain_Nm_per_V"] / B * U))
 
 
 MODEL = HuynhAlici(

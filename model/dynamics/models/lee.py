@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import lag
-from model.dynamics.models.small_deflection import SmallDeflection
+from model.dynamics.models.small_deflection import beam_response
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,7 +26,7 @@ class Lee(PublishedModel):
         width, thick = run.sheet.width_m, run.sheet.thickness_m
         B = p["E_Pa"] * width * thick**3 / 12.0
         kappa = 3.0 * p["d31_m_per_V"] / thick**2 * lag(p["charging_s"], run.time_s, run.drive_V)
-        return SmallDeflection(run).response(B, kappa)
+        return beam_response(run, B, kappa)
 
 
 MODEL = Lee(

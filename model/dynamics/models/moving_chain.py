@@ -50,12 +50,14 @@ def joints(stiffness: Array, free: Array, eta: float, t: Array, v: Array, out: A
 
 @jit
 def march(
-    c: Any, stiffness: Array, cell: Array, rest: Array, kappa: Array, steps: Array, loss: Any
+    c: Any, stiffness: Array, cell: Array, rest: Array, charge: Any, steps: Array, loss: Any
 ) -> Array:
-    """Return directions (T, n) of a chain from rest; kappa (T,), steps (T - 1,), loss: eta, drag.
+    """Return directions (T, n) of a chain from rest; steps (T - 1,), loss: eta, drag.
 
+    charge: Me/B (T,), the values (T,) towards which it goes in each step, and its time constant.
     NaN from where the equations are not solved.
     """
+    kappa, final, tau = charge
     inertia = c[0]
     eta, drag = loss
     n = len(cell)
@@ -68,7 +70,8 @@ def march(
         dt = steps[m] / parts
         for part in range(parts):
             share = (part + 1.0) / parts
-            free = rest + cell * (kappa[m] + share * (kappa[m + 1] - kappa[m]))
+            left = np.exp(-share * steps[m] / tau)
+            free = rest + cell * (final[m] + (kappa[m] - final[m]) * left)
             t0 = t + dt * v + 0.25 * dt * dt * a
             v0 = v + 0.5 * dt * a
             solved = False

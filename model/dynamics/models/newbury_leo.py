@@ -6,20 +6,28 @@ Port deflection u from the shape at rest (m), force f (N); U on the capacitor (V
 Tip: K = 3 B/l^3, M = 33/140 mu l, s = 3 d l^2/(2 h^2), h the thickness, d the effective strain
 coefficient (m/V). One s in both equations makes sensing and actuation reciprocal.
 
-Own reading: in contact the port is there (K and s of a linear beam), held, so without inertia; k0.
+Own reading: in contact the port is there (K and s of a linear beam), held, so without inertia; k0;
+the free sheet is a parabola, u x^2/l^2, beside k0.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
+from model.dynamics.models.contract import (
+    PLACES,
+    DrivenSheet,
+    ModelParameter,
+    PublishedModel,
+    Response,
+)
 from model.dynamics.models.held_drive import held_states
-from model.dynamics.models.small_deflection import SmallDeflection
+from model.dynamics.models.small_deflection import small_deflection
 from model.measurements import FloatArray
+from model.mechanics.linear_beam import heights_m
 
 
 @dataclass(frozen=True)
@@ -41,10 +49,11 @@ class NewburyLeo(PublishedModel):
 
     def simulate(self, p: Mapping[str, float], run: DrivenSheet) -> Response:
         """See `PublishedModel.simulate`."""
-        beam = SmallDeflection(run)
-        at = run.sheet.free_length_m if run.free else beam.contact_m
+        beam = small_deflection(run)
+        if run.free:
+            beam = replace(beam, contact_m=run.sheet.free_length_m)
         kappa_per_V = 3.0 * p["d_m_per_V"] / run.sheet.thickness_m**2
-        port = _Port(p["B_Nm2"] / beam.compliance_m3(at), kappa_per_V * beam.bent_m2(at))
+        port = _Port(p["B_Nm2"] / beam.compliance_m3, kappa_per_V * beam.bent_m2)
         mass = 33.0 / 140.0 * p["mu_kg_per_m"] * run.sheet.free_length_m
         A, B = _system(p, port, mass if run.free else None)
         x = held_states(A, B, run.time_s, run.drive_V)
@@ -53,7 +62,13 @@ class NewburyLeo(PublishedModel):
         source = (run.drive_V - U) / p["R_ohm"]
         current = source + run.drive_V / p["Rdc_ohm"]
         if run.free:
-            return Response(current_A=current, tip_m=beam.rest_m(at) + u)
+            x = np.linspace(0.0, run.sheet.free_length_m, PLACES)
+            by_u = np.outer(u[run.frames], (x / run.sheet.free_length_m) ** 2)
+            y = heights_m(run.rest, x) + by_u
+            return Response(
+                current_A=current, tip_m=beam.off_at_rest_m + u,
+                curves_m=(np.broadcast_to(x, y.shape), y),
+            )  # fmt: skip
         held = port.stiffness_N_per_m * beam.off_at_rest_m
         force = held - port.elastic_force(p, u - port.free_m_per_V * U, z)
         return Response(force_N=force, current_A=current)
@@ -86,7 +101,7 @@ MODEL = NewburyLeo(
     from_source=False,
     source="J. Intell. Mater. Syst. Struct. 14, 333-42 and 343 (abstracts read)",
     equations="f = K*(u - s U) + M u''; Q = C U - s K*(u - s U); Q' = (V - U)/R; i = Q' + V/R_dc",
-    own_reading="one GHM term; s as of a bimorph, without relaxation; port at the contact; k0",
+    own_reading="one GHM term; s without relaxation; port at the contact; k0; a free parabola",
     states=("U (V)", "z (m)", "z' (m/s)", "u (m)", "u' (m/s)"),
     parameters=(
         ModelParameter(
@@ -121,5 +136,5 @@ MODEL = NewburyLeo(
         ),
     ),
     predicts_in_contact=frozenset({"force", "current"}),
-    predicts_free=frozenset({"current", "tip"}),
+    predicts_free=frozenset({"current", "tip", "curve"}),
 )  # fmt: skip

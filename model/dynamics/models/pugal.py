@@ -18,8 +18,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.dynamics.line import ElectrodeLine, LineModes
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
-from model.dynamics.models.small_deflection import PLACES, rest_curvature
+from model.dynamics.models.contract import (
+    PLACES,
+    DrivenSheet,
+    ModelParameter,
+    PublishedModel,
+    Response,
+)
 from model.measurements import FloatArray
 
 TERMS = 8  # Legendre polynomials of the line
@@ -56,7 +61,7 @@ def _shapes(
     s = np.linspace(0.0, run.sheet.free_length_m, PLACES)
     h, middle = s[1], 0.5 * (s[1:] + s[:-1])
     U = modes @ line.at(middle).T
-    bend = h * (rest_curvature(run.sheet, middle) + p["a_per_Vm"] * U + p["b_per_V2m"] * U**2)
+    bend = h * (run.rest(middle) + p["a_per_Vm"] * U + p["b_per_V2m"] * U**2)
     phi = np.cumsum(bend, axis=1) - 0.5 * bend  # of the chords
     chord = h * np.sinc(0.5 * bend / np.pi)
     clamp = np.zeros((len(modes), 1))

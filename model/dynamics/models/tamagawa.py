@@ -19,7 +19,8 @@ import numpy as np
 from model.dynamics.models.arc import arc_curves, arc_tip_m, contact_arc
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import lag
-from model.dynamics.models.small_deflection import mean_rest_curvature
+
+LEAST_V = 0.1  # less is an amplifier's offset, no voltage
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,7 +30,7 @@ class Tamagawa(PublishedModel):
     def simulate(self, p: Mapping[str, float], run: DrivenSheet) -> Response:
         """See `PublishedModel.simulate`."""
         t, V = run.time_s, run.drive_V
-        on = lag(p["tB_s"], t, (V != 0.0).astype(float))
+        on = lag(p["tB_s"], t, (np.abs(V) > LEAST_V).astype(float))
         B = p["B0_Nm2"] + (p["B1_Nm2"] - p["B0_Nm2"]) * on
         moment = p["m1_Nm_per_V"] * lag(p["t1_s"], t, V) - p["m2_Nm_per_V"] * lag(p["t2_s"], t, V)
         if not run.free:
@@ -37,7 +38,7 @@ class Tamagawa(PublishedModel):
             k = np.full(len(t), arc.curvature_per_m)
             force = B * arc.force_over_B(moment / B)
             return Response(force_N=force, tip_m=arc_tip_m(run, k), curves_m=arc_curves(run, k))
-        k = mean_rest_curvature(run.sheet, run.sheet.free_length_m) + moment / B
+        k = run.rest.mean(run.sheet.free_length_m) + moment / B
         return Response(tip_m=arc_tip_m(run, k), curves_m=arc_curves(run, k))
 
 

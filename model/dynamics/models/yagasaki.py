@@ -15,10 +15,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
+from model.dynamics.models.contract import (
+    PLACES,
+    DrivenSheet,
+    ModelParameter,
+    PublishedModel,
+    Response,
+)
 from model.dynamics.models.held_drive import held_states
-from model.dynamics.models.small_deflection import PLACES, rest_heights_m
 from model.measurements import FloatArray
+from model.mechanics.linear_beam import heights_m
 
 ROOTS = np.array([1.8751040687119612, 4.694091132974175, 7.854757438237613, 10.995540734875467])
 
@@ -56,7 +62,7 @@ class Yagasaki(PublishedModel):
         by_state = np.zeros((len(B), PLACES))
         by_state[moved] = shapes
         by_state[0], by_state[1] = p["bend_per_Vm"] * rest, p["share"] * rest
-        at_rest = rest_heights_m(run.sheet, x)
+        at_rest = heights_m(run.rest, x)
         y = at_rest + states[run.frames] @ by_state
         tip = at_rest[-1] + states @ by_state[:, -1]
         return Response(tip_m=tip, curves_m=(np.broadcast_to(x, y.shape), y))

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.dynamics.models.chain import Chain, ChainContact, chain_of
+from model.dynamics.models.chain import LINKS, Chain, ChainContact, chain_of
 from model.dynamics.models.contract import DrivenSheet, ModelParameter, PublishedModel, Response
 from model.dynamics.models.held_drive import lag
-from model.measurements import FloatArray
+from model.measurements import FloatArray, ModelError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,33 +28,40 @@ class Yim(PublishedModel):
         """See `PublishedModel.simulate`."""
         U = lag(p["R_ohm"] * p["C_F"], run.time_s, run.drive_V)
         current = (run.drive_V - U) / p["R_ohm"]
-        kappa = p["km_Nm_per_C"] * p["C_F"] * U / p["B_Nm2"]
-        chain = chain_of(run.sheet, with_elongation=not run.free)
+        if run.wanted == {"current"}:
+            return Response(current_A=current)
+        chain, bend = chain_of(run), p["km_Nm_per_C"] * p["C_F"] / p["B_Nm2"]
         force = None
         if run.free:
-            angles = _moving(p, run, chain, kappa)
+            angles = _moving(p, run, chain, bend * U)
         else:
-            force, angles = ChainContact(chain, run.sheet.arc_radius_m, run.angle_rad).at(kappa)
+            at = ChainContact(chain, run.sheet.arc_radius_m, run.angle_rad)
+            force, angles = at.at(bend * U)
             force = p["B_Nm2"] * force
-        x, y = chain.joints(angles)
-        end = len(chain_of(run.sheet).link_m) + 1  # of the sheet
+        x, y = (one[:, : LINKS + 1] for one in chain.joints(angles))
         return Response(
-            force_N=force, current_A=current, tip_m=y[:, end - 1],
-            curves_m=(x[run.frames, :end], y[run.frames, :end]),
+            force_N=force, current_A=current, tip_m=y[:, -1],
+            curves_m=(x[run.frames], y[run.frames]),
         )  # fmt: skip
 
 
 def _moving(
     p: Mapping[str, float], run: DrivenSheet, chain: Chain, kappa: FloatArray
 ) -> FloatArray:
+    """Return the links' directions (n, links); until 0 s as they are there."""
     from model.dynamics.models.moving_chain import inertia_of, march  # compiled
 
-    h = float(chain.link_m[0])
+    h, first = float(chain.link_m[0]), int(np.searchsorted(run.time_s, 0.0))
     inertia = inertia_of(len(chain.link_m), h, p["mu_kg_per_m"])
-    return march(
-        (inertia, h), p["B_Nm2"] / chain.cell_m, chain.cell_m, chain.rest_rad, kappa,
-        np.diff(run.time_s), (p["eta_s"], p["drag_Ns2_per_m3"]),
+    final = p["km_Nm_per_C"] * p["C_F"] / p["B_Nm2"] * run.drive_V
+    charge = kappa[first:], final[first:], p["R_ohm"] * p["C_F"]
+    angles = march(
+        (inertia, h), p["B_Nm2"] / chain.cell_m, chain.cell_m, chain.rest_rad, charge,
+        np.diff(run.time_s[first:]), (p["eta_s"], p["drag_Ns2_per_m3"]),
     )  # fmt: skip
+    if not np.all(np.isfinite(angles)):
+        raise ModelError("the chain of links moves too fast to be followed")
+    return np.concatenate([np.repeat(angles[:1], first, axis=0), angles])
 
 
 MODEL = Yim(

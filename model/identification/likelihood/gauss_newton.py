@@ -15,10 +15,13 @@ LONGEST_LOG_B = 2.0
 LEAST_DAMPING, MOST_DAMPING = 1e-6, 1e8
 
 
-def least_squares(forward: ForwardModel, bases: Bases, theta: FloatArray) -> FloatArray:
+def least_squares(
+    forward: ForwardModel, bases: Bases, theta: FloatArray, enough: float = ENOUGH
+) -> FloatArray:
     """Return the base parameters that minimise the weighted squares of forces, curves and priors.
 
-    Damped after Levenberg and Marquardt where a step leads too far.
+    Damped after Levenberg and Marquardt where a step leads too far. It ends where a step takes
+    less than the share `enough` from the squares.
     """
     mean, width = priors_of(bases)
     stiffness = [one.stiffness for one in bases.parts]
@@ -41,7 +44,7 @@ def least_squares(forward: ForwardModel, bases: Bases, theta: FloatArray) -> Flo
         except ModelError:
             there = left, by, np.inf
         if there[2] <= value * (1.0 + 1e-12):
-            done = value - there[2] <= ENOUGH * value
+            done = value - there[2] <= enough * value
             theta, (left, by, value) = theta + step, there
             damping *= 0.1 if damping > LEAST_DAMPING else 0.0
             if done:

@@ -6,8 +6,9 @@ where the set-ups really are, and the residuals those of nominal set-ups.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -21,10 +22,12 @@ from model.identification.likelihood.model_state import (
     Mounting,
 )
 from model.identification.likelihood.random_effects import (
+    EACH,
     Added,
     Columns,
     groups_of,
     mountings,
+    own_eibm,
     restored,
     scatter_columns,
 )
@@ -46,6 +49,54 @@ class BaseParameters:
     prior: dict[int, tuple[float, float]]  # place -> mean, width
 
 
+@dataclass(frozen=True, kw_only=True)
+class FurtherColumns:
+    """What all rows change by with base parameters, beyond what the beam problem says; linear.
+
+    Parameters of its own are known only so well: each is in units of its standard deviation.
+    """
+
+    rows: FloatArray  # (N, q) change by a step
+    places: tuple[int, ...]  # (q,) of the parameters
+    zero: FloatArray  # (q,) values at which there is no change
+    step: FloatArray  # (q,)
+    own: range  # places of parameters that are nothing else
+    # by configuration: (N,) by a relative change of a set-up's EIBM, and of its stiffness
+    eibm: Mapping[int, FloatArray] = field(default_factory=dict)
+    stiffness: Mapping[int, FloatArray] = field(default_factory=dict)
+
+    def columns(self, size: int) -> FloatArray:
+        """Return the derivatives by all base parameters, (N, size)."""
+        result = np.zeros((len(self.rows), size))
+        for place, row in zip(self.places, (self.rows / self.step).T, strict=True):
+            result[:, place] += row
+        return result
+
+    def at(self, theta: FloatArray) -> FloatArray:
+        """Return the change of all rows at base parameters, (N,)."""
+        much = (theta[list(self.places)] - self.zero) / self.step
+        return np.asarray(self.rows @ much)
+
+    def of_rows(self, count: int) -> FurtherColumns:
+        """Return the same of so many other rows that do not change."""
+        return replace(self, rows=np.zeros((count, len(self.places))), eibm={}, stiffness={})
+
+    def scattered(self, forward: ForwardModel, scatter: Columns) -> Columns:
+        """Return columns of what differs from set-up to set-up with what they change beyond."""
+        found = {name: list(columns) for name, columns in scatter.items()}
+        turns = dict.fromkeys(EACH, 0)
+        for c, part in enumerate(forward.layout.parts):
+            if c in self.eibm:
+                found["eibm"][c] = found["eibm"][c] + self.eibm[c]
+                found["stiffness"][c] = found["stiffness"][c] + self.stiffness[c]
+            for k, name in own_eibm(forward, c):
+                if c in self.eibm:
+                    own = np.where(part.of_condition(k, forward.layout.size), self.eibm[c], 0.0)
+                    found[name][turns[name]] = found[name][turns[name]] + own
+                turns[name] += 1
+        return found
+
+
 @dataclass(frozen=True)
 class Bases:
     """Places of all base parameters."""
@@ -53,6 +104,7 @@ class Bases:
     parts: tuple[BaseParameters, ...]
     size: int
     rise: int | None = None  # first place of what is not known of all pulses' rise alike
+    further: FurtherColumns | None = None
 
     def beam(self, forward: ForwardModel, c: int, theta: FloatArray) -> BeamProblem:
         """Return the beam problem of the base model of a configuration."""
@@ -105,6 +157,8 @@ class Linearisation:
     residual: FloatArray  # (N,)
     columns: FloatArray  # (N, p)
     data: Data
+    # what was once computed at these states, by what it is: see `search.evidence.candidates`
+    at_states: dict[Hashable, Any] = field(default_factory=dict, compare=False, repr=False)
 
 
 def sensitivities(
@@ -130,6 +184,9 @@ def sensitivities(
         own = slice(bases.rise, bases.rise + len(RISE))
         columns[:, own] = sum(rise_columns(forward, c, state) for c, state in enumerate(states))
         residual -= columns[:, own] @ theta[own]
+    if bases.further is not None:
+        columns += bases.further.columns(bases.size)
+        residual -= bases.further.at(theta)
     return tuple(states), residual, columns
 
 
@@ -149,11 +206,15 @@ def linearise(
         for name, found in scatter_columns(forward, c, state).items():
             scatter.setdefault(name, []).extend(found)
     groups = groups_of(forward, noise.random_effects, scatter, noise.constant)
+    solved = dict(zip(noise.random_effects, groups, strict=True))
+    if bases.further is not None:
+        beyond = bases.further.scattered(forward, scatter)
+        groups = groups_of(forward, noise.random_effects, beyond, noise.constant)
     pad, (mean, width) = forward.layout.pad, priors_of(bases)
     empty = pad(np.ones(forward.layout.size)) == 0.0
     y = pad(residual)
     if added:
-        y = y + restored(dict(zip(noise.random_effects, groups, strict=True)), added)
+        y = y + restored(solved, added)
     data = Data(
         y=y, X=pad(columns), groups=groups, masks=[pad(m) for m in noise.masks],
         fixed=np.where(empty, 1.0, pad(noise.fixed)), precision=width**-2.0, away=theta - mean,
@@ -187,6 +248,8 @@ def with_columns(
 def _prior(bases: Bases, i: int) -> tuple[float, float]:
     if bases.rise is not None and 0 <= i - bases.rise < len(RISE):
         return RISE[i - bases.rise]
+    if bases.further is not None and i in bases.further.own:
+        return 0.0, 1.0
     for one in bases.parts:
         if i in one.prior:
             return one.prior[i]

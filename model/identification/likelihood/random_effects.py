@@ -84,14 +84,14 @@ def scatter_columns(forward: ForwardModel, c: int, state: ModelState) -> Columns
     result["pulse_edge"] = [forward.rows_of(c, state, replace(none, bin_eibm=part.bin_mean(late)))]
     result |= {name: [] for name in EACH}
     active = _active(state)
-    for k, name in _each(forward, c):
+    for k, name in own_eibm(forward, c):
         by = np.zeros_like(none.beam)
         by[k, : scene.count] = active[k]
         result[name].append(forward.rows_of(c, state, replace(none, beam=by)))
     return result
 
 
-def _each(forward: ForwardModel, c: int) -> list[tuple[int, str]]:
+def own_eibm(forward: ForwardModel, c: int) -> list[tuple[int, str]]:
     """Return the conditions that have an EIBM of their own, each with the name of its scatter."""
     scene = forward.scenes[c]
     driven = np.flatnonzero(scene.voltage_V).tolist()
@@ -107,7 +107,7 @@ def own_slots(forward: ForwardModel) -> list[dict[int, tuple[str, int, int]]]:
     result = []
     for c, look in enumerate(forward.looks):
         slots = {}
-        for k, name in _each(forward, c):
+        for k, name in own_eibm(forward, c):
             run = forward.layout.runs.index(look.seen[k].run)
             taken[name, run] = taken.get((name, run), -1) + 1
             slots[k] = (name, run, taken[name, run])

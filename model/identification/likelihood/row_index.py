@@ -59,6 +59,18 @@ class RowBlock:
             np.bincount(self.reading_of, self.share * values, len(self.mode_rows)), dtype=float
         )
 
+    def of_condition(self, k: int, size: int) -> Which:
+        """Return which of all rows are those of a condition, (size,)."""
+        result = np.zeros(size, dtype=bool)
+        for rows, of in (
+            (self.trend_rows, self.trend_of), (self.sway_rows, self.sway_of),
+            (self.bin_rows, self.bin_of),
+        ):  # fmt: skip
+            result[rows[of == k]] = True
+        modes = self.mode_rows[k]
+        result[modes[modes >= 0]] = True
+        return result
+
     def bin_mean(self, values: FloatArray) -> FloatArray:
         """Mean over the pulses: (m,) to (b,)."""
         count = np.bincount(self.bin_at, minlength=len(self.bin_of))

@@ -191,6 +191,8 @@ class ViewSettings(ClosedSettings):
     """Lengths look relatively so much longer 50 mm along x: the camera is turned."""
     perspective_y: Annotated[float, Field(ge=-0.5, le=0.5)]
     """The same along y."""
+    roll_rad: Annotated[float, Field(ge=-0.5, le=0.5)]
+    """The camera is turned about its own axis: pictures are, counter-clockwise, at the clamp."""
     dent_mm: Annotated[float, Field(ge=-5, le=5)]
     """Shift along y of the image at one place ..."""
     dent_x_mm: float
@@ -202,7 +204,7 @@ class ViewSettings(ClosedSettings):
     def is_undistorted(self) -> bool:
         """Whether everything is seen where it is."""
         errors = (self.scale_error, self.stretch, self.perspective_x, self.perspective_y)
-        return not any(errors) and self.dent_mm == 0
+        return not any(errors) and self.dent_mm == 0 and self.roll_rad == 0
 
     def seen(self, points_m: FloatArray) -> FloatArray:
         """Return where points (n, 2) appear to be."""
@@ -212,4 +214,6 @@ class ViewSettings(ClosedSettings):
         grown = 1 + self.scale_error + (self.perspective_x * x + self.perspective_y * y) / 0.05
         away = np.hypot(x - self.dent_x_mm * 1e-3, y - self.dent_y_mm * 1e-3)
         dent_m = self.dent_mm * 1e-3 * bump(away, 0.0, self.dent_width_mm * 1e-3)
-        return np.column_stack((x * grown * (1 + self.stretch), y * grown + dent_m))
+        x, y = x * grown * (1 + self.stretch), y * grown + dent_m
+        cos, sin = np.cos(self.roll_rad), np.sin(self.roll_rad)
+        return np.column_stack((x * cos - y * sin, x * sin + y * cos))

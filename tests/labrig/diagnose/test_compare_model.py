@@ -32,7 +32,7 @@ def test_compare_lists_a_model_file_with_the_fitted_ones(tmp_path, capsys):
     path = session(tmp_path / "made.h5", measure("long"))
     save_model(constant(truth("long")).with_effects(named_effect()), tmp_path / "model+.toml")
     assert run(["compare", str(path), "--model", str(tmp_path / "model+.toml"), "--json"]) == 0
-    rows = {row["model"]: row for row in json.loads(capsys.readouterr().out)}
+    rows = {row["model"]: row for row in json.loads(capsys.readouterr().out)["static"]}
     assert rows["model+.toml"]["force_rmse_mN"] < 0.03
     one = truth("long").sheet("long")
     other = replace(one, sheet=replace(one.sheet, free_length_m=0.07))

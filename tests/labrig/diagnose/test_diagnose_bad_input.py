@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.data_mistakes.mistakes import MISTAKES
 from labrig.cli.main import run
 from labrig.config.templates import template_text
 from labrig.model_file import save_model
@@ -152,6 +153,23 @@ def test_a_model_file_is_not_overwritten_unasked(measured, tmp_path, capsys):
     assert run(["diagnose", *options, "-o", str(path)]) == 2
     assert "give --force" in told(capsys)
     assert path.read_text(encoding="utf-8") == "mine"
+
+
+def test_where_the_data_stop_the_search_no_model_is_written_and_that_is_said(
+    measured, tmp_path, capsys
+):
+    wrong = next(one for one in MISTAKES if one.name == "curves in m instead of mm")
+    options = tables(tmp_path, wrong.make(measured, np.random.default_rng(3))[0])
+    path = tmp_path / "model.toml"
+    path.write_text("older", encoding="utf-8")
+    assert run(["diagnose", *options, "-o", str(path), "--force"]) == 0
+    captured = capsys.readouterr()
+    assert "nothing is searched for and there is no model" in " ".join(captured.out.split())
+    assert (
+        f"{path} is not written: there is no model of data that contradict what is stated;"
+        " what is there is older" in " ".join(captured.err.split())
+    )
+    assert path.read_text(encoding="utf-8") == "older"
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ def test_a_hidden_effect_is_named_added_and_then_nothing_is_missing(imported, tm
     one, two = (effects[0].parameters["decay_length_mm"].value for effects in (before, after))
     assert two == pytest.approx(one, rel=0.05)
     assert labrig("compare", imported, "--model", model, "--json") == 0
-    rows = json.loads(capsys.readouterr().out)
+    rows = json.loads(capsys.readouterr().out)["static"]
     for name in ("long", "short"):
         own = {r["model"]: r for r in rows if r["configuration"] == name}
         best = own["full model, EIBM along the sheet"]["force_rmse_mN"]

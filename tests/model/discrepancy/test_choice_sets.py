@@ -6,8 +6,11 @@ import json
 
 import pytest
 
+from benchmarks.hidden_effects.cases import Case, Hiding
 from model.discrepancy.answers.choice_set import ATTRIBUTES, NOTHING, UNKNOWN, ChoiceSet
 from tests.model.discrepancy.sessions import FALLING, diagnosed
+
+TWO = Case((Hiding("nonuniform_eibm"), Hiding("clamp_angle")), seed=2)
 
 
 def attributes(one: ChoiceSet, name: str):
@@ -38,6 +41,15 @@ def test_each_name_has_its_question_and_there_is_one_about_the_rest():
     assert attributes(first, UNKNOWN)["unknown_ahead"] < 0.0
     assert attributes(rest, NOTHING)["nothing_further"] == 1.0
     assert "nonuniform_eibm" not in [a.name for a in rest.alternatives]
+
+
+@pytest.mark.slow
+def test_a_second_name_is_voted_for_beside_the_first():
+    """Without the first in place no position would choose it: the first explains more alone."""
+    found = {one.considered: one for one in diagnosed(TWO).choice_sets}
+    for name in ("nonuniform_eibm", "clamp_angle"):
+        own = attributes(found[name], name)
+        assert own["votes"] == 1.0
 
 
 def test_every_attribute_is_documented_and_of_the_order_of_one():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.data_mistakes.mistakes import MISTAKES
-from model import ModelError
+from model import ModelError, predict
 from model.discrepancy import DiagnoseOptions, check_data, diagnose, next_measurement
 from model.discrepancy.data_checks.catalogue import data_checks
 from model.discrepancy.data_checks.changed_data import of_one
@@ -94,8 +94,11 @@ def test_a_search_of_data_in_another_unit_stops_with_the_reason():
     assert found.effects == ()
     assert not found.searched
     assert found.sentence.startswith(
-        "These data contradict what is stated of them, so nothing is searched for: curves of 'long'"
+        "These data contradict what is stated of them, so nothing is searched for and there is no"
+        " model: curves of 'long'"
     )
+    with pytest.raises(ModelError, match="this model has no configuration: nothing was fitted"):
+        predict(found.model, "long", 0.01, 2.0)
     (first, _) = found.to_json()["data_checks"]
     assert (first["check"], first["severity"]) == ("curve_unit", "stop")
     assert first["value"] == pytest.approx(1000.0, rel=0.01)

@@ -206,6 +206,18 @@ def test_what_the_base_model_has_already_cannot_be_seen(seen):
     assert all(told.values())
 
 
+def test_what_is_invisible_says_from_which_size_on_it_would_be_seen(seen):
+    """Its plausible size is a guess, and a laboratory may have many times as much."""
+    base, _, found = seen
+    faint = replace(found, detectability=np.full(len(found.names), 0.4))
+    told = invisible(base, faint, catalogue())
+    assert told["force_offset"].endswith("Here it is seen from 0.5 mN on.")  # 4 / 0.4 * 0.05 mN
+    assert told["load_cell_misalignment"].endswith("Here it is seen from 0.5 rad on.")
+    gone = replace(found, detectability=np.full(len(found.names), 1e-4))
+    told = invisible(base, gone, catalogue())
+    assert told["force_offset"].endswith("Here it is not seen at any size that it can have.")
+
+
 def test_classes_are_of_effects_closer_than_four_sigma_and_an_effect_is_in_one_at_most(seen):
     _, _, found = seen
     groups = classes(found, {})

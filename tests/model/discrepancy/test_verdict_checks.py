@@ -73,11 +73,18 @@ def test_a_failed_check_is_named_in_the_sentence_and_in_the_json():
 
 
 def test_an_amplitude_that_would_be_seen_is_no_name():
-    turned = hidden_session(case("load_cell_misalignment", "turned", 0.65, seed=5)).measurements
+    turned = hidden_session(case("load_cell_misalignment", "turned", 0.75, seed=5)).measurements
     found = diagnose(turned)
     failed = {one.name: one.sentence for one in found.checks if not one.passed}
-    assert re.fullmatch(r"a load cell turned by 3\d degrees would be seen", failed["amplitude"])
+    assert re.fullmatch(r"a load cell turned by 4\d degrees would be seen", failed["amplitude"])
     assert found.verdict != "effect_named"
+
+
+def test_a_large_amplitude_that_rigs_do_have_keeps_its_name():
+    turned = hidden_session(case("load_cell_misalignment", "turned", 0.52, seed=5)).measurements
+    found = diagnose(turned)
+    assert [n.name for n in found.effects] == ["load_cell_misalignment"]
+    assert found.verdict == "effect_named"
 
 
 def test_offsets_of_opposite_sign_are_no_meniscus():

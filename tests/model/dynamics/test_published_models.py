@@ -11,7 +11,7 @@ from model.dynamics.models import DrivenSheet, Response, model, models, origins
 from model.dynamics.models.conformance import SHEET, example_run, faults
 from model.dynamics.models.gonzalez import chord_m
 from model.dynamics.models.held_drive import held_states, lag
-from model.dynamics.models.small_deflection import SmallDeflection
+from model.dynamics.models.small_deflection import small_deflection
 from model.measurements import ModelError
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
@@ -96,20 +96,21 @@ def test_held_voltages_are_exact_with_even_and_uneven_samples():
 
 def test_rest_bent_and_loaded_heights_of_the_linear_beam_meet_the_contact():
     at = run(0.006, sheet=SHEET)
-    beam = SmallDeflection(at)
+    beam = small_deflection(at)
     kappa = np.array([0.0, 10.0, -25.0])
     heights = beam.heights_m(np.array([R]), kappa)[:, 0]
     np.testing.assert_allclose(heights, 0.006, rtol=1e-12)
     # k0 = 5 - 60 s: y(R) = 5 R^2/2 - 60 R^3/6
-    assert beam.rest_m(R) == pytest.approx(2.5 * R**2 - 10.0 * R**3, rel=1e-12)
+    rest = 2.5 * R**2 - 10.0 * R**3
+    assert beam.off_at_rest_m == pytest.approx(rest - 0.006, rel=1e-12)
 
 
 def test_the_elongation_touches_where_the_straight_end_goes():
     sheet = replace(STRAIGHT, free_length_m=0.0045, elongation_m=0.04)
-    beam = SmallDeflection(run(0.0, sheet=sheet))
-    assert beam.bent_m2(R) == pytest.approx(0.0045 * (R - 0.0045 / 2.0), rel=1e-12)
+    beam = small_deflection(run(0.0, sheet=sheet))
+    assert beam.bent_m2 == pytest.approx(0.0045 * (R - 0.0045 / 2.0), rel=1e-12)
     lever = R - np.linspace(0.0, 0.0045, 20001)
-    assert beam.compliance_m3(R) == pytest.approx(np.trapezoid(lever**2, dx=0.0045 / 2e4), rel=1e-8)
+    assert beam.compliance_m3 == pytest.approx(np.trapezoid(lever**2, dx=0.0045 / 2e4), rel=1e-8)
 
 
 def test_lee_is_the_bimorph_after_a_long_time_and_one_lag_before():

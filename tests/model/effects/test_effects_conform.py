@@ -48,6 +48,7 @@ TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "load_cell_compliance": ("load_cell", ("compliance_mm_per_mN",), ()),
     "position_error": ("position", ("offset_mm",), ("scale",)),
     "camera_scale": ("camera", ("relative_error",), ("axis",)),
+    "camera_roll": ("camera", ("angle_rad",), ()),
     "camera_perspective": ("camera", ("relative_error",), ("direction_rad",)),
     "frame_delay": ("camera", ("delay_s",), ("through_zero",)),
 }

@@ -593,6 +593,14 @@ def test_a_wrong_scale_moves_points_away_from_the_clamp():
         assert y == pytest.approx(0.02 * along_y * points.y_m)
 
 
+def test_a_rolled_camera_turns_pictures_and_no_lengths():
+    points = example_points()
+    x, y = effect("camera_roll").curve(points, {"angle_rad": 0.3})
+    turned = (points.x_m + 1j * points.y_m) * np.exp(0.3j)
+    assert points.x_m + x == pytest.approx(turned.real)
+    assert points.y_m + y == pytest.approx(turned.imag)
+
+
 def test_perspective_is_a_scale_that_changes_across_the_picture():
     points = example_points()
     p = {"relative_error": 0.02, "direction_rad": 0.0}

@@ -1,0 +1,183 @@
+"""`compare_in_time`: the sheet in time as labrig has it, beside models from the literature."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from labrig.analysis.comparison.result import ComparedModel, ComparedQuantity, DynamicComparison
+from labrig.analysis.motion import motion_record
+from labrig.analysis.motion.beginning import COARSE, Surroundings, beginning
+from labrig.analysis.motion.noise import noise_at_first
+from labrig.analysis.motion.record import MotionRecord
+from labrig.analysis.motion.rest_shape import rest_curvature
+from labrig.errors import BadInputError
+from labrig.extractors.choice import BUILT_IN
+from labrig.session import RecordedSession
+from model.dynamics import DynamicBeam
+from model.dynamics.comparison import (
+    ComparedRun,
+    ComparisonRow,
+    Contender,
+    FullContender,
+    HeldOut,
+    PublishedContender,
+    compare_models,
+    hold_out,
+)
+from model.dynamics.identification import RecordedRun, RecordingNoise, identify
+from model.dynamics.identification.parameters import LogParameters
+from model.dynamics.models import models
+from model.measurements import ModelError, SheetGeometry
+from model.mechanics.field import Field
+
+Progress = Callable[[float, str], None]
+RATE_HZ = 250.0  # of the samples that are used: the sheet's modes lie below 100 Hz
+MOST_POSITIONS = 4  # in contact: each adds seconds
+FEWEST_FRAMES = 10  # of a free sheet that moves
+REST_NODES = 41
+NEAR, FOUND = 1.0, 0.1  # ends of a search, in standard deviations of the parameters
+FRAMES_SHARE, FIT_SHARE = 0.3, 0.3  # of the time: finding curves, fitting the full model
+
+
+def why_not_in_time(session: RecordedSession, configuration: str) -> str:
+    """Return why models in time cannot be compared, a sentence; empty: they can.
+
+    A comparison needs the force in contact, the current, and frames of a free sheet that moves.
+    """
+    try:
+        record = motion_record(session, configuration, frames=False)
+    except BadInputError as error:
+        return str(error)
+    plans = [run.plan for run in record.runs]
+    if not any(plan.force for plan in plans):
+        return "no force in contact was recorded under voltage: add a measurement at a position."
+    if not any(plan.current for plan in plans):
+        return (
+            "no current was recorded: wire the current channel and state [current_sense] shunt_ohm"
+            " in rig.toml."
+        )
+    free = [
+        run for run in session.runs
+        if run.planned.configuration == configuration and run.planned.position_m is None
+        and any(step.voltage_V for step in run.planned.steps)
+    ]  # fmt: skip
+    if max((run.frame_count for run in free), default=0) < FEWEST_FRAMES:
+        return (
+            "no free sheet that moves was filmed, so mass and loss are unknown: add [extras]"
+            " release = true to protocol.toml."
+        )
+    return ""
+
+
+def compare_in_time(
+    session: RecordedSession,
+    configuration: str,
+    stated: Surroundings | None = None,
+    *,
+    progress: Progress | None = None,
+    extractor: str = BUILT_IN,
+) -> DynamicComparison:
+    """Fit all models to a session's runs but some, and let them predict those.
+
+    All models have the same k0, that of the frames at rest. Raises BadInputError, one sentence.
+    """
+    tell = progress or (lambda _share, _text: None)
+    if why := why_not_in_time(session, configuration):
+        raise BadInputError(f"{session.path}: {configuration}: {why}")
+    record = motion_record(
+        session, configuration, positions_m=_positions(session, configuration),
+        extractor=extractor, progress=lambda share, text: tell(FRAMES_SHARE * share, text),
+    )  # fmt: skip
+    begun = FRAMES_SHARE + FIT_SHARE
+    tell(FRAMES_SHARE, "the moving sheet")
+    try:
+        beam, values, data = _full(record, stated or Surroundings())
+        full = FullContender(beam, COARSE)
+        others = [PublishedContender(one) for one in models().values()]
+        contenders: list[Contender] = [full, *others]
+        rows = compare_models(
+            contenders, data, lambda one, _: values if one is full else None,
+            lambda share, text: tell(begun + (1.0 - begun) * share, text),
+        )  # fmt: skip
+    except ModelError as error:
+        raise BadInputError(f"{session.path}: {configuration}: {error}.") from None
+    return DynamicComparison(
+        configuration=configuration, models=tuple(_kept(row) for row in rows),
+        held_out=data.in_words, values=_values(data), rate_hz=RATE_HZ, missing=record.missing,
+    )  # fmt: skip
+
+
+def _positions(session: RecordedSession, configuration: str) -> list[float]:
+    """Return at most `MOST_POSITIONS` of the positions in contact, evenly chosen."""
+    found = sorted({
+        run.planned.position_m for run in session.runs
+        if run.planned.configuration == configuration and run.planned.position_m is not None
+    })  # fmt: skip
+    count = min(len(found), MOST_POSITIONS)
+    last = max(1, count - 1)
+    return [found[round(i * (len(found) - 1) / last)] for i in range(count)]
+
+
+def _full(
+    record: MotionRecord, stated: Surroundings
+) -> tuple[DynamicBeam, dict[str, float], HeldOut]:
+    """Return the sheet to begin with, its parameters as they fit best, and the runs with its k0.
+
+    The amplifier's offset bends the sheet at rest, so its k0 is known when its moment per volt is.
+    """
+    whole = [run for run in record.runs if run.plan.setup is None or _rests(run)]
+    noise = noise_at_first(whole)
+    begun = beginning(record.sheet, whole, stated)
+    runs = [run.run for run in _compared(record.sheet, whole, noise, begun.rest).fitted]
+    near = identify(begun, runs, noise, resolution=COARSE, tolerance=NEAR).beam
+    rest = rest_curvature(near, runs, noise.curve_m)
+    if rest is not None:
+        begun, near = replace(begun, rest=rest.rest), replace(near, rest=rest.rest)
+    found = identify(near, runs, noise, resolution=COARSE, tolerance=FOUND).beam
+    logarithms = LogParameters(found)
+    values = {name: abs(v) for name, v in logarithms.values(logarithms.theta).items()}
+    return begun, values, _compared(record.sheet, whole, noise, found.rest)
+
+
+def _rests(run: RecordedRun) -> bool:
+    """Whether the load cell stays where it is."""
+    return run.plan.setup is not None and not callable(run.plan.setup.position_m)
+
+
+def _compared(
+    sheet: SheetGeometry, runs: Sequence[RecordedRun], noise: RecordingNoise, rest: Field
+) -> HeldOut:
+    s_m = np.linspace(0.0, rest.length_m, REST_NODES)
+    bent = replace(sheet, initial_curvature=(s_m, rest(s_m)))
+    return hold_out([
+        ComparedRun(run=run, sheet=bent, noise=noise).thinned(RATE_HZ) for run in runs
+    ])  # fmt: skip
+
+
+def _values(data: HeldOut) -> dict[str, int]:
+    found: dict[str, int] = {}
+    for run in data.fitted:
+        for quantity in run.measured:
+            found[quantity] = found.get(quantity, 0) + run.count(quantity)
+    return found
+
+
+def _kept(row: ComparisonRow) -> ComparedModel:
+    fitted = row.fitted
+    if fitted is None:
+        return ComparedModel(name=row.name, title=row.title, why_not=row.why)
+    return ComparedModel(
+        name=row.name, title=row.title, ln_evidence=row.ln_evidence,
+        quantities={
+            name: ComparedQuantity(
+                rmse=score.rmse, share=score.share, ln_evidence=score.ln_evidence,
+                misfit=fitted.misfit[name],
+            )
+            for name, score in row.scores.items()
+        },
+        parameters=fitted.values,
+        undetermined=tuple(sorted({*fitted.values} - fitted.determined)),
+    )  # fmt: skip

@@ -1,0 +1,109 @@
+"""The demo's last part: a sheet that moves is recorded, identified and simulated."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from labrig.cli.dynamic_fit import DynamicRequest, fitted_in_time
+from labrig.cli.screen import print_table, say
+
+if TYPE_CHECKING:
+    from labrig.analysis.motion.dynamic_fit import DynamicFit
+    from labrig.report.figures.motion import ComparedRun
+
+CONFIGURATION, WORLD = "long", "moving.toml"
+PROTOCOL = f"""\
+# What a sheet in time is identified from: pulses in contact, and a free step and release.
+[pulse_train]
+zero_readings = 2
+pulses_discarded = 0
+readings_per_voltage = 2
+
+[[places]]
+configuration = "{CONFIGURATION}"
+positions_mm = [5]
+
+[extras]
+random_order = false
+free_shapes = false
+reversed_approach = false
+
+[extras.release]
+voltages_V = [1.0]
+rest_s = 1.0
+swing_s = 1.2
+"""
+
+
+NOTE = (
+    "In this world each set-up differs from its sheet, as at a rig: by 1 % in stiffness and moment "
+    "(standard deviation), by 0.05 mm in position. The intervals are those of its two set-ups."
+)
+
+
+def write_moving_rig(folder: Path) -> tuple[Path, Path, Path]:
+    """Write the files of a simulated rig in the moving world: rig, protocol and sheet."""
+    from labrig.config.templates import write_templates
+
+    write_templates(folder, simulated=True)
+    rig = folder / "rig.toml"
+    tables = rig.read_text(encoding="utf-8").partition("[simulated]")[0]
+    rig.write_text(f'{tables}[simulated]\nworld = "{WORLD}"\n', encoding="utf-8")
+    (folder / "protocol.toml").write_text(PROTOCOL, encoding="utf-8")
+    return rig, folder / "protocol.toml", folder / "sheet.toml"
+
+
+def fit_and_draw(session: Path, folder: Path) -> None:
+    """Identify the sheet, print it beside the world's own, and draw a pulse with its model."""
+    from labrig.analysis.motion.dynamic_fit import model_of
+    from labrig.experiment.rig.stand_ins import true_moving_sheet
+    from labrig.model_file import save_model
+    from labrig.report.figures.motion import compared, motion_figure
+    from labrig.report.parts.style import DEFAULT_FORMATS, save_all
+
+    request = DynamicRequest(sessions=[session], configurations=[CONFIGURATION], positions_mm=[])
+    (fit,) = fitted_in_time(request)
+    truth = true_moving_sheet(folder / WORLD, CONFIGURATION)
+    columns = ["parameter", "unit", "fitted", "90 % interval", "in the world"]
+    print_table("The long sheet in time", columns, parameter_rows(fit, truth))
+    say(NOTE)
+    say()
+    runs = [compared(fit.found.beam, run) for run in fit.runs]
+    held = next(run for run in runs if run.recorded.plan.setup is not None)
+    free = next(run for run in runs if run.recorded.plan.setup is None)
+    columns = ["run", "force mN", "current mA", "tip mm"]
+    title = "Measured less simulated, root mean square, of single samples and frames"
+    print_table(title, columns, [_errors(held), _errors(free)])
+    save_model(model_of([fit], ""), folder / "model.toml")
+    say(f"wrote {folder / 'model.toml'}")
+    for path in save_all(motion_figure(held, free), folder, "motion", DEFAULT_FORMATS):
+        say(f"wrote {path}")
+
+
+def parameter_rows(fit: DynamicFit, truth: Mapping[str, float]) -> Iterator[list[str]]:
+    """Yield a row for each parameter: what was found, and what the world holds."""
+    from labrig.report.tables.dynamic_fit import shown
+
+    for one in fit.found.parameters:
+        as_shown = shown(one.name)
+        low, high = one.parameter.interval()
+        value, low, high, true = (
+            f"{as_shown.scale * x:.4g}" for x in (one.parameter.value, low, high, truth[one.name])
+        )
+        interval = f"{low} to {high}" if one.determined else "not determined"
+        yield [as_shown.text, as_shown.unit, value, interval, true]
+
+
+def _errors(run: ComparedRun) -> list[str]:
+    def fixed(value: float, digits: int) -> str:
+        return "-" if math.isnan(value) else f"{1e3 * value:.{digits}f}"
+
+    return [
+        run.recorded.plan.name,
+        fixed(run.force_rms_N, 3),
+        fixed(run.current_rms_A, 2),
+        fixed(run.tip_rms_m, 3),
+    ]

@@ -1,0 +1,182 @@
+"""labrig fit --dynamic and next --dynamic, on a session recorded in the moving world."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from labrig.analysis.motion.beginning import Surroundings, beginning
+from labrig.cli import dynamic_fit
+from labrig.cli.dynamic_fit import DynamicRequest, fitted_in_time, spread
+from labrig.cli.main import run
+from labrig.errors import BadInputError
+from labrig.model_file import load_model
+from labrig.session import add_mark, open_session
+from labrig.session.marks.mark import Mark
+from model.dynamics.identification.parameters import LogParameters
+from tests.labrig.moving_session import TRUTH, moving_session
+from tests.labrig.report_data import measure, session
+
+pytestmark = pytest.mark.slow  # a session is recorded, measured and fitted: half a minute
+
+WANTED = dict(zip(
+    [one.name for one in LogParameters(TRUTH).quantities], np.exp(LogParameters(TRUTH).theta),
+    strict=True,
+))  # fmt: skip
+# what a step of the links, a curve's bias and a millisecond of the world are worth
+BEYOND_NOISE = 0.01
+
+
+@pytest.fixture(scope="module")
+def path(tmp_path_factory):
+    return moving_session(tmp_path_factory)
+
+
+@pytest.fixture(scope="module")
+def fits(path):
+    return fitted_in_time(DynamicRequest(sessions=[path], configurations=[], positions_mm=[]))
+
+
+@pytest.fixture
+def fitted(monkeypatch, fits):
+    """The commands' own search, done once."""
+    monkeypatch.setattr(dynamic_fit, "fitted_in_time", lambda _request: fits)
+
+
+@pytest.fixture(scope="module")
+def model(fits, path, tmp_path_factory):
+    file = tmp_path_factory.mktemp("model") / "model.toml"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(dynamic_fit, "fitted_in_time", lambda _request: fits)
+        assert run(["fit", str(path), "--dynamic", "-o", str(file)]) == 0
+    return file
+
+
+def refusal(capsys, *arguments: object) -> str:
+    assert run([str(one) for one in arguments]) == 2
+    err = capsys.readouterr().err.strip().splitlines()[-1]
+    assert "Traceback" not in err
+    return err
+
+
+def test_the_sheet_of_the_world_is_found_with_its_intervals(fits):
+    (fit,) = fits
+    assert fit.found.converged
+    assert fit.found.undetermined == ()
+    for one in fit.found.parameters:
+        away = abs(np.log(one.parameter.value / WANTED[one.name]))
+        assert away < 3.0 * one.log_sigma + BEYOND_NOISE, one.name
+        assert one.prior_share < 0.25
+    assert fit.found["B"].log_sigma < 0.01
+    assert fit.found["mass_per_length"].log_sigma < 0.01
+    assert fit.noise.force.white == pytest.approx(1.2e-4, rel=0.1)
+    assert fit.noise.curve_m < 3e-5
+
+
+def test_the_table_names_value_interval_and_prior_and_which_stiffness_it_is(fitted, path, capsys):
+    assert run(["fit", str(path), "--dynamic"]) == 0
+    out = capsys.readouterr().out
+    for text in (
+        "relaxed bending stiffness B",
+        "90 % interval",
+        "prior's share",
+        "Prony time 2",
+        "B is the relaxed stiffness",
+        "labrig fit without --dynamic",
+        "Noise, from what",
+    ):
+        assert text in out  # fmt: skip
+
+
+def test_json_holds_the_same_in_si(fitted, fits, path, capsys):
+    assert run(["fit", str(path), "--dynamic", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["configurations"]["long"]
+    assert found["B_is"] == "relaxed"
+    B = found["parameters"]["B"]
+    assert B["value"] == pytest.approx(fits[0].found["B"].parameter.value)
+    assert B["interval90"][0] < B["value"] < B["interval90"][1]
+    assert B["determined"] is True
+    assert found["undetermined"] == []
+    assert found["chi2_per_value"] == pytest.approx(1.0, abs=0.2)
+
+
+def test_the_model_file_is_what_the_commands_in_time_read(model, capsys):
+    known = load_model(model)
+    beam, rolls = known.moving("long", 0.005)
+    assert beam.material.B_Nm2 == pytest.approx(WANTED["B"], rel=0.03)
+    assert rolls.radius_m == pytest.approx(0.04)
+    table = known.dynamic["long"].to_dict()
+    assert table["mass_per_length_kg_per_m"]["determined_by"] == "data"
+    assert table["source_ohm"]["determined_by"] == "stated"
+    assert table["prony"][0]["share"]["determined_by"] == "data"
+    assert run(["response", str(model), "--position-mm", "5", "-o", str(model.parent / "r")]) == 0
+    at_2_V = ["--configuration", "long", "--position-mm", "5", "--voltage", "2", "--json"]
+    capsys.readouterr()
+    assert run(["simulate", str(model), *at_2_V]) == 0
+    force_N = json.loads(capsys.readouterr().out)[0]["F_N"]
+    assert 1e-3 < force_N < 4e-3
+
+
+def test_a_stated_file_is_not_overwritten(model, path, capsys):
+    assert "is already there" in refusal(capsys, "fit", path, "--dynamic", "-o", model)
+
+
+def test_next_says_that_a_release_determines_mass_and_loss(model, path, tmp_path, capsys):
+    copy = tmp_path / "session.h5"
+    copy.write_bytes(path.read_bytes())
+    add_mark(copy, Mark(run=0, reading=None, why="the sheet was touched", who="Ann"))
+    capsys.readouterr()
+    assert run(["next", str(copy), "--dynamic", "--model", str(model), "--json"]) == 0
+    rows = json.loads(capsys.readouterr().out)["configurations"]["long"]
+    by_run = {row["run"]: row["parameters"] for row in rows}
+    assert set(by_run) == {"now", "release", "chirp", "load-cell step", "position 15 mm"}
+    for name in ("mass_per_length", "share_2", "time_2"):
+        assert not by_run["now"][name]["determined"]
+        assert by_run["release"][name]["determined"]
+        assert not by_run["chirp"][name]["determined"]
+    assert by_run["now"]["B"]["determined"]
+    for found in by_run.values():
+        assert found["capacitance"]["sigma"] <= by_run["now"]["capacitance"]["sigma"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--dynamic", "--q", "2"], "labrig fit --dynamic does not go with --q"),
+        (["--dynamic", "--varying"], "does not go with --varying or --constant"),
+        (["--position-mm", "5"], "--position-mm is for the sheet in time: give --dynamic"),
+        (["--fluid", "water"], "--fluid is for the sheet in time"),
+        (["--dynamic", "--position-mm", "7"], "was measured at 5 mm"),
+        (["--dynamic", "--configuration", "short"], "no whole run of 'short' was driven"),
+        (["--dynamic", "--elongation-g-per-m", "-1"], "a positive number is needed"),
+    ],
+)
+def test_options_that_cannot_be_followed_are_refused_in_a_sentence(path, capsys, arguments, says):
+    assert says in refusal(capsys, "fit", path, *arguments)
+
+
+def test_a_session_of_tables_has_nothing_in_time(tmp_path, capsys):
+    tables = session(tmp_path / "tables.h5", measure("long"))
+    assert "holds no signals over time, only tables" in refusal(capsys, "fit", tables, "--dynamic")
+
+
+def test_what_only_the_user_knows_is_asked_for(path):
+    from dataclasses import replace
+
+    from labrig.analysis.motion import motion_record
+
+    with open_session(path) as opened:
+        record = motion_record(opened, frames=False)
+    longer = replace(record.sheet, elongation_m=0.04)
+    with pytest.raises(BadInputError, match="state it with --elongation-g-per-m"):
+        beginning(longer, record.runs, Surroundings())
+    unknown = replace(record.sheet, initial_curvature=None)
+    with pytest.raises(BadInputError, match="no free sheet was filmed at rest"):
+        beginning(unknown, record.runs, Surroundings())
+
+
+def test_few_positions_are_chosen_evenly():
+    assert spread([0.0, 1.0, 2.0, 3.0, 4.0], 3) == [0.0, 2.0, 4.0]
+    assert spread([1.0], 3) == [1.0]
