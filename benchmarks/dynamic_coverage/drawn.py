@@ -25,7 +25,6 @@ from model.dynamics.fluid import VACUUM, fluid_load
 from model.dynamics.identification import ChannelNoise, RecordingNoise, RunPlan
 from model.mechanics.field import Field
 from sim_hardware.world import WorldSettings, load_world
-from sim_hardware.world.motion.moving_sheet import MovingSheet
 from sim_hardware.world.setup import MountedSheet, Scatter
 
 SHARES = {"both": 0.55, "no release": 0.15, "no current": 0.15, "no force": 0.15}
@@ -283,7 +282,3 @@ def _change_in_a_second() -> float:
     """
     periods = np.exp(np.linspace(math.log(1.5), math.log(120.0), 2001))
     return math.sqrt(float(np.mean(2.0 * (1.0 - np.cos(2.0 * np.pi / periods)))))
-
-
-def moving(session: DrawnSession, plan: RunPlan) -> MovingSheet:
-    return MovingSheet(setup=session.mounted(plan))

@@ -11,7 +11,6 @@ from benchmarks.dynamic_coverage.drawn import CURVE_M, DrawnSession
 from model.dynamics.identification import RecordedRun, RunPlan
 from sim_hardware.world.mechanics import Stage
 from sim_hardware.world.motion.moving_history import MovingHistory
-from sim_hardware.world.setup import Scatter
 from sim_hardware.world.signals.amplifier import SimulatedAmplifier
 from sim_hardware.world.signals.load_cell import SimulatedLoadCell
 from sim_hardware.world.signals.noise import SlowWander
@@ -103,6 +102,3 @@ def _seen(x: np.ndarray, y: np.ndarray, random: np.random.Generator) -> tuple:
 
 def _hum(amplitude: float, hz: float, t: np.ndarray, random: np.random.Generator) -> np.ndarray:
     return amplitude * np.cos(2.0 * np.pi * (hz * t + random.uniform()))
-
-
-NO_SCATTER = Scatter()

@@ -16,10 +16,11 @@ from model import ModelError
 from model.dynamics.identification import identify, information
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.identification.residuals import FINE, coarser
+from model.dynamics.identification.thresholds import MOST_PRIOR, MOST_SIGMA
 
 LINKS, STEP_MS = 160, 0.5
 FEW_LINKS = 64  # the shipped world's
-SURELY = 0.5  # of the variance from priors, or a sigma twice the limit: surely not determined
+SURE_SHARE, SURE_SIGMA = 2 * MOST_PRIOR, 2 * MOST_SIGMA  # beyond: surely not determined
 
 
 def scored(seed: int, links: int = LINKS) -> dict[str, Any]:
@@ -71,12 +72,11 @@ def summary(rows: Sequence[dict[str, Any]]) -> Report:
         inside = sum(p["low"] <= p["truth"] <= p["high"] for p in stated)
         totals[0] += inside
         totals[1] += len(stated)
-        z = [np.log(p["value"] / p["truth"]) / p["log_sigma"] for p in stated]
-        width = float(np.median([p["log_sigma"] for p in stated])) if stated else np.nan
-        lines.append((
-            name, str(len(stated)), _share(inside, len(stated)), _number(np.mean(z) if z else np.nan),
-            _number(np.std(z) if z else np.nan), _number(100.0 * width), *_undetermined(each),
-        ))  # fmt: skip
+        z = [np.log(p["value"] / p["truth"]) / p["log_sigma"] for p in stated] or [np.nan]
+        width = float(np.median([p["log_sigma"] for p in stated] or [np.nan]))
+        numbers = (_number(v) for v in (np.mean(z), np.std(z), 100.0 * width))
+        holding = _share(inside, len(stated))
+        lines.append((name, str(len(stated)), holding, *numbers, *_undetermined(each)))
     lines.append(("all", str(totals[1]), _share(*totals), "", "", "", *_undetermined(
         [p for row in good for p in row["parameters"].values()]
     )))  # fmt: skip
@@ -96,7 +96,7 @@ def _undetermined(each: Sequence[dict[str, Any]]) -> tuple[str, str, str]:
     """How often what cannot be determined is said to be so, and what can be is stated."""
     cannot = [p for p in each if not p["determinable"]]
     surely = [
-        p for p in cannot if p["true_prior_share"] > SURELY or p["true_log_sigma"] > 2 * SURELY
+        p for p in cannot if p["true_prior_share"] > SURE_SHARE or p["true_log_sigma"] > SURE_SIGMA
     ]
     can = [p for p in each if p["determinable"]]
     return (
@@ -112,13 +112,13 @@ def _notes(rows: Sequence[dict[str, Any]], good: Sequence[dict[str, Any]]) -> tu
     seconds = [row["identify_s"] for row in good] or [np.nan]
     ratios = [row["chi2"] / row["count"] for row in good] or [np.nan]
     kinds = sorted({row["kind"] for row in good})
+    what = f"{skipped} not used (the sheet leaves the rolls), {len(failed)} not identified"
     return (
-        f"{len(rows)} sessions, {skipped} not used (the sheet leaves the rolls),"
-        f" {len(failed)} that could not be identified",
+        f"{len(rows)} sessions, {what}",
         "of " + ", ".join(f"{sum(r['kind'] == k for r in good)} {k}" for k in kinds),
         f"search ended: {_share(sum(r['converged'] for r in good), len(good))}",
         f"chi2 per value: mean {np.mean(ratios):.3f}, sd {np.std(ratios):.3f}",
-        f"CPU of an identification: median {np.median(seconds):.1f} s, longest {max(seconds):.1f} s",
+        f"CPU of `identify`: median {np.median(seconds):.1f} s, longest {max(seconds):.1f} s",
         *sorted({f"failed: {row['failed']}" for row in failed}),
     )
 

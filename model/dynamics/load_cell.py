@@ -43,7 +43,9 @@ class LoadCellFilter:
         x = -step_s[:, None] * self._poles
         gone = -np.expm1(-x)
         late = 1.0 - gone / x
-        add = (gone - late) * force_N[:-1, None] + late * force_N[1:, None]
+        add: ComplexArray = np.asarray(
+            (gone - late) * force_N[:-1, None] + late * force_N[1:, None], dtype=complex
+        )
         # where steps are equal it is a linear recursion: z+ = keep z + add
         changes = (np.flatnonzero(np.abs(np.diff(step_s)) > SAME_STEP * step_s[1:]) + 1).tolist()
         for first, last in pairwise([0, *changes, len(step_s)]):

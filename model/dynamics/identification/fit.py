@@ -194,8 +194,14 @@ def _beginnings(
         yield currents, noise, fine
     coarse = coarser(fine)
     for stage in STAGES:
-        some = [run.until(float(run.plan.drive.time_s[0]) + stage.until_s) for run in runs]
+        some = [run.until(_first_edge_s(run) + stage.until_s) for run in runs]
         yield some, tempered(noise, stage.temper), coarse
+
+
+def _first_edge_s(run: RecordedRun) -> float:
+    """Return when the voltage first changes; a run may begin under one."""
+    edges = run.plan.drive.time_s
+    return float(edges[edges > 0.0][0]) if np.any(edges > 0.0) else 0.0
 
 
 def _search(problem: _Problem, theta: FloatArray, tolerance: float) -> _Found:

@@ -20,6 +20,7 @@ from model.dynamics.identification import (
 from model.dynamics.identification.noise import Whitening
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.identification.residuals import predict
+from model.dynamics.load_cell import LoadCellFilter
 from tests.model.dynamics.cases import L, R, driven
 
 SHEET = driven(fluid=AIR)
@@ -78,6 +79,22 @@ def test_parameters_are_recovered_from_data_without_noise(found):
 
 
 @pytest.mark.slow
+def test_a_start_with_a_wrong_frequency_and_loss_still_leads_to_the_answer():
+    """A period of the ring-down counted wrongly, or explained by loss, would be another minimum."""
+    parameters = LogParameters(SHEET)
+    off = {"B": 0.25, "mass_per_length": -0.25, "viscous_time": -1.0, "share_1": 0.7, "time_1": 0.7}
+    away = np.array([off.get(q.name, 0.3) for q in parameters.quantities])
+    data = [recorded(PUSH), recorded(RELEASE)]
+    found = identify(parameters.beam(parameters.theta + away), data, NOISE, resolution=COARSE)
+    assert found.converged
+    # the truth costs what the priors say against it, and nothing else: the answer costs no more
+    assert found.chi2 < float(away**2 @ parameters.precision)
+    for p, value in zip(found.parameters, np.exp(parameters.theta), strict=True):
+        if p.determined:  # the priors, which are as far off, may pull by a part of a deviation
+            assert abs(np.log(p.parameter.value / value)) < p.log_sigma, p.name
+
+
+@pytest.mark.slow
 def test_what_the_release_shows_is_determined(found):
     assert {"B", "mass_per_length", "share_2", "time_2", "capacitance"}.isdisjoint(
         found.undetermined
@@ -132,6 +149,15 @@ def test_worse_residuals_than_the_noise_explains_widen_the_intervals():
     assert other.chi2 / other.count == pytest.approx(4.0, abs=0.8)
     for p, q in zip(one.parameters, other.parameters, strict=True):
         assert q.log_sigma == pytest.approx(p.log_sigma, rel=0.15), p.name
+
+
+def test_a_load_cell_follows_in_long_runs_of_equal_steps_as_step_by_step():
+    steps_s = np.concatenate([np.full(80, 1e-3), [3e-4, 7e-4], np.full(60, 5e-4)])
+    force = np.random.default_rng(2).standard_normal(len(steps_s) + 1)
+    setup = ContactSetup(radius_m=R, position_m=0.0, resonance_hz=90.0, damping=0.05)
+    whole, piecewise = LoadCellFilter(setup), LoadCellFilter(setup)
+    alone = [piecewise.follow(h[None], force[n : n + 2])[1] for n, h in enumerate(steps_s)]
+    assert whole.follow(steps_s, force)[1:] == pytest.approx(alone, rel=1e-9, abs=1e-12)
 
 
 def test_whitening_is_that_of_the_whole_covariance():
