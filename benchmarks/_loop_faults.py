@@ -5,16 +5,16 @@ from __future__ import annotations
 import io
 import random
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from benchmarks._spied_output import highest_V, spied_output, under_voltage_s
 from labrig.cli.main import run
 from labrig.config.templates import write_templates
 from labrig.session import open_session
 from protocols.execution.events import OutputState
-from sim_hardware.world import World
 from tests.labrig.simple_controller import write_control
 
 LIMIT_V = 0.2  # of the board: 2 V at the sheet
@@ -26,10 +26,12 @@ moisten = false
 configuration = "long"
 positions_mm = [10]
 [extras]
+mode = "paper"
 """
 FOR_GOOD = None
-# What goes wrong, and for how long (least, most, s). Nobody can write 0 V to boards that never
-# answer again: they do within the time that the safe shutdown of the program itself tries.
+NOBODY_CAN = " for good"
+# What goes wrong, and for how long (least, most, s). Boards that refuse or hang for some time
+# answer within the time that the safe shutdown of the program itself tries.
 FAULTS: dict[str, tuple[float, float] | None] = {
     "daq_refused": (0.05, 0.8),
     "daq_write_refused": (0.05, 0.8),
@@ -42,6 +44,11 @@ FAULTS: dict[str, tuple[float, float] | None] = {
     "cell_overloaded": FOR_GOOD,
     "camera_gone": FOR_GOOD,
     "clock_jump": FOR_GOOD,
+    # Nobody can write 0 V to these, or read it back: UNKNOWN has to be said.
+    "daq_refused" + NOBODY_CAN: FOR_GOOD,
+    "daq_write_refused" + NOBODY_CAN: FOR_GOOD,
+    "output_stuck" + NOBODY_CAN: FOR_GOOD,
+    "drive_nan" + NOBODY_CAN: FOR_GOOD,
 }
 
 
@@ -49,41 +56,49 @@ FAULTS: dict[str, tuple[float, float] | None] = {
 class Fault:
     """One fault, from a moment after the first voltage."""
 
-    what: str
+    name: str  # of FAULTS
     from_s: float
     until_s: float | None
     amount_s: float
 
+    @property
+    def can_be_made_safe(self) -> bool:
+        """Whether the boards answer again."""
+        return not self.name.endswith(NOBODY_CAN)
+
     def toml(self) -> str:
         until = "" if self.until_s is None else f"until_s = {self.until_s:.4f}\n"
+        what = self.name.removesuffix(NOBODY_CAN)
         return (
-            f'[[faults]]\nwhat = "{self.what}"\nsince = "first_voltage"\n'
+            f'[[faults]]\nwhat = "{what}"\nsince = "first_voltage"\n'
             f"from_s = {self.from_s:.4f}\n{until}amount_s = {self.amount_s:.4f}\n"
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Ended:
     """How a run with a fault ended."""
 
-    fault: Fault
+    name: str
     code: int
     board_V: float  # the last voltage that the board was told
     highest_V: float
+    under_voltage_s: float
     zero_after_s: float  # from the fault to the first 0 V after it, on the rig's clock
-    output: OutputState
-    said: str
+    output: str
+    says_unknown: bool
+    has_traceback: bool
+    can_be_made_safe: bool
 
     @property
-    def is_safe(self) -> bool:
-        """Whether 0 V was the last voltage, the file says so, and no limit was passed."""
-        return (
-            self.board_V == 0.0
-            and self.output is OutputState.SAFE
-            and self.highest_V <= LIMIT_V * (1 + 1e-6)
-            and self.code == 5
-            and "Traceback" not in self.said
-        )
+    def is_right(self) -> bool:
+        """Whether it ended at 0 V and says so; where nobody can do that, whether it says that."""
+        if self.has_traceback or self.highest_V > LIMIT_V * (1 + 1e-6):
+            return False
+        if self.can_be_made_safe:
+            safe = self.board_V == 0.0 and self.output == OutputState.SAFE.value
+            return safe and self.code == 5 and not self.says_unknown
+        return self.code == 6 and self.output == OutputState.UNKNOWN.value and self.says_unknown
 
 
 def random_faults(count: int, seed: int) -> Iterator[Fault]:
@@ -91,17 +106,17 @@ def random_faults(count: int, seed: int) -> Iterator[Fault]:
     dice = random.Random(seed)
     kinds = list(FAULTS)
     for number in range(count):
-        what = kinds[number % len(kinds)]
+        name = kinds[number % len(kinds)]
         from_s = dice.uniform(0.05, 3.0)
-        lasts_s = FAULTS[what]
+        lasts_s = FAULTS[name]
         until_s = None if lasts_s is None else from_s + dice.uniform(*lasts_s)
-        amount_s = dice.uniform(1.0, 5.0) if what == "clock_jump" else dice.uniform(0.03, 0.3)
-        yield Fault(what, from_s, until_s, amount_s)
+        amount_s = dice.uniform(1.0, 5.0) if name == "clock_jump" else dice.uniform(0.03, 0.3)
+        yield Fault(name, from_s, until_s, amount_s)
 
 
 def run_with(fault: Fault) -> Ended:
     """Run the shipped rig under control with this fault."""
-    with TemporaryDirectory() as name, _spied() as writes:
+    with TemporaryDirectory() as name, spied_output() as writes:
         folder = Path(name)
         write_templates(folder, simulated=True)
         (folder / "protocol.toml").write_text(_PROTOCOL)
@@ -115,33 +130,18 @@ def run_with(fault: Fault) -> Ended:
             code = run([str(each) for each in ("run", *files, "-o", folder / "s.h5", *options)])
         with open_session(folder / "s.h5") as session:
             output = session.output_state
-        first_s = next(when for when, volts in writes if volts)
-        began_s = first_s + fault.from_s
-        zeros = [when for when, volts in writes if when >= began_s and volts == 0.0]
-        return Ended(
-            fault=fault,
-            code=code,
-            board_V=writes[-1][1],
-            highest_V=max(abs(volts) for _, volts in writes),
-            zero_after_s=zeros[0] - began_s if zeros else float("inf"),
-            output=output,
-            said=said.getvalue(),
-        )
-
-
-@contextmanager
-def _spied() -> Iterator[list[tuple[float, float]]]:
-    """Yield what the simulated board is told, (clock time, volts), as it comes."""
-    writes: list[tuple[float, float]] = []
-    real = World.write
-
-    def write(self: World, device: str, channel: str, volts: float, when: float) -> None:
-        if channel == "ao0":
-            writes.append((when, volts))
-        real(self, device, channel, volts, when)
-
-    World.write = write  # type: ignore[method-assign]
-    try:
-        yield writes
-    finally:
-        World.write = real  # type: ignore[method-assign]
+    first_s = next(when for when, volts in writes if volts)
+    began_s = first_s + fault.from_s
+    zeros = [when for when, volts in writes if when >= began_s and volts == 0.0]
+    return Ended(
+        name=fault.name,
+        code=code,
+        board_V=writes[-1][1],
+        highest_V=highest_V(writes),
+        under_voltage_s=under_voltage_s(writes),
+        zero_after_s=zeros[0] - began_s if zeros else float("inf"),
+        output="" if output is None else output.value,
+        says_unknown="NOT KNOWN TO BE SAFE" in said.getvalue(),
+        has_traceback="Traceback" in said.getvalue(),
+        can_be_made_safe=fault.can_be_made_safe,
+    )

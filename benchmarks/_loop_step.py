@@ -5,30 +5,32 @@ from __future__ import annotations
 import io
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from benchmarks._spied_output import highest_V, spied_output, under_voltage_s
 from labrig.cli.main import run
-from labrig.config import load_sheet
 from labrig.config.templates import write_templates
-from labrig.control.controller_file import (
-    ControlledSheet,
-    ControllerConfig,
-    ControllerLimits,
-    DesignedFor,
-    LawMatrices,
-    PlantMatrices,
-    checksum_of,
-    save_controller,
+from labrig.control.controller_file import save_controller
+from labrig.control.sheet_loop import (
+    LinearSheet,
+    LoopGoal,
+    controller_config,
+    design_loop,
+    linear_sheet,
 )
+from labrig.model_file import save_model
 from labrig.session import open_session
+from model.dynamics.linear.feedback import Method
 from model.dynamics.linear.loop_design import LoopDesign, StepFigures, figures_of
-from protocols.planning.schedule import ForceStep
+from tests.labrig.moving_model import model
 
 STEPS, HALF_S, BEGINS_S = 8, 1.5, 0.5  # up and down again in 3 s; the mean of the steps is judged
 STEP_N = 1e-3
+RATE_HZ, DELAY_S, LIMIT_V = 200.0, 3e-3, 2.0
 SMOOTH = 5  # periods: the board's own noise, 0.03 mN of a period's mean, would hide 2 %
 _RIG = ("rig.toml", "protocol.toml", "sheet.toml")
 _PROTOCOL = """
@@ -38,6 +40,7 @@ moisten = false
 configuration = "long"
 positions_mm = [0]
 [extras]
+mode = "paper"
 """
 # The shipped moving world with equal moments either way, without what is no dynamics.
 _WORLD = """
@@ -64,21 +67,31 @@ class Steps:
     predicted: StepFigures
     found: StepFigures
     code: int
+    highest_V: float  # of the board
+    under_voltage_s: float
 
 
-def steps(made: LoopDesign, seed: int) -> Steps:
+def goal(method: Method) -> LoopGoal:
+    """Return the loop of this benchmark."""
+    return LoopGoal(method=method, rate_hz=RATE_HZ, delay_s=DELAY_S, limit_V=LIMIT_V)
+
+
+def steps(method: Method, seed: int) -> Steps:
     """Run the steps under control on the simulated rig of this seed."""
-    rate_hz = 1.0 / made.controller.sample_time_s
     times_s, wanted_N = _reference()
-    reference = [
-        ForceStep(time_s, force_N) for time_s, force_N in zip(times_s, wanted_N, strict=True)
-    ]
-    end_s = times_s[-1] + HALF_S
-    t = np.arange(1, round(end_s * rate_hz)) / rate_hz
+    with TemporaryDirectory() as name:
+        made = _write_files(Path(name), method, seed)
+        code, force_N, writes = _run(Path(name))
+    t = np.arange(1, round((times_s[-1] + HALF_S) * RATE_HZ)) / RATE_HZ
     r = np.array(wanted_N)[np.searchsorted(times_s, t + 1e-9, side="right") - 1]
-    linear, _ = made.controller.follow(made.plant, r, 2.0)
-    code, force_N = _run(made, seed, reference, end_s)
-    return Steps(_mean_step(linear, rate_hz), _mean_step(force_N, rate_hz), code)
+    linear, _ = made.controller.follow(made.plant, r, LIMIT_V)
+    return Steps(
+        predicted=_mean_step(linear),
+        found=_mean_step(force_N),
+        code=code,
+        highest_V=highest_V(writes),
+        under_voltage_s=under_voltage_s(writes),
+    )
 
 
 def _reference() -> tuple[list[float], list[float]]:
@@ -90,65 +103,49 @@ def _reference() -> tuple[list[float], list[float]]:
     return times_s, forces_N
 
 
-def _mean_step(force_N: np.ndarray, rate_hz: float) -> StepFigures:
+def _mean_step(force_N: np.ndarray) -> StepFigures:
     """Return the figures of the mean of the steps up; sample 0 is the first period after t = 0."""
-    length = round(HALF_S * rate_hz)
-    first = [round((BEGINS_S + 2 * HALF_S * k) * rate_hz) - 1 for k in range(STEPS)]
+    length = round(HALF_S * RATE_HZ)
+    first = [round((BEGINS_S + 2 * HALF_S * k) * RATE_HZ) - 1 for k in range(STEPS)]
     mean = np.mean([force_N[k : k + length] for k in first], axis=0)
     smooth = np.convolve(mean, np.ones(SMOOTH) / SMOOTH, mode="same")
     edge = SMOOTH // 2
     smooth[:edge], smooth[-edge:] = mean[:edge], smooth[-edge - 1]
-    return figures_of(smooth, 1.0 / rate_hz, STEP_N)
+    return figures_of(smooth, 1.0 / RATE_HZ, STEP_N)
 
 
-def _run(
-    made: LoopDesign, seed: int, reference: list[ForceStep], end_s: float
-) -> tuple[int, np.ndarray]:
-    with TemporaryDirectory() as name:
-        folder = Path(name)
-        write_templates(folder, simulated=True)
-        (folder / "protocol.toml").write_text(_PROTOCOL)
-        (folder / "world.toml").write_text(_WORLD.format(seed=seed))
-        rig = folder / "rig.toml"
-        rig.write_text(rig.read_text().replace("# world =", "world ="))
-        save_controller(_config(made, folder / "sheet.toml"), folder / "controller.toml")
-        rows = [f"{step.time_s:g},{1e3 * step.force_N:g}" for step in reference]
-        lines = ["time_s,force_mN", *rows, f"{end_s:g},0"]
-        (folder / "force.csv").write_text("\n".join(lines) + "\n")
-        command = ["run", *(str(folder / file) for file in _RIG), "-o", str(folder / "s.h5")]
-        command += ["--yes", "--controller", str(folder / "controller.toml")]
-        command += ["--reference", str(folder / "force.csv")]
-        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
-            code = run(command)
-        with open_session(folder / "s.h5") as session:
-            return code, session.runs[0].control["force_N"].copy()
+def _write_files(folder: Path, method: Method, seed: int) -> LoopDesign:
+    """Write the rig's files, and the controller that the world's own model gives."""
+    write_templates(folder, simulated=True)
+    (folder / "protocol.toml").write_text(_PROTOCOL)
+    (folder / "world.toml").write_text(_WORLD.format(seed=seed))
+    rig, path = folder / "rig.toml", folder / "model.toml"
+    rig.write_text(rig.read_text().replace("# world =", "world ="))
+    save_model(model(load_cell=True), path)
+    sheet, made = _designed(method)
+    config = controller_config(sheet, goal(method), made, path, rig)
+    save_controller(config, folder / "controller.toml")
+    times_s, wanted_N = _reference()
+    rows = [f"{at_s:g},{1e3 * N:g}" for at_s, N in zip(times_s, wanted_N, strict=True)]
+    lines = ["time_s,force_mN", *rows, f"{times_s[-1] + HALF_S:g},0"]
+    (folder / "force.csv").write_text("\n".join(lines) + "\n")
+    return made
 
 
-def _config(made: LoopDesign, sheet: Path) -> ControllerConfig:
-    law, plant = made.controller.law, made.plant
-    rate_hz = 1.0 / made.controller.sample_time_s
-    return ControllerConfig(
-        labrig_controller=1,
-        method="other",
-        output="force",
-        configuration="long",
-        position_mm=0.0,
-        rate_hz=rate_hz,
-        delay_ms=3.0,
-        limits=ControllerLimits(voltage_V=2.0),
-        model=DesignedFor(file="model.toml", sha256=checksum_of("")),
-        sheet=ControlledSheet.of(load_sheet(sheet)["long"]),
-        law=LawMatrices(
-            A=law.A.tolist(),
-            B=law.B.tolist(),
-            C=law.C[0].tolist(),
-            D=law.D[0].tolist(),
-            anti_windup=made.controller.anti_windup.tolist(),
-        ),
-        plant=PlantMatrices(
-            rate_hz=rate_hz,
-            A=plant.A.tolist(),
-            B=plant.B[:, 0].tolist(),
-            C=plant.C[0].tolist(),
-        ),
-    )
+@cache
+def _designed(method: Method) -> tuple[LinearSheet, LoopDesign]:
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "model.toml"
+        save_model(model(load_cell=True), path)
+        sheet = linear_sheet(path, "long", 0.0)
+        return sheet, design_loop(sheet, goal(method), path)
+
+
+def _run(folder: Path) -> tuple[int, np.ndarray, list[tuple[float, float]]]:
+    command = ["run", *(str(folder / file) for file in _RIG), "-o", str(folder / "s.h5")]
+    command += ["--yes", "--controller", str(folder / "controller.toml")]
+    command += ["--reference", str(folder / "force.csv")]
+    with spied_output() as writes, redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        code = run(command)
+    with open_session(folder / "s.h5") as session:
+        return code, session.runs[0].control["force_N"].copy(), writes

@@ -89,6 +89,18 @@ class LawMatrices(ClosedModel):
     D: Row
     anti_windup: Row
 
+    @classmethod
+    def of(cls, controller: ForceController) -> Self:
+        """Return a controller's matrices as the file has them."""
+        law = controller.law
+        return cls(
+            A=law.A.tolist(),
+            B=law.B.tolist(),
+            C=law.C[0].tolist(),
+            D=law.D[0].tolist(),
+            anti_windup=controller.anti_windup.tolist(),
+        )
+
 
 class PlantMatrices(ClosedModel):
     """The model of sheet and rig with which the loop was found stable, from period to period."""
@@ -97,6 +109,16 @@ class PlantMatrices(ClosedModel):
     A: Matrix
     B: Row
     C: Row
+
+    @classmethod
+    def of(cls, plant: LinearSystem, rate_hz: float) -> Self:
+        """Return the matrices of a plant that is sampled at a rate, with one input and output."""
+        return cls(
+            rate_hz=rate_hz,
+            A=plant.A.tolist(),
+            B=plant.B[:, 0].tolist(),
+            C=plant.C[0].tolist(),
+        )
 
 
 class StepPrediction(ClosedModel):

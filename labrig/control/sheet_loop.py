@@ -98,7 +98,6 @@ def controller_config(
     sheet: LinearSheet, loop: LoopGoal, made: LoopDesign, model: Path, rig: Path | None
 ) -> ControllerConfig:
     """Return what controller.toml holds; `rig`: the rig that it is for, if it is for one only."""
-    law, plant = made.controller.law, made.plant
     assert sheet.position_m is not None  # noqa: S101 - for the type checker
     return ControllerConfig(
         labrig_controller=1,
@@ -113,19 +112,8 @@ def controller_config(
         sheet=ControlledSheet.of(sheet.sheet),
         rig=None if rig is None else ControlledRig(sha256=_checksum_of_rig(rig)),
         prediction=_prediction(made),
-        law=LawMatrices(
-            A=law.A.tolist(),
-            B=law.B.tolist(),
-            C=law.C[0].tolist(),
-            D=law.D[0].tolist(),
-            anti_windup=made.controller.anti_windup.tolist(),
-        ),
-        plant=PlantMatrices(
-            rate_hz=loop.rate_hz,
-            A=plant.A.tolist(),
-            B=plant.B[:, 0].tolist(),
-            C=plant.C[0].tolist(),
-        ),
+        law=LawMatrices.of(made.controller),
+        plant=PlantMatrices.of(made.plant, loop.rate_hz),
     )
 
 

@@ -112,6 +112,8 @@ class LineModes:
         rate, final = self._modes.rate, self._modes.final
         out = np.empty((len(step_s) + 1, self.terms))
         out[0] = start
+        if not len(step_s):
+            return out
         edges = (np.flatnonzero(np.diff(source_V)) + 1).tolist()
         for first, last in pairwise([0, *edges, len(step_s)]):
             rest = final * source_V[first]

@@ -57,19 +57,8 @@ def controller(
         "limits": ControllerLimits(voltage_V=2.0, saturated_s=0.5),
         "model": DesignedFor(file="model.toml", sha256=checksum_of(MODEL_TEXT)),
         "sheet": ControlledSheet.of(load_sheet(sheet)["long"]),
-        "law": LawMatrices(
-            A=found.law.A.tolist(),
-            B=found.law.B.tolist(),
-            C=found.law.C[0].tolist(),
-            D=found.law.D[0].tolist(),
-            anti_windup=found.anti_windup.tolist(),
-        ),
-        "plant": PlantMatrices(
-            rate_hz=rate_hz,
-            A=sampled.A.tolist(),
-            B=sampled.B[:, 0].tolist(),
-            C=sampled.C[0].tolist(),
-        ),
+        "law": LawMatrices.of(found),
+        "plant": PlantMatrices.of(sampled, rate_hz),
     }
     return ControllerConfig(**{**values, **changes})
 

@@ -199,6 +199,9 @@ def greeting() -> list[dict[str, Any] | bytes]:
         made_up.signals(4, -0.2, 12.9, fresh=True),
         picture_frame(300, 2.0, 313.9),
         curve(300, 2.0),
+        made_up.predicted(4, 0.0, 12.9, fresh=True),
+        made_up.motion(300, 2.0),
+        made_up.estimates(),
     ]
 
 

@@ -137,6 +137,36 @@ def signals(run: int, from_s: float, to_s: float, fresh: bool) -> bytes:
     return binary(header, np.asarray(rows, dtype="<f4").tobytes())
 
 
+def predicted(run: int, from_s: float, to_s: float, fresh: bool) -> bytes:
+    """A binary frame of what a model that is a little weak predicts of the force."""
+    run_s = np.arange(round(from_s * 100), round(to_s * 100)) / 100 + 0.005
+    force = np.array([0.85 * force_at(run, voltage_at(t)) for t in run_s])
+    rows = ["run_s", "force_mN_least", "force_mN_most"]
+    header = {"type": "predicted", "run": run, "rows": rows, "count": run_s.size, "fresh": fresh}
+    return binary(header, np.asarray([run_s, force, force], dtype="<f4").tobytes())
+
+
+def motion(frame: int, volts: float) -> Message:
+    """The dynamic model beside the run, at a frame."""
+    shape = {"frame": frame, "points_px": curve_px(volts * 0.85), "distance_mm": 0.2871}
+    return {
+        "type": "motion", "state": "following", "why": "", "run": 4, "run_s": 12.9, "over_s": 10.0,
+        "force_rms_mN": 0.0853, "force_mean_mN": -0.0122, "noise_mN": 0.0431,
+        "shape_rms_mm": 0.3021, "shape": shape,
+    }  # fmt: skip
+
+
+def estimates() -> Message:
+    """Its slow parameters: a sheet that stiffens while it dries."""
+    rows = [
+        [60.0 * k, "long", 1.0 + 0.03 * k, 0.3 if k == 0 else 0.012, 1.0 - 0.005 * k, 0.006]
+        for k in range(6)
+    ]
+    columns = ["time_s", "configuration", "B", "B_sigma", "moment", "moment_sigma"]
+    values = {"long": {"B_Nm2": 1.27e-6, "moment_per_volt_Nm": 38.1e-6}}
+    return {"type": "estimates", "model": values, "columns": columns, "rows": rows}
+
+
 def story(until_run: int = 4) -> list[Message]:
     """A session that is in the middle of a run, a prompt standing or not being another matter."""
     rng = np.random.default_rng(1)

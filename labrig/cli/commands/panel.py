@@ -26,7 +26,11 @@ def panel(
         Path | None, typer.Option(help="where sessions are; by default the folder of WHAT")
     ] = None,
     model: Annotated[
-        Path | None, typer.Option(help="a model file whose predicted curve is drawn")
+        Path | None,
+        typer.Option(
+            help="a model file whose predicted curve is drawn; one of the sheet in time "
+            "(labrig fit --dynamic) runs beside the run"
+        ),
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="0: any free one")] = _PORT,
     host: Annotated[

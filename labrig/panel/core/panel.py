@@ -24,6 +24,7 @@ from labrig.panel.job.jobs import Jobs
 from labrig.panel.job.registry import hidden_folder
 from labrig.panel.live.event_stream import EventStream, Message
 from labrig.panel.live.frame_pipeline import FramePipeline
+from labrig.panel.live_model.live_model import LiveModel
 from labrig.panel.queue.run_queue import RunQueue
 
 State = TypeVar("State")
@@ -48,7 +49,14 @@ class Panel:
         self.actions = Actions(settings.data)
         self.control = Control(self.stream.publish_newest)
         self.frame_pipeline = FramePipeline(self.stream)
-        self.jobs = Jobs(settings.data, self.stream, self.frame_pipeline, settings.rig)
+        self.live_model = LiveModel(self.stream)
+        self.jobs = Jobs(
+            settings.data,
+            self.stream,
+            self.frame_pipeline,
+            settings.rig,
+            on_setup=self.live_model.set_setup,
+        )
         self.analysis_jobs = AnalysisJobs(
             hidden_folder(settings.data),
             self.stream.publish_newest,
@@ -76,6 +84,7 @@ class Panel:
             if isinstance(state, Closing):
                 state.close()
         self.jobs.close()
+        self.live_model.close()
         self.frame_pipeline.close()
 
     def state(self, kind: type[State]) -> State:
@@ -141,6 +150,7 @@ class Panel:
         self.model = None if path is None else path.name
         self.model_path = path
         self.frame_pipeline.choose_model(path)
+        self.live_model.choose_model(path)
         self.stream.publish_newest({"type": "model", "name": self.model})
 
     def acting(self, request: Request) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -37,11 +38,14 @@ class Jobs:
         stream: EventStream,
         frame_pipeline: FramePipeline,
         rig: Path | None = None,
+        on_setup: Callable[[Message | None], None] = lambda _: None,
     ) -> None:
+        """`on_setup` is told of camera and strips, as the frame pipeline is; it must not wait."""
         self._data = data
         self._processes = JobProcesses(data, rig)
         self._stream = stream
         self._frame_pipeline = frame_pipeline
+        self._on_setup = on_setup
         self._connection: JobConnection | None = None
         self._address: JobAddress | None = None
         self._process: subprocess.Popen[bytes] | None = None
@@ -163,10 +167,10 @@ class Jobs:
             messages = header["messages"]
             self._phase = _phase_of(messages)
             setups = [m for m in messages if m["type"] == "setup"]
-            self._frame_pipeline.set_setup(setups[-1] if setups else None)
+            self._set_setup(setups[-1] if setups else None)
             self._stream.publish_story([m for m in messages if m["type"] != "setup"])
         elif kind == "setup":
-            self._frame_pipeline.set_setup(header)
+            self._set_setup(header)
         elif kind == "picture":
             self._frame_pipeline.put((header, bytes(payload)))
         elif kind == "signals":
@@ -177,6 +181,10 @@ class Jobs:
                 self._note_end(header)
             self._phase.take(header)
             self._stream.publish(header)
+
+    def _set_setup(self, setup: Message | None) -> None:
+        self._frame_pipeline.set_setup(setup)
+        self._on_setup(setup)
 
     def _note_end(self, job: Header) -> None:
         """Note that the job has ended, though its process may still be telling others."""

@@ -50,6 +50,7 @@ class Finder:
         return {
             "type": "curve",
             "frame": header["frame"],
+            "time_s": header.get("time_s"),
             "run": header["run"],
             "ok": found.ok,
             "why": found.why,

@@ -13,14 +13,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from labrig.panel.live.strip_chart import StripChart, joined
+from labrig.panel.live.strip_chart import StripChart, joined, newest_of_each
 
 Message = dict[str, Any]
 Picture = tuple[Message, bytes]  # header, and whatever the picture is packed as
 
 MOST_WAITING = 2000  # messages; more than a minute of any run
 MOST_STORY = 200_000  # beyond this the oldest single voltages are left out
-CURVE = "curve"
+CURVE, MOTION, ESTIMATES = "curve", "motion", "estimates"
+_OF_JOB = (CURVE, MOTION, ESTIMATES)  # newest messages that go with a story
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +157,7 @@ class EventStream:
     def publish_strip(self, strip: StripChart) -> None:
         """Signals."""
         with self._lock:
-            self._strips = joined([*self._strips, strip])[-1:]
+            self._strips = newest_of_each(joined([*self._strips, strip]))
             for box in self._boxes:
                 box.put_strip(strip)
 
@@ -173,7 +174,8 @@ class EventStream:
         with self._lock:
             self._story = deque(messages)
             self._strips, self._picture = [], None
-            self._newest.pop(CURVE, None)  # what else is newest is not the job's
+            for kind in _OF_JOB:  # what else is newest is not the job's
+                self._newest.pop(kind, None)
             for box in self._boxes:
                 self._retell(box)
 

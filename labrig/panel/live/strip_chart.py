@@ -14,10 +14,11 @@ from labrig.panel.live.packing import pack
 Floats = npt.NDArray[np.float32]
 
 BIN_S = 0.01
+SIGNALS, PREDICTED = "signals", "predicted"
 KEEP_S = 60.0  # for who is slow or comes later
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class StripChart:
     """A piece of one run's signals: `values` (1 + 2 keys, count), rows as `names` says."""
 
@@ -25,6 +26,7 @@ class StripChart:
     keys: tuple[str, ...]  # of the channels: drive_V, force_mN
     values: Floats
     fresh: bool = False  # earlier ones are to be forgotten
+    kind: str = SIGNALS  # measured, or predicted by a model
 
     @property
     def names(self) -> list[str]:
@@ -34,7 +36,7 @@ class StripChart:
     def header(self) -> dict[str, Any]:
         """Return what stands before the numbers."""
         return {
-            "type": "signals",
+            "type": self.kind,
             "run": self.run,
             "keys": list(self.keys),
             "rows": self.names,
@@ -55,14 +57,32 @@ def strip_from(header: dict[str, Any], payload: memoryview) -> StripChart:
     """Return the reverse of `StripChart.packed`. Raises ValueError, KeyError."""
     keys = tuple(str(key) for key in header["keys"])
     values = np.frombuffer(payload, dtype="<f4").reshape(1 + 2 * len(keys), int(header["count"]))
-    return StripChart(int(header["run"]), keys, values, bool(header["fresh"]))
+    return StripChart(
+        run=int(header["run"]),
+        keys=keys,
+        values=values,
+        fresh=bool(header["fresh"]),
+        kind=str(header["type"]),
+    )
 
 
 def joined(strips: list[StripChart]) -> list[StripChart]:
     """Pieces of the same run made one, and not longer than `KEEP_S`; of other runs, kept apart.
 
-    A fresh piece makes those before it pointless.
+    A fresh piece makes those of its kind before it pointless.
     """
+    kinds: dict[str, list[StripChart]] = {}
+    for strip in strips:
+        kinds.setdefault(strip.kind, []).append(strip)
+    return [strip for of_kind in kinds.values() for strip in _joined(of_kind)]
+
+
+def newest_of_each(strips: list[StripChart]) -> list[StripChart]:
+    """Return the last of each kind."""
+    return list({strip.kind: strip for strip in strips}.values())
+
+
+def _joined(strips: list[StripChart]) -> list[StripChart]:
     found: list[StripChart] = []
     for strip in strips:
         if strip.fresh or not found or found[-1].run != strip.run:
@@ -101,4 +121,4 @@ class Envelope:
         values[0] = (bins[starts] + 0.5) * BIN_S
         values[1::2], values[2::2] = least, most
         fresh, self._fresh = self._fresh, False
-        return StripChart(self._run, self._keys, values, fresh)
+        return StripChart(run=self._run, keys=self._keys, values=values, fresh=fresh)

@@ -226,7 +226,7 @@ def _strip_of(session: RecordedSession, run: RunRecord) -> StripChart:
     keys = tuple(row.key for row in rows)
     found = Envelope(run.planned.index, keys).add(strip_samples(rows, run.time_s, values))
     empty = np.empty((1 + 2 * len(keys), 0), dtype=np.float32)
-    return found or StripChart(run.planned.index, keys, empty)
+    return found or StripChart(run=run.planned.index, keys=keys, values=empty)
 
 
 def _plan(session: RecordedSession, name: str) -> Message:

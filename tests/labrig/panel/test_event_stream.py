@@ -12,9 +12,22 @@ import pytest
 from labrig.panel.job.connection import JobConnection, JobConnectionServer
 from labrig.panel.live.event_stream import MOST_WAITING, EventStream, Mailbox
 from labrig.panel.live.packing import BrokenConnectionError, dumps, pack, receive, send, unpack
-from labrig.panel.live.strip_chart import BIN_S, KEEP_S, Envelope, StripChart, joined, strip_from
+from labrig.panel.live.strip_chart import (
+    BIN_S,
+    KEEP_S,
+    PREDICTED,
+    SIGNALS,
+    Envelope,
+    StripChart,
+    joined,
+    strip_from,
+)
 
 KEYS = ("drive_V", "force_mN", "current_mA")
+
+
+def strip(run, values, **more):
+    return StripChart(run=run, keys=KEYS, values=np.asarray(values, dtype=np.float32), **more)
 
 
 def taken(box):
@@ -94,17 +107,32 @@ def test_no_spike_is_lost_in_a_strip_however_the_samples_come():
 
 
 def test_strips_of_a_run_are_joined_and_not_longer_than_what_is_kept():
-    pieces = [StripChart(0, KEYS, np.full((7, 500), float(i), dtype=np.float32)) for i in range(40)]
+    pieces = [strip(0, np.full((7, 500), float(i))) for i in range(40)]
     (made,) = joined(pieces)
     assert made.values.shape[1] == round(KEEP_S / BIN_S)
     assert made.values[0, -1] == 39.0
-    fresh = StripChart(1, KEYS, np.zeros((7, 3), dtype=np.float32), fresh=True)
+    fresh = strip(1, np.zeros((7, 3)), fresh=True)
     assert joined([*pieces, fresh]) == [fresh]
+
+
+def test_what_is_measured_and_what_is_predicted_wait_beside_each_other():
+    stream, box = EventStream(), Mailbox(lambda: None)
+    stream.join(box)
+    for number in range(5):
+        stream.publish_strip(strip(0, np.full((7, 2), float(number)), fresh=number == 0))
+        predicted = np.full((7, 3), float(number))
+        stream.publish_strip(strip(0, predicted, fresh=number == 0, kind=PREDICTED))
+    sent = {mail.strip.kind: mail.strip for mail in taken(box) if mail.strip is not None}
+    assert {kind: one.values.shape[1] for kind, one in sent.items()} == {SIGNALS: 10, PREDICTED: 15}
+    assert strip_from(*unpack(sent[PREDICTED].packed())).kind == PREDICTED
+    late = Mailbox(lambda: None)
+    stream.join(late)
+    assert [mail.strip.kind for mail in taken(late)] == [SIGNALS, PREDICTED]
 
 
 def test_what_is_packed_comes_back_and_numbers_lie_where_a_page_can_read_them():
     values = np.arange(21, dtype="<f4").reshape(7, 3)
-    packed = StripChart(2, KEYS, values, fresh=True).packed()
+    packed = strip(2, values, fresh=True).packed()
     header, payload = unpack(packed)
     assert (len(packed) - len(payload)) % 8 == 0
     again = strip_from(header, payload)

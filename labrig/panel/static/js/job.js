@@ -45,12 +45,15 @@ export class Job {
       preflight: null,
       weighing: null,
       result: null, // of what was measured so far: { session, configurations, convergence, ... }
+      motion: null, // the dynamic model beside the run: { state, why, shape, force_rms_mN, ... }
+      estimates: null, // its slow parameters over the session's time
       latest_s: null,
       now_run: null,
     });
     this.runs = new Map(); // run -> { readings: Map, started, stopped, invalid }
     this.log = [];
     this.signals = new Signals();
+    this.predicted = new Signals(); // by the dynamic model
   }
 
   watch(update) {
@@ -81,8 +84,9 @@ export class Job {
       for (const show of this.onPicture) show(this.picture);
     } else if (header.type === "signals") {
       this.counts.signals += header.count;
-      if (header.fresh || header.run !== this.signals.run) this.signals = new Signals(header.run);
-      this.signals.append(header.rows, header.count, buffer, start);
+      this.signals = joined(this.signals, header, buffer, start);
+    } else if (header.type === "predicted") {
+      this.predicted = joined(this.predicted, header, buffer, start);
     }
     this.touch(header.type);
   }
@@ -196,6 +200,13 @@ export class Job {
   };
 }
 
+/** Signals with a piece more, or those of another run. */
+function joined(signals, header, buffer, start) {
+  const found = header.fresh || header.run !== signals.run ? new Signals(header.run) : signals;
+  found.append(header.rows, header.count, buffer, start);
+  return found;
+}
+
 const HANDLERS = {
   job: (job, m) => {
     job.job = m;
@@ -238,6 +249,8 @@ const HANDLERS = {
   queue: (job, m) => (job.queue = m),
   weighing: (job, m) => (job.weighing = m),
   result: (job, m) => (job.result = m),
+  motion: (job, m) => (job.motion = m),
+  estimates: (job, m) => (job.estimates = m),
   replay: (job, m) =>
     (job.replay = { ...job.replay, ...m, marks: m.marks ?? job.replay?.marks ?? [] }),
 };

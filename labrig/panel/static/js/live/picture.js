@@ -58,7 +58,7 @@ export class Picture {
       if (!this.job.picture) this.clear();
       else if (this.job.picture !== this.header) this.decode(this.job.picture);
     }
-    if (dirty.has("curve") || dirty.has("plan") || dirty.has("story")) this.drawSoon();
+    if (dirty.has("curve") || dirty.has("motion") || dirty.has("plan") || dirty.has("story")) this.drawSoon();
   }
 
   clear() {
@@ -170,13 +170,14 @@ export class Picture {
     }
     const toScreen = (points) => points.map((point) => this.toScreen(point));
     if (curve.points_px?.length) drawCurve(context, toScreen(curve.points_px), canvas.width, ratio);
-    if (curve.model?.points_px?.length)
-      drawPrediction(context, toScreen(curve.model.points_px), canvas.width, ratio);
+    const model = this.predicted() ?? curve.model;
+    if (model?.points_px?.length)
+      drawPrediction(context, toScreen(model.points_px), canvas.width, ratio);
     const behind = this.header.frame - curve.frame;
     const late = behind > 0 ? `, its curve ${behind} frames behind` : "";
     const why = curve.ok ? "" : ` \u2014 no curve: ${curve.why}`;
     setText(this.caption, `frame ${this.header.frame}${late}${why}`);
-    setText(this.error, errorText(curve.model));
+    setText(this.error, errorText(model));
   }
 
   /** The newest curve, unless it belongs to quite another image. */
@@ -184,6 +185,13 @@ export class Picture {
     const { curve } = this.job;
     const behind = curve && this.header ? this.header.frame - curve.frame : null;
     return behind === null || Math.abs(behind) > OLD_FRAMES ? null : curve;
+  }
+
+  /** The shape of the dynamic model, where there is one of about this image. */
+  predicted() {
+    const shape = this.job.motion?.shape;
+    const behind = shape && this.header ? this.header.frame - shape.frame : null;
+    return behind === null || Math.abs(behind) > OLD_FRAMES ? null : shape;
   }
 
   /** How old the image is, and at what rate images come. */

@@ -3,6 +3,7 @@
 import { HINT, KEYS, Navigation, zoomButtons } from "../chart/navigation.js";
 import { h, setText } from "../dom.js";
 import { number, signed } from "../format.js";
+import { predictedAt } from "./predicted.js";
 
 export { KEYS };
 
@@ -89,7 +90,9 @@ export class StripCursor {
       const middle =
         0.5 * (signals.column(`${row.key}_least`)[at] + signals.column(`${row.key}_most`)[at]);
       const text = row.key === "drive_V" ? signed : number;
-      return `${row.title.toLowerCase()} ${text(middle, row.decimals)} ${row.unit}`;
+      const predicted = predictedAt(this.strips.job, row.key, times[at]);
+      const beside = predicted == null ? "" : ` (model ${text(predicted, row.decimals)})`;
+      return `${row.title.toLowerCase()} ${text(middle, row.decimals)} ${row.unit}${beside}`;
     });
     setText(this.read, `${number(times[at], 2)} s: ${values.join(", ")}`);
   }

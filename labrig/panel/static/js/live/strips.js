@@ -6,6 +6,7 @@ import { plain } from "../format.js";
 import { forgetFrame, nextFrame } from "../frames.js";
 import { drawEnvelope } from "./envelope.js";
 import { drawMark } from "./marks.js";
+import { drawPredicted, extremes } from "./predicted.js";
 import { Numerals } from "./numerals.js";
 import { KEYS, StripCursor } from "./strip_cursor.js";
 import { stripRows, valueOf } from "./strip_rows.js";
@@ -20,6 +21,7 @@ const MOST_WAIT_MS = 250;
 
 const REDRAWN_BY = [
   "signals",
+  "predicted",
   "reading",
   "marked",
   "plan",
@@ -126,6 +128,7 @@ export class Strips {
   colours(line) {
     line.colours ??= {
       trace: colourOf(this.element, line.row.colour),
+      predicted: colourOf(this.element, "--predicted"),
       ink: colourOf(this.element, "--muted"),
       grid: colourOf(this.element, "--grid"),
       plus: colourOf(this.element, "--plus"),
@@ -199,6 +202,7 @@ export class Strips {
       return [-1.2 * most, 1.2 * most];
     }
     if (low == null) return [-1.2, 1.2];
+    [low, high] = extremes(this.job, line.row.key, [low, high]);
     const middle = 0.5 * (low + high);
     const half = Math.max(0.58 * (high - low), 0.5 * line.row.least);
     return [middle - half, middle + half];
@@ -233,7 +237,9 @@ export class Strips {
   }
 
   drawSignal(plot, line) {
-    drawEnvelope(plot, this.colours(line).trace, window.devicePixelRatio || 1);
+    const ratio = window.devicePixelRatio || 1;
+    drawEnvelope(plot, this.colours(line).trace, ratio);
+    drawPredicted(plot, this.job, line.row.key, this.colours(line).predicted, ratio);
     this.drawMarks(plot, line);
   }
 

@@ -3,13 +3,14 @@
 import { h } from "../dom.js";
 import { Log } from "./log.js";
 import { LostReadings } from "./lost.js";
+import { ModelBeside } from "./model_beside.js";
 import { Picture } from "./picture.js";
 import { Preflight, PromptBar } from "./prompt.js";
 import { Readings } from "./readings.js";
 import { Strips } from "./strips.js";
 import { Timeline } from "./timeline.js";
 
-const STREAM = new Set(["picture", "signals", "curve"]);
+const STREAM = new Set(["picture", "signals", "predicted", "motion", "curve"]);
 const SLOW_MS = 200; // the mark in the schedule moves by less than a pixel meanwhile
 
 /** `acts`: { answer, mark, may }; null where nothing can be done (a replay). `beside`: elements. */
@@ -22,7 +23,8 @@ export class LiveView {
     const readings = new Readings(job, acts ? { mark: acts.mark, may: acts.may } : {});
     const side = [new Preflight(job), new Log(job)];
     const lost = new LostReadings(job);
-    const main = [lost, this.picture, this.strips, this.timeline, readings];
+    const beside_run = new ModelBeside(job);
+    const main = [lost, this.picture, this.strips, beside_run, this.timeline, readings];
     if (acts) main.unshift(new PromptBar(job, acts));
     this.parts = [...main, ...side];
     const elements = (parts) => parts.map((part) => part.element);
