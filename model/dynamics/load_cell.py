@@ -49,6 +49,8 @@ class LoadCellFilter:
         # where steps are equal it is a linear recursion: z+ = keep z + add
         changes = (np.flatnonzero(np.abs(np.diff(step_s)) > SAME_STEP * step_s[1:]) + 1).tolist()
         for first, last in pairwise([0, *changes, len(step_s)]):
+            if first == last:  # no step at all
+                continue
             out[first + 1 : last + 1] = _recursion(1.0 - gone[first], add[first:last], out[first])
         self._state = out[-1]
         return np.asarray((out @ self._share).real)

@@ -174,7 +174,7 @@ class ModelBesideRun:
         """Do it; what fails is a sentence, until the next run."""
         try:
             work()
-        except (ModelError, LabrigError, ValueError, KeyError, ArithmeticError) as error:
+        except (ModelError, LabrigError, ValueError, LookupError, ArithmeticError) as error:
             self._fail(f"{str(error).rstrip('.')}; the model goes on with the next run.")
 
     def _fail(self, why: str) -> None:
