@@ -61,7 +61,7 @@ def simulate(
         ),
     ] = _START_MS,
     output: Annotated[
-        Path | None, typer.Option("--file", "-o", help="with --time: motion.h5 or motion.csv")
+        Path | None, typer.Option("--output", "-o", help="with --time: motion.h5 or motion.csv")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite that file")] = False,
 ) -> None:
