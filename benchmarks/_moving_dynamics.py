@@ -82,8 +82,7 @@ def true_model(
         prony.append(PronyTerm(share=known(hidden["slow_gel"]), time_s=known(SLOW_GEL_S)))
     slower = 1.0 + hidden.get("sluggish_ions", 0.0)
     dynamic = DynamicSheet(
-        # the air of that world is 0.05 g/m heavier than the model's
-        mass_per_length_kg_per_m=known(world.SHEET_KG_PER_M + 5e-5),
+        mass_per_length_kg_per_m=known(world.SHEET_KG_PER_M),
         viscous_time_s=known(viscous_s),
         electrode_ohm_per_m=known(max(1.0, hidden.get("resistive_faces", 0.0))),
         capacitance_F_per_m=known(world.FARAD_PER_M),

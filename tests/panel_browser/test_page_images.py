@@ -96,7 +96,8 @@ def test_the_page_says_at_what_rate_images_come(fake, visit):
 
 def test_the_prediction_is_seen_over_the_sheet_and_its_error_is_a_number(fake, visit):
     page = opened(fake, visit)
-    fake.tell(fake_panel.picture_frame(301, 2.0), fake_panel.curve(301, 2.0))
+    at_rest = {**made_up.motion(300, 2.0), "shape": None}  # no model of the sheet in time
+    fake.tell(at_rest, fake_panel.picture_frame(301, 2.0), fake_panel.curve(301, 2.0))
     page.wait_for_function(
         "document.querySelector('.picture-error').innerText.includes('0.31 mm RMS distance')"
     )
