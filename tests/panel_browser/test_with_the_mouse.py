@@ -161,6 +161,7 @@ def saved(page, words, folder):
 
 def read_report(report, sentence, sheet, B_uNm2):
     """The report as it is shown: its figures, the verdict, B with its interval."""
+    report.wait_for_load_state("load")  # a page of megabytes, whose heading comes first
     report.get_by_role("heading", level=1).wait_for()
     text = report.locator("body").inner_text()
     assert sentence in text
