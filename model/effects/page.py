@@ -1,4 +1,4 @@
-"""The catalogue as a page of the docs: `python -m model.effects.page > docs/effects.md`."""
+"""The catalogue as a page of the documentation: `python -m model.effects.page` prints it."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from model.locations import locations
 HEAD = """\
 # The catalogue of effects
 
-What the base model leaves out, and `labrig diagnose` may find. This page is made from the effects
-themselves: `python -m model.effects.page > docs/effects.md`.
+What the base model leaves out, and `labrig diagnose` may find. The documentation build makes
+this page from the effects themselves.
 
 An effect is one object in a file of its own, `model/effects/NAME.py`: a frozen subclass of
 `Effect` that overrides the one place where it acts, and `EFFECT`. Its first parameter says how much

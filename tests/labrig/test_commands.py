@@ -82,8 +82,8 @@ def test_what_is_wrong_with_a_command_is_said(part: object, fault: str) -> None:
 
 
 def documented_example(language: str) -> str:
-    """The example of docs/commands.md in this language, as it stands there."""
-    text = (ROOT / "docs" / "commands.md").read_text()
+    """The example of docs/howto/commands.md in this language, as it stands there."""
+    text = (ROOT / "docs" / "howto" / "commands.md").read_text()
     return text.split(f"```{language}\n")[1].split("```")[0]
 
 

@@ -1,4 +1,4 @@
-"""A session's events as the messages that pages understand; see docs/panel.md."""
+"""A session's events as the messages that pages understand; see docs/howto/panel.md."""
 
 from __future__ import annotations
 
