@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from drivers.positioners.contract import PositionerKind as PositionerKind
     from labrig.analysis import analyze as analyze
     from labrig.cli.command import Command as Command
+    from labrig.cli.command import CommandExample as CommandExample
     from labrig.errors import LabrigError as LabrigError
     from labrig.extractors.contract import CurveExtractor as CurveExtractor
     from labrig.model_file import load_model as load_model
@@ -81,7 +82,10 @@ _HOMES = {
     ),
     "drivers.positioners.contract": ("PositionerKind",),
     "labrig.analysis": ("analyze",),
-    "labrig.cli.command": ("Command",),
+    "labrig.cli.command": (
+        "Command",
+        "CommandExample",
+    ),
     "labrig.errors": ("LabrigError",),
     "labrig.extractors.contract": ("CurveExtractor",),
     "labrig.model_file": (

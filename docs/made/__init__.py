@@ -1,7 +1,8 @@
 """Pages and drawings that are made from the code when the documentation is built.
 
-Each module of this folder has `page()`, the text of reference/made/NAME.md. Each module of
-`drawings` has `figure()`, the drawing images/made/NAME.svg. Neither is kept in git.
+Each module of this folder has `page()`, the text of reference/made/NAME.md, or `pages()`, the texts
+of several such pages by their names. Each module of `drawings` has
+`figure()`, the drawing images/made/NAME.svg. Neither is kept in git.
 """
 
 from __future__ import annotations
@@ -14,11 +15,19 @@ from pathlib import Path
 def write_pages(docs: Path) -> None:
     """Write all pages and drawings; files that stay as they are are not touched."""
     for name in _modules(docs / "made"):
-        _write(docs / "reference" / "made" / f"{name}.md", import_module(f"made.{name}").page())
+        for page, text in pages_of(name).items():
+            _write(docs / "reference" / "made" / f"{page}.md", text)
     for name in _modules(docs / "drawings"):
         path = docs / "images" / "made" / f"{name}.svg"
         if not path.exists() or path.stat().st_mtime < _newest(docs / "drawings"):
             _draw(name, path)
+
+
+def pages_of(name: str) -> dict[str, str]:
+    """Return the pages of a module of this folder, by their names."""
+    module = import_module(f"made.{name}")
+    pages: dict[str, str] = module.pages() if hasattr(module, "pages") else {name: module.page()}
+    return pages
 
 
 def _modules(folder: Path) -> list[str]:

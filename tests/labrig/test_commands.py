@@ -15,7 +15,7 @@ import typer
 
 import labrig.cli.commands
 from labrig.cli.app import all_commands, module_of
-from labrig.cli.command import Command, faults
+from labrig.cli.command import Command, CommandExample, faults
 from tests.labrig.report_data import measure, session
 
 ROOT = Path(__file__).parents[2]
@@ -73,6 +73,14 @@ def documented(speed: int | str) -> None:
         (Command("do", list_nothing, order="last"), "its order 'last'"),  # type: ignore[arg-type]
         (Command("do", "it"), "its action is neither"),  # type: ignore[arg-type]
         (Command("do", nothing), "it has no help"),
+        (
+            Command("do", list_nothing, examples=(CommandExample("labrig undo"),)),
+            "its example 'labrig undo' does not begin with 'labrig do'",
+        ),
+        (
+            Command("do", list_nothing, examples=("labrig do",)),  # type: ignore[arg-type]
+            "its examples are not a tuple of labrig.CommandExample",
+        ),
         (Command("do", typer.Typer()), "it has no help"),
         (Command("do", documented), "typer cannot read its arguments and options"),
     ],
