@@ -21,7 +21,7 @@ from made import write_pages  # noqa: E402 - found by the line above
 write_pages(DOCS)
 
 project = "labrig"
-author = "the authors of labrig"
+author = "the labrig developers"
 version = release = version_of("labrig")
 html_title = "labrig"
 html_theme = "furo"

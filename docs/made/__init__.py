@@ -14,10 +14,10 @@ from pathlib import Path
 
 def write_pages(docs: Path) -> None:
     """Write all pages and drawings; files that stay as they are are not touched."""
-    for name in _modules(docs / "made"):
+    for name in modules_of(docs / "made"):
         for page, text in pages_of(name).items():
             _write(docs / "reference" / "made" / f"{page}.md", text)
-    for name in _modules(docs / "drawings"):
+    for name in modules_of(docs / "drawings"):
         path = docs / "images" / "made" / f"{name}.svg"
         if not path.exists() or path.stat().st_mtime < _newest(docs / "drawings"):
             _draw(name, path)
@@ -30,7 +30,8 @@ def pages_of(name: str) -> dict[str, str]:
     return pages
 
 
-def _modules(folder: Path) -> list[str]:
+def modules_of(folder: Path) -> list[str]:
+    """Return the names of the modules of a folder."""
     return sorted(path.stem for path in folder.glob("[a-z]*.py"))
 
 

@@ -60,7 +60,10 @@ def _table(part: dict[str, Any], schema: dict[str, Any], path: str, level: int) 
     keys, inner = [], []
     for name, value in part.get("properties", {}).items():
         table = _object(value, schema)
-        if table is None or not table.get("properties"):
+        named = _named_tables(value, schema)
+        if named is not None:
+            inner.append((f"{name}.NAME", value, named))
+        elif table is None or not table.get("properties"):
             keys.append(_row(name, value, schema, needed=name in required))
         else:
             inner.append((name, value, table))
@@ -143,6 +146,15 @@ def _object(value: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any] | N
     if value.get("type") == "array":
         return _object(value.get("items", {}), schema)
     return value if value.get("type") == "object" else None
+
+
+def _named_tables(value: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any] | None:
+    """Return the table that each entry of a table is whose keys the user names; None for others."""
+    further = _resolved(value, schema).get("additionalProperties")
+    if not isinstance(further, dict):
+        return None
+    table = _object(further, schema)
+    return table if table and table.get("properties") else None
 
 
 def _resolved(value: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:

@@ -43,7 +43,7 @@ def _package(package: Any) -> Iterator[str]:
         thing = getattr(package, name)
         first = f"{package.__name__}.{name}"
         if package is model and getattr(labrig, name, None) is thing:
-            yield f"`{first}` is [`labrig.{name}`](#labrig.{name}).\n"
+            yield f"`{first}` is `labrig.{name}`.\n"
         elif inspect.isclass(thing):
             yield from _class(first, thing)
         elif callable(thing):

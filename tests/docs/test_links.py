@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import sys
-from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -22,19 +21,24 @@ _HEADING = re.compile(r"^#+ (.*)$", re.MULTILINE)
 
 
 def _made() -> dict[Path, str]:
-    """The pages that the build makes from the code, with what they link to."""
-    folder = DOCS / "made"
-    names = [path.stem for path in folder.glob("[a-z]*.py")]
-    return {DOCS / "reference" / "made" / f"{name}.md": name for name in names}
+    """The pages that the build makes from the code, with their texts."""
+    sys.path.insert(0, str(DOCS))
+    try:
+        from made import modules_of, pages_of
+    finally:
+        sys.path.remove(str(DOCS))
+    folder = DOCS / "reference" / "made"
+    pages = [pages_of(name) for name in modules_of(DOCS / "made")]
+    return {folder / f"{name}.md": text for made in pages for name, text in made.items()}
 
 
 MADE = _made()
 DRAWN = {DOCS / "images" / "made" / f"{p.stem}.svg" for p in (DOCS / "drawings").glob("[a-z]*.py")}
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize("page", [*PAGES, *MADE], ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_resolve(page):
-    text = _FENCED.sub("", page.read_text(encoding="utf-8"))
+    text = _FENCED.sub("", MADE[page] if page in MADE else page.read_text(encoding="utf-8"))
     for target, anchor in _LINK.findall(text):
         to = (page.parent / target).resolve() if target else page
         assert to in MADE or to in DRAWN or to.exists(), f"{page.name}: {target} is not there"
@@ -43,14 +47,7 @@ def test_links_resolve(page):
 
 
 def _anchors(page: Path) -> set[str]:
-    if page in MADE:
-        sys.path.insert(0, str(DOCS))
-        try:
-            text = import_module(f"made.{MADE[page]}").page()
-        finally:
-            sys.path.remove(str(DOCS))
-    else:
-        text = page.read_text(encoding="utf-8")
+    text = MADE[page] if page in MADE else page.read_text(encoding="utf-8")
     return {_slug(heading) for heading in _HEADING.findall(_FENCED.sub("", text))}
 
 

@@ -73,7 +73,7 @@ PARTS = [
     Example("slow_ramp", "protocols/extras", "extras", "EXTRA",
             shown("howto/extending.md", "An extra")),
     Example("column_means", "labrig/extractors", "extractors", "EXTRACTOR",
-            shown("explanation/vision.md", "Add a curve extractor")),
+            shown("howto/curve_extractor.md", "Add a curve extractor")),
     Example("every_force", "labrig/report/sections", "report_sections", "SECTION",
             shown("howto/report.md", "Add a section")),
     Example("humidity", "labrig/panel/pages", "page_panels", "PAGE",

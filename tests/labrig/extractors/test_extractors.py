@@ -25,7 +25,7 @@ from protocols import Place, make_schedule
 from protocols.kinds.pulse_train import PulseTrain
 from tests.labrig.analysis.analysed import record_with, with_pictures
 
-DOCS = Path(__file__).parents[3] / "docs" / "explanation" / "vision.md"
+DOCS = Path(__file__).parents[3] / "docs" / "howto" / "curve_extractor.md"
 OTHER = '''
 from dataclasses import replace
 from labrig.vision import neutral_curve
