@@ -77,7 +77,8 @@ def run(
             process.send_signal(signal.SIGINT)
         process.wait(_TIMEOUT_S)
         printed.seek(0)
-        kept = [line for line in printed.read().splitlines() if not _PROGRESS.match(line)]
+        output = printed.read().replace(f"{folder}/", "")  # where it is says nothing
+        kept = [line for line in output.splitlines() if not _PROGRESS.match(line)]
     return process.returncode, "\n".join(kept).strip("\n")
 
 
