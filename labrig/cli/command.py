@@ -16,7 +16,7 @@ import typer
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CommandExample:
     """A command as somebody types it; the documentation runs it and shows what it prints.
 

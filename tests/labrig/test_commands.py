@@ -74,7 +74,7 @@ def documented(speed: int | str) -> None:
         (Command("do", "it"), "its action is neither"),  # type: ignore[arg-type]
         (Command("do", nothing), "it has no help"),
         (
-            Command("do", list_nothing, examples=(CommandExample("labrig undo"),)),
+            Command("do", list_nothing, examples=(CommandExample(line="labrig undo"),)),
             "its example 'labrig undo' does not begin with 'labrig do'",
         ),
         (

@@ -44,5 +44,5 @@ COMMAND = Command(
     "analyze",
     analyze,
     order=130,
-    examples=(CommandExample("labrig analyze session.h5"),),
+    examples=(CommandExample(line="labrig analyze session.h5"),),
 )

@@ -167,13 +167,13 @@ COMMAND = Command(
     order=260,
     examples=(
         CommandExample(
-            "labrig calibrate load-cell rig/rig.toml --weight-mN 0 --weight-mN 49 --weight-mN 0 "
-            "--yes"
+            line="labrig calibrate load-cell rig/rig.toml --weight-mN 0 --weight-mN 49 "
+            "--weight-mN 0 --yes"
         ),
         CommandExample(
-            "labrig calibrate camera strip.png --ruler-px 24,75,144,75 --ruler-mm 30 "
+            line="labrig calibrate camera strip.png --ruler-px 24,75,144,75 --ruler-mm 30 "
             "--clamp-px 24,75 -o optics.json"
         ),
-        CommandExample("labrig calibrate board -o board.pdf"),
+        CommandExample(line="labrig calibrate board -o board.pdf"),
     ),
 )

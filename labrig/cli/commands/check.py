@@ -54,5 +54,5 @@ COMMAND = Command(
     "check",
     check,
     order=40,
-    examples=(CommandExample("labrig check rig/rig.toml"),),
+    examples=(CommandExample(line="labrig check rig/rig.toml"),),
 )

@@ -150,5 +150,5 @@ COMMAND = Command(
     "compare",
     compare,
     order=160,
-    examples=(CommandExample("labrig compare session.h5 --static"),),
+    examples=(CommandExample(line="labrig compare session.h5 --static"),),
 )

@@ -39,5 +39,5 @@ COMMAND = Command(
     "config",
     _app,
     order=240,
-    examples=(CommandExample("labrig config schema schemas"),),
+    examples=(CommandExample(line="labrig config schema schemas"),),
 )

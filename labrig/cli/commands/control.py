@@ -100,5 +100,7 @@ COMMAND = Command(
     "control",
     control,
     order=156,
-    examples=(CommandExample("labrig control dynamic.toml --position-mm 5 -o controller.toml"),),
+    examples=(
+        CommandExample(line="labrig control dynamic.toml --position-mm 5 -o controller.toml"),
+    ),
 )

@@ -235,5 +235,5 @@ COMMAND = Command(
     "curves",
     curves,
     order=210,
-    examples=(CommandExample("labrig curves strip.png -o strip.csv"),),
+    examples=(CommandExample(line="labrig curves strip.png -o strip.csv"),),
 )

@@ -134,5 +134,5 @@ COMMAND = Command(
     "demo",
     demo,
     order=10,
-    examples=(CommandExample("labrig demo demo", run_by="make demo"),),
+    examples=(CommandExample(line="labrig demo demo", run_by="make demo"),),
 )

@@ -113,5 +113,5 @@ COMMAND = Command(
     "design",
     design,
     order=200,
-    examples=(CommandExample("labrig design model.toml --section 0:20"),),
+    examples=(CommandExample(line="labrig design model.toml --section 0:20"),),
 )

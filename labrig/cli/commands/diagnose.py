@@ -112,5 +112,5 @@ COMMAND = Command(
     "diagnose",
     diagnose,
     order=180,
-    examples=(CommandExample("labrig diagnose session.h5 -o model+.toml"),),
+    examples=(CommandExample(line="labrig diagnose session.h5 -o model+.toml"),),
 )

@@ -54,7 +54,7 @@ COMMAND = Command(
     _app,
     order=250,
     examples=(
-        CommandExample("labrig effects"),
-        CommandExample("labrig effects show gravity"),
+        CommandExample(line="labrig effects"),
+        CommandExample(line="labrig effects show gravity"),
     ),
 )

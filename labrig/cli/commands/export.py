@@ -26,5 +26,5 @@ COMMAND = Command(
     "export",
     export,
     order=230,
-    examples=(CommandExample("labrig export session.h5 -o tables"),),
+    examples=(CommandExample(line="labrig export session.h5 -o tables"),),
 )

@@ -259,5 +259,5 @@ COMMAND = Command(
     "fit",
     fit,
     order=140,
-    examples=(CommandExample("labrig fit session.h5 -o model.toml"),),
+    examples=(CommandExample(line="labrig fit session.h5 -o model.toml"),),
 )

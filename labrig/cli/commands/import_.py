@@ -38,7 +38,8 @@ COMMAND = Command(
     order=220,
     examples=(
         CommandExample(
-            "labrig import --sheet sheet.toml --forces forces.csv --curves curves.csv -o old.h5"
+            line="labrig import --sheet sheet.toml --forces forces.csv --curves curves.csv "
+            "-o old.h5"
         ),
     ),
 )

@@ -28,5 +28,5 @@ COMMAND = Command(
     "init",
     init,
     order=20,
-    examples=(CommandExample("labrig init my_rig --simulated"),),
+    examples=(CommandExample(line="labrig init my_rig --simulated"),),
 )

@@ -108,5 +108,5 @@ COMMAND = Command(
     "list",
     list_sessions,
     order=120,
-    examples=(CommandExample("labrig list ."),),
+    examples=(CommandExample(line="labrig list ."),),
 )

@@ -59,7 +59,7 @@ COMMAND = Command(
     order=85,
     examples=(
         CommandExample(
-            'labrig mark copy.h5 --run 2 --reading 3 --why "a bubble" --who "Ada Example"',
+            line='labrig mark copy.h5 --run 2 --reading 3 --why "a bubble" --who "Ada Example"',
             before="cp session.h5 copy.h5",
         ),
     ),

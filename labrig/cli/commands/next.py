@@ -126,5 +126,7 @@ COMMAND = Command(
     "next",
     next_measurement,
     order=190,
-    examples=(CommandExample("labrig next session.h5 --between gravity clamp_angle -o next.toml"),),
+    examples=(
+        CommandExample(line="labrig next session.h5 --between gravity clamp_angle -o next.toml"),
+    ),
 )

@@ -61,6 +61,6 @@ COMMAND = Command(
     note,
     order=75,
     examples=(
-        CommandExample('labrig note session.h5 "a bubble at the clamp" --who "Ada Example"'),
+        CommandExample(line='labrig note session.h5 "a bubble at the clamp" --who "Ada Example"'),
     ),
 )

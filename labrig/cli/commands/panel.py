@@ -150,5 +150,5 @@ COMMAND = Command(
     "panel",
     panel,
     order=110,
-    examples=(CommandExample("labrig panel rig/rig.toml --port 0", stop=True),),
+    examples=(CommandExample(line="labrig panel rig/rig.toml --port 0", stop=True),),
 )

@@ -88,5 +88,5 @@ COMMAND = Command(
     "plan",
     plan,
     order=30,
-    examples=(CommandExample("labrig plan rig/protocol.toml"),),
+    examples=(CommandExample(line="labrig plan rig/protocol.toml"),),
 )

@@ -80,5 +80,7 @@ COMMAND = Command(
     "queue",
     queue,
     order=55,
-    examples=(CommandExample("labrig queue rig/protocol.toml --rig rig/rig.toml -o night --yes"),),
+    examples=(
+        CommandExample(line="labrig queue rig/protocol.toml --rig rig/rig.toml -o night --yes"),
+    ),
 )

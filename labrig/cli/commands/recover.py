@@ -41,7 +41,7 @@ COMMAND = Command(
     order=90,
     examples=(
         CommandExample(
-            "labrig recover killed.h5",
+            line="labrig recover killed.h5",
             before="labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o killed.h5 --yes "
             "> run.log 2>&1 & until [ -e killed.h5 ]; do sleep 0.05; done; kill -KILL $!; sleep 1",
         ),

@@ -30,5 +30,5 @@ COMMAND = Command(
     "replay",
     replay,
     order=60,
-    examples=(CommandExample("labrig replay session.h5"),),
+    examples=(CommandExample(line="labrig replay session.h5"),),
 )

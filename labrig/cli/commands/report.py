@@ -39,5 +39,5 @@ COMMAND = Command(
     "report",
     report,
     order=170,
-    examples=(CommandExample("labrig report session.h5 -o report"),),
+    examples=(CommandExample(line="labrig report session.h5 -o report"),),
 )

@@ -81,5 +81,5 @@ COMMAND = Command(
     "response",
     response,
     order=153,
-    examples=(CommandExample("labrig response dynamic.toml --position-mm 5 -o response"),),
+    examples=(CommandExample(line="labrig response dynamic.toml --position-mm 5 -o response"),),
 )

@@ -107,7 +107,7 @@ COMMAND = Command(
     order=50,
     examples=(
         CommandExample(
-            "labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o session.h5 --yes"
+            line="labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o session.h5 --yes"
         ),
     ),
 )

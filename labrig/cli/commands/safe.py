@@ -26,5 +26,5 @@ COMMAND = Command(
     "safe",
     safe,
     order=70,
-    examples=(CommandExample("labrig safe rig/rig.toml"),),
+    examples=(CommandExample(line="labrig safe rig/rig.toml"),),
 )

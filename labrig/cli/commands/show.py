@@ -53,5 +53,5 @@ COMMAND = Command(
     "show",
     show,
     order=80,
-    examples=(CommandExample("labrig show session.h5"),),
+    examples=(CommandExample(line="labrig show session.h5"),),
 )

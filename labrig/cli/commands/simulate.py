@@ -200,7 +200,7 @@ COMMAND = Command(
     order=150,
     examples=(
         CommandExample(
-            "labrig simulate model.toml --configuration long --position-mm 12 --voltage 2"
+            line="labrig simulate model.toml --configuration long --position-mm 12 --voltage 2"
         ),
     ),
 )

@@ -30,5 +30,5 @@ COMMAND = Command(
     "verify",
     verify,
     order=100,
-    examples=(CommandExample("labrig verify session.h5"),),
+    examples=(CommandExample(line="labrig verify session.h5"),),
 )
