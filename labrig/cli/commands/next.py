@@ -127,6 +127,9 @@ COMMAND = Command(
     next_measurement,
     order=190,
     examples=(
-        CommandExample(line="labrig next session.h5 --between gravity clamp_angle -o next.toml"),
+        CommandExample(
+            line="labrig next session.h5 --model model+.toml --between gravity clamp_angle "
+            "-o next.toml"
+        ),
     ),
 )
