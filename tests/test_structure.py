@@ -27,6 +27,7 @@ FOLDERS = [
 # folders with one part a module: as many as there are
 PLUGIN_FOLDERS = {
     "labrig/cli/commands",
+    "labrig/exports",
     "labrig/extractors",
     "labrig/panel/pages",
     "labrig/report/sections",

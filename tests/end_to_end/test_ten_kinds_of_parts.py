@@ -74,6 +74,8 @@ PARTS = [
             shown("extending.md", "An extra")),
     Example("column_means", "labrig/extractors", "extractors", "EXTRACTOR",
             shown("vision.md", "Add a curve extractor")),
+    Example("largest_force", "labrig/exports", "exports", "FORMAT",
+            shown("extending.md", "An export format")),
     Example("every_force", "labrig/report/sections", "report_sections", "SECTION",
             shown("report.md", "Add a section")),
     Example("humidity", "labrig/panel/pages", "page_panels", "PAGE",

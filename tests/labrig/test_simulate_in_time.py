@@ -109,12 +109,12 @@ def test_hdf5_holds_two_plots_that_nexus_readers_find(folder: Path) -> None:
         data = entry[entry.attrs["default"]]
         assert data.attrs["NX_class"] == "NXdata"
         assert data.attrs["signal"] == "force_N"
-        assert [axis for axis in data.attrs["axes"]] == ["time_s"]
+        assert list(data.attrs["axes"]) == ["time_s"]
         assert data["time_s"][:] == pytest.approx(np.arange(0.1, 1.0001, 0.002))
         assert data["force_N"].attrs["units"] == "N"
         assert {data[name].shape for name in SCALARS} == {(451,)}
         shape = entry["shape"]
-        assert [axis for axis in shape.attrs["axes"]] == ["time_s", "s_m"]
+        assert list(shape.attrs["axes"]) == ["time_s", "s_m"]
         assert {shape[name].shape for name in ("x_m", "y_m", "curvature_per_m")} == {(451, 21)}
         assert shape["s_m"][-1] == 0.05
         assert shape["curvature_per_m"].attrs["units"] == "1/m"
