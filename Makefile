@@ -22,7 +22,10 @@ PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-c
 # Empty, so that compiled code is kept: the tests start hundreds of processes.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: setup setup-dev demo compiled compiled-mechanics compiled-pictures \
+# Warnings are errors; notebooks and commands of the pages are run.
+SPHINX = $(BIN)/python -m sphinx -b html -W --keep-going -q
+
+.PHONY: setup setup-dev setup-docs demo docs docs-after-compiled compiled compiled-mechanics compiled-pictures \
 	test test-compiled test-failed test-all test-fast lint format bench soak clean
 
 setup: $(VENV)/.installed
@@ -40,6 +43,22 @@ $(VENV)/.installed-dev: pyproject.toml constraints.txt
 	@test -d $(VENV) || $(PYTHON) -m venv $(VENV)
 	@$(PIP) -e ".[dev]"
 	@touch $(VENV)/.installed $@
+
+setup-docs: $(VENV)/.installed-docs
+
+$(VENV)/.installed-docs: pyproject.toml constraints.txt
+	@echo "installing labrig and what its documentation needs into $(VENV) ..."
+	@test -d $(VENV) || $(PYTHON) -m venv $(VENV)
+	@$(PIP) -e ".[docs]"
+	@touch $@
+
+docs: setup-docs
+	@$(SPHINX) docs docs/_build/html
+	@echo "open docs/_build/html/index.html"
+
+# For CI: beside the linters, and not beside what it would compile a second time.
+docs-after-compiled: compiled
+	@$(MAKE) --no-print-directory docs
 
 demo: setup
 	@rm -rf demo
@@ -94,4 +113,4 @@ soak: setup-dev
 	$(BIN)/python -m benchmarks.soak --runs 200
 
 clean:
-	rm -rf $(VENV) demo build *.egg-info
+	rm -rf $(VENV) demo build docs/_build *.egg-info

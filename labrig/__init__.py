@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from drivers.positioners.contract import PositionerKind as PositionerKind
     from labrig.analysis import analyze as analyze
     from labrig.cli.command import Command as Command
+    from labrig.cli.command import CommandExample as CommandExample
     from labrig.errors import BadInputError as BadInputError
     from labrig.errors import LabrigError as LabrigError
     from labrig.exports.choice import export as export
@@ -84,7 +85,10 @@ _HOMES = {
     ),
     "drivers.positioners.contract": ("PositionerKind",),
     "labrig.analysis": ("analyze",),
-    "labrig.cli.command": ("Command",),
+    "labrig.cli.command": (
+        "Command",
+        "CommandExample",
+    ),
     "labrig.errors": (
         "BadInputError",
         "LabrigError",

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.commands.analyze import analyze
 from labrig.cli.commands.diagnose import diagnose
 from labrig.cli.commands.fit import fit
@@ -130,4 +130,9 @@ def _last_voltage(record: Path) -> str:
     return rows[-1].split(",")[header.split(",").index("drive_V")]
 
 
-COMMAND = Command("demo", demo, order=10)
+COMMAND = Command(
+    "demo",
+    demo,
+    order=10,
+    examples=(CommandExample(line="labrig demo demo", run_by="make demo"),),
+)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 
 
@@ -31,4 +31,9 @@ def export(
         say(f"wrote {path}")
 
 
-COMMAND = Command("export", export, order=230)
+COMMAND = Command(
+    "export",
+    export,
+    order=230,
+    examples=(CommandExample(line="labrig export session.h5 -o tables"),),
+)
