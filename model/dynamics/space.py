@@ -184,3 +184,28 @@ def _dense(panels: _Panels) -> tuple[FloatArray, FloatArray]:
             angle[nodes.stop :, dofs.start] = high - low
         position[nodes.stop :, nodes] = on.weight_m[nodes]
     return angle, position
+
+
+def operators(on: Space, nodes: int, M: int, P: int) -> dict[str, FloatArray]:
+    """Return the matrices of the first nodes, filled up to M nodes and P coefficients with 0.
+
+    They are `turn` (N, M), `angle` (M, P), `run` (M, M), its transpose `back`, `weight_m` (M,) and
+    `to_legendre` (M, n); not to be changed.
+    """
+    return _operators(_Panels(on), nodes, M, P)
+
+
+@lru_cache(maxsize=16)
+def _operators(panels: _Panels, nodes: int, M: int, P: int) -> dict[str, FloatArray]:
+    on = panels.on
+    angle, position = _dense(panels)
+    wide, square = np.zeros((M, P)), np.zeros((M, M))
+    wide[:nodes, : on.size] = angle[:nodes]
+    square[:nodes, :nodes] = position[:nodes, :nodes]
+    weight, rows = np.zeros(M), np.zeros((M, on.to_legendre.shape[1]))
+    weight[:nodes], rows[:nodes] = on.weight_m[:nodes], on.to_legendre[:nodes]
+    return {
+        "turn": np.ascontiguousarray(wide[:, : on.size].T), "angle": wide,
+        "run": np.ascontiguousarray(square.T), "back": square, "weight_m": weight,
+        "to_legendre": rows,
+    }  # fmt: skip

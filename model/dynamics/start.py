@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from model.dynamics.beam import ContactSetup, DynamicBeam
-from model.dynamics.body import Body, MotionState
+from model.dynamics.body import Body, MotionState, Packed
 from model.dynamics.equations import Motions, derivative, moments, newton, static_residual
-from model.dynamics.space import Space, dense, norms, rows_at, space
+from model.dynamics.space import Space, dense, norms, operators, rows_at, space
 from model.dynamics.space import moments as projection
 from model.measurements import FloatArray, ModelError
 from model.mechanics.equilibrium import Engine, Equilibria, SolverStatus, problems, solve
@@ -66,6 +66,24 @@ def body_of(beam: DynamicBeam, on: Space) -> Body:
         stiffness=beam.material.B_Nm2 * norms(on), rest=coefficients(on, beam.rest),
         viscous_s=beam.material.viscous_time_s, shares=np.array(beam.material.shares),
         times_s=np.array(beam.material.times_s), reach_m=float(on.breaks_m[-1]) * (1.0 + 1e-12),
+        made=packed(on, mass, np.array(rows)),
+    )  # fmt: skip
+
+
+def packed(on: Space, mass: FloatArray, fluid: FloatArray) -> Packed:
+    """Return the arrays of the compiled kernel."""
+    holds = np.flatnonzero(mass + fluid.sum(axis=0))
+    nodes = max(int(on.first_node[on.flexible]), int(holds[-1]) + 1 if len(holds) else 0)
+    if on.breaks_m[-1] > on.breaks_m[on.flexible]:  # the rolls may be on the elongation
+        nodes = max(nodes, int(on.first_node[on.flexible + 1]))
+    M, P = -(-nodes // 4) * 4, -(-on.size // 4) * 4
+    of_space = operators(on, nodes, M, P)
+    whole = np.zeros((5, M))
+    whole[:, :nodes] = np.stack([mass, *fluid])[:, :nodes]
+    return Packed(
+        **of_space, mass=whole[0], fluid=whole[1:], wet=bool(np.any(fluid)),
+        breaks_m=on.breaks_m, flexible=on.flexible, first_node=on.first_node,
+        first_dof=on.first_dof,
     )  # fmt: skip
 
 
