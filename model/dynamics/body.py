@@ -71,7 +71,7 @@ class MotionState(NamedTuple):
     a: FloatArray  # (N,) d2q/dt2
     a_mean: FloatArray  # (N,) generalized-alpha's own acceleration
     z: FloatArray  # (I, N) internal variables of the Prony series
-    x: FloatArray  # (2,) N and s_hat
+    x: FloatArray  # (3,) N, s_hat and phi_hat
 
 
 class Scheme(NamedTuple):
@@ -99,12 +99,12 @@ class StepHistory(NamedTuple):
 
     q: FloatArray  # (n + 1, N)
     v: FloatArray
-    x: FloatArray  # (n + 1, 2) N and s_hat
+    x: FloatArray  # (n + 1, 3) N, s_hat and phi_hat
 
 
 def new_history(given: Given, size: int) -> StepHistory:
     """Return a track full of NaN."""
     n = len(given.step_s) + 1
     return StepHistory(
-        np.full((n, size), np.nan), np.full((n, size), np.nan), np.full((n, 2), np.nan)
+        np.full((n, size), np.nan), np.full((n, size), np.nan), np.full((n, 3), np.nan)
     )

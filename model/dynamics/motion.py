@@ -20,7 +20,6 @@ from model.dynamics.beam import (
     PrescribedMoment,
 )
 from model.dynamics.body import SLIPPED, Given, MotionState, StepHistory, new_history, scheme
-from model.dynamics.equations import at_contact
 from model.dynamics.line import LineModes
 from model.dynamics.load_cell import LoadCellFilter
 from model.dynamics.space import Rows, dense, moments, rows_at
@@ -142,6 +141,8 @@ class Simulation:
         self._moments = moments(on)
         if self.line is not None:
             self._line_at_nodes = self.line.at(np.minimum(on.s_m, beam.length_m))
+            up = beam.moment_per_volt_Nm[0]
+            self._moment_per_mode = up * (self._moments @ self._line_at_nodes).T
         if isinstance(drive, PrescribedMoment):
             moment = self._moments @ drive.at(zero, on.s_m)[0]
         else:
@@ -178,7 +179,7 @@ class Simulation:
             return np.zeros((len(modes), self.body.space.size))
         up, down = self.beam.moment_per_volt_Nm
         if up == down:
-            return np.asarray(modes @ (up * self._moments @ self._line_at_nodes).T)
+            return np.asarray(modes @ self._moment_per_mode)
         return np.asarray(self.beam.moment_of(modes @ self._line_at_nodes.T) @ self._moments.T)
 
     def advance(
@@ -237,10 +238,18 @@ class Simulation:
 
     def _places(self, times: FloatArray) -> FloatArray:
         """Return p_hat, (n, 2)."""
-        if self.setup is None:
-            return np.zeros((len(times), 2))
-        beta = self.setup.angles(times)
-        return self.setup.radius_m * np.stack([np.cos(beta), np.sin(beta)], axis=1)
+        places = np.zeros((len(times), 2))
+        if self.setup is not None:
+            rests = not callable(self.setup.position_m)
+            beta = self.setup.angles(times[:1] if rests else times)
+            places[:, 0] = self.setup.radius_m * np.cos(beta)
+            places[:, 1] = self.setup.radius_m * np.sin(beta)
+        return places
+
+    def _polar(self, places: FloatArray) -> FloatArray:
+        """Return the polar angles of the rolls; one where they rest."""
+        some = places if self.setup is not None and callable(self.setup.position_m) else places[:1]
+        return np.arctan2(some[:, 1], some[:, 0])
 
     def _drive(
         self, drive: HeldVoltage | PrescribedMoment, ends: FloatArray, step_s: FloatArray
@@ -266,23 +275,23 @@ class Simulation:
         made: Steps,
         s_m: FloatArray | None,
     ) -> SheetMotion:
-        on, track, given, line = self.body.space, made.track, made.given, made.line
+        track, given, line = made.track, made.given, made.line
         s, at = self._points(s_m)
         q, psi = track.q[rows], given.clamp[rows, 0]
-        phi = q @ self._dense[0].T + psi[:, None] if len(s) else np.zeros((len(q), len(on.s_m)))
+        phi = (
+            q @ self._dense[0].T + psi[:, None]
+            if len(s)
+            else np.zeros((len(q), len(self.body.space.s_m)))
+        )
         normal, force, reading = (np.zeros(len(times)) for _ in range(3))
         s_hat, phi_hat = np.full(len(times), np.nan), np.full(len(times), np.nan)
         if self.setup is not None and self._filter is not None:
-            normal, s_hat = track.x[rows, 0], track.x[rows, 1]
+            normal, s_hat, phi_hat = track.x[rows].T
             which = slice(None) if self._filter.slow else rows  # a slow load cell needs all steps
-            turn, _ = at_contact(on, track.x[which, 1])
-            turned = (turn * track.q[which]).sum(1) + given.clamp[which, 0]
-            gamma = turned - np.arctan2(given.place[which, 1], given.place[which, 0])
-            whole = track.x[which, 0] * np.cos(gamma)
-            force, reading, phi_hat = whole, whole, turned
+            gamma = track.x[which, 2] - self._polar(given.place[which])
+            force = reading = track.x[which, 0] * np.cos(gamma)
             if self._filter.slow:
-                reading = self._filter.follow(given.step_s, whole)[rows]
-                force, phi_hat = whole[rows], turned[rows]
+                reading, force = self._filter.follow(given.step_s, force)[rows], force[rows]
         return SheetMotion(
             time_s=times, drive_V=line[0][rows], sheet_V=line[1][rows], current_A=line[2][rows],
             force_N=force, reading_N=reading, normal_N=normal, s_hat_m=s_hat, phi_hat_rad=phi_hat,
@@ -332,11 +341,17 @@ def steps(
 ) -> tuple[FloatArray, np.ndarray[Any, Any]]:
     """Return steps that end at all times and edges, and after how many each time comes."""
     edges = edges_s[(edges_s > begin_s) & (edges_s < times_s[-1])]
-    knots = np.unique(np.concatenate([[begin_s], times_s, edges]))
-    knots = knots[np.concatenate([[True], np.diff(knots) > SAME_TIME])]
+    knots = np.concatenate([[begin_s], times_s])
+    if len(edges):
+        knots = np.unique(np.concatenate([knots, edges]))
     widths = np.diff(knots)
+    apart = widths > SAME_TIME
+    if not apart.all():
+        knots = knots[np.concatenate([[True], apart])]
+        widths = np.diff(knots)
     counts = np.ceil(widths / longest_s - 1e-6).astype(int)
-    after = np.concatenate([[0], np.cumsum(counts)])
+    after = np.zeros(len(counts) + 1, dtype=int)
+    np.cumsum(counts, out=after[1:])
     nearest = np.searchsorted(knots, times_s - SAME_TIME)
     return np.repeat(widths / counts, counts), after[np.minimum(nearest, len(after) - 1)]
 

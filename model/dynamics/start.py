@@ -8,7 +8,14 @@ import numpy as np
 
 from model.dynamics.beam import ContactSetup, DynamicBeam
 from model.dynamics.body import Body, MotionState, Packed
-from model.dynamics.equations import Motions, derivative, moments, newton, static_residual
+from model.dynamics.equations import (
+    Motions,
+    at_contact,
+    derivative,
+    moments,
+    newton,
+    static_residual,
+)
 from model.dynamics.space import Space, dense, norms, operators, rows_at, space
 from model.dynamics.space import moments as projection
 from model.measurements import FloatArray, ModelError
@@ -103,7 +110,7 @@ def at_rest(
 ) -> MotionState:
     """Return the equilibrium of the space, from the static solution `found` (None: free)."""
     if found is None:
-        return _state(body, body.rest + moment / body.stiffness, np.zeros(2))
+        return _state(body, body.rest + moment / body.stiffness, np.zeros(3))
     on, bends = body.space, body.space.first_node[body.space.flexible]
     shape = found.shapes(on.s_m[:bends])
     k = np.zeros(len(on.s_m))
@@ -119,12 +126,14 @@ def at_rest(
     )  # fmt: skip
     if solved is None:
         raise ModelError("no equilibrium to begin from was found in the chosen space")
-    return _state(body, solved[: on.size], solved[on.size :])
+    q, x = solved[: on.size], solved[on.size :]
+    turned = at_contact(on, x[1:])[0][0] @ q + clamp_rad
+    return _state(body, q, np.append(x, turned))
 
 
 def let_go(body: Body, curvature: Field, moment: FloatArray, clamp: FloatArray) -> MotionState:
     """Return a free sheet at rest in a given shape, with the acceleration it begins with."""
-    state = _state(body, coefficients(body.space, curvature), np.zeros(2))
+    state = _state(body, coefficients(body.space, curvature), np.zeros(3))
     accelerate(body, state, moment, clamp)
     return state
 

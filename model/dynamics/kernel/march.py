@@ -17,7 +17,17 @@ from model.dynamics.body import FAILED, SLIPPED
 from model.dynamics.kernel.contact import levers, touch
 from model.dynamics.kernel.residual import balance, move, pressed
 from model.dynamics.kernel.tangent import assemble, edge, invert
-from model.dynamics.kernel.work import ALONG, FORMER, HISTORY, RHS, SLIDE, STEP, Scratch, new_work
+from model.dynamics.kernel.work import (
+    ALONG,
+    FORMER,
+    HISTORY,
+    RHS,
+    SLIDE,
+    STEP,
+    TURN_HAT,
+    Scratch,
+    new_work,
+)
 from model.jit import Array, jit
 
 # An iteration takes at least this share of the error over: the first after a new matrix converges
@@ -119,14 +129,15 @@ def solve(order: int, inverse: Array, dof: Array) -> None:
 
 
 @jit
-def correct(state: Any, contact: bool, along: float, by: Array, dof: Array) -> float:
+def correct(state: Any, contact: bool, along: float, by: Array, at: Array, dof: Array) -> float:
     """Make one iteration's step; return the largest change of a coefficient."""
     size = len(state.q)
-    largest = 0.0
+    largest, turned = 0.0, 0.0
     for j in range(size):
         change = dof[STEP, j]
         largest = max(largest, abs(change))
         along -= dof[ALONG, j] * change
+        turned += dof[TURN_HAT, j] * change
         state.q[j] += change
         state.v[j] += by[0] * change
         state.a[j] += by[1] * change
@@ -134,6 +145,7 @@ def correct(state: Any, contact: bool, along: float, by: Array, dof: Array) -> f
     if contact:
         state.x[0] += dof[STEP, size]
         state.x[1] += along
+        state.x[2] = at[1] + turned + at[0] * along
     return largest
 
 
@@ -187,7 +199,7 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
                 for j in range(size):
                     dof[RHS, j] -= state.x[0] * along * dof[SLIDE, j]
             solve(size + 1 if contact else size, w.inverse, dof)
-            largest = correct(state, contact, along, by, dof)
+            largest = correct(state, contact, along, by, w.at, dof)
             if not largest < 1e9:  # nor where it is not a number
                 return n, FAILED
             if contact and not 0.0 < state.x[1] <= body.reach_m:
@@ -204,6 +216,8 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
         relaxed(state.z, state.q, body.rest, factors)
         for j in range(size):
             track.q[n + 1, j], track.v[n + 1, j] = state.q[j], state.v[j]
+        for i in range(3):
+            track.x[n + 1, i] = state.x[i]
         for i in range(2):
-            track.x[n + 1, i], x_rate[i] = state.x[i], state.x[i] - track.x[n, i]
+            x_rate[i] = state.x[i] - track.x[n, i]
     return len(given.step_s), 0

@@ -159,31 +159,37 @@ def assemble(made: Any, by_q: Array, w: Scratch) -> None:
 
 
 @jit
+def pivot(size: int, j: int, rows: Array) -> bool:
+    """Put the largest value of column j in row j, and make it 1; False where there is none."""
+    best = j
+    for i in range(j + 1, size):
+        if abs(rows[i, j]) > abs(rows[best, j]):
+            best = i
+    if not abs(rows[best, j]) > 0.0:
+        return False
+    if best != j:
+        for k in range(rows.shape[1]):
+            rows[j, k], rows[best, k] = rows[best, k], rows[j, k]
+    over = 1.0 / rows[j, j]
+    for k in range(rows.shape[1]):
+        rows[j, k] *= over
+    return True
+
+
+@jit
 def invert(size: int, rows: Array, inverse: Array) -> bool:
     """Write the inverse of a matrix (Gauss-Jordan, pivots by row); False where it is singular.
 
-    The matrix is the left part of `rows`, the right part is used. A row of `inverse` belongs to a
+    The matrix is the left part of `rows`; the right part is used. A row of `inverse` belongs to a
     residual.
     """
     right = rows.shape[1] - rows.shape[0]
+    rows[:size, size:] = 0.0
     for j in range(size):
-        for k in range(size, right):
-            rows[j, k] = 0.0
-        for k in range(size):
-            rows[j, right + k] = 1.0 if j == k else 0.0
+        rows[j, right + j] = 1.0
     for j in range(size):
-        pivot = j
-        for i in range(j + 1, size):
-            if abs(rows[i, j]) > abs(rows[pivot, j]):
-                pivot = i
-        if not abs(rows[pivot, j]) > 0.0:
+        if not pivot(size, j, rows):
             return False
-        if pivot != j:
-            for k in range(rows.shape[1]):
-                rows[j, k], rows[pivot, k] = rows[pivot, k], rows[j, k]
-        over = 1.0 / rows[j, j]
-        for k in range(rows.shape[1]):
-            rows[j, k] *= over
         for i in range(size):
             if i != j:
                 share = rows[i, j]
