@@ -24,7 +24,7 @@ from model.dynamics.line import LineModes
 from model.dynamics.load_cell import LoadCellFilter
 from model.dynamics.space import Rows, dense, moments, rows_at
 from model.measurements import FloatArray, ModelError
-from model.mechanics.equilibrium import Engine
+from model.mechanics.equilibrium import Engine, Equilibria
 from model.mechanics.field import Field
 
 SAME_TIME = 1e-9  # s: instants nearer than this are one
@@ -104,6 +104,7 @@ class Simulation:
         self.slipped_s: float | None = None
         if setup is not None and released_from is not None:
             raise ModelError("only a free sheet can be released from a shape")
+        self._found: Equilibria | None = None
         self._begin(drive, released_from)
         on = self.body.space
         self._scheme = scheme(
@@ -120,7 +121,7 @@ class Simulation:
         beam, setup, by = self.beam, self.setup, self.resolution
         zero = np.zeros(1)
         psi = self._clamp(zero)[0]
-        found, break_m = None, None
+        break_m = None
         self.line: LineModes | None = None
         if beam.electrodes is not None:
             self.line = LineModes(beam.electrodes, beam.length_m, by.line_terms)
@@ -130,10 +131,7 @@ class Simulation:
         elif any(beam.moment_per_volt_Nm):
             raise ModelError("a moment per volt needs the sheet's electrodes")
         if setup is not None:
-            kappa = self._bent_at_begin(drive)
-            angle = float(setup.angles(zero)[0]) - psi[0]
-            found = start.equilibrium(beam, setup, kappa, angle, self.engine)
-            break_m = by.break_m or float(found.s_hat_m[0])
+            break_m = by.break_m or float(self._static(drive, setup).s_hat_m[0])
         self.break_m = break_m
         degrees = by.degrees if setup is not None else (by.free_degrees,)
         self.body = start.body_of(beam, start.sheet_space(beam, degrees, break_m))
@@ -153,9 +151,23 @@ class Simulation:
             self.state = start.let_go(self.body, released_from, moment, psi)
             return
         place = self._places(zero)[0]
-        self.state = start.at_rest(self.body, found, moment, float(psi[0]), place)
-        if found is None and psi.any():
+        if setup is not None:
+            self.state = start.resting(
+                self.body, lambda: self._static(drive, setup), moment, float(psi[0]), place
+            )
+            return
+        self.state = start.at_rest(self.body, None, moment, float(psi[0]), place)
+        if psi.any():
             start.accelerate(self.body, self.state, moment, psi)
+
+    def _static(self, drive: HeldVoltage | PrescribedMoment, setup: ContactSetup) -> Equilibria:
+        """Return the static solution that the motion begins with, computed once."""
+        if self._found is None:
+            zero = np.zeros(1)
+            angle = float(setup.angles(zero)[0]) - float(self._clamp(zero)[0, 0])
+            kappa = self._bent_at_begin(drive)
+            self._found = start.equilibrium(self.beam, setup, kappa, angle, self.engine)
+        return self._found
 
     def _bent_at_begin(self, drive: HeldVoltage | PrescribedMoment) -> Field:
         """Return the curvature that a free sheet would begin with."""

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from collections.abc import Callable
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -16,7 +19,7 @@ from model.dynamics.equations import (
     newton,
     static_residual,
 )
-from model.dynamics.space import Space, dense, norms, operators, rows_at, space
+from model.dynamics.space import Panels, Space, dense, norms, operators, rows_at, space
 from model.dynamics.space import moments as projection
 from model.measurements import FloatArray, ModelError
 from model.mechanics.equilibrium import Engine, Equilibria, SolverStatus, problems, solve
@@ -95,7 +98,29 @@ def packed(on: Space, mass: FloatArray, fluid: FloatArray) -> Packed:
 
 
 def coefficients(on: Space, quantity: Field) -> FloatArray:
-    """Return the best approximation of a quantity along the sheet, (N,)."""
+    """Return the best approximation of a quantity along the sheet, (N,); not to be changed."""
+    return _coefficients(Panels(on), _Quantity(quantity))
+
+
+class _Quantity:
+    """A quantity along the sheet as a key: a search asks about the same one again and again."""
+
+    __slots__ = ("_key", "field")
+
+    def __init__(self, field: Field) -> None:
+        self.field = field
+        self._key = (field.breaks_m.tobytes(), field.coefficients.tobytes())
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Quantity) and self._key == other._key
+
+
+@lru_cache(maxsize=64)
+def _coefficients(panels: Panels, of: _Quantity) -> FloatArray:
+    on, quantity = panels.on, of.field
     breaks = np.unique(np.concatenate([quantity.breaks_m, on.breaks_m[: on.flexible + 1]]))
     values = np.zeros(on.size)
     x, w = np.polynomial.legendre.leggauss(16)
@@ -103,6 +128,36 @@ def coefficients(on: Space, quantity: Field) -> FloatArray:
         s = 0.5 * (low + high) + 0.5 * (high - low) * x
         values += 0.5 * (high - low) * (rows_at(on, s).curvature.T @ (w * quantity(s)))
     return np.asarray(values / norms(on))
+
+
+_RESTING: OrderedDict[tuple[bytes, ...], FloatArray] = OrderedDict()  # see `resting`
+MOST_RESTING = 64
+
+
+def resting(
+    body: Body, found: Callable[[], Equilibria], moment: FloatArray, clamp_rad: float,
+    place: FloatArray,
+) -> MotionState:  # fmt: skip
+    """Return `at_rest`; of an uncharged sheet it is found once, for it does not depend on B.
+
+    Only N grows with B. A search for B and all else asks for hundreds of motions from there.
+    """
+    if moment.any():
+        return at_rest(body, found(), moment, clamp_rad, place)
+    on, size = body.space, body.space.size
+    B = body.stiffness[0] / on.breaks_m[1]
+    key = (
+        on.breaks_m.tobytes(), on.first_dof.tobytes(), body.rest.tobytes(), place.tobytes(),
+        np.float64(clamp_rad).tobytes(),
+    )  # fmt: skip
+    kept = _RESTING.get(key)
+    if kept is None:
+        state = at_rest(body, found(), moment, clamp_rad, place)
+        _RESTING[key] = np.concatenate([state.q, [state.x[0] / B], state.x[1:]])
+        while len(_RESTING) > MOST_RESTING:
+            _RESTING.popitem(last=False)
+        return state
+    return _state(body, kept[:size], kept[size:] * np.array([B, 1.0, 1.0]))
 
 
 def at_rest(
