@@ -290,11 +290,10 @@ class Simulation:
         track, given, line = made.track, made.given, made.line
         s, at = self._points(s_m)
         q, psi = track.q[rows], given.clamp[rows, 0]
-        phi = (
-            q @ self._dense[0].T + psi[:, None]
-            if len(s)
-            else np.zeros((len(q), len(self.body.space.s_m)))
-        )
+        x_m = y_m = np.zeros((len(q), 0))
+        if len(s):
+            phi = q @ self._dense[0].T + psi[:, None]
+            x_m, y_m = np.cos(phi) @ at.position.T, np.sin(phi) @ at.position.T
         normal, force, reading = (np.zeros(len(times)) for _ in range(3))
         s_hat, phi_hat = np.full(len(times), np.nan), np.full(len(times), np.nan)
         if self.setup is not None and self._filter is not None:
@@ -307,7 +306,7 @@ class Simulation:
         return SheetMotion(
             time_s=times, drive_V=line[0][rows], sheet_V=line[1][rows], current_A=line[2][rows],
             force_N=force, reading_N=reading, normal_N=normal, s_hat_m=s_hat, phi_hat_rad=phi_hat,
-            s_m=s, x_m=np.cos(phi) @ at.position.T, y_m=np.sin(phi) @ at.position.T,
+            s_m=s, x_m=x_m, y_m=y_m,
             phi_rad=q @ at.angle.T + psi[:, None], curvature_per_m=q @ at.curvature.T,
             slipped_s=self.slipped_s,
         )  # fmt: skip
