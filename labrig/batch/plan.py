@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -109,8 +109,3 @@ def _file_name(item: BatchItem) -> Path:
     path = Path(*inside)
     label = _ODD.sub("_", item.label).replace("/", "_").replace(" ", "-")
     return path.with_name(f"{path.name}-{label}") if label else path
-
-
-def same(rows: Mapping[str, Row], others: Mapping[str, Row]) -> bool:
-    """Whether two batches found the same, digest by digest."""
-    return {n: r.digest for n, r in rows.items()} == {n: r.digest for n, r in others.items()}

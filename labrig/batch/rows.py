@@ -7,21 +7,16 @@ cut off when the batch goes on. Of several rows of one piece the last one counts
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
-from labrig.errors import BadInputError
-from labrig.files import not_written
 from labrig.serialise import finite
-from labrig.session.recording.locking import locked_file
 
 VERSION = 1
-_PATIENCE_S = 2.0
 
 
 class PieceOutcome(StrEnum):
@@ -110,55 +105,3 @@ class LastRows:
                     row = row_of(file.readline())
                     if row is not None:
                         yield row
-
-
-class RowFile:
-    """The file, open and locked for appending."""
-
-    def __init__(self, path: Path, file: BinaryIO) -> None:
-        self._path, self._file = path, file
-        _cut_torn_line(file)
-
-    def append(self, rows: Iterable[Row]) -> None:
-        """Write rows and see them onto the disk. Raises LabrigError where that is full."""
-        try:
-            whole = b"".join(row.line() for row in rows)
-            while whole:
-                whole = whole[self._file.write(whole) :]
-            os.fsync(self._file.fileno())
-        except OSError as error:
-            raise not_written(self._path, error) from None
-
-
-@contextmanager
-def row_file(path: Path) -> Iterator[RowFile]:
-    """Open the rows to append to; one program at a time. Raises BadInputError."""
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise not_written(path.parent, error) from None
-    with locked_file(path, _PATIENCE_S) as file:
-        try:
-            yield RowFile(path, file)
-        except BlockingIOError as error:
-            raise BadInputError(f"{path}: cannot be written ({error.strerror}).") from None
-
-
-def _cut_torn_line(file: BinaryIO) -> None:
-    """Cut off what a crash has left of a line, and stand at the end."""
-    end = file.seek(0, os.SEEK_END)
-    step = 1 << 16
-    at = end
-    while at > 0:
-        start = max(0, at - step)
-        file.seek(start)
-        found = file.read(at - start).rfind(b"\n")
-        if found >= 0:
-            keep = start + found + 1
-            break
-        at = start
-    else:
-        keep = 0
-    if keep < end:
-        file.truncate(keep)
-    file.seek(0, os.SEEK_END)

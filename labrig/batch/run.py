@@ -7,13 +7,14 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from labrig.batch.keys import content_of, stamp_of
 from labrig.batch.loop import ATTEMPTS, Ended, worked
 from labrig.batch.plan import ROWS, BatchPlan
-from labrig.batch.rows import PieceOutcome, Row, row_file
+from labrig.batch.row_file import row_file
+from labrig.batch.rows import PieceOutcome, Row
 from labrig.batch.worker import Piece, PieceEnd, do
 
 
@@ -70,7 +71,7 @@ def _again(end: PieceEnd) -> bool:
 def _row(ended: Ended[Piece, PieceEnd]) -> Row:
     piece, end = ended.task, ended.result
     if end is not None:
-        return _with_attempts(end.row, ended.attempts)
+        return replace(end.row, attempts=ended.attempts)
     return Row(
         name=piece.item.name,
         key=piece.key,
@@ -80,12 +81,6 @@ def _row(ended: Ended[Piece, PieceEnd]) -> Row:
         ended=dt.datetime.now(dt.UTC).isoformat(timespec="milliseconds"),
         **_state(piece),
     )
-
-
-def _with_attempts(row: Row, attempts: int) -> Row:
-    from dataclasses import replace
-
-    return replace(row, attempts=attempts)
 
 
 def _state(piece: Piece) -> dict[str, Any]:

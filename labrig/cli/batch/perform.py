@@ -142,7 +142,7 @@ class _Told:
             elif self._warned == _MOST_WARNINGS + 1:
                 warn("further errors are in the table only.")
         now_s = time.monotonic()
-        if now_s - self._told_s >= _TELL_EVERY_S or at.ended == at.wanted:
+        if now_s - self._told_s >= _TELL_EVERY_S and at.ended < at.wanted:
             self._told_s = now_s
             self._advance(at.ended / at.wanted, _how_far(at, now_s))
 

@@ -20,7 +20,9 @@ pytestmark = pytest.mark.slow  # processes are started
 
 
 def all_of(todo, work, pool, **more):
-    return [one for ended in worked(todo, work, pool, lambda: pool.workers, **more) for one in ended]
+    return [
+        one for ended in worked(todo, work, pool, lambda: pool.workers, **more) for one in ended
+    ]
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,8 @@ import json
 
 import pytest
 
-from labrig.batch.rows import LastRows, PieceOutcome, Row, row_file, rows_in
+from labrig.batch.row_file import row_file
+from labrig.batch.rows import LastRows, PieceOutcome, Row, rows_in
 from labrig.errors import BadInputError
 
 
@@ -45,7 +46,7 @@ def test_every_cut_of_the_file_leaves_the_rows_before_it(tmp_path):
     path = tmp_path / "rows.jsonl"
     whole = b"".join(row(name).line() for name in "ab")
     first = len(row("a").line())
-    for end in range(len(whole) + 1):
+    for end in {0, 1, *range(7, len(whole), 41), first - 1, first, len(whole) - 1, len(whole)}:
         path.write_bytes(whole[:end])
         with row_file(path) as file:
             file.append([row("c")])
