@@ -12,6 +12,7 @@ import os
 import platform
 import sqlite3
 import threading
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -21,6 +22,7 @@ from labrig.library.cache_folder import cache_folder
 
 VERSION = 1  # of the tables; each version has a file of its own
 PATIENCE_S = 60.0  # for other programs that write
+_AGAIN_S = 0.02
 MEMORY = ":memory:"
 T = TypeVar("T")
 
@@ -68,6 +70,7 @@ class Database:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self.path: Path | None = database_path(folder)
+        self.generation = 0  # grows when what was known is lost
         self._lock = threading.RLock()
         self._connection = self._opened()
 
@@ -91,27 +94,36 @@ class Database:
             return change(self._connection)
 
     def _healed(self, do: Callable[[], T]) -> T:
-        """Do it; where the file is damaged, begin with an empty one and do it again."""
+        """Do it; where the file is of no use, begin with an empty one and do it again."""
         try:
             return do()
-        except sqlite3.DatabaseError as error:
-            if _is_ours(error):
-                raise
+        except (sqlite3.ProgrammingError, sqlite3.IntegrityError):
+            raise  # a mistake of labrig's
+        except (sqlite3.DatabaseError, ValueError, TypeError, KeyError) as error:
+            damaged = _is_damage(error)
         self._connection.close()
-        self._discard()
+        if damaged:
+            self._discard()
+        else:  # the disk is full, say
+            self.path = None
         self._connection = self._opened()
+        self.generation += 1
         return do()
 
     def _opened(self) -> sqlite3.Connection:
-        for _ in range(2):
+        give_up_s = time.monotonic() + PATIENCE_S
+        discarded = False
+        while self.path is not None and time.monotonic() < give_up_s:
             try:
                 return self._connected(self.path)
-            except sqlite3.OperationalError as error:
-                if not _is_damage(error):
+            except (sqlite3.DatabaseError, OSError) as error:
+                if "locked" in str(error):  # the log of writes is begun without any patience
+                    threading.Event().wait(_AGAIN_S)
+                    continue
+                if discarded or not _is_damage(error):
                     break
-            except (sqlite3.DatabaseError, OSError):
-                pass
             self._discard()
+            discarded = True
         # A cache that cannot be written, or be deleted while another program has it open.
         self.path = None
         return self._connected(None)
@@ -163,13 +175,11 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
     connection.execute("COMMIT")
 
 
-def _is_ours(error: sqlite3.DatabaseError) -> bool:
-    """Whether an error is a mistake of labrig's, or a disk that is full: no damage of the file."""
-    return isinstance(error, sqlite3.OperationalError) and not _is_damage(error)
-
-
-def _is_damage(error: sqlite3.OperationalError) -> bool:
+def _is_damage(error: Exception) -> bool:
+    """Whether an error says that the file is damaged, rather than that it cannot be written."""
+    if isinstance(error, OSError):
+        return False
+    if not isinstance(error, sqlite3.OperationalError):
+        return True
     text = str(error)
-    return any(
-        word in text for word in ("no such table", "no such column", "malformed", "disk I/O error")
-    )
+    return any(word in text for word in ("no such", "has no column", "malformed", "disk I/O error"))
