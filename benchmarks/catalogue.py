@@ -44,7 +44,7 @@ def made(count: int, seed: int = 0) -> Iterator[tuple[CatalogueEntry, ModelFits 
         entry = CatalogueEntry(
             name=f"{2020 + k % 7}/{k % 365:03d}/session-{seed}-{k:06d}.h5",
             bytes=dice.randrange(10**6, 10**8),
-            started=f"{2020 + k % 7}-{1 + k % 12:02d}-{1 + k % 28:02d}T{k % 24:02d}:00:{k % 60:02d}",
+            started=f"{2020 + k % 7}-{1 + k % 12:02d}-{1 + k % 28:02d}T{k % 24:02d}:{k % 60:02d}",
             sheet=("long", "short") if k % 2 else ("long",),
             protocol="pulse_train",
             outcome="completed" if k % 9 else "aborted",
@@ -162,13 +162,22 @@ def measure() -> Report:
             ),
         ),
         figures=figures,
-        notes=(
-            f"to fill it took {filled_s:.0f} s of CPU, {1e6 * filled_s / SESSIONS:.0f} µs a"
-            f" session; the file has {figures['bytes'] / 1e6:.0f} MB",
-            f"{WRITERS} programs that each put {EACH} sessions in at once: {failed} failed,"
-            f" {there} of {WRITERS * EACH} are there",
-            note,
-        ),
+        notes=(_filled(figures), _written(figures), note),
+    )
+
+
+def _filled(figures: dict[str, float]) -> str:
+    took, size = figures["fill_s"], figures["bytes"]
+    each = 1e6 * took / SESSIONS
+    return (
+        f"to fill it took {took:.0f} s of CPU, {each:.0f} µs a session; it has {size / 1e6:.0f} MB"
+    )
+
+
+def _written(figures: dict[str, float]) -> str:
+    return (
+        f"{WRITERS} programs that each put {EACH} sessions in at once: "
+        f"{figures['failed_writers']} failed, {figures['written']} of {WRITERS * EACH} are there"
     )
 
 

@@ -35,7 +35,7 @@ def put_entry(connection: sqlite3.Connection, entry: CatalogueEntry) -> int:
     ).fetchone()
     _forget_parts(connection, number)
     plain = {key: value for key, value in vars(entry).items() if key not in _BESIDE}
-    text = json.dumps(finite(plain), ensure_ascii=False, allow_nan=False)
+    text = _text(plain)
     connection.execute("INSERT INTO entries VALUES (?, ?, NULL, 0)", (number, text))
     connection.execute("INSERT INTO texts VALUES (?, ?)", (number, _words(entry)))
     connection.executemany(
@@ -50,7 +50,7 @@ def put_entry(connection: sqlite3.Connection, entry: CatalogueEntry) -> int:
 
 def put_model(connection: sqlite3.Connection, name: str, changed: int, one: ModelFits) -> None:
     """Put a model file in place of what is known of it."""
-    text = json.dumps(finite(one.fits), allow_nan=False)
+    text = _text(one.fits)
     connection.execute(
         "INSERT OR REPLACE INTO models VALUES (?, ?, ?, ?, ?)",
         (name, one.checksum, changed, one.kind, text),
@@ -77,8 +77,8 @@ def _forget_parts(connection: sqlite3.Connection, number: int) -> None:
 def choose_fits(
     connection: sqlite3.Connection, ids: Iterable[int], checksums: Iterable[str]
 ) -> None:
-    """Choose the fit of these sessions, and of those whose data have these checksums."""
-    chosen = set(ids)
+    """Choose the fit of these new sessions, and of those whose data have these checksums."""
+    chosen = {number for number in ids if _has_model(connection, number)}
     for one in checksums:
         asked = connection.execute("SELECT id FROM data WHERE checksum = ?", (one,))
         chosen |= {number for (number,) in asked}
@@ -94,13 +94,29 @@ def choose_fits(
             for name, changed, checksum, kind, text in models
         )
         fitted = with_fit(replace(entry, fit=None, fit_outdated=False), fits)
-        text = None if fitted.fit is None else json.dumps(finite(fitted.fit), allow_nan=False)
+        text = None if fitted.fit is None else _text(fitted.fit)
         connection.execute(
             "UPDATE entries SET fit = ?, outdated = ? WHERE id = ?",
             (text, fitted.fit_outdated, number),
         )
         values = [fitted.fitted(name) for name in _FITTED]
         connection.execute(_SET_FITTED, (*values, number))
+
+
+def _text(plain: Any) -> str:
+    """Return JSON; a number that JSON does not have, which is rare, is null."""
+    try:
+        return json.dumps(plain, ensure_ascii=False, allow_nan=False)
+    except ValueError:
+        return json.dumps(finite(plain), ensure_ascii=False, allow_nan=False)
+
+
+def _has_model(connection: sqlite3.Connection, number: int) -> bool:
+    asked = connection.execute(
+        "SELECT 1 FROM data d JOIN models m ON m.checksum = d.checksum WHERE d.id = ? LIMIT 1",
+        (number,),
+    )
+    return asked.fetchone() is not None
 
 
 def _entry_of(connection: sqlite3.Connection, number: int) -> CatalogueEntry:

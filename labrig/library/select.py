@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import json
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from itertools import islice
 
 from labrig.errors import BadInputError
 from labrig.library.database import NUMBER_COLUMNS, TEXT_COLUMNS
 from labrig.library.entry import CatalogueEntry
 from labrig.library.records import entry_of_row
 
+_FEW = 5_000  # sessions that are sorted quickly
 COLUMNS = ("name", *TEXT_COLUMNS, *NUMBER_COLUMNS)
 
 
@@ -46,56 +48,69 @@ class FoundSessions:
 
 def select(connection: sqlite3.Connection, wanted: Selection) -> FoundSessions:
     """Return the page that is asked for."""
-    where, values = _where(wanted)
-    count = f"SELECT count(*) FROM sessions s {where}"  # noqa: S608 - names of columns are ours
-    (total,) = connection.execute(count, values).fetchone()
-    rows = _rows(connection, wanted, where, values)
-    return FoundSessions(entries=tuple(map(entry_of_row, rows)), total=total)
+    fitting = _fitting(connection, wanted)
+    if fitting is None:
+        (total,) = connection.execute("SELECT count(*) FROM sessions").fetchone()
+    else:
+        total = len(fitting)
+    page = list(islice(_ordered(connection, wanted, fitting), wanted.limit))
+    rows = _rows(connection, page)
+    return FoundSessions(entries=tuple(entry_of_row(rows[one]) for one in page), total=total)
 
 
-def _rows(
-    connection: sqlite3.Connection, wanted: Selection, where: str, values: list[Any]
-) -> Iterator[tuple[str, str | None, int]]:
-    """Yield first those that have what is sorted by, which an index has in order, then the rest."""
-    left, skip = wanted.limit, wanted.offset
-    joined = f"{where} AND" if where else "WHERE"
-    way = "DESC" if wanted.down else "ASC"
-    for there, order in (
-        (f"s.{wanted.sort} IS NOT NULL", f"s.{wanted.sort} {way}, s.name {way}"),
-        (f"s.{wanted.sort} IS NULL", "s.name"),
-    ):
-        if left == 0:
-            return
-        # The page is found by the small rows; then only its own entries are read.
-        asked = connection.execute(
-            f"SELECT e.entry, e.fit, e.outdated FROM (SELECT s.id, row_number() OVER () AS place"  # noqa: S608
-            f" FROM (SELECT s.id FROM sessions s {joined} {there} ORDER BY {order}"
-            f" LIMIT ? OFFSET ?) s) p JOIN entries e ON e.id = p.id ORDER BY p.place",
-            [*values, -1 if left is None else left, skip],
-        )
-        count = 0
-        for row in asked:
-            count += 1
-            yield row
-        if left is not None:
-            left -= count
-        if skip and left != 0:
-            count_of = f"SELECT count(*) FROM sessions s {joined} {there}"  # noqa: S608
-            (known,) = connection.execute(count_of, values).fetchone()
-            skip = max(0, skip - known)
-
-
-def _where(wanted: Selection) -> tuple[str, list[Any]]:
-    parts, values = list[str](), list[Any]()
-    if wanted.outcome:
-        parts.append("s.outcome = ?")
-        values.append(wanted.outcome)
-    if wanted.sheet:
-        parts.append("s.id IN (SELECT id FROM sheets WHERE sheet = ?)")
-        values.append(wanted.sheet)
+def _fitting(connection: sqlite3.Connection, wanted: Selection) -> set[int] | None:
+    """Return the ids of sessions that fit; None where all do. Each table is gone through once."""
+    asked = list[tuple[str, list[str]]]()
     words = wanted.text.lower().split()
     if words:
         each = " AND ".join(["instr(words, ?)"] * len(words))
-        parts.append(f"s.id IN (SELECT id FROM texts WHERE {each})")  # noqa: S608
-        values += words
-    return (f"WHERE {' AND '.join(parts)}" if parts else ""), values
+        asked.append((f"SELECT id FROM texts WHERE {each}", words))  # noqa: S608 - of constants
+    if wanted.outcome:
+        asked.append(("SELECT id FROM sessions WHERE outcome = ?", [wanted.outcome]))
+    if wanted.sheet:
+        asked.append(("SELECT id FROM sheets WHERE sheet = ?", [wanted.sheet]))
+    if not asked:
+        return None
+    return set.intersection(
+        *({number for (number,) in connection.execute(text, values)} for text, values in asked)
+    )
+
+
+def _ordered(
+    connection: sqlite3.Connection, wanted: Selection, fitting: set[int] | None
+) -> Iterator[int]:
+    """Yield ids from the first that is wanted on: those that have what is sorted by, then others.
+
+    An index has them in order. Where few fit, only these are sorted.
+    """
+    skip = wanted.offset
+    few = fitting is not None and len(fitting) <= _FEW
+    among = " AND id IN (SELECT value FROM json_each(?))" if few else ""
+    values = [json.dumps(sorted(fitting or ()))] if few else []
+    column, way = wanted.sort, "DESC" if wanted.down else "ASC"
+    plus = "+" if few else ""  # no index then
+    for there, order in (
+        (f"{column} IS NOT NULL", f"{plus}{column} {way}, name {way}"),
+        (f"{column} IS NULL", f"{plus}name"),
+    ):
+        # Names of columns are ours.
+        text = f"SELECT id FROM sessions WHERE {there}{among} ORDER BY {order}"  # noqa: S608
+        if wanted.limit is not None and (few or fitting is None):
+            text += f" LIMIT {wanted.limit + skip}"  # what is sorted need not be kept
+        for (number,) in connection.execute(text, values):
+            if fitting is not None and number not in fitting:
+                continue
+            if skip:
+                skip -= 1
+                continue
+            yield number
+
+
+def _rows(
+    connection: sqlite3.Connection, ids: Sequence[int]
+) -> dict[int, tuple[str, str | None, int]]:
+    asked = connection.execute(
+        "SELECT id, entry, fit, outdated FROM entries WHERE id IN (SELECT value FROM json_each(?))",
+        (json.dumps(ids),),
+    )
+    return {number: (entry, fit, outdated) for number, entry, fit, outdated in asked}
