@@ -26,6 +26,7 @@ FOLDERS = [
 ]
 # folders with one part a module: as many as there are
 PLUGIN_FOLDERS = {
+    "labrig/batch/tasks",
     "labrig/cli/commands",
     "labrig/exports",
     "labrig/extractors",

@@ -12,6 +12,7 @@ from labrig.lazy_imports import lazily
 from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
+    from labrig.testing.conformance import batch_task_faults as batch_task_faults
     from labrig.testing.conformance import board_kind_faults as board_kind_faults
     from labrig.testing.conformance import camera_faults as camera_faults
     from labrig.testing.conformance import camera_kind_faults as camera_kind_faults
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "labrig.testing.conformance": (
+        "batch_task_faults",
         "family_faults",
         "board_kind_faults",
         "camera_faults",
