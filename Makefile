@@ -3,13 +3,14 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 PYTEST := $(BIN)/python -m pytest
-# Between them they use all that numba compiles; else each worker would compile it for itself.
+# Between them they use all that numba compiles; else each worker would compile it for itself. The
+# end of `make test` names what was compiled after all.
 # The two share nothing that is compiled, so that side by side they compile nothing twice.
 MECHANICS := tests/model/test_predict.py tests/model/test_engines.py tests/model/test_design.py \
-	tests/model/test_equilibrium_reference.py
+	tests/model/test_equilibrium_reference.py tests/model/dynamics/test_numpy_reference.py
 PICTURES := tests/sim_hardware/test_optics_images.py tests/sim_hardware/test_world_chain.py \
 	tests/sim_hardware/test_world_effects.py tests/sim_hardware/test_world.py \
-	tests/labrig/vision/test_batch.py
+	tests/sim_hardware/test_moving_world.py tests/labrig/vision/test_batch.py
 # Without a time-out: a compilation that is cut short is not kept.
 COMPILE = $(PYTEST) --timeout 0 -q -m "not slow and not thorough"
 TWO_ALONE = $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder

@@ -26,7 +26,9 @@ FOLDERS = [
 ]
 # folders with one part a module: as many as there are
 PLUGIN_FOLDERS = {
+    "labrig/batch/tasks",
     "labrig/cli/commands",
+    "labrig/exports",
     "labrig/extractors",
     "labrig/panel/pages",
     "labrig/report/sections",

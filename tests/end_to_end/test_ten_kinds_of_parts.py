@@ -74,6 +74,8 @@ PARTS = [
             shown("howto/extending.md", "An extra")),
     Example("column_means", "labrig/extractors", "extractors", "EXTRACTOR",
             shown("howto/curve_extractor.md", "Add a curve extractor")),
+    Example("largest_force", "labrig/exports", "exports", "FORMAT",
+            shown("howto/extending.md", "An export format")),
     Example("every_force", "labrig/report/sections", "report_sections", "SECTION",
             shown("howto/report.md", "Add a section")),
     Example("humidity", "labrig/panel/pages", "page_panels", "PAGE",
