@@ -10,7 +10,7 @@ import numpy as np
 
 from model.dynamics import ContactSetup, DynamicBeam, DynamicSheet
 from model.effects.between_sessions import sessions_in
-from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.measurements import Displayed, FloatArray, ModelError, SheetGeometry, Summary
 from model.mechanics.field import Field
 from model.parameter import Parameter, finite
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
@@ -21,14 +21,24 @@ if TYPE_CHECKING:
 FORMAT, WITH_FORMS = 1, 2  # of a model file; the second where effects have forms of their own
 
 
-@dataclass(frozen=True)
-class Along:
+@dataclass(frozen=True, repr=False)
+class Along(Displayed):
     """A quantity along the sheet: nodes, straight lines between; one node: the same everywhere."""
 
     s_m: FloatArray
     values: FloatArray
     sigma: FloatArray
     unit: str
+
+    def summary(self) -> Summary:
+        """Return its range along the sheet."""
+        first, last = float(self.values[0]), float(self.values[-1])
+        if len(self.s_m) == 1:
+            return Summary(f"Along: {first:.4g} {self.unit} everywhere")
+        return Summary(
+            f"Along: {first:.4g} to {last:.4g} {self.unit}, {len(self.s_m)} nodes from "
+            f"{1e3 * self.s_m[0]:.4g} to {1e3 * self.s_m[-1]:.4g} mm"
+        )
 
     @staticmethod
     def constant(parameter: Parameter) -> Along:
@@ -64,14 +74,31 @@ class Along:
         return Along(rows["s_m"], rows["value"], rows["sigma"], str(data.get("unit", "")))
 
 
-@dataclass(frozen=True)
-class ConfiguredSheet:
+@dataclass(frozen=True, repr=False)
+class ConfiguredSheet(Displayed):
     """One configuration's parameters."""
 
     sheet: SheetGeometry
     B: Parameter  # N m^2
     rest: Along  # k0, 1/m
     eibm: Mapping[float, Along]  # by voltage, N m
+
+    def summary(self) -> Summary:
+        """Return B, E and the mean EIBM of each voltage."""
+        rows = [
+            ("bending stiffness B", *_said(self.B, 1e6), "µN m²"),
+            ("equivalent Young modulus E", *_said(self.E, 1e-6), "MPa"),
+            *(
+                (f"EIBM at {v:+g} V, {_form(along)}", *_said(self._mean(v), 1e6), "µN m")
+                for v, along in sorted(self.eibm.items(), reverse=True)
+            ),
+        ]
+        columns = ("parameter", "value", "sigma", "unit")
+        return Summary(f"ConfiguredSheet: {self.sheet.summary().title}", columns, rows)
+
+    def _mean(self, voltage_V: float) -> Parameter:
+        sigma = float(np.sqrt(np.mean(self.eibm[voltage_V].sigma ** 2)))
+        return Parameter(value=self.mean_eibm(voltage_V), sigma=sigma, unit="N m")
 
     @property
     def E(self) -> Parameter:
@@ -102,8 +129,8 @@ class ConfiguredSheet:
         return self.eibm_at(voltage_V).mean(self.sheet.free_length_m)
 
 
-@dataclass(frozen=True, kw_only=True)
-class SheetModel:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SheetModel(Displayed):
     """Geometry, parameters, active effects; what it was fitted to and how well."""
 
     sheets: Mapping[str, ConfiguredSheet]
@@ -119,6 +146,19 @@ class SheetModel:
     session: int = 0
     # free lengths as measured of sheets that are cut to another, to which their effects refer
     cut_from_m: Mapping[str, float] = field(default_factory=dict)
+
+    def summary(self) -> Summary:
+        """Return the parameters of each configuration, and the names of the effects."""
+        rows = [(name, *row) for name, one in self.sheets.items() for row in one.summary().rows]
+        origin = f" fitted to {self.source}" if self.source else ""
+        merit = ", ".join(f"{name} {value:.3g}" for name, value in self.merit.items())
+        notes = (
+            *([f"effects: {', '.join(one.name for one in self.effects)}"] if self.effects else []),
+            *([f"in time: {', '.join(self.dynamic)}"] if self.dynamic else []),
+            *([f"errors: {merit}"] if merit else []),
+        )
+        columns = ("sheet", "parameter", "value", "sigma", "unit")
+        return Summary(f"SheetModel{origin}: {', '.join(self.sheets)}", columns, rows, notes)
 
     def sheet(self, configuration: str) -> ConfiguredSheet:
         """Return a configuration's parameters."""
@@ -260,6 +300,16 @@ class SheetModel:
                 if "dynamic" in one
             },
         )  # fmt: skip
+
+
+def _said(parameter: Parameter, factor: float) -> tuple[str, str]:
+    """Return value and standard uncertainty in another unit."""
+    sigma = f"{factor * parameter.sigma:.2g}" if parameter.sigma else "-"
+    return f"{factor * parameter.value:.4g}", sigma
+
+
+def _form(along: Along) -> str:
+    return "constant" if np.ptp(along.values) == 0.0 else "mean along the sheet"
 
 
 _LENGTHS = {
