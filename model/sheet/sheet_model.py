@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
+import numpy.typing as npt
 
 from model.dynamics import ContactSetup, DynamicBeam, DynamicSheet
 from model.effects.between_sessions import sessions_in
@@ -17,6 +18,7 @@ from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 
 if TYPE_CHECKING:
     from model.sheet.prediction import Prediction
+    from model.sheet.predictions import Predictions
 
 FORMAT, WITH_FORMS = 1, 2  # of a model file; the second where effects have forms of their own
 
@@ -228,11 +230,31 @@ class SheetModel(Displayed):
             measured_length_m=self.cut_from_m.get(configuration, 0.0),
         )  # fmt: skip
 
-    def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction:
-        """Force and shape of a condition, or why it is not reachable."""
-        from model.sheet.prediction import predict
+    @overload
+    def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction: ...
 
-        return predict(self, configuration, position_m, voltage_V)
+    @overload
+    def predict(
+        self, configuration: str, position_m: npt.ArrayLike, voltage_V: npt.ArrayLike
+    ) -> Predictions: ...
+
+    def predict(
+        self, configuration: str, position_m: npt.ArrayLike, voltage_V: npt.ArrayLike
+    ) -> Prediction | Predictions:
+        """Predict force and shape of a condition, or of arrays of conditions in one batch.
+
+        configuration: name of one of the model's sheets. position_m: along the arc in m;
+        voltage_V: within the voltages of the model. Two numbers give a `Prediction`; arrays are
+        broadcast and give `Predictions`. A position that is not reachable is no error.
+
+        Raises ModelError for an unknown configuration or voltage.
+        """
+        from model.sheet.prediction import predict
+        from model.sheet.predictions import predict_array
+
+        if isinstance(position_m, int | float) and isinstance(voltage_V, int | float):
+            return predict(self, configuration, float(position_m), float(voltage_V))
+        return predict_array(self, configuration, position_m, voltage_V)
 
     def with_effects(self, *effects: ActiveEffect) -> SheetModel:
         """Return the same model with these effects."""
