@@ -252,8 +252,9 @@ class SheetModel(Displayed):
         from model.sheet.prediction import predict
         from model.sheet.predictions import predict_array
 
-        if isinstance(position_m, int | float) and isinstance(voltage_V, int | float):
-            return predict(self, configuration, float(position_m), float(voltage_V))
+        numbers: tuple[Any, Any] = (position_m, voltage_V)
+        if all(isinstance(one, int | float) for one in numbers):
+            return predict(self, configuration, *map(float, numbers))
         return predict_array(self, configuration, position_m, voltage_V)
 
     def with_effects(self, *effects: ActiveEffect) -> SheetModel:
