@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from labrig.api.design import map_of_elongation as map_of_elongation
     from labrig.api.diagnose import diagnose as diagnose
     from labrig.api.fit import fit as fit
+    from labrig.api.run import run as run
     from labrig.api.sheet import sheet as sheet
     from labrig.api.simulate import SimulatedConditions as SimulatedConditions
     from labrig.api.simulate import predict as predict
@@ -107,6 +108,7 @@ _HOMES = {
     ),
     "labrig.api.diagnose": ("diagnose",),
     "labrig.api.fit": ("fit",),
+    "labrig.api.run": ("run",),
     "labrig.api.sheet": ("sheet",),
     "labrig.api.simulate": (
         "SimulatedConditions",

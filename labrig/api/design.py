@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Section = str | tuple[float, float]  # "0:30" or (0, 30), in mm
+_STRAIGHT = "of its range %"  # error of the best line
 MAP_STEPS = 13  # beginnings and ends of a map
 
 
@@ -59,8 +60,12 @@ class Design(Displayed, Sequence[DesignAnswers]):
         return [misfit(self.model, one.wanted.configuration) for one in self.answers]
 
     def summary(self) -> Summary:
-        """Return the rows that `labrig design` prints, without the places."""
-        rows = [(row["configuration"], row["question"], row["value"]) for row in self._rows()]
+        """Return the answers in short; `to_dataframe` has all that `labrig design` prints."""
+        rows = [
+            (row["configuration"], row["question"], row["value"])
+            for row in self._rows()
+            if not row["table"].startswith("1.") or row["question"].startswith(_STRAIGHT)
+        ]
         unanswered = tuple(
             f"{one.wanted.configuration}, no answer to {name}: {why}"
             for one in self.answers

@@ -14,7 +14,7 @@ from model.sheet.stated import StatedEibm, with_eibm
 
 # Me in N m: a number, a function of s_m, or (s_m, Me_Nm) with straight lines between the nodes
 Eibm = float | Callable[[FloatArray], FloatArray] | tuple[Sequence[float], Sequence[float]]
-NODES = 101  # at which a function is taken, along the longest sheet
+NODES = 51  # at which a function is taken, along the longest sheet; as of a fit
 _EXAMPLE = "--eibm 2=36e-6 (N m), or --eibm 2=eibm.csv (columns s_mm, Me_Nm)"
 
 

@@ -18,8 +18,8 @@ from model.sheet.misfit import CURVE, FORCE, FORCE_SIZE
 from tests.labrig.report_data import STIFFNESS, measure, session, truth
 
 FUNCTIONS = (
-    "compare", "design", "diagnose", "fit", "map_of_elongation", "predict", "sheet", "simulate",
-    "simulate_in_time",
+    "compare", "design", "diagnose", "fit", "map_of_elongation", "predict", "run", "sheet",
+    "simulate", "simulate_in_time",
 )  # fmt: skip
 MODULES = ("design", "sheet", "simulate")  # the others need a session
 
@@ -142,7 +142,7 @@ def test_an_eibm_is_a_number_a_function_or_rows():
     def falling(s_m):
         return 80e-6 * np.exp(-s_m / 0.012)
 
-    s_m = np.linspace(0.0, 0.05, 101)
+    s_m = np.linspace(0.0, 0.05, 51)
     forces = [
         labrig.predict(long_sheet(EIBM_Nm={2.0: one}), "sheet", 0.01, 2.0).F_N
         for one in (falling, (s_m, falling(s_m)))
