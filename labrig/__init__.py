@@ -43,8 +43,12 @@ if TYPE_CHECKING:
     from labrig.api.simulate import simulate as simulate
     from labrig.api.simulate import simulate_in_time as simulate_in_time
     from labrig.cli.command import Command as Command
+    from labrig.cli.command import CommandExample as CommandExample
+    from labrig.errors import BadInputError as BadInputError
     from labrig.errors import LabrigError as LabrigError
     from labrig.errors import LabrigWarning as LabrigWarning
+    from labrig.exports.choice import export as export
+    from labrig.exports.contract import ExportFormat as ExportFormat
     from labrig.extractors.contract import CurveExtractor as CurveExtractor
     from labrig.model_file import load_model as load_model
     from labrig.model_file import save_model as save_model
@@ -116,11 +120,17 @@ _HOMES = {
         "simulate",
         "simulate_in_time",
     ),
-    "labrig.cli.command": ("Command",),
+    "labrig.cli.command": (
+        "Command",
+        "CommandExample",
+    ),
     "labrig.errors": (
+        "BadInputError",
         "LabrigError",
         "LabrigWarning",
     ),
+    "labrig.exports.choice": ("export",),
+    "labrig.exports.contract": ("ExportFormat",),
     "labrig.extractors.contract": ("CurveExtractor",),
     "labrig.model_file": (
         "load_model",

@@ -1,4 +1,4 @@
-"""labrig export --video: the frames of each run, as they were recorded."""
+"""labrig export --as video: the frames of each run, as they were recorded."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def frames_of(path) -> list[np.ndarray]:
 
 
 def test_each_run_becomes_a_video_of_its_frames(session_file, tmp_path, capsys):
-    assert run(["export", str(session_file), "-o", str(tmp_path), "--video"]) == 0
+    assert run(["export", str(session_file), "-o", str(tmp_path), "--as", "video"]) == 0
     names = sorted(path.name for path in tmp_path.glob("*.avi"))
     assert names == ["run-01-long-0mm.avi", "run-02-long-10mm.avi"]
     assert f"wrote {tmp_path / names[0]}" in capsys.readouterr().out
@@ -59,8 +59,15 @@ def test_a_folder_that_cannot_be_written_leaves_no_part_of_a_video(
         def release(self) -> None: ...
 
     monkeypatch.setattr(cv2, "VideoWriter", type("W", (Closed,), {"fourcc": lambda *_: 0}))
-    assert run(["export", str(session_file), "-o", str(tmp_path), "--video"]) != 0
+    assert run(["export", str(session_file), "-o", str(tmp_path), "--as", "video"]) != 0
     error = capsys.readouterr().err
     assert "run-01-long-0mm.avi" in error
     assert "Traceback" not in error
     assert list(tmp_path.glob("*.avi")) == []
+
+
+def test_a_video_that_is_there_is_left_alone(session_file, tmp_path, capsys):
+    (tmp_path / "run-02-long-10mm.avi").write_text("mine")
+    assert run(["export", str(session_file), "-o", str(tmp_path), "--as", "video"]) == 2
+    assert "run-02-long-10mm.avi exists already" in capsys.readouterr().err
+    assert [path.read_text() for path in tmp_path.glob("*.avi")] == ["mine"]

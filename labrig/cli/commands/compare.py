@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json, Recorded
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 
@@ -69,4 +69,9 @@ def _show(found: ModelComparison) -> None:
             warn(sentence)
 
 
-COMMAND = Command("compare", compare, order=160)
+COMMAND = Command(
+    "compare",
+    compare,
+    order=160,
+    examples=(CommandExample(line="labrig compare session.h5 --static"),),
+)

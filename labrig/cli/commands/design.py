@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.model_errors import say_errors
 from labrig.cli.options import EachConfiguration, Json, ModelFile, OwnEibm, StatedStiffness
 from labrig.cli.screen import print_json, print_table, say, warn
@@ -124,4 +124,9 @@ def _draw(
     return written
 
 
-COMMAND = Command("design", design, order=200)
+COMMAND = Command(
+    "design",
+    design,
+    order=200,
+    examples=(CommandExample(line="labrig design model.toml --section 0:20"),),
+)

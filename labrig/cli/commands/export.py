@@ -1,4 +1,4 @@
-"""CSV tables and videos of a session."""
+"""A session for other programs: CSV tables, Parquet, xarray, Bluesky documents, RO-Crate, video."""
 
 from __future__ import annotations
 
@@ -7,32 +7,33 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
-from labrig.cli.screen import progress, say
+from labrig.cli.command import Command, CommandExample
+from labrig.cli.screen import say
 
 
 def export(
-    session: Annotated[Path, typer.Argument(help="an analysed session")],
+    session: Annotated[Path, typer.Argument(help="a session; csv and parquet want it analysed")],
     output: Annotated[Path, typer.Option("--output", "-o", help="the folder to write into")],
-    video: Annotated[
-        bool, typer.Option("--video", help="also the frames of each run, as run-NN-SHEET-PLACE.avi")
-    ] = False,
+    name: Annotated[
+        str,
+        typer.Option(
+            "--as",
+            metavar="FORMAT",
+            help="csv, parquet, xarray (netCDF), bluesky (documents), crate (RO-Crate), "
+            "video (a file for each run), or another distribution's",
+        ),
+    ] = "csv",
 ) -> None:
-    """Write forces, curves, signals and control as CSV, about.toml, notes.csv and photographs.
+    """Write a session for other programs: as CSV tables, or --as another format."""
+    from labrig.exports.choice import export as write
 
-    With --video, also a video of each run at the rate of its frames; time, voltage and force are
-    written below the picture.
-    """
-    from labrig.session import export_session, open_session
-
-    written = export_session(session, output)
-    if video:
-        from labrig.analysis.video import write_videos
-
-        with open_session(session) as recorded, progress("video") as advance:
-            written = [*written, *write_videos(recorded, output, advance)]
-    for path in written:
+    for path in write(session, output, name):
         say(f"wrote {path}")
 
 
-COMMAND = Command("export", export, order=230)
+COMMAND = Command(
+    "export",
+    export,
+    order=230,
+    examples=(CommandExample(line="labrig export session.h5 -o tables"),),
+)

@@ -7,7 +7,7 @@ from typing import Annotated, TypeVar
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.model_errors import say_errors
 from labrig.cli.options import EachConfiguration, Json, ModelFile, OwnEibm, StatedStiffness
 from labrig.cli.screen import print_json, print_table, say
@@ -162,4 +162,16 @@ def _in_time(
     say(f"wrote {output}: {len(found.motion.time_s)} times, {len(found.motion.s_m)} points")
 
 
-COMMAND = Command("simulate", simulate, order=150)
+COMMAND = Command(
+    "simulate",
+    simulate,
+    order=150,
+    examples=(
+        CommandExample(
+            line="labrig simulate model.toml --configuration long --position-mm 12 --voltage 2"
+        ),
+        CommandExample(
+            line="labrig simulate model.toml --configuration long --position-mm 12 --eibm 2=36e-6"
+        ),
+    ),
+)
