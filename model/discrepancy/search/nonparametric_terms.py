@@ -76,7 +76,18 @@ def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
 
 
 def unknowns(fitted: MixedModelFit) -> list[Candidate]:
-    """Return for each location all of its shapes, and each part that has a profile alone."""
+    """Return for each location all of its shapes, and each part that has a profile alone.
+
+    They are computed once at the same states.
+    """
+    kept = fitted.linear.at_states
+    key = ("unknowns", id(fitted.problem.forward), tuple(locations()))
+    if key not in kept:
+        kept[key] = _unknowns(fitted)
+    return list(kept[key])
+
+
+def _unknowns(fitted: MixedModelFit) -> list[Candidate]:
     result = []
     for name in locations():
         every = all_shapes(fitted, name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -167,12 +168,20 @@ def _settled(
 ) -> MixedModelFit | None:
     """Return a model with these effects, from there on; None where it does not settle.
 
-    `form` is how much of the tolerance of the effects' forms there is.
+    `form` is how much of the tolerance of the effects' forms there is. A fit from the same place
+    is made once: the search may come back to a model with fewer candidates.
     """
-    try:
-        return fit_mixed_model(fitted.problem, theta, found, log_sigma, form)
-    except (ModelError, np.linalg.LinAlgError):
-        return None
+    kept = fitted.linear.at_states
+    key = (
+        "settled", id(fitted.problem), theta.tobytes(), repr([(f.effect.name, f) for f in found]),
+        None if log_sigma is None else log_sigma.tobytes(), form,
+    )  # fmt: skip
+    if key not in kept:
+        kept[key] = None
+        with suppress(ModelError, np.linalg.LinAlgError):
+            kept[key] = fit_mixed_model(fitted.problem, theta, found, log_sigma, form)
+    result: MixedModelFit | None = kept[key]
+    return result
 
 
 def _promising(fitted: MixedModelFit, done: list[RankedCandidate]) -> set[str]:
