@@ -30,11 +30,12 @@ NAMES = tuple(ATTRIBUTES)
 # attributes that can only speak for an answer, or against it, whatever a few cases say
 FOR = {
     "first", "considered", "votes", "unknown_considered", "unknown_ahead", "unknown_ahead_share",
-    "unexplained", "unexplained_share", "scatter", "unknown_failed", "nothing_considered",
+    "unknown_surely_ahead", "unexplained", "unexplained_share", "scatter", "unknown_failed",
+    "nothing_considered",
 }  # fmt: skip
 AGAINST = {
-    "behind", "behind_share", "not_fitted", "form_share", "large", "freedom", "beside", "failed",
-    "misfit", "uneven", "nothing_gain", "nothing_apart",
+    "behind", "behind_share", "surely_behind", "not_fitted", "form_share", "large", "freedom",
+    "beside", "failed", "misfit", "uneven", "nothing_gain", "nothing_apart",
 }  # fmt: skip
 
 
@@ -99,8 +100,9 @@ def content(found: FloatArray, each: FloatArray, coverage: float = COVERAGE) -> 
 
 
 def content_in_each(found: FloatArray, each: FloatArray, worlds: Sequence[str]) -> float:
-    """Return the content with which sets hold the right answer in `COVERAGE` of further questions,
-    and of the questions of each world: one that is unlike the others must not be averaged away.
+    """Return the content with which sets hold the right answer in `COVERAGE` of further questions.
+
+    And of the questions of each world: one that is unlike the others must not be averaged away.
     """
     of, whole = np.array(worlds), content(found, each)
     for world in dict.fromkeys(worlds):
