@@ -69,7 +69,7 @@ def left_out_evidence(
     names = dict.fromkeys(one.name for one in pool)
     voting.add(considered)
     chosen = Counter(
-        max((n for n in one if n in voting), key=lambda n, one=one: one[n].log_bayes)
+        max((s for n, s in one.items() if n in voting), key=lambda s: s.log_bayes).candidate.name
         for one in found
     )
     return LeftOutEvidence(

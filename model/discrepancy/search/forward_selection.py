@@ -97,7 +97,7 @@ def search(
     if not loose or most < 2:
         return outcome
     rest = [e for e in effects if e.name not in loose]
-    other = _forward(fitted, rest, threshold, most, report)
+    other = _forward(fitted, rest, threshold, most, report, LOOSE_FORM_SHARE)
     several = len(other.chosen) > 1 and all(_share(c) <= LOOSE_FORM_SHARE for c in other.chosen)
     return other if several and other.gain > outcome.gain + EQUAL_EVIDENCE_LN else outcome
 
@@ -113,8 +113,12 @@ def _forward(
     threshold: float,
     most: int,
     report: Report,
+    largest_share: float = np.inf,
 ) -> SearchResult:
-    """Add the best effect, and the best one then, while the data ask for them."""
+    """Add the best effect, and the best one then, while the data ask for them.
+
+    It ends at one that is more deviation from its form than `largest_share`.
+    """
     outcome, rounds_of_outliers = SearchResult(fitted, [], fitted), 0
     while len(outcome.turns) < most + 1:
         step, share = f"searching for effect {len(outcome.turns) + 1}", 1 / (most + 1)
@@ -136,6 +140,8 @@ def _forward(
         if turn.chosen is None or turn.chosen.fitted is None:
             break
         fitted = turn.chosen.fitted
+        if _share(turn.chosen) > largest_share:
+            break
     outcome.final = fitted
     return outcome
 
