@@ -129,7 +129,7 @@ def linearised(fitted: MixedModelFit, c: int) -> Linearised:
         forces_N=_force_range_N(forward),
         bent_per_m=_most_bent_per_m(fitted),
         bin_clock=part.bin_clock, bin_sample=part.bin_sample,
-        bin_mean=part.bin_mean, periodic=forward.wave, nothing=lambda: forward.no_step(c),
+        bin_mean=part.bin_mean, periodic=forward.wave, nothing=lambda: forward.blank_step(c),
         change=lambda other: scene.change(state.beam, other, state.solved.contact),
     )  # fmt: skip
 

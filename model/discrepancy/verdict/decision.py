@@ -18,6 +18,7 @@ from model.discrepancy.thresholds import (
     LEAST_PROBABILITY,
     MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
+    PROBABLE_ALL_THE_SAME,
     UNEXPLAINED_SHARE,
 )
 from model.discrepancy.verdict.fitted_model import sheet_model
@@ -114,9 +115,13 @@ class Judgement:
         ).choice_sets()
         answers = tuple(calibrated().judged(one) for one in choice_sets)
         names = [one.effect.name for one in found.named]
-        asked = zip(names, answers, strict=False)
-        improbable = {name for name, one in asked if one.of_names < LEAST_PROBABILITY}
-        rejected = [n for n in names if n in {*improbable, *criticism.rejected(names)}]
+        asked = dict(zip(names, answers, strict=False))
+        wrong = {name for name, one in asked.items() if one.of_names < LEAST_PROBABILITY}
+        wrong |= {
+            name for name in criticism.doubted(names)
+            if asked[name].probabilities.get(name, 0.0) < PROBABLE_ALL_THE_SAME
+        }  # fmt: skip
+        rejected = [n for n in names if n in {*wrong, *criticism.rejected(names)}]
         if rejected or (criticism.incomplete and found.unknown is None):
             found = self._without(found, rejected)
         return replace(found, criticism=criticism, choice_sets=choice_sets, answers=answers)

@@ -167,12 +167,13 @@ class ForwardModel:
     def no_step(self, c: int) -> Perturbation:
         """No change; its arrays are the same each time, and cannot be written to."""
         if c not in self._nothing:
-            self._nothing[c] = self._no_step(c)
+            self._nothing[c] = self.blank_step(c)
             for one in fields(Perturbation):
                 getattr(self._nothing[c], one.name).flags.writeable = False
         return self._nothing[c]
 
-    def _no_step(self, c: int) -> Perturbation:
+    def blank_step(self, c: int) -> Perturbation:
+        """No change, to be filled in."""
         scene, part = self.scenes[c], self.part(c)
         n, b = len(part.reading_of), len(part.bin_of)
         return Perturbation(
