@@ -21,7 +21,7 @@ from model.discrepancy.answers.choice_set import ATTRIBUTES
 from model.measurements import FloatArray
 
 COVERAGE = 0.95
-LEAST_CONTENT = 0.8  # what is less probable than that never stands alone
+LEAST_CONTENT = 0.9  # what is less probable than that never stands alone
 ROUNDING = 1e-9
 # prior precisions of a weight, over the mean square of its attribute where that is not 0; tried
 RIDGES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
@@ -30,12 +30,11 @@ NAMES = tuple(ATTRIBUTES)
 # attributes that can only speak for an answer, or against it, whatever a few cases say
 FOR = {
     "first", "considered", "votes", "unknown_considered", "unknown_ahead", "unknown_ahead_share",
-    "unknown_surely_ahead", "unexplained", "unexplained_share", "scatter", "unknown_failed",
-    "nothing_considered",
+    "unexplained", "unexplained_share", "scatter", "unknown_failed", "nothing_considered",
 }  # fmt: skip
 AGAINST = {
-    "behind", "behind_share", "surely_behind", "not_fitted", "form_share", "large", "freedom",
-    "beside", "failed", "misfit", "uneven", "nothing_gain", "nothing_apart",
+    "behind", "behind_share", "not_fitted", "form_share", "large", "freedom", "beside", "failed",
+    "misfit", "uneven", "nothing_gain", "nothing_apart",
 }  # fmt: skip
 
 

@@ -19,7 +19,6 @@ ATTRIBUTES = {
     # of a name of the catalogue
     "behind": "ln(1 + log Bayes factor of the best name over it)",
     "behind_share": "that log Bayes factor over the evidence of the best name",
-    "surely_behind": "ln(1 + that log Bayes factor in standard errors, by left-out positions)",
     "first": "the best name",
     "considered": "named by the search",
     "not_fitted": "its evidence is that of the linearised model",
@@ -36,7 +35,6 @@ ATTRIBUTES = {
     "unknown_considered": "called unknown by the search",
     "unknown_ahead": "ln(1 + log Bayes factor of the best nonparametric term over the best name)",
     "unknown_ahead_share": "that log Bayes factor over the larger of the two",
-    "unknown_surely_ahead": "ln(1 + that log Bayes factor in standard errors), with its sign",
     "unexplained": "ln(1 + evidence of a nonparametric term beside the names)",
     "unexplained_share": "share of the excess evidence that it has",
     "scatter": "ln of the largest random effect over its usual size, beside the names",

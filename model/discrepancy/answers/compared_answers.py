@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
-from model.discrepancy.answers.votes import LeftOutEvidence, left_out_evidence
+from model.discrepancy.answers.votes import votes
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.families import Family, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group, group_amplitudes
@@ -61,11 +61,10 @@ class ComparedAnswers:
 
     def _of_name(self, one: Choice) -> ChoiceSet:
         ranking = [c for c in one.ranking if not c.name.startswith("outlier:")]
-        left_out = self._left_out(one.before, ranking, one.effect.name)
-        names = self._names(ranking, one.effect.name, left_out)
+        names = self._names(one.before, ranking, one.effect.name)
         free = _free_gain(one.before, ranking)
         failed = self._failed(one.effect.name)
-        unknown = self._unknown(ranking, free, left_out, considered=False, failed=failed)
+        unknown = self._unknown(ranking, free, considered=False, failed=failed)
         worth = apart(one.before, ranking[0]) if ranking else 0.0
         nothing = _nothing(one.gain, worth, further=len(self.named) > 1, considered=False)
         return ChoiceSet(one.effect.name, (*names, unknown, nothing))
@@ -80,11 +79,9 @@ class ComparedAnswers:
             0.0 if best is None else best.gain, worth,
             further=bool(self.named), considered=not self.unknown,
         )  # fmt: skip
-        # beside names that are in place no other is chosen
-        left_out = LeftOutEvidence() if self.named else self._left_out(self.known, ranking, "")
-        unknown = self._unknown(ranking, free, left_out, considered=self.unknown)
+        unknown = self._unknown(ranking, free, considered=self.unknown)
         considered = UNKNOWN if self.unknown else NOTHING
-        return ChoiceSet(considered, (*self._names(ranking, "", left_out), unknown, nothing))
+        return ChoiceSet(considered, (*self._names(self.known, ranking, ""), unknown, nothing))
 
     @property
     def _last_ranking(self) -> Sequence[RankedCandidate]:
@@ -93,31 +90,27 @@ class ComparedAnswers:
             return [c for c in self.rest.ranking if not c.name.startswith("outlier:")]
         return []
 
-    def _left_out(
-        self, before: MixedModelFit, ranking: Sequence[RankedCandidate], named: str
-    ) -> LeftOutEvidence:
-        return left_out_evidence(before, ranking, self.known.solution.log_sigma, named)
-
     def _names(
-        self, ranking: Sequence[RankedCandidate], named: str, left_out: LeftOutEvidence
+        self, before: MixedModelFit, ranking: Sequence[RankedCandidate], named: str
     ) -> list[Alternative]:
         known = sorted((c for c in ranking if c.known), key=lambda c: -c.gain)
+        asked = bool(named) or not self.named  # beside names that are in place no other is chosen
+        chosen = votes(before, known, self.known.solution.log_sigma, named) if asked else {}
         some = known[:COMPARED_NAMES]
         some += [c for c in known[COMPARED_NAMES:] if c.name == named]
-        return [self._name(c, known[0], named, left_out) for c in some]
+        return [self._name(c, known[0], named, chosen) for c in some]
 
     def _name(
-        self, one: RankedCandidate, best: RankedCandidate, named: str, left_out: LeftOutEvidence
+        self, one: RankedCandidate, best: RankedCandidate, named: str, chosen: Mapping[str, float]
     ) -> Alternative:
         behind = best.gain - one.gain
         attributes = {
             "behind": float(np.log1p(behind)),
             "behind_share": behind / max(best.gain, LEAST_EVIDENCE_LN),
-            "surely_behind": float(np.log1p(left_out.sure(behind, best.name, one.name))),
             "first": float(one is best),
             "not_fitted": float(one.fitted is None),
             "form_share": 0.0 if one.fitted is None else form_share(one.fitted, -1),
-            "votes": left_out.votes.get(one.name, 0.0),
+            "votes": chosen.get(one.name, 0.0),
             "large": float(np.log10(max(abs(one.score.amplitude), 1.0))),
             "freedom": float(np.log(one.score.candidate.columns.shape[1])),
         }
@@ -139,7 +132,6 @@ class ComparedAnswers:
         self,
         ranking: Sequence[RankedCandidate],
         free: float,
-        left_out: LeftOutEvidence,
         *,
         considered: bool,
         failed: float = 0.0,
@@ -153,7 +145,6 @@ class ComparedAnswers:
             "unknown_ahead_share": float(
                 np.clip((free - best) / max(free, best, LEAST_EVIDENCE_LN), -1.0, 1.0)
             ),
-            "unknown_surely_ahead": _signed_log(_sure(free - best, ranking, left_out)),
             "unexplained": float(np.log1p(beside)),
             "unexplained_share": min(share, 1.0, beside / LEAST_EVIDENCE_LN),
             "scatter": self._scatter,
@@ -220,13 +211,6 @@ def _free_gain(before: MixedModelFit, ranking: Sequence[RankedCandidate]) -> flo
         return max(ranked)
     scores = best_scores(before, unknowns(before), before.solution)
     return max((one.log_bayes for one in scores.values()), default=0.0)
-
-
-def _sure(log_bayes: float, ranking: Sequence[RankedCandidate], left_out: LeftOutEvidence) -> float:
-    """Return a log Bayes factor of the best free form over the best name in standard errors."""
-    free = next((c.name for c in ranking if _is_free(c)), "")
-    name = max((c for c in ranking if c.known), key=lambda c: c.gain, default=None)
-    return left_out.sure(log_bayes, free, "" if name is None else name.name)
 
 
 def _is_free(one: RankedCandidate) -> bool:
