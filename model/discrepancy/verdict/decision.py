@@ -154,11 +154,8 @@ class Judgement:
             rest = self._leftover(rival.fitted)
             if self._unexplained(rest):
                 continue
-            named = [
-                *found.named[:i],
-                choice(rival, one.ranking, one.before),
-                *found.named[i + 1 :],
-            ]
+            named = list(found.named)
+            named[i] = choice(rival, one.ranking, one.before)
             return self._with_names(named, rival.fitted, rest)
         return None
 

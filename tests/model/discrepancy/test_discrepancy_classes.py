@@ -103,12 +103,46 @@ def test_answers_that_are_sure_of_a_name_outweigh_a_doubt_but_no_impossible_ampl
     monkeypatch.setattr(decisions, "ComparedAnswers", lambda **_: asked)
     monkeypatch.setattr(decisions, "calibrated", lambda: SimpleNamespace(judged=lambda _: judged))
     monkeypatch.setattr(Judgement, "_without", lambda _self, found, _: replace(found, named=[]))
-    choice = SimpleNamespace(effect=effect("gravity"))
+    choice = SimpleNamespace(effect=effect("gravity"), ranking=())
     found = Decision(named=[choice], known=None, unknown=None, final=None, written=None, model=None)  # type: ignore[arg-type]
     whole = Judgement(
         measurements=None, options=None, outcome=None, effects=(), threshold=6.0, enough=True
     )  # type: ignore[arg-type]
     assert bool(whole._revised(found).named) is kept
+
+
+@pytest.mark.parametrize(("likelier", "unknown"), [(0.6, None), (0.6, True), (0.2, None)])
+def test_a_name_gives_way_to_a_likelier_one_of_its_question(monkeypatch, likelier, unknown):
+    """The search takes what explains most; left-out positions may choose another."""
+    answers = {"gravity": 0.4, "clamp_angle": likelier}
+    judged = Judged(dict(sorted(answers.items(), key=lambda item: -item[1])), PAIR)
+    fits = {"gravity": base_fit(), "clamp_angle": replace(base_fit())}
+    ranking = [
+        SimpleNamespace(
+            name=name, known=True, fitted=fits[name], gain=50.0, tried=(), compared=(),
+            score=SimpleNamespace(candidate=SimpleNamespace(
+                effect=effect(name), location=effect(name).location)),
+        )
+        for name in PAIR
+    ]  # fmt: skip
+    one = Choice(
+        effect=effect("gravity"), confidence=0.5, gain=50.0, of_location=1.0, before=base_fit(),
+        ranking=ranking,
+    )  # fmt: skip
+    monkeypatch.setattr(Judgement, "_leftover", lambda _self, _: None)
+    monkeypatch.setattr(Judgement, "_written", lambda _self, known, *_: (known, None))
+    whole = Judgement(
+        measurements=None, options=None, outcome=None, effects=(), threshold=6.0, enough=True
+    )  # type: ignore[arg-type]
+    found = Decision(
+        named=[one], known=fits["gravity"], unknown=unknown, final=None, written=None, model=None
+    )  # type: ignore[arg-type]
+    other = whole._with_likelier(found, (judged,))
+    if likelier < 0.4 or unknown:
+        assert other is None
+    else:
+        assert [c.effect.name for c in other.named] == ["clamp_angle"]
+        assert other.known is fits["clamp_angle"]
 
 
 @pytest.mark.parametrize(
