@@ -69,7 +69,7 @@ if TYPE_CHECKING:
     from model import Measurements as Measurements
     from model import ModelError as ModelError
     from model import Prediction as Prediction
-    from model import Predictions as Predictions
+    from model import PredictionArray as PredictionArray
     from model import SheetModel as SheetModel
     from model.discrepancy import DiagnoseOptions as DiagnoseOptions
     from model.discrepancy import Diagnosis as Diagnosis
@@ -158,7 +158,7 @@ _HOMES = {
         "Measurements",
         "ModelError",
         "Prediction",
-        "Predictions",
+        "PredictionArray",
         "SheetModel",
     ),
     "model.discrepancy": (

@@ -13,7 +13,7 @@ from model.measurements import (
 )
 from model.parameter import Parameter
 from model.sheet.prediction import Prediction, predict, predict_free
-from model.sheet.predictions import Predictions, predict_array
+from model.sheet.predictions import PredictionArray, predict_array
 from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
 
 __all__ = [
@@ -28,7 +28,7 @@ __all__ = [
     "ModelError",
     "Parameter",
     "Prediction",
-    "Predictions",
+    "PredictionArray",
     "Reading",
     "SheetGeometry",
     "SheetModel",

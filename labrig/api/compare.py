@@ -65,7 +65,7 @@ class ModelComparison(Displayed):
         }
 
 
-class Steps(Protocol):
+class ProgressSteps(Protocol):
     """Where the progress of a step of the comparison is shown."""
 
     def __call__(self, title: str) -> AbstractContextManager[Progress]:
@@ -110,7 +110,7 @@ def compare(
 
 def compared(
     session: Path,
-    steps: Steps,
+    steps: ProgressSteps,
     *,
     model: AnyPath | SheetModel | None,
     static: bool,
@@ -148,7 +148,7 @@ def _at_rest(
 
 
 def _in_time(
-    session: Path, elongation_g_per_m: float | None, steps: Steps
+    session: Path, elongation_g_per_m: float | None, steps: ProgressSteps
 ) -> tuple[list[DynamicComparison], dict[str, str]]:
     """Return what was compared and kept, and by configuration why not, a sentence each."""
     from labrig.analysis.comparison import compare_in_time, keep_comparisons, why_not_in_time

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from labrig.api.data import AnyPath, model_of, name_of, path_of, several, tell
 from labrig.api.eibm import Eibm, model_with_eibm
 from labrig.errors import BadInputError
-from model import Prediction, Predictions, SheetModel
+from model import Prediction, PredictionArray, SheetModel
 from model import predict as predict_one
 from model.measurements import Displayed, Summary, dataframe
 from model.measurements.columns import of_rows
@@ -81,7 +81,7 @@ def predict(
     configuration: str,
     position_m: npt.ArrayLike,
     voltage_V: npt.ArrayLike,
-) -> Prediction | Predictions:
+) -> Prediction | PredictionArray:
     """Predict force and shape of a condition, or of arrays of conditions in one batch.
 
     Args:
@@ -91,7 +91,7 @@ def predict(
         voltage_V: in V, within the voltages of the model; a number or an array.
 
     Returns:
-        Prediction for two numbers, else Predictions: the arrays are broadcast to one shape S.
+        Prediction for two numbers, else PredictionArray: the arrays are broadcast to one shape S.
         Forces `F_N`, `N_N`, contact `s_hat_m` and `phi_hat_rad` have shape S, the curves `x_m`,
         `y_m` and `curvature_per_m` have shape S + (points,). What is not reachable is NaN.
 

@@ -24,7 +24,7 @@ ROWS = 8  # of a summary: the first ones
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
-class Predictions(Displayed):
+class PredictionArray(Displayed):
     """Conditions of one configuration, arrays of one shape S; NaN where they are not reachable.
 
     The shape of the sheet is computed when `x_m`, `y_m` or `curvature_per_m` is first asked for.
@@ -82,7 +82,7 @@ class Predictions(Displayed):
         lost = int(np.sum(~self.reachable))
         notes = [f"... {self.reachable.size} conditions in all"] * (self.reachable.size > ROWS)
         notes += [f"{lost} of them are not reachable"] * bool(lost)
-        title = f"Predictions of {self.configuration}, shape {self.shape}"
+        title = f"PredictionArray of {self.configuration}, shape {self.shape}"
         return Summary(title, columns, rows, tuple(notes))
 
     def to_dataframe(self) -> pd.DataFrame:
@@ -110,7 +110,7 @@ def predict_array(
     voltage_V: npt.ArrayLike,
     *,
     as_seen: bool = True,
-) -> Predictions:
+) -> PredictionArray:
     """Predict conditions given as arrays that are broadcast; see `predict` for one of them.
 
     Raises ModelError where a position or a voltage is no finite number or is not known.
@@ -138,7 +138,7 @@ def predict_array(
             if as_seen:
                 added_N[row] = _load_cell_N(model, setup, float(flat_p[row]))
     found = solved(setups)
-    return Predictions(
+    return PredictionArray(
         model=model, configuration=configuration, position_m=flat_p.reshape(p.shape),
         voltage_V=flat_V.reshape(p.shape),
         reachable=(found.status == SolverStatus.SOLVED).reshape(p.shape),

@@ -18,7 +18,7 @@ from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 
 if TYPE_CHECKING:
     from model.sheet.prediction import Prediction
-    from model.sheet.predictions import Predictions
+    from model.sheet.predictions import PredictionArray
 
 FORMAT, WITH_FORMS = 1, 2  # of a model file; the second where effects have forms of their own
 
@@ -236,16 +236,16 @@ class SheetModel(Displayed):
     @overload
     def predict(
         self, configuration: str, position_m: npt.ArrayLike, voltage_V: npt.ArrayLike
-    ) -> Predictions: ...
+    ) -> PredictionArray: ...
 
     def predict(
         self, configuration: str, position_m: npt.ArrayLike, voltage_V: npt.ArrayLike
-    ) -> Prediction | Predictions:
+    ) -> Prediction | PredictionArray:
         """Predict force and shape of a condition, or of arrays of conditions in one batch.
 
         configuration: name of one of the model's sheets. position_m: along the arc in m;
         voltage_V: within the voltages of the model. Two numbers give a `Prediction`; arrays are
-        broadcast and give `Predictions`. A position that is not reachable is no error.
+        broadcast and give `PredictionArray`. A position that is not reachable is no error.
 
         Raises ModelError for an unknown configuration or voltage.
         """
