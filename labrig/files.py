@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -19,9 +19,18 @@ _WRONG_PATH = frozenset(
 
 def write_text(path: Path, text: str) -> None:
     """Write a file beside its place and rename it. Raise what `not_written` returns."""
+    _write(path, lambda part: part.write_text(text, encoding="utf-8"))
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write a file beside its place and rename it. Raise what `not_written` returns."""
+    _write(path, lambda part: part.write_bytes(data))
+
+
+def _write(path: Path, write: Callable[[Path], object]) -> None:
     part = path.with_name(path.name + ".part")
     try:
-        part.write_text(text, encoding="utf-8")
+        write(part)
         part.replace(path)
     except OSError as error:
         discard(part)

@@ -5,28 +5,30 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
-
-import numpy.typing as npt
 
 from labrig.errors import BadInputError
+from labrig.vision.calibration.drawing import is_drawing
 from labrig.vision.calibration.optics import Optics, SheetAppearance, load_optics
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extraction.extract import neutral_curve
-from labrig.vision.image.files import (
+from labrig.vision.image.files import load_strip, write_json, write_overlay
+from labrig.vision.image.image import in_levels
+from labrig.vision.image.reading import (
     IMAGE_SUFFIXES,
     VIDEO_SUFFIXES,
-    load_strip,
-    read_image,
-    read_video,
-    write_json,
-    write_overlay,
-    write_table,
+    Picture,
+    PictureLabel,
+    Pixels,
+    is_video,
+    pictures_in,
+    whole_file,
 )
+from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
 from labrig.vision.tracking.tracker import Tracker
 
 Progress = Callable[[str, NeutralCurve], None]
-NamedCurve = tuple[str, npt.NDArray[Any] | None, NeutralCurve]
+PictureCurve = tuple[PictureLabel, Pixels | None, NeutralCurve]
+Find = Callable[[Pixels], NeutralCurve]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,13 +41,19 @@ class BatchOptions:
     overlays: bool = True
     look: SheetAppearance | None = None  # in place of that in optics.json
     find: FindCurve = neutral_curve
+    every: int = 1  # of a video's frames and a TIFF's pages the first of each so many
 
 
 @dataclass
 class BatchResult:
-    """What came of a batch: the curves by name, in the order of the images."""
+    """What came of a batch: each picture's curve, in the order of the pictures."""
 
-    curves: dict[str, NeutralCurve] = field(default_factory=dict)
+    found: list[LabelledCurve] = field(default_factory=list)
+
+    @property
+    def curves(self) -> dict[str, NeutralCurve]:
+        """The curves by the pictures' names."""
+        return {label.name: curve for label, curve in self.found}
 
     @property
     def failed(self) -> dict[str, str]:
@@ -64,26 +72,28 @@ def extract_curves(
 
     An image NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
     `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
-    for each image (NAME_000012 for a video's frame), and curves.csv. An image that cannot be
-    read, holds no sheet or has a faulty file of its own is a result (`ok` false), not an error.
+    for each image (NAME_000012 for a video's frame, NAME_page0012 for a TIFF's page), curves.csv
+    and summary.csv. An image that cannot be read, holds no sheet or has a faulty file of its own
+    is a result (`ok` false), not an error.
     """
     options = options or BatchOptions()
     found = curves_of(sources, options)
     output.mkdir(parents=True, exist_ok=True)
     result = BatchResult()
-    for name, image, curve in found:
-        result.curves[name] = curve
-        write_json(output / f"{name}.json", curve)
+    for label, image, curve in found:
+        result.found.append((label, curve))
+        write_json(output / f"{label.file_stem}.json", label, curve)
         if options.overlays and image is not None:
-            write_overlay(output / f"{name}_curve.png", image, curve)
+            write_overlay(output / f"{label.file_stem}_curve.png", image, curve)
         if progress is not None:
-            progress(name, curve)
-    write_table(output / "curves.csv", result.curves)
+            progress(label.name, curve)
+    write_points(output / "curves.csv", result.found)
+    write_summary(output / "summary.csv", result.found)
     return result
 
 
-def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[NamedCurve]:
-    """Return name, image (None: unreadable) and curve of each image and frame, one after the other.
+def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[PictureCurve]:
+    """Return label, image (None: unreadable) and curve of each picture, one after the other.
 
     Raises BadInputError at once when there is none, or two of the same name, or where a file that
     serves several is at fault.
@@ -105,7 +115,7 @@ def _files(sources: Sequence[Path]) -> Iterator[Path]:
             inside = sorted(
                 p for p in source.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES + VIDEO_SUFFIXES
             )
-            yield from (p for p in inside if not p.stem.endswith("_curve"))
+            yield from (p for p in inside if not is_drawing(p))
         elif source.exists():
             yield source
         else:
@@ -138,20 +148,31 @@ def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
                 load(common)
 
 
-def _curves_of(path: Path, options: BatchOptions) -> Iterator[NamedCurve]:
-    image = None
+def _curves_of(path: Path, options: BatchOptions) -> Iterator[PictureCurve]:
     try:
         optics, strip = _known(path, options)
-        if path.suffix.lower() in VIDEO_SUFFIXES:
-            tracker = Tracker(optics, strip, options.find)
-            for number, frame in enumerate(read_video(path)):
-                yield f"{path.stem}_{number:06d}", frame, tracker.curve(frame)
-            return
-        image = read_image(path)
-        curve = options.find(image, optics, strip)
+        find = _finder(optics, strip, options.find, follow=is_video(path))
+        for picture in pictures_in(path, options.every):
+            yield picture.label, picture.image, _found(picture, find)
     except BadInputError as error:
-        curve = NeutralCurve(ok=False, why=str(error))
-    yield path.stem, image, curve
+        yield whole_file(path), None, NeutralCurve(ok=False, why=str(error))
+
+
+def _finder(optics: Optics, strip: StripGeometry, find: FindCurve, *, follow: bool) -> Find:
+    """Return what finds the curve of one picture; with `follow` from that of the one before."""
+    if follow:
+        tracker = Tracker(optics, strip, find)
+        return lambda image: tracker.curve(in_levels(image, optics))
+    return lambda image: find(in_levels(image, optics), optics, strip)
+
+
+def _found(picture: Picture, find: Find) -> NeutralCurve:
+    if picture.image is None:
+        return NeutralCurve(ok=False, why=picture.why)
+    try:
+        return find(picture.image)
+    except BadInputError as error:
+        return NeutralCurve(ok=False, why=str(error))
 
 
 def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:

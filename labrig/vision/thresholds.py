@@ -17,6 +17,7 @@ SATURATED_SHARE_MAX: Final = 0.9  # of all pixels at full scale; above: refused
 SATURATED_SHARE_WARNED: Final = 0.005  # of all pixels at full scale, where the sheet is bright
 # darkest to brightest over full scale; below, and within noise: uniform
 LEVEL_RANGE_MIN_RATIO: Final = 0.01
+UNIT_RANGE_MARGIN: Final = 0.05  # floats this far outside of 0 to 1 are still taken as such
 LEVEL_RANGE_MAX_SIGMAS: Final = 12.0  # darkest to brightest of a million pixels of pure noise
 
 # Downscaling of thick strips. The fit's cell sizes were chosen for sheets 2 to 4 pixels thick;

@@ -91,7 +91,7 @@ def camera(
     enough; three or more fix the lens better.
     """
     from labrig.vision import calibrate_camera, calibrate_ruler, read_image
-    from labrig.vision.calibration.drawing import write_calibration_image
+    from labrig.vision.calibration.drawing import drawing_beside, write_calibration_image
 
     photographs = [read_image(path) for path in images]
     clamp_u, clamp_v = _numbers(clamp_px, "--clamp-px", 2)
@@ -108,7 +108,7 @@ def camera(
             along_px=None if along is None else (along[0], along[1]),
         )
     _report(found, output)
-    drawing = output.with_suffix(".png")
+    drawing = drawing_beside(output)
     write_calibration_image(drawing, photographs[0], found.optics)
     say(f"wrote {drawing}: check that its lines run along the board's")
 

@@ -13,6 +13,7 @@ from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
     from labrig.vision import BatchOptions, FrameAverage, NeutralCurve
+    from labrig.vision.image.tables import LabelledCurve
     from model import Curve
     from model.measurements import Condition, Contact
 
@@ -33,12 +34,18 @@ def curves(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="curves.csv; with --batch a folder")
     ] = None,
+    summary: Annotated[
+        Path | None, typer.Option(help="summary.csv: a line for each image; --batch has it")
+    ] = None,
     overlay: Annotated[
         Path | None, typer.Option(help="the image with the curve on it (png; one image)")
     ] = None,
     batch: Annotated[
         Path | None, typer.Option(help="every image of this folder; NAME.json for each")
     ] = None,
+    every: Annotated[
+        int, typer.Option(min=1, help="take each Nth frame of a video, or page of a TIFF")
+    ] = 1,
     as_json: Annotated[
         bool, typer.Option("--json", help="print one JSON object for each image, a line each")
     ] = False,
@@ -49,7 +56,9 @@ def curves(
     """Find the neutral curve of a clamped strip in images.
 
     NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
-    what --optics and --sheet name. An image without a curve is no error: its reason is printed.
+    what --optics and --sheet name. An image without a curve is no error: its reason is printed,
+    and it has a row in the tables. Photographs are turned as their EXIF states. Each page of a
+    TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image.
     """
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
@@ -61,51 +70,59 @@ def curves(
         configuration=configuration,
         look=None if look is None else SheetAppearance(look),
         find=chosen_extractor(name).curve,
+        every=every,
     )
     if batch is not None:
         if sources or output is None:
             raise BadInputError("--batch FOLDER takes -o FOLDER and no further images.")
+        if summary is not None:
+            raise BadInputError("--batch writes summary.csv into its folder; leave --summary out.")
         _batch(batch, output, options)
         return
     if not sources:
         raise BadInputError("no image was given; give files, a folder, or --batch FOLDER.")
     if [path.suffix.lower() for path in sources] == [".h5"]:
-        if any((optics, sheet, configuration, look, overlay)):
+        if any((optics, sheet, configuration, look, summary, overlay, every > 1)):
             raise BadInputError(
                 "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
-                "--look and --overlay are for images."
+                "--look, --summary, --overlay and --every are for images."
             )
         _session(sources[0], output, name, as_json=as_json)
         return
-    _of_images(sources, options, output, overlay, as_json=as_json)
+    found = _of_images(sources, options, overlay, as_json=as_json)
+    _write_tables(found, output, summary)
 
 
 def _of_images(
-    sources: list[Path],
-    options: BatchOptions,
-    output: Path | None,
-    overlay: Path | None,
-    *,
-    as_json: bool,
-) -> None:
-    from labrig.vision import curve_json, write_overlay
+    sources: list[Path], options: BatchOptions, overlay: Path | None, *, as_json: bool
+) -> list[LabelledCurve]:
+    from labrig.vision import write_overlay
     from labrig.vision.batch import curves_of
-    from labrig.vision.image.files import write_table
+    from labrig.vision.image.files import labelled_json
 
-    found: dict[str, NeutralCurve] = {}
-    for name, image, curve in curves_of(sources, options):
-        found[name] = curve
+    found: list[LabelledCurve] = []
+    for label, image, curve in curves_of(sources, options):
+        found.append((label, curve))
         if as_json:
-            print_json_line(curve_json(curve))
+            print_json_line(labelled_json(label, curve))
         else:
-            say(f"{name}: {_summary(curve)}")
+            say(f"{label.name}: {_summary(curve)}")
         if overlay is not None and image is not None:
             if len(found) > 1:
                 raise BadInputError("--overlay takes one image; use --batch for many.")
             write_overlay(overlay, image, curve)
+    return found
+
+
+def _write_tables(found: list[LabelledCurve], output: Path | None, summary: Path | None) -> None:
+    from labrig.vision.image.tables import write_points, write_summary
+
     if output is not None:
-        write_table(output, found)
+        write_points(output, found)
         warn(f"wrote {output}")
+    if summary is not None:
+        write_summary(summary, found)
+        warn(f"wrote {summary}")
 
 
 def _summary(curve: NeutralCurve) -> str:

@@ -1,18 +1,53 @@
-"""Drawing of a calibration: the world's grid over the image it was made from."""
+"""Drawings: of a calibration (the world's grid over its image), and what marks a drawing as one."""
 
 from __future__ import annotations
 
+import struct
+import zlib
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from labrig.errors import BadInputError
+from labrig.files import write_bytes
 from labrig.vision.calibration.optics import Optics
 
 GRID_MM = 10.0
 _REACH_MM = 200.0
 _STEP_MM = 1.0
+_HEADER_BYTES = 33  # of a PNG: its signature and its first chunk, which states the size
+_TEXT = b"tEXt" + b"Software\0labrig drawing"
+_MARK = struct.pack(">I", len(_TEXT) - 4) + _TEXT + struct.pack(">I", zlib.crc32(_TEXT))
+
+
+def write_drawing(path: Path, canvas: npt.NDArray[np.uint8]) -> None:
+    """Write a PNG that `is_drawing` knows, so that no batch takes it for a photograph."""
+    import cv2
+
+    good, data = cv2.imencode(".png", canvas)
+    if not good:
+        raise BadInputError(f"{path}: a drawing of {canvas.shape} pixels cannot be made.")
+    png = data.tobytes()
+    write_bytes(path, png[:_HEADER_BYTES] + _MARK + png[_HEADER_BYTES:])
+
+
+def is_drawing(path: Path) -> bool:
+    """Return whether `write_drawing` made a file; False where it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return file.read(_HEADER_BYTES + len(_MARK)).endswith(_MARK)
+    except OSError:
+        return False
+
+
+def drawing_beside(optics: Path) -> Path:
+    """Return where the drawing of a calibration goes; a photograph is never written over."""
+    place = optics.with_suffix(".png")
+    if place.exists() and not is_drawing(place):
+        return optics.with_name(f"{optics.stem}_calibration.png")
+    return place
 
 
 def write_calibration_image(path: Path, image: npt.NDArray[Any], optics: Optics) -> None:
@@ -35,9 +70,7 @@ def write_calibration_image(path: Path, image: npt.NDArray[Any], optics: Optics)
             _line(canvas, optics.world_to_pixel(points_mm / 1000), axis=axis)
     u, v = (round(value) for value in optics.clamp_px)
     cv2.drawMarker(canvas, (u, v), (80, 80, 255), cv2.MARKER_CROSS, 24, 2)
-    good, data = cv2.imencode(".png", image)
-    if good:
-        path.write_bytes(data.tobytes())
+    write_drawing(path, canvas)
 
 
 def _line(canvas: npt.NDArray[np.uint8], pixels: npt.NDArray[np.float64], *, axis: bool) -> None:

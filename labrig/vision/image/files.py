@@ -1,11 +1,9 @@
-"""Read images and the files beside them; write the results of a curve."""
+"""Read the sheet's file beside an image; write the JSON and the overlay of a curve."""
 
 from __future__ import annotations
 
-import csv
 import json
 import textwrap
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,16 +12,16 @@ import numpy.typing as npt
 from pydantic import Field
 
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
-from labrig.config.file_kinds import IMAGE, SHEET, kind_of_file, other_kind, refuse_other_kind
+from labrig.config.file_kinds import SHEET, refuse_other_kind
 from labrig.config.sheet import Sheet
 from labrig.errors import BadInputError
+from labrig.files import write_text
+from labrig.vision.calibration.drawing import write_drawing
 from labrig.vision.curve import NeutralCurve, StripGeometry
+from labrig.vision.image.reading import PictureLabel
 
-IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
-VIDEO_SUFFIXES = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg")
 OVERLAY_WIDTH_MIN_PX = 800  # of an overlay; and the size of what is written on it
 LETTER_WIDTH_PX, LINE_HEIGHT_PX = 10, 20
-COLUMNS = ("image", "point", "s_mm", "x_mm", "y_mm", "curvature_per_m", "sigma_mm")
 
 
 class _Strip(ClosedModel):
@@ -66,44 +64,6 @@ def _chosen(data: dict[str, Any], configuration: str | None, path: Path) -> dict
     raise BadInputError(f"{path}: {why}; choose one of {', '.join(sorted(tables))}.")
 
 
-def read_image(path: Path) -> npt.NDArray[Any]:
-    """Return an image as it is stored: 8 or 16 bit, grey or colour."""
-    import cv2
-
-    if not path.exists():
-        raise BadInputError(f"{path}: there is no such file.")
-    if path.is_dir():
-        raise BadInputError(f"{path}: this is a folder, an image is needed.")
-    try:
-        data = np.fromfile(path, dtype=np.uint8)
-    except OSError as error:
-        raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
-    kind = kind_of_file(path)
-    if kind not in ("", IMAGE):
-        raise other_kind(path, kind, IMAGE)
-    image = cv2.imdecode(data, cv2.IMREAD_UNCHANGED) if data.size else None
-    if image is None:
-        raise BadInputError(f"{path}: not an image, or damaged.")
-    return np.asarray(image)
-
-
-def read_video(path: Path) -> Iterator[npt.NDArray[Any]]:
-    """Return the frames of a video."""
-    import cv2
-
-    video = cv2.VideoCapture(str(path))
-    try:
-        if not video.isOpened():
-            raise BadInputError(f"{path}: not a video that OpenCV can open.")
-        while True:
-            good, frame = video.read()
-            if not good:
-                return
-            yield np.asarray(frame)
-    finally:
-        video.release()
-
-
 def curve_json(curve: NeutralCurve) -> dict[str, Any]:
     """Return one curve as the JSON object that `labrig curves` writes."""
 
@@ -120,6 +80,7 @@ def curve_json(curve: NeutralCurve) -> dict[str, Any]:
         "sigma_mm": rounded(curve.sigma_m * 1000, 7),
         "curvature_sigma_per_m": rounded(curve.curvature_sigma_per_m, 5),
         "points_px": rounded(curve.points_px, 5),
+        "seen": curve.seen.tolist(),
         "covered": round(curve.covered, 4),
         "residual_px": round(curve.residual_px, 5),
         "warnings": list(curve.warnings),
@@ -127,21 +88,15 @@ def curve_json(curve: NeutralCurve) -> dict[str, Any]:
     }
 
 
-def write_json(path: Path, curve: NeutralCurve) -> None:
-    """`curve_json` into a file."""
-    path.write_text(json.dumps(curve_json(curve), allow_nan=False) + "\n", encoding="utf-8")
+def labelled_json(label: PictureLabel, curve: NeutralCurve) -> dict[str, Any]:
+    """Return the same with the picture's name, frame and time."""
+    about = {"image": label.name, "frame": label.frame, "time_s": label.time_s}
+    return about | curve_json(curve)
 
 
-def write_table(path: Path, curves: dict[str, NeutralCurve]) -> None:
-    """Write all curves into one CSV."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        rows = csv.writer(file)
-        rows.writerow(COLUMNS)
-        for name, c in curves.items():
-            table = zip(c.s_m, c.x_m, c.y_m, c.sigma_m, c.curvature_per_m, strict=True)
-            for point, (s, x, y, sigma, k) in enumerate(table):
-                mm = [f"{value * 1000:.6f}" for value in (s, x, y)]
-                rows.writerow([name, point, *mm, f"{k:.5f}", f"{sigma * 1000:.7f}"])
+def write_json(path: Path, label: PictureLabel, curve: NeutralCurve) -> None:
+    """`labelled_json` into a file."""
+    write_text(path, json.dumps(labelled_json(label, curve), allow_nan=False) + "\n")
 
 
 def write_overlay(path: Path, image: npt.NDArray[Any], curve: NeutralCurve) -> None:
@@ -173,9 +128,7 @@ def write_overlay(path: Path, image: npt.NDArray[Any], curve: NeutralCurve) -> N
             thickness=1,
             lineType=16,
         )
-    good, data = cv2.imencode(".png", canvas)
-    if good:
-        path.write_bytes(data.tobytes())
+    write_drawing(path, canvas)
 
 
 def _colour(image: npt.NDArray[Any]) -> npt.NDArray[np.uint8]:

@@ -15,6 +15,7 @@ from labrig.vision.thresholds import (
     LEVEL_RANGE_MAX_SIGMAS,
     LEVEL_RANGE_MIN_RATIO,
     SATURATED_SHARE_MAX,
+    UNIT_RANGE_MARGIN,
 )
 
 FloatArray = npt.NDArray[np.float64]
@@ -45,6 +46,16 @@ class GreyImage:
         import cv2
 
         return np.asarray(cv2.GaussianBlur(self.grey, (0, 0), SMOOTHING_PX), dtype=np.float32)
+
+
+def in_levels(image: npt.NDArray[Any], optics: Optics) -> npt.NDArray[Any]:
+    """Return floats of 0 to 1, as other programs write them, in levels of the camera."""
+    if image.dtype.kind != "f":
+        return image
+    low, high = float(image.min()), float(image.max())  # a NaN is in no range
+    if low >= -UNIT_RANGE_MARGIN and high <= 1 + UNIT_RANGE_MARGIN:
+        return np.asarray(image * (2**optics.bits - 1))
+    return image
 
 
 def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:

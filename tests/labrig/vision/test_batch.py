@@ -7,8 +7,9 @@ import pytest
 from labrig.errors import BadInputError
 from labrig.vision import BatchOptions, extract_curves, load_strip
 
-KEYS = ["ok", "x_mm", "y_mm", "s_mm", "curvature_per_m", "sigma_mm", "curvature_sigma_per_m",
-        "points_px", "covered", "residual_px", "warnings", "why"]  # fmt: skip
+KEYS = ["image", "frame", "time_s", "ok", "x_mm", "y_mm", "s_mm", "curvature_per_m", "sigma_mm",
+        "curvature_sigma_per_m", "points_px", "seen", "covered", "residual_px",
+        "warnings", "why"]  # fmt: skip
 
 
 @pytest.fixture
@@ -38,8 +39,8 @@ def test_a_folder_gives_a_file_for_each_image(folder, plain, scenes, tmp_path):
     assert "not an image" in bad["why"]
     assert bad["x_mm"] == []
     rows = (out / "curves.csv").read_text().splitlines()
-    assert rows[0] == "image,point,s_mm,x_mm,y_mm,curvature_per_m,sigma_mm"
-    assert len(rows) == 1 + len(good["x_mm"])
+    assert rows[0].startswith("image,point,s_mm,x_mm,y_mm,curvature_per_m,sigma_mm")
+    assert len(rows) == 1 + len(good["x_mm"]) + len(result.failed)
     overlay = cv2.imread(str(out / "good_curve.png"))
     assert overlay.shape == (960, 1280, 3)
 

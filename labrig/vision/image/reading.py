@@ -1,0 +1,170 @@
+"""Read pictures: photographs turned upright, the pages of a TIFF, the frames of a video."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
+from labrig.errors import BadInputError
+
+IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
+VIDEO_SUFFIXES = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg")
+
+Pixels = npt.NDArray[Any]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PictureLabel:
+    """What a picture is called: FILE, FILE:PAGE or FILE_FRAME."""
+
+    name: str
+    file_stem: str  # of the files that are written for it
+    frame: int | None = None  # of a video, from 0; of a TIFF with several pages the page, from 1
+    time_s: float | None = None  # from the video's begin, as the video states it
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Picture:
+    """A picture of a file. Where it cannot be read, `image` is None and `why` is a sentence."""
+
+    label: PictureLabel
+    image: Pixels | None
+    why: str = ""
+
+
+def whole_file(path: Path) -> PictureLabel:
+    """Return the label of a file with one picture, or with none that can be read."""
+    return PictureLabel(name=path.stem, file_stem=path.stem)
+
+
+def is_video(path: Path) -> bool:
+    """Return whether a file is read as a video."""
+    return path.suffix.lower() in VIDEO_SUFFIXES
+
+
+def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
+    """Return the pictures of a file; of frames and pages the first of each `every`.
+
+    Raises BadInputError where the file is none of these, or damaged at its beginning.
+    """
+    if is_video(path):
+        yield from _frames(path, every)
+        return
+    data = _bytes(path)
+    directories = _tiff_directories(data) if path.suffix.lower() in (".tif", ".tiff") else []
+    if len(directories) <= 1:
+        yield Picture(label=whole_file(path), image=_decoded(data, path))
+        return
+    for page in range(1, len(directories) + 1, every):
+        label = PictureLabel(
+            name=f"{path.stem}:{page}", file_stem=f"{path.stem}_page{page:04d}", frame=page
+        )
+        # with its first directory that of the page, a file is read whatever its other pages hold
+        place = np.frombuffer(directories[page - 1], dtype=np.uint8)
+        begin = len(place)  # 4, or 8 in a large TIFF: there the header names the first directory
+        data[begin : 2 * begin] = place
+        try:
+            yield Picture(label=label, image=_decoded(data, path))
+        except BadInputError:
+            why = f"{path}: page {page} is damaged or no image."
+            yield Picture(label=label, image=None, why=why)
+
+
+def read_image(path: Path) -> Pixels:
+    """Return an image: 8 or 16 bit or floats, grey or colour, upright as its camera states."""
+    return _decoded(_bytes(path), path)
+
+
+def _bytes(path: Path) -> npt.NDArray[np.uint8]:
+    if not path.exists():
+        raise BadInputError(f"{path}: there is no such file.")
+    if path.is_dir():
+        raise BadInputError(f"{path}: this is a folder, an image is needed.")
+    try:
+        data = np.fromfile(path, dtype=np.uint8)
+    except OSError as error:
+        raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
+    kind = kind_of_file(path)
+    if kind not in ("", IMAGE):
+        raise other_kind(path, kind, IMAGE)
+    return data
+
+
+def _flags() -> int:
+    import cv2
+
+    # IMREAD_UNCHANGED would leave a photograph as the sensor lay, whatever its EXIF states
+    return int(cv2.IMREAD_ANYCOLOR | cv2.IMREAD_ANYDEPTH)
+
+
+def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
+    import cv2
+
+    image = cv2.imdecode(data, _flags()) if data.size else None
+    if image is None:
+        raise BadInputError(f"{path}: not an image, or damaged.")
+    return np.asarray(image)
+
+
+def _tiff_directories(data: npt.NDArray[np.uint8]) -> list[bytes]:
+    """Return where each page's directory is, as the file itself writes it; none: not a TIFF."""
+    held = memoryview(data)
+    order = {b"II": "<", b"MM": ">"}.get(bytes(held[:2]))
+    if order is None:
+        return []
+    big = bytes(held[2:4]) == struct.pack(order + "H", 43)
+    # the number of entries, the size of one, and the place of the next directory
+    count, entry_bytes, next_place = ("Q", 20, "Q") if big else ("H", 12, "I")
+    count, next_place = order + count, order + next_place
+    found: list[bytes] = []
+    seen: set[int] = set()
+    at = struct.calcsize(next_place)
+    try:
+        (place,) = struct.unpack_from(next_place, held, at)
+        while place and place not in seen:  # the pages of a damaged file may run in a circle
+            (entries,) = struct.unpack_from(count, held, place)
+            seen.add(place)
+            found.append(struct.pack(next_place, place))
+            at = place + struct.calcsize(count) + entries * entry_bytes
+            (place,) = struct.unpack_from(next_place, held, at)
+    except (struct.error, OverflowError):
+        pass  # cut short or damaged: the pages up to there
+    return found
+
+
+def _frames(path: Path, every: int) -> Iterator[Picture]:
+    import cv2
+
+    video = cv2.VideoCapture(str(path))
+    number, last_s = 0, -1.0
+    try:
+        if not video.isOpened():
+            raise BadInputError(f"{path}: not a video that OpenCV can open.")
+        video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)
+        while video.grab():
+            time_s = video.get(cv2.CAP_PROP_POS_MSEC) / 1000
+            if number % every == 0:
+                good, image = video.retrieve()
+                if not good:
+                    break
+                label = PictureLabel(
+                    name=f"{path.stem}_{number:06d}",
+                    file_stem=f"{path.stem}_{number:06d}",
+                    frame=number,
+                    # a stream without time stamps gives 0 for each frame
+                    time_s=round(time_s, 6) if time_s > last_s else None,
+                )
+                yield Picture(label=label, image=np.asarray(image))
+            last_s = max(last_s, time_s)
+            number += 1
+        if number == 0:
+            raise BadInputError(f"{path}: this video has no frame that can be read.")
+    finally:
+        video.release()

@@ -1,0 +1,302 @@
+"""Photographs, stacks and videos as cameras and programs write them, and the tables of them."""
+
+import csv
+import json
+import math
+
+import cv2
+import numpy as np
+import pytest
+from PIL import Image
+
+from labrig.cli.main import run
+from labrig.errors import BadInputError
+from labrig.vision import BatchOptions, NeutralCurve, extract_curves, read_image
+from labrig.vision.batch import curves_of
+from labrig.vision.image.reading import PictureLabel, pictures_in
+from labrig.vision.image.tables import mean_curvature_per_m, tip_angle_rad, write_points
+
+IMAGE_WIDTH = 256  # TIFF: the tag of the number of columns
+SIDEWAYS = 6  # EXIF: to be turned clockwise by a quarter
+
+
+def marked(rows=30, columns=50):
+    """Return an image with its upper left bright."""
+    image = np.zeros((rows, columns), np.uint8)
+    image[:10, :10] = 200
+    return image
+
+
+def saved_sideways(image, path):
+    """Write a picture as a camera does that was held upright: turned, with a note in its EXIF."""
+    exif = Image.Exif()
+    exif[0x0112] = SIDEWAYS
+    turned = Image.fromarray(np.rot90(image).copy())
+    turned.save(path, exif=exif, **({"quality": 98} if path.suffix == ".jpg" else {}))
+
+
+def arc(curvature_per_m=40.0, length_m=0.05, elongation_m=0.0, points=101):
+    """Return an arc of a circle as a curve, with a straight rest; its middle was bridged."""
+    s = np.linspace(0, length_m + elongation_m, points)
+    k = np.where(s <= length_m, curvature_per_m, 0.0)
+    phi = curvature_per_m * np.minimum(s, length_m)
+    step = np.diff(s)
+    middle = 0.5 * (phi[1:] + phi[:-1])
+    seen = np.ones(points, dtype=bool)
+    seen[40:60] = False
+    return NeutralCurve(
+        ok=True,
+        s_m=s,
+        x_m=np.append(0, np.cumsum(np.cos(middle) * step)),
+        y_m=np.append(0, np.cumsum(np.sin(middle) * step)),
+        curvature_per_m=k,
+        sigma_m=np.full(points, 2e-5),
+        curvature_sigma_per_m=np.full(points, 0.7),
+        points_px=np.zeros((points, 2)),
+        seen=seen,
+        covered=0.8,
+        free_length_m=length_m,
+        warnings=("the tip is near the image's border",),
+    )
+
+
+def answer(image, optics, strip, *, start=None):
+    """Return the arc for a bright image, and a refusal for a dark one."""
+    return arc() if image.mean() > 10 else NeutralCurve(ok=False, why="the image is dark.")
+
+
+def table(path):
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "optics.json").write_text('{"px_per_mm": 8, "clamp_px": [5, 5]}')
+    (tmp_path / "sheet.toml").write_text("free_length_mm = 50\n")
+    return tmp_path
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".png", ".webp"])
+def test_a_photograph_is_turned_as_its_exif_states(tmp_path, suffix):
+    path = tmp_path / f"held_upright{suffix}"
+    saved_sideways(marked(), path)
+    image = read_image(path)
+    assert image.shape[:2] == (30, 50)
+    assert image[2:8, 2:8].mean() > 150
+    assert image[-8:, -8:].mean() < 50
+
+
+@pytest.mark.slow
+def test_a_turned_photograph_and_one_of_16_bit_and_one_of_floats_give_the_same_curve(
+    tmp_path, plain, scenes
+):
+    (tmp_path / "optics.json").write_text(json.dumps(plain.optics))
+    (tmp_path / "sheet.toml").write_text("free_length_mm = 50\nthickness_mm = 0.21\n")
+    saved_sideways(plain.image, tmp_path / "turned.png")
+    cv2.imwrite(str(tmp_path / "deep.tif"), plain.image.astype(np.uint16) * 257)
+    cv2.imwrite(str(tmp_path / "unit.tiff"), plain.image.astype(np.float32) / 255)
+    result = extract_curves([tmp_path], tmp_path / "out", BatchOptions(overlays=False))
+    assert list(result.curves) == ["deep", "turned", "unit"]
+    assert result.failed == {}
+    for curve in result.curves.values():
+        assert scenes.rmse_px(curve.points_px, plain.truth_px) < 0.05
+    same = result.curves["turned"].points_px
+    np.testing.assert_allclose(result.curves["unit"].points_px, same, atol=1e-3)
+
+
+def test_floats_that_are_levels_stay_as_they_are(folder):
+    given = []
+
+    def find(image, optics, strip, *, start=None):
+        given.append((image.dtype, float(image.max())))
+        return arc()
+
+    for name, most in (("levels", 180.0), ("unit", 0.5)):
+        cv2.imwrite(str(folder / f"{name}.tif"), np.full((30, 50), most, np.float32))
+    list(curves_of([folder], BatchOptions(find=find)))
+    assert given == [(np.float32, 180.0), (np.float32, 127.5)]
+
+
+def test_each_page_of_a_tiff_is_an_image(folder):
+    pages = [marked() + 30, marked() * 0, marked() + 30]
+    cv2.imwritemulti(str(folder / "stack.tif"), pages)
+    result = extract_curves([folder], folder / "out", BatchOptions(find=answer))
+    assert list(result.curves) == ["stack:1", "stack:2", "stack:3"]
+    assert list(result.failed) == ["stack:2"]
+    written = sorted(p.name for p in (folder / "out").glob("*.json"))
+    assert written == ["stack_page0001.json", "stack_page0002.json", "stack_page0003.json"]
+    second = json.loads((folder / "out" / "stack_page0002.json").read_text())
+    assert (second["image"], second["frame"]) == ("stack:2", 2)
+    thirds = curves_of([folder / "stack.tif"], BatchOptions(find=answer, every=2))
+    assert [label.name for label, _, _ in thirds] == ["stack:1", "stack:3"]
+
+
+def test_pages_of_16_bit_keep_their_depth(tmp_path):
+    pages = [np.full((20, 30), level, np.uint16) for level in (300, 40000)]
+    cv2.imwritemulti(str(tmp_path / "deep.tif"), pages)
+    found = list(pictures_in(tmp_path / "deep.tif"))
+    assert [int(picture.image.max()) for picture in found] == [300, 40000]
+
+
+def test_pages_of_a_large_tiff_with_big_endians_are_read_too(tmp_path):
+    tifffile = pytest.importorskip("tifffile")
+    shades = np.stack([np.full((30, 50), level, np.uint8) for level in (60, 90)])
+    tifffile.imwrite(tmp_path / "big.tif", shades, bigtiff=True, byteorder=">", metadata=None)
+    found = list(pictures_in(tmp_path / "big.tif"))
+    assert [int(picture.image.max()) for picture in found] == [60, 90]
+
+
+def test_a_page_that_is_damaged_costs_that_page_only(folder):
+    path = folder / "stack.tif"
+    shades = [np.full((30, 50), level, np.uint8) for level in (60, 90, 120)]
+    cv2.imwritemulti(str(path), shades)
+    data = bytearray(path.read_bytes())
+    columns = _entry_of_page(data, 2, IMAGE_WIDTH)
+    data[columns + 8 : columns + 12] = b"\0\0\0\0"
+    path.write_bytes(data)
+    result = extract_curves([path], folder / "out", BatchOptions(find=answer))
+    assert {name: curve.ok for name, curve in result.curves.items()} == {
+        "stack:1": True,
+        "stack:2": False,
+        "stack:3": True,
+    }
+    assert "page 2 is damaged" in result.failed["stack:2"]
+
+
+def test_pages_that_run_in_a_circle_are_read_once(tmp_path):
+    path = tmp_path / "circle.tif"
+    cv2.imwritemulti(str(path), [np.full((30, 50), level, np.uint8) for level in (60, 90)])
+    data = bytearray(path.read_bytes())
+    place = int.from_bytes(data[4:8], "little")
+    after = place + 2 + 12 * int.from_bytes(data[place : place + 2], "little")
+    second = int.from_bytes(data[after : after + 4], "little")
+    last = second + 2 + 12 * int.from_bytes(data[second : second + 2], "little")
+    data[last : last + 4] = data[4:8]
+    path.write_bytes(data)
+    assert [picture.label.name for picture in pictures_in(path)] == ["circle:1", "circle:2"]
+
+
+def _entry_of_page(data, page, tag):
+    """Return where an entry of a page's directory is, of a small TIFF with little endians."""
+    place = int.from_bytes(data[4:8], "little")
+    for number in range(1, page + 1):
+        entries = int.from_bytes(data[place : place + 2], "little")
+        for entry in range(place + 2, place + 2 + 12 * entries, 12):
+            if number == page and int.from_bytes(data[entry : entry + 2], "little") == tag:
+                return entry
+        after = place + 2 + 12 * entries
+        place = int.from_bytes(data[after : after + 4], "little")
+    raise AssertionError("no such page")
+
+
+def film(path, frames=5, rate=25):
+    header = f"YUV4MPEG2 W64 H48 F{rate}:1 Ip A1:1 Cmono\n".encode()
+    shades = (np.full((48, 64), 100 + 10 * n, np.uint8).tobytes() for n in range(frames))
+    path.write_bytes(header + b"".join(b"FRAME\n" + shade for shade in shades))
+
+
+def test_the_frames_of_a_video_have_their_times(folder):
+    film(folder / "film.y4m")
+    result = extract_curves([folder], folder / "out", BatchOptions(find=answer, overlays=False))
+    assert list(result.curves) == [f"film_{n:06d}" for n in range(5)]
+    lines = table(folder / "out" / "summary.csv")
+    assert [line["frame"] for line in lines] == ["0", "1", "2", "3", "4"]
+    assert [float(line["time_s"]) for line in lines] == pytest.approx([0, 0.04, 0.08, 0.12, 0.16])
+
+
+def test_each_nth_frame_keeps_its_number_and_time(folder, capsys):
+    film(folder / "film.y4m")
+    made = ["--summary", str(folder / "s.csv"), "--every", "2", "--json"]
+    assert run(["curves", str(folder / "film.y4m"), *made]) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert [(line["image"], line["time_s"]) for line in lines] == [
+        ("film_000000", 0.0),
+        ("film_000002", 0.08),
+        ("film_000004", 0.16),
+    ]
+    assert [line["state"] for line in table(folder / "s.csv")] == ["refused"] * 3
+
+
+def test_a_video_without_a_frame_has_a_row_that_says_so(folder):
+    film(folder / "film.y4m", frames=0)
+    result = extract_curves([folder], folder / "out", BatchOptions(find=answer))
+    assert list(result.failed) == ["film"]
+    assert table(folder / "out" / "summary.csv")[0]["state"] == "refused"
+
+
+def test_points_say_what_was_seen_and_bridged_and_what_was_refused(tmp_path):
+    labels = [PictureLabel(name=name, file_stem=name, frame=3, time_s=0.12) for name in "ab"]
+    refused = NeutralCurve(ok=False, why="the strip was not found, anywhere.")
+    write_points(tmp_path / "curves.csv", [(labels[0], arc()), (labels[1], refused)])
+    rows = table(tmp_path / "curves.csv")
+    states = [row["state"] for row in rows]
+    assert states == ["seen"] * 40 + ["bridged"] * 20 + ["seen"] * 41 + ["refused"]
+    assert float(rows[5]["curvature_sigma_per_m"]) == pytest.approx(0.7)
+    assert (rows[5]["frame"], rows[5]["time_s"]) == ("3", "0.120000")
+    assert rows[-1]["image"] == "b"
+    assert rows[-1]["reason"] == "the strip was not found, anywhere."
+    assert rows[-1]["x_mm"] == rows[-1]["point"] == ""
+
+
+def test_a_summary_has_a_line_for_each_picture(folder):
+    cv2.imwrite(str(folder / "bright.png"), marked() + 30)
+    cv2.imwrite(str(folder / "dark.png"), marked() * 0)
+    extract_curves([folder], folder / "out", BatchOptions(find=answer))
+    bright, dark = table(folder / "out" / "summary.csv")
+    assert (bright["image"], bright["state"], bright["reason"]) == ("bright", "found", "")
+    assert float(bright["tip_x_mm"]) == pytest.approx(1e3 * math.sin(2) / 40, abs=0.01)
+    assert float(bright["tip_y_mm"]) == pytest.approx(1e3 * (1 - math.cos(2)) / 40, abs=0.01)
+    assert float(bright["tip_angle_deg"]) == pytest.approx(math.degrees(2), abs=0.01)
+    assert float(bright["mean_curvature_per_m"]) == pytest.approx(40, abs=0.01)
+    assert bright["warnings"] == "the tip is near the image's border"
+    assert (dark["state"], dark["reason"]) == ("refused", "the image is dark.")
+    assert dark["tip_x_mm"] == ""
+
+
+def test_the_angle_of_a_tip_counts_whole_turns():
+    assert tip_angle_rad(arc(curvature_per_m=160.0)) == pytest.approx(8.0, abs=1e-6)
+
+
+def test_a_rigid_elongation_does_not_lower_the_mean_curvature():
+    assert mean_curvature_per_m(arc(elongation_m=0.05)) == pytest.approx(40, rel=1e-3)
+
+
+def test_the_picture_of_a_calibration_is_not_measured(folder):
+    picture = folder / "strip.png"
+    cv2.imwrite(str(picture), marked(200, 300) + 30)
+    ruler = ["--ruler-px", "20,20,220,20", "--ruler-mm", "25", "--clamp-px", "80,100"]
+    made = folder / "strip.optics.json"
+    assert run(["calibrate", "camera", str(picture), *ruler, "-o", str(made)]) == 0
+    drawing = cv2.imread(str(made.with_suffix(".png")))
+    assert (drawing != cv2.imread(str(picture))).any()  # it has the grid on it
+    for again in range(2):  # nor are the overlays of a batch into the same folder
+        result = extract_curves([folder], folder, BatchOptions(find=answer))
+        assert list(result.curves) == ["strip"], again
+    assert (folder / "strip_curve.png").exists()
+
+
+def test_a_photograph_named_as_an_overlay_is_measured(folder):
+    cv2.imwrite(str(folder / "second_curve.png"), marked() + 30)
+    assert list(extract_curves([folder], folder / "out", BatchOptions(find=answer)).curves) == [
+        "second_curve"
+    ]
+
+
+def test_the_picture_of_a_calibration_replaces_no_photograph(folder):
+    picture = folder / "strip.png"
+    cv2.imwrite(str(picture), marked(200, 300) + 30)
+    before = picture.read_bytes()
+    ruler = ["--ruler-px", "20,20,220,20", "--ruler-mm", "25", "--clamp-px", "80,100"]
+    made = ["-o", str(folder / "strip.json")]
+    for _ in range(2):
+        assert run(["calibrate", "camera", str(picture), *ruler, *made]) == 0
+    assert picture.read_bytes() == before
+    assert (folder / "strip_calibration.png").exists()
+
+
+def test_tables_are_whole_or_not_there(folder):
+    cv2.imwrite(str(folder / "bright.png"), marked() + 30)
+    (folder / "out" / "summary.csv").mkdir(parents=True)
+    with pytest.raises(BadInputError, match=r"summary\.csv: cannot be written"):
+        extract_curves([folder], folder / "out", BatchOptions(find=answer))
