@@ -72,7 +72,8 @@ def camera(
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="the optics.json to make")],
     along_px: Annotated[
-        str | None, typer.Option("--along-px", help="U,V: a second pixel on the clamped sheet")
+        str | None,
+        typer.Option("--along-px", help="U,V: a second pixel on the clamped sheet: its direction"),
     ] = None,
     ruler_px: Annotated[
         str | None, typer.Option("--ruler-px", help="U1,V1,U2,V2: no board, two points of a ruler")
@@ -94,18 +95,18 @@ def camera(
     from labrig.vision.calibration.drawing import drawing_beside, write_calibration_image
 
     photographs = [read_image(path) for path in images]
-    clamp_u, clamp_v = _numbers(clamp_px, "--clamp-px", 2)
+    clamp = _point(clamp_px, "--clamp-px")
+    along = None if along_px is None else _point(along_px, "--along-px")
     if ruler_px is not None:
         u1, v1, u2, v2 = _numbers(ruler_px, "--ruler-px", 4)
         size = (photographs[0].shape[1], photographs[0].shape[0])
-        found = calibrate_ruler(size, (u1, v1), (u2, v2), ruler_mm, clamp_px=(clamp_u, clamp_v))
+        found = calibrate_ruler(size, (u1, v1), (u2, v2), ruler_mm, clamp_px=clamp, along_px=along)
     else:
-        along = None if along_px is None else _numbers(along_px, "--along-px", 2)
         found = calibrate_camera(
             photographs,
             _board(columns, rows, square_mm, marker_mm),
-            clamp_px=(clamp_u, clamp_v),
-            along_px=None if along is None else (along[0], along[1]),
+            clamp_px=clamp,
+            along_px=along,
         )
     _report(found, output)
     drawing = drawing_beside(output)
@@ -131,6 +132,11 @@ def _board(columns: int, rows: int, square_mm: float, marker_mm: float) -> Calib
     from labrig.vision import CalibrationBoard
 
     return CalibrationBoard(columns, rows, square_mm, marker_mm)
+
+
+def _point(text: str, option: str) -> tuple[float, float]:
+    u, v = _numbers(text, option, 2)
+    return u, v
 
 
 def _numbers(text: str, option: str, count: int) -> list[float]:

@@ -68,15 +68,7 @@ def calibrate_camera(
     focal length for a single image. `board_scale_sigma`: how well the printed squares are known.
     """
     size = _common_size(images)
-    _inside(clamp_px, "clamp_px", size)
-    if along_px is not None:
-        _inside(along_px, "along_px", size)
-        if math.dist(along_px, clamp_px) < CLAMP_DIRECTION_MIN_PX:
-            raise BadInputError(
-                f"along_px is {math.dist(along_px, clamp_px):.1f} pixels from clamp_px; choose a "
-                "place on the clamped sheet's line at least "
-                f"{CLAMP_DIRECTION_MIN_PX:g} pixels away."
-            )
+    _check_clamp(clamp_px, along_px, size)
     found = [find_corners(image, board, f"image {i + 1}") for i, image in enumerate(images)]
     focal = focal_px or 1.2 * max(size)
     camera = np.array([[focal, 0, (size[0] - 1) / 2], [0, focal, (size[1] - 1) / 2], [0, 0, 1.0]])
@@ -103,15 +95,16 @@ def calibrate_ruler(
     distance_mm: float,
     *,
     clamp_px: Point,
-    roll_rad: float = 0.0,
+    along_px: Point | None = None,
     reading_sigma_px: float = 0.7,
     date: dt.date | None = None,
 ) -> Calibration:
     """Return the scale from two points of a ruler in the sheet's plane.
 
-    Each is read to `reading_sigma_px`.
+    Each is read to `reading_sigma_px`. The ruler may lie in any direction: the x axis runs from
+    `clamp_px` to `along_px`, a second pixel on the clamped sheet (default: the image's rows).
     """
-    _inside(clamp_px, "clamp_px", image_size)
+    _check_clamp(clamp_px, along_px, image_size)
     length = math.dist(first_px, second_px)
     if distance_mm <= 0 or length < 20:
         raise BadInputError(
@@ -124,14 +117,37 @@ def calibrate_ruler(
         date=str(date or dt.date.today()),  # noqa: DTZ011 - the day at the rig
         px_per_mm=scale,
         px_per_mm_sigma=scale * math.sqrt(2) * reading_sigma_px / length,
-        roll_rad=roll_rad,
+        roll_rad=0.0 if along_px is None else _direction_rad(clamp_px, along_px),
         clamp_px=clamp_px,
         method="ruler",
     )
-    note = "a ruler gives the scale only: distortion and tilt of the camera stay in the curves"
+    notes = ["a ruler gives the scale only: distortion and tilt of the camera stay in the curves"]
+    if along_px is None:
+        notes.append(
+            "the ruler's direction is not used: the sheet is taken to leave the clamp along the "
+            "image's rows, to the right; a second pixel on the clamped sheet states another "
+            "direction (--along-px U,V)"
+        )
     return Calibration(
-        optics=optics, residual_px=0.0, residual_um=0.0, largest_um=0.0, warnings=(note,)
+        optics=optics, residual_px=0.0, residual_um=0.0, largest_um=0.0, warnings=tuple(notes)
     )
+
+
+def _direction_rad(first: Point, second: Point) -> float:
+    return math.atan2(second[1] - first[1], second[0] - first[0])
+
+
+def _check_clamp(clamp_px: Point, along_px: Point | None, size: tuple[int, int]) -> None:
+    _inside(clamp_px, "clamp_px", size)
+    if along_px is None:
+        return
+    _inside(along_px, "along_px", size)
+    if math.dist(along_px, clamp_px) < CLAMP_DIRECTION_MIN_PX:
+        raise BadInputError(
+            f"along_px is {math.dist(along_px, clamp_px):.1f} pixels from clamp_px; choose a "
+            "place on the clamped sheet's line at least "
+            f"{CLAMP_DIRECTION_MIN_PX:g} pixels away."
+        )
 
 
 def _inside(place: Point, name: str, size: tuple[int, int]) -> None:

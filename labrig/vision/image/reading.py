@@ -115,7 +115,7 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
 
 def _tiff_directories(data: npt.NDArray[np.uint8]) -> list[bytes]:
     """Return where each page's directory is, as the file itself writes it; none: not a TIFF."""
-    held = memoryview(data)
+    held = data.data
     order = {b"II": "<", b"MM": ">"}.get(bytes(held[:2]))
     if order is None:
         return []

@@ -123,6 +123,29 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
         calibrate_ruler((640, 480), (100, 100), (105, 100), 1.0, clamp_px=(80, 240))
 
 
+def test_a_ruler_says_that_its_direction_is_not_used_where_none_is_stated():
+    upright = calibrate_ruler((640, 480), (100, 100), (100, 400), 45.0, clamp_px=(80, 240))
+    assert upright.optics.roll_rad == 0
+    assert "direction is not used" in upright.warnings[1]
+    assert "--along-px" in upright.warnings[1]
+
+
+@pytest.mark.parametrize("along_px", [(80, 400), (200, 240), (10, 100), (180, 340)])
+def test_beside_a_ruler_a_second_pixel_states_the_sheets_direction(along_px):
+    clamp_px = (80, 240)
+    found = calibrate_ruler(
+        (640, 480), (100, 100), (500, 100), 50.0, clamp_px=clamp_px, along_px=along_px
+    )
+    x_m, y_m = found.optics.pixel_to_world([along_px])[0]
+    assert x_m == pytest.approx(math.dist(along_px, clamp_px) / 8000)
+    assert y_m == pytest.approx(0, abs=1e-12)
+    assert len(found.warnings) == 1
+    with pytest.raises(BadInputError, match="along_px is"):
+        calibrate_ruler(
+            (640, 480), (100, 100), (500, 100), 50.0, clamp_px=(80, 240), along_px=(81, 240)
+        )
+
+
 @pytest.mark.slow
 def test_the_board_prints_at_its_true_size(tmp_path):
     path = tmp_path / "board.pdf"
