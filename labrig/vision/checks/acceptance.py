@@ -126,53 +126,64 @@ def _faults(
     late = missing_start_px(fit, context)
     most_residual = RESIDUAL_MAX_PX * max(1.0, 2 * float(fit.section.half_width[0]) / 3)
     return [
+        "check of the end failed: "
         f"the sheet leaves the image: its end, {length_mm:.1f} mm along the best path, is "
         "outside or at the border; move the camera or check clamp_px, px_per_mm and the sheet's "
         "length."
         if not inside
         else "",
+        "check of hidden parts failed: "
         f"rolls or wires hide all but {in_view:.0%} of the best path; take away what hides the "
         "sheet."
         if in_view < IN_VIEW_SHARE_MIN
         else "",
+        "search failed: "
         f"no sheet was found that starts at the clamp: only {seen:.0%} of the best path looks "
         "like one; check the image, clamp_px and the sheet's length."
         if seen < COVERED_SHARE_MIN
         else "",
-        "no sheet was found at the clamp: the first "
+        "check of the start failed: no sheet was found at the clamp: the first "
         f"{start} pixels of the best path do not look like one; check clamp_px."
         if _share(fit.used, fit.in_view, slice(2, start)) < START_COVERED_SHARE_MIN
         and not _shows(fit, context, start)
         else "",
+        "check of the start failed: "
         f"there is plain background on the first {late:.0f} pixels of the best path; the "
         "sheet does not begin at the clamp, or something else was followed; check clamp_px."
         if late > 0
         else "",
+        "check of the contrast failed: "
         f"the contrast is too low: {snr:.1f} times the noise, at least {SNR_MIN:g} is needed."
         if snr < SNR_MIN
         else "",
+        "check of hidden parts failed: "
         f"where the sheet is hidden or unclear it is known to ±{loose:.1f} pixels only; make more "
         "of it visible."
         if loose > HIDDEN_SIGMA_MAX_PX
         else "",
+        "check of the fit failed: "
         f"the best curve misses the sheet by {residual:.2f} pixels; something else was followed."
         if residual > most_residual
         else "",
+        "check of the start failed: "
         f"what was followed leads {start_px:.1f} pixels and {start_rad:.2f} rad beside the clamp; "
         "check clamp_px and clamp_angle_rad."
         if start_chi2 > START_CHI2_MAX
         else "",
+        "check of the fit failed: "
         f"the best curve bends by {steepest:.0f} per m, more than a sheet can."
         if steepest > CURVATURE_REFUSED_RATIO * CURVATURE_MAX_PER_M * smallness(length_mm / 1000)
         else "",
+        "check of the surroundings failed: "
         "what was followed is the edge of something wide, not a sheet; check clamp_px."
         if beside and not followed and is_an_edge(fit, context)
         else "",
+        "check of the surroundings failed: "
         "what was followed runs beside something stronger of the opposite brightness; it is a "
         "shadow or an edge, not the sheet; check polarity and clamp_px."
         if beside and runs_beside_opposite(fit, context)
         else "",
-        f"the sheet ends {'at least ' if sheet_end.at_least else ''}"
+        f"check of the end failed: the sheet ends {'at least ' if sheet_end.at_least else ''}"
         f"{abs(tip_px) / optics.px_per_mm:.1f} mm {'after' if tip_px > 0 else 'before'} the "
         f"stated {length_mm:.1f} mm; px_per_mm or the sheet's length is wrong."
         if abs(tip_px) > (UNSEEN_END_MAX_PX if sheet_end.at_least else allowed)
@@ -185,6 +196,7 @@ def _broken(join: GapJoin, sheet_end: SheetEnd) -> str:
     if join.chi2 <= GAP_CHI2_MAX + (END_IN_PLACE_CHI2 if in_place else 0.0):
         return ""
     return (
+        "check of hidden parts failed: "
         f"what is seen beyond a hidden stretch is {abs(join.offset_px):.1f} pixels and "
         f"{abs(join.turn_rad):.2f} rad beside where the sheet before it leads; something else "
         "was followed there; make more of the sheet visible."

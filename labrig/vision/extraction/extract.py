@@ -56,7 +56,7 @@ def neutral_curve(
     try:
         grey_image = read_grey_image(image, optics)
     except ImageError as error:
-        return NeutralCurve(ok=False, why=str(error))
+        return NeutralCurve(ok=False, why=f"check of the image failed: {error}")
     if not strip.thickness_known:
         seen_m = start.thickness_m if start is not None and start.ok else None
         strip = replace(strip, thickness_m=seen_m or visible_thickness_m(grey_image, optics, strip))
@@ -80,13 +80,15 @@ def _found(
     best = search.search()
     if best is None:
         return NeutralCurve(
-            ok=False, why="no path that a sheet could take leaves the clamp; check clamp_px."
+            ok=False,
+            why="search failed: no path that a sheet could take leaves the clamp; check clamp_px.",
         )
     beside = 0.0 if best.verdict.why else second_sheet_contrast(search, best)
     if beside > REFLECTION_CONTRAST_MAX_RATIO:
         return NeutralCurve(
             ok=False,
-            why="two sheets leave the clamp side by side, and nothing shows which is meant; take "
+            why="check of the surroundings failed: "
+            "two sheets leave the clamp side by side, and nothing shows which is meant; take "
             "one away, or mask it in the image.",
         )
     if best.verdict.why:
@@ -99,7 +101,8 @@ def _found(
     if excess.max() > max(EXCESS_WIDTH_MAX_PX, EXCESS_WIDTH_MAX_RATIO * search.basis.total_px):
         return NeutralCurve(
             ok=False,
-            why=f"what was followed looks up to {excess.max():.1f} pixels wider than the sheet is "
+            why="check of the width failed: "
+            f"what was followed looks up to {excess.max():.1f} pixels wider than the sheet is "
             "thick, and nothing shows which part of it is the sheet's edge; light the edge, or "
             "check the sheet's thickness.",
         )
@@ -136,6 +139,7 @@ def _bridged(search: CurveSearch, found: CurveCandidate, excess: FloatArray) -> 
             return replace(curve, warnings=(*curve.warnings, message))
     return NeutralCurve(
         ok=False,
-        why="something lies along the sheet and cannot be separated from it, such as a wire; "
+        why="check of the width failed: "
+        "something lies along the sheet and cannot be separated from it, such as a wire; "
         "take it away, or mask it in the image.",
     )

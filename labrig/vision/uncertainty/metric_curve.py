@@ -151,8 +151,8 @@ def with_wires(
 def blamed(verdict: Verdict) -> Verdict:
     """Return the refusal with the wire named first, as its probable cause."""
     message = (
-        "a wire, or something else that is straight, lies along the best path; take it away, "
-        f"or mask it in the image. Without it: {verdict.why}"
+        "search failed: a wire, or something else that is straight, lies along the best path; take "
+        f"it away, or mask it in the image. Without it: {verdict.why}"
     )
     return replace(verdict, why=message)
 

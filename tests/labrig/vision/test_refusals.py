@@ -16,6 +16,14 @@ def refused(image, optics, strip, said):
     assert curve.points_px.shape == (0, 2)
 
 
+def test_a_refusal_names_the_step_that_failed(plain, known):
+    optics, strip = known(plain)
+    refused(np.zeros_like(plain.image), optics, strip, "check of the image failed: the image is")
+    noise = np.random.default_rng(4).normal(90, 6, plain.image.shape).astype(np.uint8)
+    refused(noise, optics, strip, "search failed: no")
+    refused(plain.image, optics, replace(strip, free_length_m=0.043), "check of the end failed: ")
+
+
 def test_a_black_image(plain, known):
     refused(np.zeros_like(plain.image), *known(plain), "uniform")
 
