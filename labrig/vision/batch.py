@@ -19,9 +19,11 @@ from labrig.vision.image.reading import (
     Picture,
     PictureLabel,
     Pixels,
+    holds_several,
     is_video,
     pictures_in,
     whole_file,
+    whole_stem,
 )
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
 from labrig.vision.tracking.tracker import Tracker
@@ -78,6 +80,8 @@ def extract_curves(
     """
     options = options or BatchOptions()
     found = curves_of(sources, options)
+    if options.overlays:
+        _keep_photographs(sources, output)
     output.mkdir(parents=True, exist_ok=True)
     result = BatchResult()
     for label, image, curve in found:
@@ -131,6 +135,26 @@ def _refuse_twins(files: list[Path]) -> None:
                 "rename one, or run them into different folders."
             )
         seen[path.stem] = path
+    for path in files:
+        many = seen.get(whole_stem(path.stem))
+        if many is not None and many != path and holds_several(many):
+            raise BadInputError(
+                f"{path} is named as a frame or page of {many} is, and both would be written to "
+                f"{path.stem}.json; rename one, or run them into different folders."
+            )
+
+
+def _keep_photographs(sources: Sequence[Path], output: Path) -> None:
+    """Raise BadInputError where an overlay would be written over a photograph of the batch."""
+    files = list(_files(sources))
+    photographs = {path.resolve() for path in files}
+    for path in files:
+        overlay = output / f"{path.stem}_curve.png"
+        if overlay.resolve() in photographs:
+            raise BadInputError(
+                f"the overlay of {path} would be written over {overlay}; choose another folder "
+                "with -o."
+            )
 
 
 def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:

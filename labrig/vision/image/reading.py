@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -15,6 +16,7 @@ from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
 from labrig.errors import BadInputError
 
 IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
+TIFF_SUFFIXES = (".tif", ".tiff")
 VIDEO_SUFFIXES = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg")
 
 Pixels = npt.NDArray[Any]
@@ -49,6 +51,16 @@ def is_video(path: Path) -> bool:
     return path.suffix.lower() in VIDEO_SUFFIXES
 
 
+def holds_several(path: Path) -> bool:
+    """Return whether a file is of a kind that may hold several pictures."""
+    return path.suffix.lower() in (*VIDEO_SUFFIXES, *TIFF_SUFFIXES)
+
+
+def whole_stem(file_stem: str) -> str:
+    """Return the stem of the file that a frame or page of such a name belongs to."""
+    return re.sub(r"_(\d{6,}|page\d{4,})$", "", file_stem)
+
+
 def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
     """Return the pictures of a file; of frames and pages the first of each `every`.
 
@@ -58,7 +70,7 @@ def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
         yield from _frames(path, every)
         return
     data = _bytes(path)
-    directories = _tiff_directories(data) if path.suffix.lower() in (".tif", ".tiff") else []
+    directories = _tiff_directories(data) if path.suffix.lower() in TIFF_SUFFIXES else []
     if len(directories) <= 1:
         yield Picture(label=whole_file(path), image=_decoded(data, path))
         return

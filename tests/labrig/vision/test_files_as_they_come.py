@@ -283,6 +283,26 @@ def test_a_photograph_named_as_an_overlay_is_measured(folder):
     ]
 
 
+def test_no_overlay_replaces_a_photograph(folder):
+    for name in ("second", "second_curve"):
+        cv2.imwrite(str(folder / f"{name}.png"), marked() + 30)
+    before = (folder / "second_curve.png").read_bytes()
+    with pytest.raises(BadInputError, match="would be written over"):
+        extract_curves([folder], folder, BatchOptions(find=answer))
+    assert (folder / "second_curve.png").read_bytes() == before
+    assert len(extract_curves([folder], folder / "out", BatchOptions(find=answer)).curves) == 2
+
+
+@pytest.mark.parametrize("pair", [("film.y4m", "film_000001.png"), ("a.tif", "a_page0002.png")])
+def test_a_picture_named_as_a_frame_or_page_is_refused(folder, pair):
+    for name in pair:
+        (folder / name).write_bytes(b"")
+    with pytest.raises(BadInputError, match="both would be written"):
+        extract_curves([folder], folder / "out", BatchOptions(find=answer))
+    (folder / pair[0]).unlink()
+    extract_curves([folder], folder / "out", BatchOptions(find=answer))
+
+
 def test_the_picture_of_a_calibration_replaces_no_photograph(folder):
     picture = folder / "strip.png"
     cv2.imwrite(str(picture), marked(200, 300) + 30)
