@@ -28,6 +28,7 @@ FOLDERS = [
 PLUGIN_FOLDERS = {
     "labrig/batch/tasks",
     "labrig/cli/commands",
+    "labrig/exports",
     "labrig/extractors",
     "labrig/panel/pages",
     "labrig/report/sections",

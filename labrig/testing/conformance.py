@@ -23,6 +23,7 @@ from drivers.positioners.conformance import positioner_faults
 from drivers.positioners.contract import faults as positioner_kind_faults
 from labrig.batch.conformance import faults as batch_task_faults
 from labrig.cli.command import faults as command_faults
+from labrig.exports.conformance import faults as export_format_faults
 from labrig.extractors.conformance import faults as curve_extractor_faults
 from labrig.extractors.conformance import faults_of_curve as curve_faults
 from labrig.panel.pages.conformance import faults as page_faults
@@ -48,6 +49,7 @@ __all__ = [
     "curve_faults",
     "data_check_faults",
     "effect_faults",
+    "export_format_faults",
     "extra_faults",
     "family_faults",
     "force_sensor_faults",
