@@ -13,6 +13,7 @@ from typing import Any
 from labrig.batch.keys import content_of, stamp_of
 from labrig.batch.loop import ATTEMPTS, Ended, worked
 from labrig.batch.plan import ROWS, BatchPlan
+from labrig.batch.pool import WorkerLostError
 from labrig.batch.row_file import row_file
 from labrig.batch.rows import PieceOutcome, Row
 from labrig.batch.worker import Piece, PieceEnd, do
@@ -92,8 +93,8 @@ def _state(piece: Piece) -> dict[str, Any]:
 
 
 def _why_lost(error: BaseException | None, attempts: int) -> str:
-    times = "once" if attempts == 1 else f"{attempts} times"
-    return f"its worker was lost {times}; the last time: {error or type(error).__name__}."
+    why = str(error) if isinstance(error, WorkerLostError) else f"{type(error).__name__}: {error}"
+    return f"no worker gave an answer in {attempts} attempts; the last time: {why}."
 
 
 def _count(progress: BatchProgress, row: Row) -> None:
