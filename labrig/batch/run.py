@@ -19,7 +19,7 @@ from labrig.batch.rows import PieceOutcome, Row
 from labrig.batch.worker import Piece, PieceEnd, do
 
 
-@dataclass
+@dataclass(kw_only=True)
 class BatchProgress:
     """How far a batch is."""
 
@@ -50,7 +50,7 @@ def run_batch(
     attempts: int = ATTEMPTS,
 ) -> BatchProgress:
     """Do what is to be done. Raises LabrigError where rows cannot be kept, or no worker be had."""
-    progress = BatchProgress(len(plan.todo), began_s=time.monotonic())
+    progress = BatchProgress(wanted=len(plan.todo), began_s=time.monotonic())
     if not plan.todo:
         return progress
     with row_file(plan.folder / ROWS) as rows:

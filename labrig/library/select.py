@@ -18,7 +18,7 @@ COLUMNS = ("name", *TEXT_COLUMNS, *NUMBER_COLUMNS)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Selection:
+class SessionQuery:
     """What is asked for. What a session does not have comes last, whichever way it is sorted.
 
     `text` is looked for in name, protocol, sheet, reason and fault, in what is stated of people and
@@ -46,7 +46,7 @@ class FoundSessions:
     total: int
 
 
-def select(connection: sqlite3.Connection, wanted: Selection) -> FoundSessions:
+def select(connection: sqlite3.Connection, wanted: SessionQuery) -> FoundSessions:
     """Return the page that is asked for."""
     fitting = _fitting(connection, wanted)
     if fitting is None:
@@ -58,7 +58,7 @@ def select(connection: sqlite3.Connection, wanted: Selection) -> FoundSessions:
     return FoundSessions(entries=tuple(entry_of_row(rows[one]) for one in page), total=total)
 
 
-def _fitting(connection: sqlite3.Connection, wanted: Selection) -> set[int] | None:
+def _fitting(connection: sqlite3.Connection, wanted: SessionQuery) -> set[int] | None:
     """Return the ids of sessions that fit; None where all do. Each table is gone through once."""
     asked = list[tuple[str, list[str]]]()
     words = wanted.text.lower().split()
@@ -77,7 +77,7 @@ def _fitting(connection: sqlite3.Connection, wanted: Selection) -> set[int] | No
 
 
 def _ordered(
-    connection: sqlite3.Connection, wanted: Selection, fitting: set[int] | None
+    connection: sqlite3.Connection, wanted: SessionQuery, fitting: set[int] | None
 ) -> Iterator[int]:
     """Yield ids from the first that is wanted on: those that have what is sorted by, then others.
 
