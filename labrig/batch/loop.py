@@ -46,7 +46,7 @@ def worked(
     up what is not under way yet.
     """
     waiting: dict[Future[R], _Try[T]] = {}
-    rest = _Rest(iter(todo))
+    rest = _Remaining(iter(todo))
     try:
         while True:
             for one in rest.up_to(max(1, places()) - len(waiting)):
@@ -76,7 +76,7 @@ class _Try(Generic[T]):
     number: int  # from 1
 
 
-class _Rest(Generic[T]):
+class _Remaining(Generic[T]):
     """What is to be done: what is tried again first."""
 
     def __init__(self, todo: Iterator[T]) -> None:
