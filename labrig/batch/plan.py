@@ -64,7 +64,7 @@ def plan(wanted: BatchOrder) -> BatchPlan:
                 todo.append(_piece(wanted, item, key, folder))
             elif row.outcome is PieceOutcome.DONE:
                 done += 1
-            elif wanted.retry_errors:
+            elif wanted.retry_errors or row.outcome is PieceOutcome.LOST:
                 todo.append(_piece(wanted, item, key, folder))
             else:
                 faulty += 1
