@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import ModelFile
 from labrig.cli.screen import print_table, say
 from labrig.errors import BadInputError
@@ -58,7 +58,13 @@ def control(
     `labrig run --controller` uses it. PI has the highest integral gain at which the sensitivity's
     peak Ms stays below 1.6; LQG keeps the same bound.
     """
-    from labrig.control.controller_file import save_controller
+    from labrig.control.controller_file import (
+        FASTEST_HZ,
+        HIGHEST_V,
+        LONGEST_DELAY_MS,
+        SLOWEST_HZ,
+        save_controller,
+    )
     from labrig.control.sheet_loop import (
         DEFAULT_LIMIT_V,
         LoopGoal,
@@ -68,8 +74,12 @@ def control(
         rig_limit_V,
     )
 
-    if not (rate_hz > 0 and delay_ms >= 0):
-        raise BadInputError("--rate-hz must be positive, and --delay-ms not negative.")
+    _within("--rate-hz", rate_hz, SLOWEST_HZ, FASTEST_HZ)
+    _within("--delay-ms", delay_ms, 0.0, LONGEST_DELAY_MS)
+    if limit_V is not None and not 0.0 < limit_V <= HIGHEST_V:
+        raise BadInputError(
+            f"--limit-V {limit_V:g}: a positive voltage of at most {HIGHEST_V:g} V is needed."
+        )
     most_V = DEFAULT_LIMIT_V if rig is None else min(DEFAULT_LIMIT_V, rig_limit_V(rig))
     loop = LoopGoal(
         method=method.value,
@@ -96,4 +106,16 @@ def control(
     say(f"wrote {path}")
 
 
-COMMAND = Command("control", control, order=156)
+def _within(option: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise BadInputError(f"{option} {value:g}: a number from {low:g} to {high:g} is needed.")
+
+
+COMMAND = Command(
+    "control",
+    control,
+    order=156,
+    examples=(
+        CommandExample(line="labrig control dynamic.toml --position-mm 5 -o controller.toml"),
+    ),
+)

@@ -1,4 +1,4 @@
-"""A session for other programs: CSV tables, Parquet, xarray, Bluesky documents, RO-Crate."""
+"""A session for other programs: CSV tables, Parquet, xarray, Bluesky documents, RO-Crate, video."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 
 
@@ -19,8 +19,8 @@ def export(
         typer.Option(
             "--as",
             metavar="FORMAT",
-            help="csv, parquet, xarray (netCDF), bluesky (documents), crate (RO-Crate), or another "
-            "distribution's",
+            help="csv, parquet, xarray (netCDF), bluesky (documents), crate (RO-Crate), "
+            "video (a file for each run), or another distribution's",
         ),
     ] = "csv",
 ) -> None:
@@ -31,4 +31,9 @@ def export(
         say(f"wrote {path}")
 
 
-COMMAND = Command("export", export, order=230)
+COMMAND = Command(
+    "export",
+    export,
+    order=230,
+    examples=(CommandExample(line="labrig export session.h5 -o tables"),),
+)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.report.parts.table import fixed, volts
@@ -121,4 +121,9 @@ def _fitted(entry: CatalogueEntry) -> list[str]:
     ]
 
 
-COMMAND = Command("list", list_sessions, order=120)
+COMMAND = Command(
+    "list",
+    list_sessions,
+    order=120,
+    examples=(CommandExample(line="labrig list ."),),
+)
