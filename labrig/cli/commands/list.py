@@ -44,10 +44,10 @@ def list_sessions(
     in the folder that labrig fit -o wrote for the session; where there is none, from the newest one
     of labrig diagnose -o. The file and the kind of EIBM are named beside them.
     """
-    from labrig.library import Library, Selection
+    from labrig.library import Library, SessionQuery
 
     most = limit if limit is not None else (0 if as_json else _MOST_LINES)
-    wanted = Selection(
+    wanted = SessionQuery(
         sort=sort, down=not up, text=text, outcome=outcome, sheet=sheet, limit=most or None,
         offset=offset,
     )  # fmt: skip
