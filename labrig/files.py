@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -19,9 +20,14 @@ _WRONG_PATH = frozenset(
 
 def write_text(path: Path, text: str) -> None:
     """Write a file beside its place and rename it. Raise what `not_written` returns."""
+    write_bytes(path, text.replace("\n", os.linesep).encode("utf-8"))
+
+
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file as `write_text` does."""
     part = path.with_name(path.name + ".part")
     try:
-        part.write_text(text, encoding="utf-8")
+        part.write_bytes(content)
         part.replace(path)
     except OSError as error:
         discard(part)

@@ -28,10 +28,16 @@ def of_sessions_or_tables(
     forces: Path | None,
     curves: Path | None,
     signals: Path | None,
+    *,
+    columns: list[str] | None = None,
+    values: list[str] | None = None,
 ) -> Measurements:
-    """Return the measurements of sessions, or of CSV tables with a sheet.toml."""
-    tables = [path for path in (sheet, forces, curves, signals) if path is not None]
-    if sessions and tables:
+    """Return the measurements of sessions, or of tables with a sheet.toml.
+
+    Says how a table was understood that is not written as labrig writes it.
+    """
+    tables = any(path is not None for path in (sheet, forces, curves, signals))
+    if sessions and (tables or columns or values):
         raise BadInputError("give either a session or CSV tables, not both.")
     if sessions:
         return of_sessions(sessions)
@@ -40,12 +46,18 @@ def of_sessions_or_tables(
             "give a session, or CSV tables with --sheet and --forces, --curves or both."
         )
     from labrig.config import load_sheet
-    from labrig.session import read_tables
+    from labrig.session.tables import column_names, read_and_understood
+    from labrig.session.tables.preview import in_one_line, remarks
 
-    found = read_tables(load_sheet(sheet), forces, curves, signals)
-    for text in found.warnings:
+    names = column_names(columns, values)
+    found = read_and_understood(load_sheet(sheet), forces, curves, signals, names=names)
+    for table in found.tables:
+        for text in (in_one_line(table), *remarks(table)):
+            if text:
+                warn(text)
+    for text in found.measurements.warnings:
         warn(text)
-    return found
+    return found.measurements
 
 
 def warn_of_suspicions(measurements: Measurements) -> tuple[Suspicion, ...]:

@@ -11,6 +11,7 @@ from labrig.cli.command import Command
 from labrig.cli.diagnosis import diagnosed, keep, known_model, print_diagnosis, promises_kept_in
 from labrig.cli.measurements import of_sessions_or_tables
 from labrig.cli.options import (
+    Columns,
     CurvesFile,
     ForcesFile,
     Json,
@@ -20,6 +21,7 @@ from labrig.cli.options import (
     SignalsFile,
     Stiffness,
     Symmetric,
+    Values,
 )
 from labrig.cli.screen import print_json, say, warn
 from labrig.errors import BadInputError
@@ -31,6 +33,8 @@ def diagnose(
     forces: ForcesFile = None,
     curves: CurvesFile = None,
     signals: SignalsFile = None,
+    columns: Columns = None,
+    values: Values = None,
     model: KnownModel = None,
     output: Annotated[
         Path | None,
@@ -70,7 +74,9 @@ def diagnose(
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
     for name in without or ():
         effect(name)  # at once: what follows may take minutes
-    measurements = of_sessions_or_tables(sessions, sheet, forces, curves, signals)
+    measurements = of_sessions_or_tables(
+        sessions, sheet, forces, curves, signals, columns=columns, values=values
+    )
     options = DiagnoseOptions(
         symmetric=symmetric,
         calibrate=calibrate,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -20,9 +21,20 @@ from labrig.cli.dynamic_fit import (
     refuse_others,
     refuse_without_dynamic,
 )
-from labrig.cli.measurements import fitted_of, warn_of_suspicions
+from labrig.cli.measurements import fitted_of, of_sessions_or_tables, warn_of_suspicions
 from labrig.cli.model_errors import errors_of, warn_of_misses
-from labrig.cli.options import FigureFormats, Json, Stiffness
+from labrig.cli.options import (
+    Columns,
+    CurvesFile,
+    FigureFormats,
+    ForcesFile,
+    Json,
+    Sessions,
+    SheetFile,
+    SignalsFile,
+    Stiffness,
+    Values,
+)
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
 
@@ -35,13 +47,13 @@ FEWEST_REPEATS = 20  # with fewer a standard deviation says little
 
 
 def fit(
-    sessions: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="SESSION",
-            help="a session; further ones of the same sheet are fitted together with it",
-        ),
-    ],
+    sessions: Sessions = None,
+    sheet: SheetFile = None,
+    forces: ForcesFile = None,
+    curves: CurvesFile = None,
+    signals: SignalsFile = None,
+    columns: Columns = None,
+    values: Values = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="the model file to write (TOML)")
     ] = None,
@@ -106,9 +118,11 @@ def fit(
 ) -> None:
     """Identify bending stiffness and electrically induced bending moment of a session's sheets.
 
-    Sessions of the same sheet share them, unless --apart is given. The model file holds the model
-    with constant EIBM, or that with the EIBM along the sheet where the constant one misses the
-    data; --varying and --constant say which.
+    Sessions of the same sheet share them, unless --apart is given. Tables of older measurements
+    need no session: --sheet with --forces, --curves or both (labrig import explains them).
+
+    The model file holds the model with constant EIBM, or that with the EIBM along the sheet where
+    the constant one misses the data; --varying and --constant say which.
 
     With --dynamic, from the runs as they were recorded, force, current and every frame over time:
     relaxed stiffness, mass, loss, electrodes and moment per volt, each with its 90 % interval, how
@@ -124,8 +138,12 @@ def fit(
 
     if output is not None and output.exists() and not force:
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    tables = {
+        "--sheet": sheet, "--forces": forces, "--curves": curves, "--signals": signals,
+        "--columns": columns, "--value": values,
+    }  # fmt: skip
     in_time = DynamicRequest(
-        sessions=sessions, configurations=configuration or [], positions_mm=position_mm or [],
+        sessions=sessions or [], configurations=configuration or [], positions_mm=position_mm or [],
         fluid=fluid.value, elongation_g_per_m=elongation_g_per_m,
     )  # fmt: skip
     if dynamic:
@@ -135,14 +153,11 @@ def fit(
             "--symmetric": symmetric, "--measured-curvature": measured_curvature,
             "--bootstrap": bootstrap, "--q": q != 1.0, "--stiffness-Nm2": stiffness_Nm2,
         }  # fmt: skip
-        refuse_others("fit", at_rest)
+        refuse_others("fit", tables | at_rest)
         fit_in_time(in_time, output, as_json=as_json)
         return
     refuse_without_dynamic(in_time)
-    if 0 < bootstrap < FEWEST_REPEATS:
-        raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
-    if not math.isfinite(q):
-        raise BadInputError(f"--q {q}: a number is needed, such as 1.")
+    _check_numbers(bootstrap, q)
     options = FitOptions(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
         bootstrap=bootstrap, stiffness_Nm2=stiffness_Nm2,
@@ -150,10 +165,18 @@ def fit(
     wanted = known_formats(formats)
     if figures is not None:
         make_folder(figures)
-    measured = _measured(sessions, apart)
+    if not sessions and (apart or by_run):
+        raise BadInputError("--apart and --by-run compare sessions; give sessions with them.")
+    if sessions and not any(tables.values()):
+        measured = _measured(sessions, apart)
+    else:
+        read = of_sessions_or_tables(
+            sessions, sheet, forces, curves, signals, columns=columns, values=values
+        )
+        measured = _Measured(read, {})
     measurements = only(measured.measurements, configuration or [])
     options = replace(options, held_out=_held_out(hold_out or [], measurements))
-    found = fitted_of(", ".join(map(str, sessions)), measurements, options)
+    found = fitted_of(_source(sessions or [forces or curves]), measurements, options)
     suspicious = warn_of_suspicions(measurements)
     written = []
     if output is not None:
@@ -171,6 +194,17 @@ def fit(
         say(f"{output} holds the EIBM along the sheet: with a constant one the model misses.")
     for path in written:
         say(f"wrote {path}")
+
+
+def _check_numbers(bootstrap: int, q: float) -> None:
+    if 0 < bootstrap < FEWEST_REPEATS:
+        raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
+    if not math.isfinite(q):
+        raise BadInputError(f"--q {q}: a number is needed, such as 1.")
+
+
+def _source(files: Sequence[Path | None]) -> str:
+    return ", ".join(map(str, files))
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from labrig.cli.dynamic_fit import (
 from labrig.cli.dynamic_next import next_in_time
 from labrig.cli.measurements import of_sessions_or_tables
 from labrig.cli.options import (
+    Columns,
     CurvesFile,
     ForcesFile,
     Json,
@@ -27,6 +28,7 @@ from labrig.cli.options import (
     SheetFile,
     SignalsFile,
     Symmetric,
+    Values,
 )
 from labrig.cli.screen import print_json, say, warn
 from labrig.errors import BadInputError
@@ -43,6 +45,8 @@ def next_measurement(
     forces: ForcesFile = None,
     curves: CurvesFile = None,
     signals: SignalsFile = None,
+    columns: Columns = None,
+    values: Values = None,
     model: KnownModel = None,
     symmetric: Symmetric = False,
     output: Annotated[
@@ -82,17 +86,18 @@ def next_measurement(
     if dynamic:
         refuse_others("next", {
             "--between": between, "--sheet": sheet, "--forces": forces, "--curves": curves,
-            "--signals": signals, "--symmetric": symmetric, "--output": output,
+            "--signals": signals, "--columns": columns, "--value": values,
+            "--symmetric": symmetric, "--output": output,
         })  # fmt: skip
-        if not sessions:
-            raise BadInputError("--dynamic: give a session.")
         request = DynamicRequest(
-            sessions=sessions, configurations=[], positions_mm=[], fluid=fluid.value,
+            sessions=sessions or [], configurations=[], positions_mm=[], fluid=fluid.value,
             elongation_g_per_m=elongation_g_per_m,
         )  # fmt: skip
         next_in_time(request, model, as_json=as_json)
         return
-    measurements = of_sessions_or_tables(sessions, sheet, forces, curves, signals)
+    measurements = of_sessions_or_tables(
+        sessions, sheet, forces, curves, signals, columns=columns, values=values
+    )
     options = DiagnoseOptions(symmetric=symmetric, model=known_model(model))
     diagnosis = None
     if sessions and (between is None or (model is None and not symmetric)):

@@ -107,6 +107,8 @@ def _forces(measurements: Measurements) -> Iterator[Cells]:
                 "wetted_s": _maybe(reading.wetted_s),
                 "valid": "true" if reading.valid else "false",
                 "why": reading.why,
+                "sd_mN": "" if reading.sd_N is None else milli(reading.sd_N),
+                "mean_of": str(reading.mean_of) if reading.mean_of > 1 else "",
                 **{
                     f"{columns.CHANNEL}{name}": plain(value)
                     for name, value in reading.other_values.items()
