@@ -59,9 +59,9 @@ class RunRecord:
     def _acquisition(self) -> Any:
         name = f"{layout.run_path(self.planned.index)}/acquisition"
         found = read_table(self._file, name, layout.ACQUISITION, self._path)
-        if found.shape != ():
+        if found.shape not in ((), (1,)):
             raise BadInputError(f"{self._path}: {name} has another shape than in a session.")
-        return found[()]
+        return found.reshape(())[()]
 
     @property
     def started(self) -> bool:

@@ -24,7 +24,13 @@ from labrig.session.notes.stored import read_photograph, read_stored
 from labrig.session.notes.waiting import read_waiting
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
-from labrig.session.reading.values import damage_told, read_setup, read_table, read_text
+from labrig.session.reading.values import (
+    damage_told,
+    read_setup,
+    read_table,
+    read_text,
+    text_attribute,
+)
 from labrig.session.supplements.store import is_sealed
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
@@ -184,8 +190,8 @@ class RecordedSession:
     def state_checksum(self) -> str:
         """A sha256 (hex) of all that the file holds now: recording, analysis, notes and marks."""
         groups = [self._file.get(name) for name in layout.SUPPLEMENTS]
-        sums = [b"" if one is None else bytes(one.attrs.get(SUPPLEMENT_SUM, b"")) for one in groups]
-        return hashlib.sha256(b" ".join([self.checksum.encode(), *sums])).hexdigest()
+        sums = ["" if one is None else text_attribute(one, SUPPLEMENT_SUM) for one in groups]
+        return hashlib.sha256(" ".join([self.checksum, *sums]).encode()).hexdigest()
 
     @property
     def clock(self) -> str:
