@@ -44,7 +44,9 @@ def design(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Answer the design questions of the paper's section 5 for a working section.
+    """Answer the paper's design questions for a section.
+
+    The working section of the arc is that of the paper's section 5.
 
     Best line and controller, largest difference of shapes, shortest sheet, largest forces, force in
     both directions, and the sheet of least area with and without a rigid elongation. Each question

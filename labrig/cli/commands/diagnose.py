@@ -61,7 +61,9 @@ def diagnose(
     stiffness_Nm2: Stiffness = None,
     as_json: Json = False,
 ) -> None:  # fmt: skip
-    """Find where simulation and measurement disagree, and which effects are not in the model.
+    """Find out which effects the model is missing, and where.
+
+    It compares simulation and measurement, and searches a catalogue of effects.
 
     The diagnosis is stored in the (first) session; labrig report shows it, too.
     """

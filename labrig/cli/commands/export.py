@@ -15,7 +15,10 @@ def export(
     session: Annotated[Path, typer.Argument(help="an analysed session")],
     output: Annotated[Path, typer.Option("--output", "-o", help="the folder to write into")],
 ) -> None:
-    """Write forces, curves, signals and control as CSV, about.toml, notes.csv and photographs."""
+    """Write a session as CSV tables, notes and photographs.
+
+    forces.csv, curves.csv, signals.csv, control.csv, about.toml, notes.csv and photographs.
+    """
     from labrig.session import export_session
 
     for path in export_session(session, output):

@@ -116,7 +116,9 @@ def fit(
     elongation_g_per_m: ElongationMass = None,
     as_json: Json = False,
 ) -> None:
-    """Identify bending stiffness and electrically induced bending moment of a session's sheets.
+    """Identify bending stiffness and EIBM of a session's sheets.
+
+    EIBM is the electrically induced bending moment.
 
     Sessions of the same sheet share them, unless --apart is given. Tables of older measurements
     need no session: --sheet with --forces, --curves or both (labrig import explains them).

@@ -43,7 +43,7 @@ def import_tables(
         typer.Option(metavar="FOLDER", help="write small example tables there, and end"),
     ] = None,
 ) -> None:
-    """Make a session of tables, such as those of older measurements.
+    """Make a session of tables of older measurements.
 
     Columns are separated by commas, semicolons or tabs, decimals by points or commas; lines above
     the names of the columns are passed over. The letters are UTF-8, UTF-16 or Latin-1. How each

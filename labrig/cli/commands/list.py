@@ -31,7 +31,9 @@ def list_sessions(
     sheet: Annotated[str, typer.Option(help="a configuration, such as long")] = "",
     as_json: Json = False,
 ) -> None:
-    """List the sessions of a folder: date, sheet, outcome, B, EIBM, figures of merit.
+    """List the sessions of a folder, and what was found.
+
+    Date, sheet, outcome, B, EIBM and figures of merit.
 
     Each file is read once, and again when it has changed. B and EIBM are from the newest model file
     in the folder that labrig fit -o wrote for the session; where there is none, from the newest one

@@ -65,7 +65,9 @@ def next_measurement(
     elongation_g_per_m: ElongationMass = None,
     as_json: Json = False,
 ) -> None:
-    """Say which further measurement tells two effects apart, and write its protocol.
+    """Say which measurement tells two effects apart.
+
+    It writes the protocol of that measurement.
 
     Without --between, what the diagnosis of the (first) session proposes; a session that holds none
     is diagnosed first.

@@ -65,7 +65,9 @@ def simulate(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite that file")] = False,
 ) -> None:
-    """Force and shape that a model predicts, for all combinations of what is given.
+    """Predict force and shape with a model.
+
+    All combinations of what is given are predicted.
 
     With --time: force, current and shape at every millisecond of a drive, from rest at 0 V.
     """
