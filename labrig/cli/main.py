@@ -14,6 +14,7 @@ import typer
 from typer.exceptions import TyperException
 
 from labrig.cli.app import app_for
+from labrig.cli.compiling import compiling_is_told
 from labrig.cli.screen import warn
 from labrig.cli.user_warnings import shown_as_sentences
 from labrig.errors import ExitCode, LabrigError
@@ -67,7 +68,7 @@ def _ignore_unraisable(_unraisable: object) -> None:
 
 def run(arguments: list[str]) -> int:
     """Run one command and return its exit code."""
-    with shown_as_sentences():
+    with shown_as_sentences(), compiling_is_told():
         return _run(arguments)
 
 

@@ -122,7 +122,7 @@ def _observation(condition: Condition, sheet: SheetGeometry) -> Observation | No
     mean = float(np.mean(forces)) if len(forces) and not free else np.nan
     variance = float(np.var(forces, ddof=1)) if len(forces) > 1 and not free else np.nan
     count = len(forces)
-    if count == 1 and readings[0].sd_N is not None and not free:  # a mean, with its readings' scatter
+    if count == 1 and not free and readings[0].sd_N is not None:  # a mean that says its scatter
         variance, count = readings[0].sd_N ** 2, readings[0].mean_of
     run = (
         condition.configuration,

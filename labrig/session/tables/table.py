@@ -28,6 +28,7 @@ from labrig.session.tables.csv_rows import TextTable
 from labrig.session.tables.text.decoding import decoded
 from labrig.session.tables.text.layout import (
     COMMA,
+    MOST_COLUMNS,
     Cells,
     TextLayout,
     find_layout,
@@ -80,6 +81,11 @@ def table_of(
     _refuse_other_kind(text, path, expected)
     layout = find_layout(text, lambda names: _recognised(names, expected, given))
     file = str(path)
+    if len(layout.names) > MOST_COLUMNS:
+        raise BadInputError(
+            f"{path}: its first line has {len(layout.names)} columns; a table has at most "
+            f"{MOST_COLUMNS}."
+        )
     values = {name: text for name, text in given.values.items() if name in expected.known}
     own = replace(given, values=values)
     found = meanings(file, layout, expected, own)

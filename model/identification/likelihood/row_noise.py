@@ -131,9 +131,7 @@ def _kinds(
         )
 
 
-def _reading_noise(
-    part: RowBlock, reading_N: FloatArray, look: DataVector
-) -> tuple[float, float]:
+def _reading_noise(part: RowBlock, reading_N: FloatArray, look: DataVector) -> tuple[float, float]:
     """Return the standard deviation of a reading about its trend in time, and of its logarithm."""
     total, degrees = 0.0, 0
     for one in look.seen:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import csv
 import re
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 COMMA, SEMICOLON, TAB = ",", ";", "\t"
 IN_WORDS = {COMMA: "commas", SEMICOLON: "semicolons", TAB: "tabs"}
 _MOST_HEADER = 400  # lines within which a table begins
+MOST_COLUMNS = 500
 _MOST_LOOKED_AT = 50  # lines of numbers that tell where it begins
 _EXPONENT = r"(?:[eE][-+]?\d+)?"
 _WITH_POINT = re.compile(rf"[-+]?(?:\d+\.?\d*|\.\d+){_EXPONENT}")
@@ -58,7 +60,7 @@ def find_layout(text: str, recognised: Callable[[Sequence[str]], int]) -> TextLa
     """
     lines = text.split("\n", _MOST_HEADER)[:_MOST_HEADER]
     first = split(lines[0], COMMA)
-    if recognised(first) == len(first):
+    if len(first) > MOST_COLUMNS or recognised(first) == len(first):
         return TextLayout(names=tuple(first))
     found = [
         candidate
@@ -72,18 +74,20 @@ def find_layout(text: str, recognised: Callable[[Sequence[str]], int]) -> TextLa
 
 def split(line: str, delimiter: str) -> Cells:
     """Return the cells of one line."""
+    cells = line.split(delimiter)
     if '"' in line:
-        line_cells = next(csv.reader([line], delimiter=delimiter), [])
-    else:
-        line_cells = line.split(delimiter)
-    return [cell.strip() for cell in line_cells]
+        with suppress(csv.Error):  # whoever reads the table says what is wrong with it
+            cells = next(csv.reader([line], delimiter=delimiter), [])
+    return [cell.strip() for cell in cells]
 
 
 def _candidates(rows: list[Cells], delimiter: str) -> Iterator[tuple[int, TextLayout]]:
     """Yield each line that may name the columns of what follows, with how much does follow."""
     for at, cells in enumerate(rows):
         names = _without_empty_end(cells)
-        if len(names) < 2 or (delimiter == COMMA and _holds(cells, SEMICOLON + TAB)):
+        if not 2 <= len(names) <= MOST_COLUMNS or (
+            delimiter == COMMA and _holds(cells, SEMICOLON + TAB)
+        ):
             continue
         if any(map(is_number, names)):
             width = len(cells)
