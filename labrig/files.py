@@ -18,6 +18,16 @@ _WRONG_PATH = frozenset(
 )  # fmt: skip
 
 
+def check_free(path: Path, *, force: bool = False) -> None:
+    """Raise BadInputError where a file cannot be made there: before the work that it is for."""
+    if path.is_dir():
+        raise BadInputError(f"{path}: this is a folder; give the name of a file.")
+    if path.exists() and not force:
+        raise BadInputError(f"{path}: is already there; give --force to overwrite it.")
+    if not path.parent.is_dir():
+        raise BadInputError(f"{path.parent}: there is no such folder.")
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a file beside its place and rename it. Raise what `not_written` returns."""
     write_bytes(path, text.replace("\n", os.linesep).encode("utf-8"))

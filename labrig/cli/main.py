@@ -16,6 +16,7 @@ from typer.exceptions import TyperException
 from labrig.cli.app import app_for
 from labrig.cli.compiling import compiling_is_told
 from labrig.cli.screen import warn
+from labrig.cli.usage_errors import usage_sentence
 from labrig.cli.user_warnings import shown_as_sentences
 from labrig.errors import ExitCode, LabrigError
 from labrig.files import family_of
@@ -77,7 +78,7 @@ def _run(arguments: list[str]) -> int:
         app = app_for(arguments)
         result = app.main(arguments, prog_name="labrig", standalone_mode=False)
     except TyperException as error:
-        error.show()  # type: ignore[attr-defined]  # all of those that typer raises have it
+        warn(f"labrig: {usage_sentence(error, arguments)}")
         return ExitCode.BAD_INPUT
     except (KeyboardInterrupt, typer.Abort):
         warn("labrig: stopped.")
@@ -102,7 +103,7 @@ def _report_fault(error: Exception) -> int:
     from model.measurements import ModelError
 
     if isinstance(error, ModelError):
-        warn(f"labrig: {error}")
+        warn(f"labrig: {str(error).rstrip('.')}.")
         return ExitCode.BAD_INPUT
     if isinstance(error, DeviceError):
         warn(f"labrig: {error}")

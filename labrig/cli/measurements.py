@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,6 +59,12 @@ def of_sessions_or_tables(
     for text in found.measurements.warnings:
         warn(text)
     return found.measurements
+
+
+def check_stiffness(stated_Nm2: float | None) -> None:
+    """Raise BadInputError for a stiffness that no sheet has."""
+    if stated_Nm2 is not None and not 0.0 < stated_Nm2 < math.inf:
+        raise BadInputError(f"--stiffness-Nm2 {stated_Nm2:g}: a number above 0 is needed.")
 
 
 def warn_of_suspicions(measurements: Measurements) -> tuple[Suspicion, ...]:

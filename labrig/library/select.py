@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -44,8 +45,7 @@ def select(
     `text` is looked for in name, protocol, sheet, reason and fault, in what is stated of people and
     sample, and in the notes, without regard to capitals.
     """
-    if sort not in COLUMNS:
-        raise BadInputError(f"{sort!r} is no column; there are {', '.join(COLUMNS)}.")
+    check_column(sort)
     wanted = text.lower().split()
     found = [
         entry
@@ -59,6 +59,14 @@ def select(
     known.sort(key=lambda entry: (value(entry), entry.name), reverse=down)
     rest = [entry for entry in found if value(entry) in (None, "", ())]
     return [*known, *sorted(rest, key=lambda entry: entry.name)]
+
+
+def check_column(name: str) -> None:
+    """Raise BadInputError where sessions cannot be sorted by that."""
+    if name not in COLUMNS:
+        close = difflib.get_close_matches(name, COLUMNS, n=1)
+        hint = f"did you mean {close[0]}" if close else "started, name and B_Nm2 are some"
+        raise BadInputError(f"--sort {name}: there is no such column; {hint}.")
 
 
 def _value_of(column: str) -> Callable[[CatalogueEntry], Any]:

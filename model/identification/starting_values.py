@@ -113,8 +113,8 @@ def _check_forces(observed: Observed, part: BaseParameters, *, stated: bool) -> 
         _check_shapes(observed)
     elif forces < wanted:
         raise ModelError(
-            f"configuration '{name}': {forces} condition(s) with a force cannot fix"
-            f" {wanted} parameters (B, one EIBM for each driving voltage); measure more positions"
+            f"'{name}': {forces} forces cannot tell {wanted} parameters (B, and an EIBM for each"
+            " voltage); measure more positions"
         )
 
 

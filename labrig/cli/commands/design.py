@@ -56,8 +56,12 @@ def design(
     from labrig.model_file import load_model
     from labrig.report.design.answers import Wanted, answer, as_dict, tables
 
-    known = load_model(model)
     low_m, high_m = _section(section)
+    if force_mN is not None:
+        _check("--force-mN", force_mN)
+    _check("--mass-g", mass_g)
+    _check("--bandwidth-Hz", bandwidth_Hz)
+    known = load_model(model)
     answers = [
         answer(
             known,
@@ -100,6 +104,11 @@ def design(
                     say(f"wrote {path}")
 
 
+def _check(name: str, value: float) -> None:
+    if not 0.0 < value < math.inf:
+        raise BadInputError(f"{name} {value:g}: a number above 0 is needed.")
+
+
 def _section(text: str) -> tuple[float, float]:
     parts = text.split(":")
     try:
@@ -108,6 +117,8 @@ def _section(text: str) -> tuple[float, float]:
         raise BadInputError(
             f"--section {text!r}: two positions in mm with a colon between, such as 0:30."
         ) from None
+    if not low_mm < high_mm:
+        raise BadInputError(f"--section {text}: the first position must be below the second.")
     return low_mm / 1000, high_mm / 1000
 
 

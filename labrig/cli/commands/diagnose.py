@@ -9,7 +9,7 @@ import typer
 
 from labrig.cli.command import Command
 from labrig.cli.diagnosis import diagnosed, keep, known_model, print_diagnosis, promises_kept_in
-from labrig.cli.measurements import of_sessions_or_tables
+from labrig.cli.measurements import check_stiffness, of_sessions_or_tables
 from labrig.cli.options import (
     Columns,
     CurvesFile,
@@ -25,6 +25,7 @@ from labrig.cli.options import (
 )
 from labrig.cli.screen import print_json, say, warn
 from labrig.errors import BadInputError
+from labrig.files import check_free
 
 
 def diagnose(
@@ -72,10 +73,13 @@ def diagnose(
     from model.discrepancy import DiagnoseOptions
     from model.effects import effect
 
-    if output is not None and output.exists() and not force:
-        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    if output is not None:
+        check_free(output, force=force)
+    if report is not None and report.exists() and not report.is_dir():
+        raise BadInputError(f"{report}: this is a file, a folder is needed.")
     for name in without or ():
         effect(name)  # at once: what follows may take minutes
+    check_stiffness(stiffness_Nm2)
     measurements = of_sessions_or_tables(
         sessions, sheet, forces, curves, signals, columns=columns, values=values
     )

@@ -21,7 +21,12 @@ from labrig.cli.dynamic_fit import (
     refuse_others,
     refuse_without_dynamic,
 )
-from labrig.cli.measurements import fitted_of, of_sessions_or_tables, warn_of_suspicions
+from labrig.cli.measurements import (
+    check_stiffness,
+    fitted_of,
+    of_sessions_or_tables,
+    warn_of_suspicions,
+)
 from labrig.cli.model_errors import errors_of, warn_of_misses
 from labrig.cli.options import (
     Columns,
@@ -37,6 +42,7 @@ from labrig.cli.options import (
 )
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.errors import BadInputError
+from labrig.files import check_free
 
 if TYPE_CHECKING:
     from labrig.report.parts.table import Table
@@ -138,8 +144,8 @@ def fit(
     from labrig.report.parts.style import known_formats
     from model import FitOptions
 
-    if output is not None and output.exists() and not force:
-        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    if output is not None:
+        check_free(output, force=force)
     tables = {
         "--sheet": sheet, "--forces": forces, "--curves": curves, "--signals": signals,
         "--columns": columns, "--value": values,
@@ -160,6 +166,7 @@ def fit(
         return
     refuse_without_dynamic(in_time)
     _check_numbers(bootstrap, q)
+    check_stiffness(stiffness_Nm2)
     options = FitOptions(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
         bootstrap=bootstrap, stiffness_Nm2=stiffness_Nm2,

@@ -40,7 +40,9 @@ def list_sessions(
     of labrig diagnose -o. The file and the kind of EIBM are named beside them.
     """
     from labrig.library import Library, select
+    from labrig.library.select import check_column
 
+    check_column(sort)
     library = Library(folder)
     with progress("list") as advance:
         library.refresh(advance=advance)

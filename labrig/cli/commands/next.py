@@ -32,7 +32,7 @@ from labrig.cli.options import (
 )
 from labrig.cli.screen import print_json, say, warn
 from labrig.errors import BadInputError
-from labrig.files import write_text
+from labrig.files import check_free, write_text
 
 
 def next_measurement(
@@ -83,16 +83,18 @@ def next_measurement(
 
     if between is not None and between[0] == between[1]:
         raise BadInputError(f"--between names {between[0]} twice; name two different effects.")
-    if output is not None and output.exists() and not force:
-        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    if output is not None:
+        check_free(output, force=force)
     if dynamic:
         refuse_others("next", {
             "--between": between, "--sheet": sheet, "--forces": forces, "--curves": curves,
             "--signals": signals, "--columns": columns, "--value": values,
             "--symmetric": symmetric, "--output": output,
         })  # fmt: skip
+        if not sessions:
+            raise BadInputError("--dynamic: give a session.")
         request = DynamicRequest(
-            sessions=sessions or [], configurations=[], positions_mm=[], fluid=fluid.value,
+            sessions=sessions, configurations=[], positions_mm=[], fluid=fluid.value,
             elongation_g_per_m=elongation_g_per_m,
         )  # fmt: skip
         next_in_time(request, model, as_json=as_json)

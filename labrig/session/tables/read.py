@@ -18,7 +18,7 @@ from labrig.session.tables.curve_points import CurvePoints, IntArray, numbers_of
 from labrig.session.tables.decimals import from_degrees, from_milli, from_plain, milli
 from labrig.session.tables.signals import SIGNAL_COLUMNS, configuration_of, series_of
 from labrig.session.tables.table import read_table
-from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames, ExpectedColumns
+from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames, ExpectedColumns, How
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry
 
 NUMBER = "a number"
@@ -126,7 +126,8 @@ def _of_one_sheet(names: ColumnNames, sheet: Mapping[str, SheetGeometry]) -> Col
 def _refuse_unused(names: ColumnNames, tables: Sequence[TextTable]) -> None:
     """Raise BadInputError for a column that is stated and that no table has."""
     for ours, theirs in names.columns.items():
-        if not any(table.has(ours) for table in tables):
+        stated = [one for t in tables for one in t.meanings if one.how is How.STATED]
+        if not any(one.means == ours for one in stated):
             there = ", ".join(dict.fromkeys(n for t in tables for n in t.layout.names if n))
             raise BadInputError(
                 f"--columns {ours}={theirs}: {theirs!r} is no column of "
