@@ -78,7 +78,10 @@ def _run(arguments: list[str]) -> int:
         app = app_for(arguments)
         result = app.main(arguments, prog_name="labrig", standalone_mode=False)
     except TyperException as error:
-        warn(f"labrig: {usage_sentence(error, arguments)}")
+        if type(error).__name__ == "NoArgsIsHelpError":  # of a group: its help is its message
+            error.show()
+        else:
+            warn(f"labrig: {usage_sentence(error, arguments)}")
         return ExitCode.BAD_INPUT
     except (KeyboardInterrupt, typer.Abort):
         warn("labrig: stopped.")

@@ -61,6 +61,10 @@ def design(
         _check("--force-mN", force_mN)
     _check("--mass-g", mass_g)
     _check("--bandwidth-Hz", bandwidth_Hz)
+    if not 0.0 <= lag_s < math.inf:
+        raise BadInputError(f"--lag-s {lag_s:g}: a number from 0 is needed.")
+    if output is not None and output.exists() and not output.is_dir():
+        raise BadInputError(f"{output}: this is a file, a folder is needed.")
     known = load_model(model)
     answers = [
         answer(

@@ -28,6 +28,8 @@ def write_examples(folder: Path) -> list[Path]:
             raise BadInputError(f"{folder / name}: is already there; give another folder.")
     try:
         folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
     except OSError as error:
         raise not_written(folder, error) from None
     for name, content in made.items():

@@ -52,6 +52,8 @@ def write_curves(measurements: Measurements, path: Path) -> None:
 def _make(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
     except OSError as error:
         raise BadInputError(f"{folder}: cannot be made ({error.strerror}).") from None
     for name in ("forces.csv", "curves.csv", "signals.csv"):

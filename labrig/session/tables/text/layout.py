@@ -103,18 +103,10 @@ def _candidates(rows: list[Cells], delimiter: str) -> Iterator[tuple[int, TextLa
         units: tuple[str, ...] = ()
         if below < len(rows) and _are_units(rows[below], len(cells)):
             units, below = tuple(rows[below]), below + 1
-        count = _values_below(rows, below, len(cells))
-        if count:
-            yield (
-                count * len(names),
-                TextLayout(
-                    delimiter=delimiter,
-                    header=at,
-                    first=below,
-                    names=tuple(names),
-                    units=units,
-                ),
-            )
+        named = TextLayout(
+            delimiter=delimiter, header=at, first=below, names=tuple(names), units=units
+        )
+        yield _values_below(rows, below, len(cells)) * len(names), named
 
 
 def _holds(cells: Cells, signs: str) -> bool:
