@@ -79,7 +79,7 @@ def _run(arguments: list[str]) -> int:
         result = app.main(arguments, prog_name="labrig", standalone_mode=False)
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # of a group: its help is its message
-            error.show()
+            error.show()  # type: ignore[attr-defined]  # all of those that typer raises have it
         else:
             warn(f"labrig: {usage_sentence(error, arguments)}")
         return ExitCode.BAD_INPUT

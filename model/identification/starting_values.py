@@ -113,8 +113,8 @@ def _check_forces(observed: Observed, part: BaseParameters, *, stated: bool) -> 
         _check_shapes(observed)
     elif forces < wanted:
         raise ModelError(
-            f"'{name}': B and an EIBM for each voltage need {wanted} forces, and there are {forces};"
-            " measure more positions"
+            f"'{name}': B and an EIBM for each voltage need {wanted} forces, and there are"
+            f" {forces}; measure more positions"
         )
 
 

@@ -57,12 +57,7 @@ def design(
     from labrig.report.design.answers import Wanted, answer, as_dict, tables
 
     low_m, high_m = _section(section)
-    if force_mN is not None:
-        _check("--force-mN", force_mN)
-    _check("--mass-g", mass_g)
-    _check("--bandwidth-Hz", bandwidth_Hz)
-    if not 0.0 <= lag_s < math.inf:
-        raise BadInputError(f"--lag-s {lag_s:g}: a number from 0 is needed.")
+    _check({"--force-mN": force_mN, "--mass-g": mass_g, "--bandwidth-Hz": bandwidth_Hz}, lag_s)
     if output is not None and output.exists() and not output.is_dir():
         raise BadInputError(f"{output}: this is a file, a folder is needed.")
     known = load_model(model)
@@ -108,9 +103,12 @@ def design(
                     say(f"wrote {path}")
 
 
-def _check(name: str, value: float) -> None:
-    if not 0.0 < value < math.inf:
-        raise BadInputError(f"{name} {value:g}: a number above 0 is needed.")
+def _check(positive: dict[str, float | None], lag_s: float) -> None:
+    for name, value in positive.items():
+        if value is not None and not 0.0 < value < math.inf:
+            raise BadInputError(f"{name} {value:g}: a number above 0 is needed.")
+    if not 0.0 <= lag_s < math.inf:
+        raise BadInputError(f"--lag-s {lag_s:g}: a number from 0 is needed.")
 
 
 def _section(text: str) -> tuple[float, float]:
