@@ -29,7 +29,11 @@ if TYPE_CHECKING:
     from drivers.positioners.contract import PositionerKind as PositionerKind
     from labrig.analysis import analyze as analyze
     from labrig.cli.command import Command as Command
+    from labrig.cli.command import CommandExample as CommandExample
+    from labrig.errors import BadInputError as BadInputError
     from labrig.errors import LabrigError as LabrigError
+    from labrig.exports.choice import export as export
+    from labrig.exports.contract import ExportFormat as ExportFormat
     from labrig.extractors.contract import CurveExtractor as CurveExtractor
     from labrig.model_file import load_model as load_model
     from labrig.model_file import save_model as save_model
@@ -81,8 +85,16 @@ _HOMES = {
     ),
     "drivers.positioners.contract": ("PositionerKind",),
     "labrig.analysis": ("analyze",),
-    "labrig.cli.command": ("Command",),
-    "labrig.errors": ("LabrigError",),
+    "labrig.cli.command": (
+        "Command",
+        "CommandExample",
+    ),
+    "labrig.errors": (
+        "BadInputError",
+        "LabrigError",
+    ),
+    "labrig.exports.choice": ("export",),
+    "labrig.exports.contract": ("ExportFormat",),
     "labrig.extractors.contract": ("CurveExtractor",),
     "labrig.model_file": (
         "load_model",

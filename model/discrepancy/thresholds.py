@@ -1,9 +1,9 @@
 """The numbers that decide verdicts of `diagnose`.
 
 Each says what it means, in its unit. They were chosen by hand on simulated sessions with effects
-hidden in them, those of `docs/discrepancy.md`, unless a line says otherwise. Whoever changes one
-runs `python -m benchmarks.hidden_effects` on fresh seeds; the figure that moves first is named with
-each group. Numbers of pure computation stand beside the code that uses them.
+hidden in them, those of `docs/explanation/discrepancy.md`, unless a line says otherwise. Whoever
+changes one runs `python -m benchmarks.hidden_effects` on fresh seeds; the figure that moves first
+is named with each group. Numbers of pure computation stand beside the code that uses them.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ from model.dynamics.comparison import (
     compare_models,
     hold_out,
 )
-from model.dynamics.identification import RecordedRun, RecordingNoise, identify
+from model.dynamics.identification import RecordedRun, RecordingNoise, best_sheet
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.models import models
 from model.measurements import ModelError, SheetGeometry
@@ -132,11 +132,11 @@ def _full(
     noise = noise_at_first(whole)
     begun = beginning(record.sheet, whole, stated)
     runs = [run.run for run in _compared(record.sheet, whole, noise, begun.rest).fitted]
-    near = identify(begun, runs, noise, resolution=COARSE, tolerance=NEAR).beam
+    near = best_sheet(begun, runs, noise, resolution=COARSE, tolerance=NEAR)
     rest = rest_curvature(near, runs, noise.curve_m)
     if rest is not None:
         begun, near = replace(begun, rest=rest.rest), replace(near, rest=rest.rest)
-    found = identify(near, runs, noise, resolution=COARSE, tolerance=FOUND).beam
+    found = best_sheet(near, runs, noise, resolution=COARSE, tolerance=FOUND)
     logarithms = LogParameters(found)
     values = {name: abs(v) for name, v in logarithms.values(logarithms.theta).items()}
     return begun, values, _compared(record.sheet, whole, noise, found.rest)

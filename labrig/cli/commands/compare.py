@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.measurements import fitted_of
 from labrig.cli.options import Json, Recorded
 from labrig.cli.screen import print_json, print_table, progress, say, warn
@@ -146,4 +146,9 @@ def _as_list(compared: list[DynamicComparison]) -> list[dict[str, Any]]:
     return [asdict(one) for one in compared]
 
 
-COMMAND = Command("compare", compare, order=160)
+COMMAND = Command(
+    "compare",
+    compare,
+    order=160,
+    examples=(CommandExample(line="labrig compare session.h5 --static"),),
+)

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.model_errors import errors_of, say_errors, warn_of_misses
 from labrig.cli.options import EachConfiguration, Json, ModelFile
 from labrig.cli.screen import print_json, print_table, say, warn
@@ -124,4 +124,9 @@ def _section(text: str) -> tuple[float, float]:
     return low_mm / 1000, high_mm / 1000
 
 
-COMMAND = Command("design", design, order=200)
+COMMAND = Command(
+    "design",
+    design,
+    order=200,
+    examples=(CommandExample(line="labrig design model.toml --section 0:20"),),
+)

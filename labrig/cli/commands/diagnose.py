@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.diagnosis import diagnosed, keep, known_model, print_diagnosis, promises_kept_in
 from labrig.cli.measurements import check_stiffness, of_sessions_or_tables
 from labrig.cli.options import (
@@ -120,4 +120,9 @@ def diagnose(
         say(f"wrote {path}")
 
 
-COMMAND = Command("diagnose", diagnose, order=180)
+COMMAND = Command(
+    "diagnose",
+    diagnose,
+    order=180,
+    examples=(CommandExample(line="labrig diagnose session.h5 -o model+.toml"),),
+)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.dynamic_fit import (
     DynamicFluid,
     DynamicPositions,
@@ -298,4 +298,9 @@ def _tables(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | Non
     return tables if repeats is None else [*tables, repeats]
 
 
-COMMAND = Command("fit", fit, order=140)
+COMMAND = Command(
+    "fit",
+    fit,
+    order=140,
+    examples=(CommandExample(line="labrig fit session.h5 -o model.toml"),),
+)

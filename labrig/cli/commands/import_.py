@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Columns, Values
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
@@ -122,4 +122,14 @@ def _show(tables: Sequence[TextTable]) -> None:
             say(text)
 
 
-COMMAND = Command("import", import_tables, order=220)
+COMMAND = Command(
+    "import",
+    import_tables,
+    order=220,
+    examples=(
+        CommandExample(
+            line="labrig import --sheet sheet.toml --forces forces.csv --curves curves.csv "
+            "-o old.h5"
+        ),
+    ),
+)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.diagnosis import diagnosed, keep, known_model
 from labrig.cli.dynamic_fit import (
     DynamicFluid,
@@ -131,4 +131,11 @@ def next_measurement(
         say(f"wrote {output}")
 
 
-COMMAND = Command("next", next_measurement, order=190)
+COMMAND = Command(
+    "next",
+    next_measurement,
+    order=190,
+    examples=(
+        CommandExample(line="labrig next session.h5 --between gravity clamp_angle -o next.toml"),
+    ),
+)

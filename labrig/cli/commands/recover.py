@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 from labrig.errors import BadInputError
 
@@ -37,4 +37,15 @@ def recover(
     say(report.text)
 
 
-COMMAND = Command("recover", recover, order=90)
+COMMAND = Command(
+    "recover",
+    recover,
+    order=90,
+    examples=(
+        CommandExample(
+            line="labrig recover killed.h5",
+            before="labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o killed.h5 --yes "
+            "> run.log 2>&1 & until [ -e killed.h5 ]; do sleep 0.05; done; kill -KILL $!; sleep 1",
+        ),
+    ),
+)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import AboutFile
 from labrig.errors import BadInputError
 
@@ -111,4 +111,13 @@ def _free(output: Path | None) -> Path:
     return output
 
 
-COMMAND = Command("run", run, order=50)
+COMMAND = Command(
+    "run",
+    run,
+    order=50,
+    examples=(
+        CommandExample(
+            line="labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o session.h5 --yes"
+        ),
+    ),
+)

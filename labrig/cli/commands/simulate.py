@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.model_errors import errors_of, say_errors, warn_of_misses
 from labrig.cli.options import EachConfiguration, Json, ModelFile
 from labrig.cli.screen import print_json, print_table, say, warn
@@ -196,4 +196,13 @@ def _prediction_row(found: Prediction) -> list[str]:
     ]
 
 
-COMMAND = Command("simulate", simulate, order=150)
+COMMAND = Command(
+    "simulate",
+    simulate,
+    order=150,
+    examples=(
+        CommandExample(
+            line="labrig simulate model.toml --configuration long --position-mm 12 --voltage 2"
+        ),
+    ),
+)

@@ -40,7 +40,7 @@ class ModelAnswer:
 
 
 class EstimateTrace:
-    """Estimates of the session so far; a row: see `docs/panel.md`."""
+    """Estimates of the session so far; a row: see `docs/reference/panel_messages.md`."""
 
     columns = ("time_s", "configuration", "B", "B_sigma", "moment", "moment_sigma")
 

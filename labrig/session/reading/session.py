@@ -22,6 +22,7 @@ from labrig.session.marks.stored import read_marks
 from labrig.session.notes.note import Note
 from labrig.session.notes.stored import read_photograph, read_stored
 from labrig.session.notes.waiting import read_waiting
+from labrig.session.reading.labelled_arrays import labelled_session
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.values import (
@@ -32,6 +33,7 @@ from labrig.session.reading.values import (
     text_attribute,
 )
 from labrig.session.supplements.store import is_sealed
+from model.measurements import Measurements
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
 
@@ -262,6 +264,26 @@ class RecordedSession:
             if name not in VOLATILE and not name.startswith(VOLATILE_UNDER):
                 total.update(f"{name} {row['sha256']}\n".encode())
         return total.hexdigest()
+
+    def to_xarray(self, measurements: Measurements | None = None) -> Any:
+        """Return the session as an `xarray.DataTree` with named dimensions, coordinates and units.
+
+        `/readings` has the value of each channel at each reading (dimension `reading`), `/signals`
+        the raw samples of all runs (dimension `sample`). With `measurements`, as
+        `labrig.load_measurements` returns them, `/curves` has the neutral curves (dimensions
+        `curve` and `point`, padded with NaN). SI units, in the attribute `units`.
+
+        Raises BadInputError where xarray is not installed, or content is damaged.
+        """
+        try:
+            attributes = {"identifier": self.identifier, "start_time": self.started}
+            attributes |= {"title": self.about.title} if self.about.title else {}
+            return labelled_session(self.runs, attributes, measurements)
+        except ModuleNotFoundError as error:
+            raise BadInputError(
+                f"to_xarray() needs the package {error.name}; install it with: "
+                'pip install "labrig[xarray]".'
+            ) from None
 
     def close(self) -> None:
         """Let go of the file; may be called twice."""

@@ -50,6 +50,25 @@ class _Key(NamedTuple):
     run: int
 
 
+class _Conditions(dict["_Key", "_Gathered"]):
+    """Conditions while their rows come in, also by all that any row of theirs says."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._alike: dict[tuple[str, float | None, float, int], list[_Key]] = {}
+
+    def of(self, key: _Key, tilt_rad: float) -> _Gathered:
+        """Return the condition of a key, a new one where there is none."""
+        if key not in self:
+            self[key] = _Gathered(tilt_rad)
+            self._alike.setdefault(key[:4], []).append(key)
+        return self[key]
+
+    def alike(self, key: _Key) -> list[_Key]:
+        """Return the keys that differ from one in approach and run at most."""
+        return self._alike.get(key[:4], [])
+
+
 @dataclass
 class _Gathered:
     """A condition while its rows come in."""
@@ -99,7 +118,7 @@ def read_and_understood(
     names = _of_one_sheet(names, sheet)
     tables = {expected.kind: read_table(path, expected, names) for path, expected in asked}
     _refuse_unused(names, list(tables.values()))
-    gathered: dict[_Key, _Gathered] = {}
+    gathered = _Conditions()
     if forces is not None:
         for row in tables["forces"].rows():
             _add_force(gathered, row, sheet)
@@ -149,17 +168,15 @@ def _key(row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> _Key:
     )
 
 
-def _gathered(gathered: dict[_Key, _Gathered], key: _Key, row: CsvRow) -> _Gathered:
+def _gathered(gathered: _Conditions, key: _Key, row: CsvRow) -> _Gathered:
     tilt_rad = row.optional("tilt_deg", from_degrees, NUMBER, 0.0)
-    found = gathered.setdefault(key, _Gathered(tilt_rad))
+    found = gathered.of(key, tilt_rad)
     if found.tilt_rad != tilt_rad:
         raise row.fault("tilt_deg differs from that of an earlier line of the same condition")
     return found
 
 
-def _add_force(
-    gathered: dict[_Key, _Gathered], row: CsvRow, sheet: Mapping[str, SheetGeometry]
-) -> None:
+def _add_force(gathered: _Conditions, row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> None:
     key = _key(row, sheet)
     counted = not row.has("reading")
     index = row.index if counted else row.get("reading", integer, WHOLE)
@@ -196,7 +213,7 @@ def _spread(text: str) -> float:
 
 
 def _add_curves(
-    gathered: dict[_Key, _Gathered], table: TextTable, sheet: Mapping[str, SheetGeometry]
+    gathered: _Conditions, table: TextTable, sheet: Mapping[str, SheetGeometry]
 ) -> bool:
     """Take all points; says whether the condition of some had to be taken from their order."""
     points, numbers = CurvePoints.columns_of(table), numbers_of(table, _OF_A_CURVE)
@@ -221,7 +238,7 @@ def _add_curves(
 
 
 def _meant(
-    gathered: dict[_Key, _Gathered],
+    gathered: _Conditions,
     row: CsvRow,
     sheet: Mapping[str, SheetGeometry],
     reading: int | None,
@@ -237,9 +254,8 @@ def _meant(
         return key, False
     fit = [
         each
-        for each in gathered
-        if each[:4] == key[:4]
-        and row.optional("approach", str, "", each.approach) == each.approach
+        for each in gathered.alike(key)
+        if row.optional("approach", str, "", each.approach) == each.approach
         and row.optional("run", integer, WHOLE, each.run) == each.run
     ]
     fit.sort(key=lambda each: (each.run, each.approach == "down"))
@@ -250,7 +266,7 @@ def _meant(
     return fit[-1] if fit else key, len(fit) > 1
 
 
-def _without_force(gathered: dict[_Key, _Gathered]) -> Iterator[str]:
+def _without_force(gathered: _Conditions) -> Iterator[str]:
     for key, each in gathered.items():
         if key.position_m is not None and not each.readings:
             yield (

@@ -1,0 +1,26 @@
+"""The same task for many sessions, tables or models."""
+
+from __future__ import annotations
+
+import typer
+
+from labrig.cli.batch.group import BatchGroup
+from labrig.cli.command import Command
+
+app = typer.Typer(
+    cls=BatchGroup,
+    no_args_is_help=True,
+    help="""Do the same for many sessions, tables or models, in several processes or on a cluster.
+
+    A line of rows.jsonl is kept for each as it ends; the same command goes on where it was broken
+    off, and does again what has changed. What was found is also one table (CSV, and Parquet where
+    pyarrow is installed) and a summary with figures.""",
+)
+
+
+@app.callback()
+def batch() -> None:
+    """Have a task by name, which is asked for when it is needed."""
+
+
+COMMAND = Command("batch", app, order=185)
