@@ -14,10 +14,10 @@ import typer
 from typer.exceptions import TyperException
 
 from labrig.cli.app import app_for
-from labrig.cli.compiling import compiling_is_told
 from labrig.cli.screen import warn
-from labrig.cli.usage_errors import usage_sentence
-from labrig.cli.user_warnings import shown_as_sentences
+from labrig.cli.sentences.compiling import compiling_is_told
+from labrig.cli.sentences.usage_errors import usage_sentence
+from labrig.cli.sentences.user_warnings import shown_as_sentences
 from labrig.errors import ExitCode, LabrigError
 from labrig.files import family_of
 from labrig.own_packages import hidden

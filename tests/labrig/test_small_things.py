@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from labrig.cli.app import all_commands
-from labrig.cli.compiling import TOLD, compiling_is_told
 from labrig.cli.main import run
 from labrig.cli.screen import time_left
+from labrig.cli.sentences.compiling import TOLD, compiling_is_told
 from labrig.version import NOT_INSTALLED, version
 
 COMMANDS = {command.name: command for command in all_commands()}
@@ -78,7 +78,7 @@ def test_what_is_compiled_first_is_told_once(capsys):
 COMPILED = """
 import logging, os, sys
 sys.path.insert(0, os.environ["SOURCES"])
-from labrig.cli.compiling import compiling_is_told
+from labrig.cli.sentences.compiling import compiling_is_told
 with compiling_is_told():
     from model.jit import jit
     import small
