@@ -1,8 +1,9 @@
-"""The measurements that a command's arguments name, and the fit to them."""
+"""The measurements that a command's arguments name, read with a progress bar."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,17 +11,16 @@ from labrig.cli.screen import progress, warn
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
-    from model import Fit, FitOptions, Measurements
+    from model import Measurements
     from model.discrepancy import Suspicion
 
 
-def of_sessions(sessions: list[Path]) -> Measurements:
+def of_sessions(sessions: Sequence[Path]) -> Measurements:
     """Return the measurements of sessions, combined; analyse what is not analysed yet."""
-    from labrig.analysis.together import together
-    from labrig.report.data.findings import measured
+    from labrig.api.data import measurements_of
 
     with progress("analyze") as advance:
-        return together([(path, measured(path, advance, warn)) for path in sessions])
+        return measurements_of(sessions, advance)
 
 
 def of_sessions_or_tables(
@@ -75,17 +75,3 @@ def warn_of_suspicions(measurements: Measurements) -> tuple[Suspicion, ...]:
     for one in found:
         warn(f"check the data: {one.sentence}.")
     return found
-
-
-def fitted_of(source: str, measurements: Measurements, options: FitOptions) -> Fit:
-    """Fit all configurations that allow it; warn of the others with the reason."""
-    from labrig.report.data.fitted import fit_what_can_be
-
-    fitted = fit_what_can_be(measurements, options)
-    lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
-    if fitted.fit is None:
-        why = "; ".join(dict.fromkeys(lacking.values())) or "nothing was measured"
-        raise BadInputError(f"{source}: no configuration can be fitted: {why}.")
-    for name, why in lacking.items():
-        warn(f"{name}: could not be fitted: {why}.")
-    return fitted.fit

@@ -88,9 +88,9 @@ class ReadTables:
 
 def read_tables(
     sheet: Mapping[str, SheetGeometry],
-    forces: Path | None,
-    curves: Path | None = None,
-    signals: Path | None = None,
+    forces: Path | str | None,
+    curves: Path | str | None = None,
+    signals: Path | str | None = None,
     *,
     names: ColumnNames = AS_NAMED,
 ) -> Measurements:
@@ -104,9 +104,9 @@ def read_tables(
 
 def read_and_understood(
     sheet: Mapping[str, SheetGeometry],
-    forces: Path | None,
-    curves: Path | None = None,
-    signals: Path | None = None,
+    forces: Path | str | None,
+    curves: Path | str | None = None,
+    signals: Path | str | None = None,
     *,
     names: ColumnNames = AS_NAMED,
 ) -> ReadTables:
@@ -114,7 +114,7 @@ def read_and_understood(
     if forces is None and curves is None:
         raise BadInputError("there is neither a table of forces nor one of curves.")
     wanted = ((forces, FORCE_COLUMNS), (curves, CURVE_COLUMNS), (signals, SIGNAL_COLUMNS))
-    asked = [(path, expected) for path, expected in wanted if path is not None]
+    asked = [(Path(path), expected) for path, expected in wanted if path is not None]
     names = _of_one_sheet(names, sheet)
     tables = {expected.kind: read_table(path, expected, names) for path, expected in asked}
     _refuse_unused(names, list(tables.values()))
