@@ -167,9 +167,8 @@ def _is_in_the_way(ending: Ending, lives: Callable[[], bool]) -> bool:
     """Whether the program still holds its tasks and will not let go by itself."""
     if ending is Ending.ASKED:
         return False
-    if sys.platform == "win32":  # where its number may have a new owner, once it has died
-        return ending is not Ending.GONE
-    return lives()
+    # On Windows its number may have a new owner, once it has died.
+    return ending is not Ending.GONE if sys.platform == "win32" else lives()
 
 
 def _kill(program_pid: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import sqlite3
 from collections.abc import Iterator, Sequence
@@ -35,7 +36,9 @@ class SessionQuery:
 
     def __post_init__(self) -> None:
         if self.sort not in COLUMNS:
-            raise BadInputError(f"{self.sort!r} is no column; there are {', '.join(COLUMNS)}.")
+            close = difflib.get_close_matches(self.sort, COLUMNS, n=1)
+            hint = f"did you mean {close[0]}" if close else "started, name and B_Nm2 are some"
+            raise BadInputError(f"--sort {self.sort}: there is no such column; {hint}.")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,7 +17,10 @@ def init(
         bool, typer.Option("--simulated", help="a rig that needs no hardware")
     ] = False,
 ) -> None:
-    """Write commented rig.toml, sheet.toml, protocol.toml and calibrations to start from."""
+    """Write commented configuration files to start from.
+
+    They are rig.toml, sheet.toml, protocol.toml, about.toml and calibrations.
+    """
     from labrig.config.templates import write_templates
 
     for path in write_templates(folder, simulated=simulated):

@@ -38,7 +38,9 @@ def list_sessions(
     offset: Annotated[int, typer.Option(min=0, help="leave out the first so many")] = 0,
     as_json: Json = False,
 ) -> None:
-    """List the sessions of a folder: date, sheet, outcome, B, EIBM, figures of merit.
+    """List the sessions of a folder, and what was found.
+
+    Date, sheet, outcome, B, EIBM and figures of merit.
 
     Each file is read once, and again when it has changed. B and EIBM are from the newest model file
     in the folder that labrig fit -o wrote for the session; where there is none, from the newest one
