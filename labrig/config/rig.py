@@ -159,6 +159,16 @@ class RigConfig(ClosedModel):
         return cast("BoardsConfig", getattr(self, self.boards_kind))
 
     @property
+    def interlock_line(self) -> str | None:
+        """The line of the interlock; None: the rig has none."""
+        return None if self.interlock is None else self.interlock.line
+
+    @property
+    def own_watchdog(self) -> str:
+        """What a watchdog in the boards does when labrig is silent; empty: there is none."""
+        return self.family.own_watchdog(self.boards.settings(), self.interlock_line)
+
+    @property
     def is_simulated(self) -> bool:
         """Whether the boards are the ones simulated in this process, on the virtual clock."""
         return self.boards.address == SIMULATED

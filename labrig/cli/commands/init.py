@@ -16,11 +16,14 @@ def init(
     simulated: Annotated[
         bool, typer.Option("--simulated", help="a rig that needs no hardware")
     ] = False,
+    board: Annotated[
+        str, typer.Option("--board", help="the family of boards, such as ni or labjack")
+    ] = "ni",
 ) -> None:
     """Write commented rig.toml, sheet.toml, protocol.toml and calibrations to start from."""
     from labrig.config.templates import write_templates
 
-    for path in write_templates(folder, simulated=simulated):
+    for path in write_templates(folder, simulated=simulated, board=board):
         say(f"wrote {path}")
 
 
