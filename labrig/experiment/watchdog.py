@@ -126,8 +126,8 @@ def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
 @contextmanager
 def _with_the_watch(rig: Rig, guard: Watchdog) -> Iterator[Watchdog]:
     """Add the watch at the boards, where rig.toml names one."""
-    watch = rig.config.watch
-    if watch is None or rig.config.is_simulated:
+    watch = None if rig.config.is_simulated else rig.config.watch
+    if watch is None:
         yield guard
         return
     try:

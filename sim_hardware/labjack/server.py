@@ -13,7 +13,6 @@ from sim_hardware.port_taken import PortTakenError
 
 HOST = "127.0.0.1"
 _LOOK_S = 0.01  # how often the watchdog is looked after where no request comes
-PATIENCE_S = 1.0  # of a client in this process, with a device that does not answer
 
 
 class InProcess:
@@ -24,12 +23,12 @@ class InProcess:
         self._device = device
         self._refuse()
 
-    def exchange(self, request: bytes) -> bytes:
-        """Return the answer to a request. OSError."""
+    def exchange(self, request: bytes, answer_s: float) -> bytes:
+        """Return the answer to a request, which is waited for so long. OSError."""
         device, clock = self._device, self._device.clock
         self._refuse()
         if device.faults.hang or (device.faults.hang_stream and asks_for_stream(request)):
-            clock.sleep_until(clock.now() + PATIENCE_S)
+            clock.sleep_until(clock.now() + answer_s)
             raise TimeoutError("timed out")
         if device.faults.delay_s:
             clock.sleep_until(clock.now() + device.faults.delay_s)

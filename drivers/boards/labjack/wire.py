@@ -16,6 +16,7 @@ from drivers.interfaces import DeviceError, DeviceNotFoundError, DeviceTimeoutEr
 
 PORT = 502
 ANSWER_S = 1.0  # a healthy one answers in 1 to 4 ms
+HURRIED_S = 0.5  # one that has just let a request run out of time
 CONNECT_S = 1.0
 READ, WRITE, FEEDBACK = 3, 16, 76
 MOST_REGISTERS = 124  # in one read
@@ -27,8 +28,8 @@ _ADDRESS = re.compile(r"^(\[[0-9A-Fa-f:.]+\]|[^\s:/\[\]]+)(?::(\d{1,5}))?$")
 class Transport(Protocol):
     """What carries requests: a socket, or the simulator in this process."""
 
-    def exchange(self, request: bytes) -> bytes:
-        """Send a whole request and return its whole answer. Raises OSError."""
+    def exchange(self, request: bytes, answer_s: float) -> bytes:
+        """Send a whole request and return its whole answer, within so long. Raises OSError."""
 
     def close(self) -> None:
         """End the connection. May be called twice."""
@@ -57,10 +58,10 @@ class SocketTransport:
         """Connect. Raises OSError."""
         self._socket = socket.create_connection((host, port), CONNECT_S)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._socket.settimeout(ANSWER_S)
 
-    def exchange(self, request: bytes) -> bytes:
+    def exchange(self, request: bytes, answer_s: float) -> bytes:
         """See `Transport.exchange`."""
+        self._socket.settimeout(answer_s)
         self._socket.sendall(request)
         head = self._exactly(_HEAD.size)
         length = _HEAD.unpack(head)[2]
@@ -91,6 +92,7 @@ class Wire:
         self._transport: Transport | None = None
         self._lock = threading.Lock()
         self._number = 0
+        self._answer_s = ANSWER_S
 
     def read(self, doing: str, *registers: Register) -> list[float]:
         """Return the values of registers, all of one request. Raises DeviceError."""
@@ -161,8 +163,10 @@ class Wire:
             if self._transport is None:
                 self._transport = self._open()
             head = _HEAD.pack(self._number, 0, len(pdu) + 1, _UNIT)
-            answer = self._transport.exchange(head + pdu)
+            answer = self._transport.exchange(head + pdu, self._answer_s)
+            self._answer_s = ANSWER_S
         except TimeoutError as fault:
+            self._answer_s = HURRIED_S
             self.close()  # the answer may still come: to nobody
             raise DeviceTimeoutError(
                 f"{doing} failed: {self.where} did not answer in the time this can take; check "
