@@ -3,13 +3,14 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 PYTEST := $(BIN)/python -m pytest
-# Between them they use all that numba compiles; else each worker would compile it for itself.
+# Between them they use all that numba compiles; else each worker would compile it for itself. The
+# end of `make test` names what was compiled after all.
 # The two share nothing that is compiled, so that side by side they compile nothing twice.
 MECHANICS := tests/model/test_predict.py tests/model/test_engines.py tests/model/test_design.py \
-	tests/model/test_equilibrium_reference.py
+	tests/model/test_equilibrium_reference.py tests/model/dynamics/test_numpy_reference.py
 PICTURES := tests/sim_hardware/test_optics_images.py tests/sim_hardware/test_world_chain.py \
 	tests/sim_hardware/test_world_effects.py tests/sim_hardware/test_world.py \
-	tests/labrig/vision/test_batch.py
+	tests/sim_hardware/test_moving_world.py tests/labrig/vision/test_batch.py
 # Without a time-out: a compilation that is cut short is not kept.
 COMPILE = $(PYTEST) --timeout 0 -q -m "not slow and not thorough"
 TWO_ALONE = $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder
@@ -22,7 +23,10 @@ PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-c
 # Empty, so that compiled code is kept: the tests start hundreds of processes.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: setup setup-dev demo compiled compiled-mechanics compiled-pictures \
+# Warnings are errors; notebooks and commands of the pages are run.
+SPHINX = $(BIN)/python -m sphinx -b html -W --keep-going -q
+
+.PHONY: setup setup-dev setup-docs demo docs docs-after-compiled compiled compiled-mechanics compiled-pictures \
 	test test-compiled test-failed test-all test-fast lint format bench soak clean
 
 setup: $(VENV)/.installed
@@ -40,6 +44,22 @@ $(VENV)/.installed-dev: pyproject.toml constraints.txt
 	@test -d $(VENV) || $(PYTHON) -m venv $(VENV)
 	@$(PIP) -e ".[dev]"
 	@touch $(VENV)/.installed $@
+
+setup-docs: $(VENV)/.installed-docs
+
+$(VENV)/.installed-docs: pyproject.toml constraints.txt
+	@echo "installing labrig and what its documentation needs into $(VENV) ..."
+	@test -d $(VENV) || $(PYTHON) -m venv $(VENV)
+	@$(PIP) -e ".[docs]"
+	@touch $@
+
+docs: setup-docs
+	@$(SPHINX) docs docs/_build/html
+	@echo "open docs/_build/html/index.html"
+
+# For CI: beside the linters, and not beside what it would compile a second time.
+docs-after-compiled: compiled
+	@$(MAKE) --no-print-directory docs
 
 demo: setup
 	@rm -rf demo
@@ -94,4 +114,4 @@ soak: setup-dev
 	$(BIN)/python -m benchmarks.soak --runs 200
 
 clean:
-	rm -rf $(VENV) demo build *.egg-info
+	rm -rf $(VENV) demo build docs/_build *.egg-info

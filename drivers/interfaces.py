@@ -174,7 +174,10 @@ class VoltageOutput(Protocol):
 
 @runtime_checkable
 class Interlock(Protocol):
-    """A signal that the working loop keeps up, for an external interlock (see docs/safety.md)."""
+    """A signal that the working loop keeps up, for an external interlock.
+
+    See docs/explanation/safety.md.
+    """
 
     def open(self) -> None:
         """Take the line; make no edge yet. Raises DeviceNotFoundError, DeviceError."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
-from tests import system_packages
+from tests import compiled_code, system_packages
 from tests.side_by_side import in_parts, in_turn, is_alone, step_back, watches
 
 # Workers are processes already: threads of linear algebra and of pictures only wait for each other,
@@ -22,6 +23,7 @@ settings.register_profile("labrig", deadline=None, derandomize=True)
 settings.load_profile("labrig")
 
 BEGUN = pytest.StashKey[bool]()  # of a worker: it has begun
+BEGAN_S = time.time()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -36,6 +38,8 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     for line in system_packages.summary(terminalreporter.stats):
+        terminalreporter.write_line(line)
+    for line in compiled_code.summary(compiled_code.compiled_since(BEGAN_S)):
         terminalreporter.write_line(line)
 
 
@@ -68,6 +72,14 @@ def one_process() -> Iterator[None]:
     """Workers are processes already: each of them looks for curves in its own, unless asked."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("labrig.report.data.findings.workers", lambda: 1)
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """No test reads or writes the caches of the user, in this process or in one that it starts."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("LABRIG_CACHE", str(tmp_path_factory.mktemp("cache")))
         yield
 
 

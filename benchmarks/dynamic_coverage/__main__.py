@@ -12,13 +12,13 @@ import benchmarks._one_thread  # noqa: F401  (before numpy)
 
 import argparse
 import json
-import multiprocessing
 import os
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from benchmarks._batched import done
 from benchmarks.dynamic_coverage.score import FEW_LINKS, LINKS, scored, summary
 
 
@@ -33,13 +33,17 @@ def read(path: Path) -> list[dict[str, Any]]:
     return rows
 
 
+def _lost(seed: int, error: BaseException) -> dict[str, Any]:
+    raise RuntimeError(f"seed {seed}: {error}") from error
+
+
 def collect(path: Path, seeds: Iterable[int], workers: int, links: int) -> list[dict[str, Any]]:
     """Score the sessions that are not yet in the file, writing each down when it is finished."""
-    done = {row["seed"] for row in read(path)}
-    todo = [seed for seed in seeds if seed not in done]
+    there = {row["seed"] for row in read(path)}
+    todo = [seed for seed in seeds if seed not in there]
     path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a", encoding="utf-8") as file, multiprocessing.Pool(workers) as pool:
-        for row in pool.imap_unordered(partial(scored, links=links), todo):
+    with path.open("a", encoding="utf-8") as file:
+        for row in done(todo, workers, partial(scored, links=links), _lost):
             file.write(json.dumps(row) + "\n")
             file.flush()
     wanted = set(seeds)

@@ -21,15 +21,14 @@ import json
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
 import tomlkit
 
+from benchmarks._batched import done
 from benchmarks.hidden_effects.cases import Case
 from benchmarks.hidden_effects.records import Errors, Foretold
 from benchmarks.hidden_effects.run import Made, made, options_of
@@ -158,11 +157,7 @@ def wanted(count: int, seed: int, families: Sequence[str] = FAMILIES) -> list[Ta
 
 def run(todo: Sequence[Task], jobs: int) -> Iterator[Compared | str]:
     """Yield cases as they are done."""
-    if jobs <= 1:
-        yield from (answer(task) for task in todo)
-        return
-    with ProcessPoolExecutor(jobs, get_context("spawn")) as pool:
-        yield from (one.result() for one in as_completed([pool.submit(answer, t) for t in todo]))
+    yield from done(todo, jobs, answer, lambda task, error: f"{task.key}: {error}")
 
 
 def table(found: Sequence[Compared]) -> str:

@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks._batched import done
 from benchmarks.hidden_effects.cases import Case, Hiding
 from benchmarks.hidden_effects.further import with_further
-from benchmarks.hidden_effects.pool import worked
 from benchmarks.hidden_effects.records import Further, Hid, Name, Record, Unseen
 from benchmarks.hidden_effects.registry import form_of
 from benchmarks.hidden_effects.sessions import Hidden, hidden_session
@@ -250,8 +250,8 @@ def code_digest() -> str:
 
 def run(todo: Sequence[Task], jobs: int, baselines: Baselines | None = None) -> Iterator[Record]:
     """Yield records as they are done, in `jobs` processes."""
-    return worked(todo, jobs, partial(record, baselines=baselines), _lost)
+    return done(todo, jobs, partial(record, baselines=baselines), _lost)
 
 
-def _lost(task: Task) -> Record:
-    return _not_made(task, "its process was killed")
+def _lost(task: Task, error: BaseException) -> Record:
+    return _not_made(task, str(error))

@@ -1,6 +1,6 @@
 """Runs that are killed at random moments, each judged by the world's own record.
 
-`python -m benchmarks.soak --runs 200 --seed 1`; see docs/soak.md.
+`python -m benchmarks.soak --runs 200 --seed 1`; see docs/explanation/soak.md.
 """
 
 from benchmarks.soak.faults import Fault

@@ -10,7 +10,7 @@ Families: nothing (the base model with noise), single (one effect of the catalog
 (two of them), outside (d >= 30, in no catalogue). d is the length of what the base model cannot
 take up, in standard deviations. A run that is broken off (Ctrl-C) goes on with the same -o FILE.
 A sealed world is refused where its digest is not that of sealed.toml, or its seed is not one of
-those to be reported. How to enter a generator or a method: docs/worlds.md.
+those to be reported. How to enter a generator or a method: docs/explanation/worlds.md.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.hidden_effects.pool import worked
+from benchmarks._batched import done
 from benchmarks.hidden_effects.predicted import errors, errors_of
 from benchmarks.hidden_effects.records import Foretold, Hid, Record
 from benchmarks.hidden_effects.run import code_digest
@@ -40,7 +40,7 @@ def method(name: str) -> Method:
 
 def run(todo: Sequence[Task], jobs: int) -> Iterator[list[Record]]:
     """Yield the records of each task as they are done, in `jobs` processes."""
-    return worked(todo, jobs, records, _lost)
+    return done(todo, jobs, records, _lost)
 
 
 def records(task: Task) -> list[Record]:
@@ -58,8 +58,8 @@ def key(task: Task, name: str) -> str:
     return f"{task.key}/{name}"
 
 
-def _lost(task: Task) -> list[Record]:
-    return _not_made(task, "its process was killed")
+def _lost(task: Task, error: BaseException) -> list[Record]:
+    return _not_made(task, str(error))
 
 
 def _not_made(task: Task, why: str) -> list[Record]:

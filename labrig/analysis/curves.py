@@ -235,7 +235,9 @@ def shared_out(
         raise SystemExit(1)
     try:
         with _pool(session.path, workers) as pool:
-            yield from pool.map(_in_worker, jobs, chunksize=1)
+            # What is not compiled yet is compiled for the first, once and not in each process.
+            yield pool.submit(_in_worker, jobs[0]).result()
+            yield from pool.map(_in_worker, jobs[1:], chunksize=1)
     except BrokenProcessPool:
         raise BadInputError(
             f"{session.path}: the processes that look for curves ended; a script that calls"

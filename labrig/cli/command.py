@@ -16,6 +16,23 @@ import typer
 _NAME = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
+@dataclass(frozen=True, kw_only=True)
+class CommandExample:
+    """A command as somebody types it; the documentation runs it and shows what it prints.
+
+    It is run in a folder that docs/howto/commands.md describes: a simulated rig, a session of it
+    and its models. The build fails where it ends with another exit code than `exit_code`.
+    """
+
+    line: str  # as typed, such as "labrig plan rig/protocol.toml"
+    answers: tuple[str, ...] = ()  # typed at its questions, one after the other
+    exit_code: int = 0
+    before: str = ""  # a shell's line that is run first and not shown
+    after: str = ""  # the same, afterwards
+    stop: bool = False  # it serves until Ctrl-C, which is pressed when it has printed a line
+    run_by: str = ""  # what runs it instead, where it takes minutes
+
+
 @dataclass(frozen=True)
 class Command:
     """One command, or a group of commands under one name.
@@ -32,6 +49,8 @@ class Command:
     name: str  # as typed: lower case, words joined with "-"
     action: Callable[..., None] | typer.Typer
     order: int = 1000  # commands are listed in `labrig --help` in this order, then by name
+    # One for the command, or for each subcommand; shown by its help and run for the documentation.
+    examples: tuple[CommandExample, ...] = ()
 
     @property
     def help(self) -> str:
@@ -44,9 +63,17 @@ class Command:
     def add_to(self, app: typer.Typer) -> None:
         """Add this command to the application."""
         if isinstance(self.action, typer.Typer):
+            for sub in self.action.registered_commands:
+                sub.epilog = self._epilog(str(sub.name or getattr(sub.callback, "__name__", "")))
             app.add_typer(self.action, name=self.name)
         else:
-            app.command(name=self.name)(self.action)
+            app.command(name=self.name, epilog=self._epilog())(self.action)
+
+    def _epilog(self, *below: str) -> str | None:
+        """Return the examples of a command, or of one of its subcommands, for its help."""
+        words = ["labrig", self.name, *below]
+        lines = [e.line for e in self.examples if e.line.split()[: len(words)] == words]
+        return "\b\n" + "\n".join(["Example:", *(f"  {line}" for line in lines)]) if lines else None
 
 
 def faults(command: object) -> list[str]:
@@ -61,9 +88,20 @@ def faults(command: object) -> list[str]:
         found.append(f"its order {order!r} is not a whole number")
     if not isinstance(action, typer.Typer) and not callable(action):
         return [*found, "its action is neither a function nor a typer.Typer"]
+    found += _faulty_examples(command)
     if not command.help.strip():
         found.append("it has no help: give its function a docstring, or its typer.Typer help=")
     return found or _not_built(command)
+
+
+def _faulty_examples(command: Command) -> list[str]:
+    """Return what is wrong with a command's examples."""
+    examples = command.examples
+    if not isinstance(examples, tuple) or not all(isinstance(e, CommandExample) for e in examples):
+        return ["its examples are not a tuple of labrig.CommandExample"]
+    words = ["labrig", command.name]
+    astray = [e.line for e in examples if e.line.split()[:2] != words]
+    return [f"its example {line!r} does not begin with '{' '.join(words)}'" for line in astray]
 
 
 def _unchecked(command: Command) -> tuple[object, object, object]:

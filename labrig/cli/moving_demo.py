@@ -37,7 +37,8 @@ rest_s = 1.0
 swing_s = 1.2
 """
 
-
+# The others take as long as all of these together.
+COMPARED = ("bao", "gonzalez", "huynh_alici", "lee", "pugal", "tamagawa", "yagasaki")
 NOTE = (
     "In this world each set-up differs from its sheet, as at a rig: by 1 % in stiffness and moment "
     "(standard deviation), by 0.05 mm in position. The intervals are those of its two set-ups."
@@ -81,6 +82,19 @@ def fit_and_draw(session: Path, folder: Path) -> None:
     say(f"wrote {folder / 'model.toml'}")
     for path in save_all(motion_figure(held, free), folder, "motion", DEFAULT_FORMATS):
         say(f"wrote {path}")
+    say()
+    _compare(fit, session)
+
+
+def _compare(fit: DynamicFit, session: Path) -> None:
+    """Rank some models from the literature beside the sheet that was fitted."""
+    from labrig.analysis.comparison import compare_fitted
+    from labrig.report.tables.in_time.comparison import dynamic_comparison_table
+
+    table = dynamic_comparison_table(compare_fitted(fit, names=COMPARED))
+    print_table(table.title, table.columns, table.rows)
+    say(table.note)
+    say(f"labrig compare {session} fits all nine models from the literature, in about a minute.")
 
 
 def parameter_rows(fit: DynamicFit, truth: Mapping[str, float]) -> Iterator[list[str]]:

@@ -1,7 +1,7 @@
 """about.toml: title, project, licence, people and sample of an experiment.
 
-Fields map one to one onto NeXus (NXuser, NXsample), DataCite and RO-Crate; `docs/about.md` has the
-table.
+Fields map one to one onto NeXus (NXuser, NXsample), DataCite and RO-Crate;
+`docs/howto/about.md` has the table.
 """
 
 from __future__ import annotations

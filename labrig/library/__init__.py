@@ -1,20 +1,21 @@
 """A folder of sessions: what each holds, not read whole, and not read twice.
 
-What was found is kept in `.labrig/library.json` of the folder, by each file's time and size.
+What was found is kept in SQLite in the user's cache folder, by each file's time and size.
 """
 
 from labrig.library.conditions import ConditionMean, compare_means, condition_means
 from labrig.library.entry import CatalogueEntry, read_entry
 from labrig.library.index import Library
-from labrig.library.select import COLUMNS, select
+from labrig.library.select import COLUMNS, FoundSessions, Selection
 
 __all__ = [
     "COLUMNS",
     "CatalogueEntry",
     "ConditionMean",
+    "FoundSessions",
     "Library",
+    "Selection",
     "compare_means",
     "condition_means",
     "read_entry",
-    "select",
 ]

@@ -1,72 +1,116 @@
-"""Which sessions, in which order."""
+"""Which sessions, in which order, page by page: all in SQL."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any
+import json
+import sqlite3
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
 
 from labrig.errors import BadInputError
+from labrig.library.database import NUMBER_COLUMNS, TEXT_COLUMNS
 from labrig.library.entry import CatalogueEntry
+from labrig.library.records import entry_of_row
 
-_FITTED = ("B_Nm2", "E_Pa", "EIBM_Nm", "rmse_force_mN", "rmse_curve_mm")
-_PLAIN = (
-    "name",
-    "started",
-    "sheet",
-    "protocol",
-    "title",
-    "project",
-    "sample",
-    "outcome",
-    "runs",
-    "runs_complete",
-    "readings",
-    "invalid",
-    "bytes",
-    "duration_s",
-    "largest_force_mN",
-    "scatter_mN",
-)
-COLUMNS = (*_PLAIN, *_FITTED)
+_FEW = 5_000  # sessions that are sorted quickly
+COLUMNS = ("name", *TEXT_COLUMNS, *NUMBER_COLUMNS)
 
 
-def select(
-    entries: Iterable[CatalogueEntry],
-    *,
-    sort: str = "started",
-    down: bool = True,
-    text: str = "",
-    outcome: str = "",
-    sheet: str = "",
-) -> list[CatalogueEntry]:
-    """Those that fit, sorted by a column; what a session does not have comes last either way.
+@dataclass(frozen=True, kw_only=True)
+class Selection:
+    """What is asked for. What a session does not have comes last, whichever way it is sorted.
 
     `text` is looked for in name, protocol, sheet, reason and fault, in what is stated of people and
     sample, and in the notes, without regard to capitals.
     """
-    if sort not in COLUMNS:
-        raise BadInputError(f"{sort!r} is no column; there are {', '.join(COLUMNS)}.")
-    wanted = text.lower().split()
-    found = [
-        entry
-        for entry in entries
-        if (not outcome or entry.outcome == outcome)
-        and (not sheet or sheet in entry.sheet)
-        and all(word in _words(entry) for word in wanted)
-    ]
-    value = _value_of(sort)
-    known = [entry for entry in found if value(entry) not in (None, "", ())]
-    known.sort(key=lambda entry: (value(entry), entry.name), reverse=down)
-    rest = [entry for entry in found if value(entry) in (None, "", ())]
-    return [*known, *sorted(rest, key=lambda entry: entry.name)]
+
+    sort: str = "started"
+    down: bool = True
+    text: str = ""
+    outcome: str = ""
+    sheet: str = ""
+    limit: int | None = None
+    offset: int = 0
+
+    def __post_init__(self) -> None:
+        if self.sort not in COLUMNS:
+            raise BadInputError(f"{self.sort!r} is no column; there are {', '.join(COLUMNS)}.")
 
 
-def _value_of(column: str) -> Callable[[CatalogueEntry], Any]:
-    if column in _FITTED:
-        return lambda entry: entry.fitted(column)
-    return lambda entry: getattr(entry, column)
+@dataclass(frozen=True, kw_only=True)
+class FoundSessions:
+    """A page of sessions; `total` is how many fit."""
+
+    entries: tuple[CatalogueEntry, ...]
+    total: int
 
 
-def _words(entry: CatalogueEntry) -> str:
-    parts = (entry.name, entry.protocol, *entry.sheet, entry.reason, entry.error or "", entry.words)
-    return " ".join(parts).lower()
+def select(connection: sqlite3.Connection, wanted: Selection) -> FoundSessions:
+    """Return the page that is asked for."""
+    fitting = _fitting(connection, wanted)
+    if fitting is None:
+        (total,) = connection.execute("SELECT count(*) FROM sessions").fetchone()
+    else:
+        total = len(fitting)
+    page = list(islice(_ordered(connection, wanted, fitting), wanted.limit))
+    rows = _rows(connection, page)
+    return FoundSessions(entries=tuple(entry_of_row(rows[one]) for one in page), total=total)
+
+
+def _fitting(connection: sqlite3.Connection, wanted: Selection) -> set[int] | None:
+    """Return the ids of sessions that fit; None where all do. Each table is gone through once."""
+    asked = list[tuple[str, list[str]]]()
+    words = wanted.text.lower().split()
+    if words:
+        each = " AND ".join(["instr(words, ?)"] * len(words))
+        asked.append((f"SELECT id FROM texts WHERE {each}", words))  # noqa: S608 - of constants
+    if wanted.outcome:
+        asked.append(("SELECT id FROM sessions WHERE outcome = ?", [wanted.outcome]))
+    if wanted.sheet:
+        asked.append(("SELECT id FROM sheets WHERE sheet = ?", [wanted.sheet]))
+    if not asked:
+        return None
+    return set.intersection(
+        *({number for (number,) in connection.execute(text, values)} for text, values in asked)
+    )
+
+
+def _ordered(
+    connection: sqlite3.Connection, wanted: Selection, fitting: set[int] | None
+) -> Iterator[int]:
+    """Yield ids from the first that is wanted on: those that have what is sorted by, then others.
+
+    An index has them in order. Where few fit, only these are sorted.
+    """
+    skip = wanted.offset
+    few = fitting is not None and len(fitting) <= _FEW
+    among = " AND id IN (SELECT value FROM json_each(?))" if few else ""
+    values = [json.dumps(sorted(fitting or ()))] if few else []
+    column, way = wanted.sort, "DESC" if wanted.down else "ASC"
+    plus = "+" if few else ""  # no index then
+    for there, order in (
+        (f"{column} IS NOT NULL", f"{plus}{column} {way}, name {way}"),
+        (f"{column} IS NULL", f"{plus}name"),
+    ):
+        # Names of columns are ours.
+        text = f"SELECT id FROM sessions WHERE {there}{among} ORDER BY {order}"  # noqa: S608
+        if wanted.limit is not None and (few or fitting is None):
+            text += f" LIMIT {wanted.limit + skip}"  # what is sorted need not be kept
+        for (number,) in connection.execute(text, values):
+            if fitting is not None and number not in fitting:
+                continue
+            if skip:
+                skip -= 1
+                continue
+            yield number
+
+
+def _rows(
+    connection: sqlite3.Connection, ids: Sequence[int]
+) -> dict[int, tuple[str, str | None, int]]:
+    asked = connection.execute(
+        "SELECT id, entry, fit, outdated FROM entries WHERE id IN (SELECT value FROM json_each(?))",
+        (json.dumps(ids),),
+    )
+    return {number: (entry, fit, outdated) for number, entry, fit, outdated in asked}

@@ -17,13 +17,8 @@ import numpy as np
 from labrig.errors import BadInputError
 from labrig.motion.simulated import SimulatedRun
 from labrig.session.format import layout
-from labrig.session.recording.create import (
-    create_group,
-    put_text,
-    put_text_list,
-    set_attributes,
-)
 from labrig.session.recording.disk import written_beside
+from labrig.session.recording.hdf5 import create_group, put_text, put_text_list, set_attributes
 from model.dynamics import SheetMotion
 
 HDF5_ENDINGS, CSV_ENDING = (".h5", ".hdf5", ".nxs"), ".csv"

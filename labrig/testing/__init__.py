@@ -12,6 +12,7 @@ from labrig.lazy_imports import lazily
 from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
+    from labrig.testing.conformance import batch_task_faults as batch_task_faults
     from labrig.testing.conformance import board_kind_faults as board_kind_faults
     from labrig.testing.conformance import camera_faults as camera_faults
     from labrig.testing.conformance import camera_kind_faults as camera_kind_faults
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import curve_faults as curve_faults
     from labrig.testing.conformance import data_check_faults as data_check_faults
     from labrig.testing.conformance import effect_faults as effect_faults
+    from labrig.testing.conformance import export_format_faults as export_format_faults
     from labrig.testing.conformance import extra_faults as extra_faults
     from labrig.testing.conformance import family_faults as family_faults
     from labrig.testing.conformance import force_sensor_faults as force_sensor_faults
@@ -47,6 +49,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "labrig.testing.conformance": (
+        "batch_task_faults",
         "family_faults",
         "board_kind_faults",
         "camera_faults",
@@ -57,6 +60,7 @@ _HOMES = {
         "data_check_faults",
         "verdict_check_faults",
         "effect_faults",
+        "export_format_faults",
         "extra_faults",
         "curve_extractor_faults",
         "force_sensor_faults",

@@ -21,7 +21,9 @@ from drivers.force_sensors.conformance import force_sensor_faults
 from drivers.force_sensors.contract import faults as force_sensor_kind_faults
 from drivers.positioners.conformance import positioner_faults
 from drivers.positioners.contract import faults as positioner_kind_faults
+from labrig.batch.conformance import faults as batch_task_faults
 from labrig.cli.command import faults as command_faults
+from labrig.exports.conformance import faults as export_format_faults
 from labrig.extractors.conformance import faults as curve_extractor_faults
 from labrig.extractors.conformance import faults_of_curve as curve_faults
 from labrig.panel.pages.conformance import faults as page_faults
@@ -38,6 +40,7 @@ from sim_hardware.ni.boards import faults as simulated_board_faults
 from sim_hardware.serial_devices.contract import faults as simulated_serial_device_faults
 
 __all__ = [
+    "batch_task_faults",
     "board_kind_faults",
     "camera_faults",
     "camera_kind_faults",
@@ -47,6 +50,7 @@ __all__ = [
     "curve_faults",
     "data_check_faults",
     "effect_faults",
+    "export_format_faults",
     "extra_faults",
     "family_faults",
     "force_sensor_faults",

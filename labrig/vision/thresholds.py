@@ -20,7 +20,7 @@ LEVEL_RANGE_MIN_RATIO: Final = 0.01
 LEVEL_RANGE_MAX_SIGMAS: Final = 12.0  # darkest to brightest of a million pixels of pure noise
 
 # Downscaling of thick strips. The fit's cell sizes were chosen for sheets 2 to 4 pixels thick;
-# no benchmark: tests/labrig/vision/test_thick_strips.py, and photographs (docs/vision.md).
+# no benchmark: tests/labrig/vision/test_thick_strips.py, photographs (docs/explanation/vision.md).
 FULL_RESOLUTION_THICKNESS_MAX_PX: Final = 8.0  # thicker strips are downscaled
 DOWNSCALED_THICKNESS_PX: Final = 3.5  # of a strip in the downscaled image
 # a guessed thickness as near as this to the visible one is kept
@@ -63,8 +63,8 @@ BACKGROUND_RUN_PX: Final = 8  # so much plain background in a row is the sheet's
 CONTINUATION_SEEN_SHARE_MIN: Final = 0.7  # of what is seen up to the farthest sheet
 
 # Gap continuity and occlusion: whether what is seen beyond a hidden stretch is the same sheet.
-# Contrasts found by trial on sheets turned behind a disc (docs/vision.md); benchmark: `failures`,
-# mixed and in clutter.
+# Contrasts found by trial on sheets turned behind a disc (docs/explanation/vision.md);
+# benchmark: `failures`, mixed and in clutter.
 GAP_CHI2_MAX: Final = 4.5**2  # of place, direction and curvature beyond a gap, 3 degrees of freedom
 GAP_CHI2_WARNED: Final = 3.0**2  # above: other paths are tried, and the credible band holds both
 GAP_LENGTH_MIN_PX: Final = 8.0  # in a shorter gap no other line can take over
@@ -137,8 +137,8 @@ NEIGHBOURS_USED_SHARE_MIN: Final = 0.55  # of 12 cells to each side, beside what
 CELL_CONTRAST_RATIOS: Final = (0.35, 2.5)  # of a used cell's contrast to the usual one
 CELL_CONTRAST_MIN_SIGMAS: Final = 1.5  # of a used cell, over one pixel's noise
 
-# Edges of thick strips. By trial on drawn strips and photographs (docs/vision.md); no benchmark:
-# tests/labrig/vision/test_thick_strips.py.
+# Edges of thick strips. By trial on drawn strips and photographs (docs/explanation/vision.md);
+# no benchmark: tests/labrig/vision/test_thick_strips.py.
 EDGE_DISTANCE_RATIOS: Final = (0.6, 1.6)  # between both edges over the stated thickness
 # of the cells of a block, which is as long as the strip is thick
 EDGE_BLOCK_USED_SHARE_MIN: Final = 0.5

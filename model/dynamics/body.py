@@ -12,6 +12,27 @@ from model.measurements import FloatArray
 SLIPPED, FAILED = 1, 2  # how a march may end early
 
 
+class Packed(NamedTuple):
+    """The body as the compiled kernel reads it: M nodes, N coefficients, P: N in whole fours.
+
+    Nodes that hold nothing are left out; M is a multiple of four, with nodes of no mass at the end.
+    """
+
+    turn: FloatArray  # (N, M) coefficients -> angle at the nodes
+    angle: FloatArray  # (M, P) the same
+    run: FloatArray  # (M, M) values at the nodes (rows) -> their integrals to the nodes
+    back: FloatArray  # (M, M) its transpose
+    mass: FloatArray  # (M,)
+    fluid: FloatArray  # (4, M) added mass, normal, quadratic and tangential drag
+    wet: bool  # one of these is not zero
+    weight_m: FloatArray  # (M,)
+    to_legendre: FloatArray  # (M, n) as of the space
+    breaks_m: FloatArray  # as of the space
+    flexible: int
+    first_node: np.ndarray[tuple[int], np.dtype[np.int64]]
+    first_dof: np.ndarray[tuple[int], np.dtype[np.int64]]
+
+
 class Body(NamedTuple):
     """The sheet and its elongation in a space of M nodes and N coefficients."""
 
@@ -29,6 +50,7 @@ class Body(NamedTuple):
     shares: FloatArray  # (I,)
     times_s: FloatArray  # (I,)
     reach_m: float  # where sheet or elongation ends
+    made: Packed
 
 
 class Given(NamedTuple):
@@ -49,7 +71,7 @@ class MotionState(NamedTuple):
     a: FloatArray  # (N,) d2q/dt2
     a_mean: FloatArray  # (N,) generalized-alpha's own acceleration
     z: FloatArray  # (I, N) internal variables of the Prony series
-    x: FloatArray  # (2,) N and s_hat
+    x: FloatArray  # (3,) N, s_hat and phi_hat
 
 
 class Scheme(NamedTuple):
@@ -77,12 +99,12 @@ class StepHistory(NamedTuple):
 
     q: FloatArray  # (n + 1, N)
     v: FloatArray
-    x: FloatArray  # (n + 1, 2) N and s_hat
+    x: FloatArray  # (n + 1, 3) N, s_hat and phi_hat
 
 
 def new_history(given: Given, size: int) -> StepHistory:
     """Return a track full of NaN."""
     n = len(given.step_s) + 1
     return StepHistory(
-        np.full((n, size), np.nan), np.full((n, size), np.nan), np.full((n, 2), np.nan)
+        np.full((n, size), np.nan), np.full((n, size), np.nan), np.full((n, 3), np.nan)
     )

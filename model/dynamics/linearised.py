@@ -133,7 +133,7 @@ def linearise(of: Simulation) -> SmallMotion:
         at = Motions(q, v, a, u[:, size], u[:, size + 1])
         return np.concatenate(moments(body, at, rest, contact), axis=1)
 
-    u = np.concatenate([state.q, state.x, np.zeros(2 * size)])
+    u = np.concatenate([state.q, state.x[:2], np.zeros(2 * size)])
     D = derivative(turned, u)
     c = 2 if contact else 0
     phi = body.angle @ state.q + psi[0]
@@ -158,4 +158,4 @@ def _force(of: Simulation, size: int) -> FloatArray:
         gamma = (turn * u[:, :size]).sum(1) + psi - beta
         return np.asarray((u[:, size] * np.cos(gamma))[:, None])
 
-    return np.asarray(derivative(force, np.concatenate([of.state.q, of.state.x]))[0])
+    return np.asarray(derivative(force, np.concatenate([of.state.q, of.state.x[:2]]))[0])

@@ -7,7 +7,7 @@ free or held by the rolls of the load cell. `Simulation` goes on from where it s
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,13 +20,15 @@ from model.dynamics.beam import (
     PrescribedMoment,
 )
 from model.dynamics.body import SLIPPED, Given, MotionState, StepHistory, new_history, scheme
-from model.dynamics.equations import at_contact
 from model.dynamics.line import LineModes
 from model.dynamics.load_cell import LoadCellFilter
 from model.dynamics.space import Rows, dense, moments, rows_at
-from model.measurements import FloatArray, ModelError
-from model.mechanics.equilibrium import Engine
+from model.measurements import Displayed, FloatArray, ModelError, Summary, dataframe
+from model.mechanics.equilibrium import Engine, Equilibria
 from model.mechanics.field import Field
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SAME_TIME = 1e-9  # s: instants nearer than this are one
 
@@ -52,8 +54,8 @@ class Resolution:
             raise ModelError(f"the spectral radius rho must be between 0 and 1, not {self.rho:g}")
 
 
-@dataclass(frozen=True, kw_only=True)
-class SheetMotion:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SheetMotion(Displayed):
     """What was computed at T times and S points; NaN after the sheet has slipped out."""
 
     time_s: FloatArray  # (T,)
@@ -71,6 +73,31 @@ class SheetMotion:
     phi_rad: FloatArray
     curvature_per_m: FloatArray
     slipped_s: float | None = None  # when the sheet left the rolls
+
+    def summary(self) -> Summary:
+        """Return the range of each quantity over time."""
+        rows = []
+        for name, values in self._over_time().items():
+            known = values[np.isfinite(values)]
+            if len(known):
+                span = (f"{known.min():.4g}", f"{known.max():.4g}", f"{known[-1]:.4g}")
+                rows.append((name, *span))
+        slipped = () if self.slipped_s is None else (f"slips out at {self.slipped_s:.3f} s",)
+        length = f"{len(self.time_s)} times, {len(self.s_m)} points of the shape"
+        columns = ("quantity", "least", "most", "last")
+        return Summary(f"SheetMotion: {length}", columns, rows, slipped)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each time as a pandas data frame, in SI units; the shape as its tip."""
+        return dataframe(self._over_time())
+
+    def _over_time(self) -> dict[str, FloatArray]:
+        names = (
+            "time_s", "drive_V", "sheet_V", "current_A", "force_N", "reading_N", "normal_N",
+            "s_hat_m", "phi_hat_rad",
+        )  # fmt: skip
+        tip = {f"tip_{name}": getattr(self, name)[:, -1] for name in ("x_m", "y_m", "phi_rad")}
+        return {**{name: getattr(self, name) for name in names}, **tip}
 
 
 class Steps(NamedTuple):
@@ -105,6 +132,7 @@ class Simulation:
         self.slipped_s: float | None = None
         if setup is not None and released_from is not None:
             raise ModelError("only a free sheet can be released from a shape")
+        self._found: Equilibria | None = None
         self._begin(drive, released_from)
         on = self.body.space
         self._scheme = scheme(
@@ -121,7 +149,7 @@ class Simulation:
         beam, setup, by = self.beam, self.setup, self.resolution
         zero = np.zeros(1)
         psi = self._clamp(zero)[0]
-        found, break_m = None, None
+        break_m = None
         self.line: LineModes | None = None
         if beam.electrodes is not None:
             self.line = LineModes(beam.electrodes, beam.length_m, by.line_terms)
@@ -131,10 +159,7 @@ class Simulation:
         elif any(beam.moment_per_volt_Nm):
             raise ModelError("a moment per volt needs the sheet's electrodes")
         if setup is not None:
-            kappa = self._bent_at_begin(drive)
-            angle = float(setup.angles(zero)[0]) - psi[0]
-            found = start.equilibrium(beam, setup, kappa, angle, self.engine)
-            break_m = by.break_m or float(found.s_hat_m[0])
+            break_m = by.break_m or float(self._static(drive, setup).s_hat_m[0])
         self.break_m = break_m
         degrees = by.degrees if setup is not None else (by.free_degrees,)
         self.body = start.body_of(beam, start.sheet_space(beam, degrees, break_m))
@@ -142,6 +167,8 @@ class Simulation:
         self._moments = moments(on)
         if self.line is not None:
             self._line_at_nodes = self.line.at(np.minimum(on.s_m, beam.length_m))
+            up = beam.moment_per_volt_Nm[0]
+            self._moment_per_mode = up * (self._moments @ self._line_at_nodes).T
         if isinstance(drive, PrescribedMoment):
             moment = self._moments @ drive.at(zero, on.s_m)[0]
         else:
@@ -152,9 +179,23 @@ class Simulation:
             self.state = start.let_go(self.body, released_from, moment, psi)
             return
         place = self._places(zero)[0]
-        self.state = start.at_rest(self.body, found, moment, float(psi[0]), place)
-        if found is None and psi.any():
+        if setup is not None:
+            self.state = start.resting(
+                self.body, lambda: self._static(drive, setup), moment, float(psi[0]), place
+            )
+            return
+        self.state = start.at_rest(self.body, None, moment, float(psi[0]), place)
+        if psi.any():
             start.accelerate(self.body, self.state, moment, psi)
+
+    def _static(self, drive: HeldVoltage | PrescribedMoment, setup: ContactSetup) -> Equilibria:
+        """Return the static solution that the motion begins with, computed once."""
+        if self._found is None:
+            zero = np.zeros(1)
+            angle = float(setup.angles(zero)[0]) - float(self._clamp(zero)[0, 0])
+            kappa = self._bent_at_begin(drive)
+            self._found = start.equilibrium(self.beam, setup, kappa, angle, self.engine)
+        return self._found
 
     def _bent_at_begin(self, drive: HeldVoltage | PrescribedMoment) -> Field:
         """Return the curvature that a free sheet would begin with."""
@@ -178,7 +219,7 @@ class Simulation:
             return np.zeros((len(modes), self.body.space.size))
         up, down = self.beam.moment_per_volt_Nm
         if up == down:
-            return np.asarray(modes @ (up * self._moments @ self._line_at_nodes).T)
+            return np.asarray(modes @ self._moment_per_mode)
         return np.asarray(self.beam.moment_of(modes @ self._line_at_nodes.T) @ self._moments.T)
 
     def advance(
@@ -237,10 +278,18 @@ class Simulation:
 
     def _places(self, times: FloatArray) -> FloatArray:
         """Return p_hat, (n, 2)."""
-        if self.setup is None:
-            return np.zeros((len(times), 2))
-        beta = self.setup.angles(times)
-        return self.setup.radius_m * np.stack([np.cos(beta), np.sin(beta)], axis=1)
+        places = np.zeros((len(times), 2))
+        if self.setup is not None:
+            rests = not callable(self.setup.position_m)
+            beta = self.setup.angles(times[:1] if rests else times)
+            places[:, 0] = self.setup.radius_m * np.cos(beta)
+            places[:, 1] = self.setup.radius_m * np.sin(beta)
+        return places
+
+    def _polar(self, places: FloatArray) -> FloatArray:
+        """Return the polar angles of the rolls; one where they rest."""
+        some = places if self.setup is not None and callable(self.setup.position_m) else places[:1]
+        return np.arctan2(some[:, 1], some[:, 0])
 
     def _drive(
         self, drive: HeldVoltage | PrescribedMoment, ends: FloatArray, step_s: FloatArray
@@ -266,27 +315,26 @@ class Simulation:
         made: Steps,
         s_m: FloatArray | None,
     ) -> SheetMotion:
-        on, track, given, line = self.body.space, made.track, made.given, made.line
+        track, given, line = made.track, made.given, made.line
         s, at = self._points(s_m)
         q, psi = track.q[rows], given.clamp[rows, 0]
-        phi = q @ self._dense[0].T + psi[:, None] if len(s) else np.zeros((len(q), len(on.s_m)))
+        x_m = y_m = np.zeros((len(q), 0))
+        if len(s):
+            phi = q @ self._dense[0].T + psi[:, None]
+            x_m, y_m = np.cos(phi) @ at.position.T, np.sin(phi) @ at.position.T
         normal, force, reading = (np.zeros(len(times)) for _ in range(3))
         s_hat, phi_hat = np.full(len(times), np.nan), np.full(len(times), np.nan)
         if self.setup is not None and self._filter is not None:
-            normal, s_hat = track.x[rows, 0], track.x[rows, 1]
+            normal, s_hat, phi_hat = track.x[rows].T
             which = slice(None) if self._filter.slow else rows  # a slow load cell needs all steps
-            turn, _ = at_contact(on, track.x[which, 1])
-            turned = (turn * track.q[which]).sum(1) + given.clamp[which, 0]
-            gamma = turned - np.arctan2(given.place[which, 1], given.place[which, 0])
-            whole = track.x[which, 0] * np.cos(gamma)
-            force, reading, phi_hat = whole, whole, turned
+            gamma = track.x[which, 2] - self._polar(given.place[which])
+            force = reading = track.x[which, 0] * np.cos(gamma)
             if self._filter.slow:
-                reading = self._filter.follow(given.step_s, whole)[rows]
-                force, phi_hat = whole[rows], turned[rows]
+                reading, force = self._filter.follow(given.step_s, force)[rows], force[rows]
         return SheetMotion(
             time_s=times, drive_V=line[0][rows], sheet_V=line[1][rows], current_A=line[2][rows],
             force_N=force, reading_N=reading, normal_N=normal, s_hat_m=s_hat, phi_hat_rad=phi_hat,
-            s_m=s, x_m=np.cos(phi) @ at.position.T, y_m=np.sin(phi) @ at.position.T,
+            s_m=s, x_m=x_m, y_m=y_m,
             phi_rad=q @ at.angle.T + psi[:, None], curvature_per_m=q @ at.curvature.T,
             slipped_s=self.slipped_s,
         )  # fmt: skip
@@ -332,11 +380,17 @@ def steps(
 ) -> tuple[FloatArray, np.ndarray[Any, Any]]:
     """Return steps that end at all times and edges, and after how many each time comes."""
     edges = edges_s[(edges_s > begin_s) & (edges_s < times_s[-1])]
-    knots = np.unique(np.concatenate([[begin_s], times_s, edges]))
-    knots = knots[np.concatenate([[True], np.diff(knots) > SAME_TIME])]
+    knots = np.concatenate([[begin_s], times_s])
+    if len(edges):
+        knots = np.unique(np.concatenate([knots, edges]))
     widths = np.diff(knots)
+    apart = widths > SAME_TIME
+    if not apart.all():
+        knots = knots[np.concatenate([[True], apart])]
+        widths = np.diff(knots)
     counts = np.ceil(widths / longest_s - 1e-6).astype(int)
-    after = np.concatenate([[0], np.cumsum(counts)])
+    after = np.zeros(len(counts) + 1, dtype=int)
+    np.cumsum(counts, out=after[1:])
     nearest = np.searchsorted(knots, times_s - SAME_TIME)
     return np.repeat(widths / counts, counts), after[np.minimum(nearest, len(after) - 1)]
 

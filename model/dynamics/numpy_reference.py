@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from model.dynamics.body import FAILED, SLIPPED, Body, Given, MotionState, Scheme, StepHistory
-from model.dynamics.equations import Motions, Numbers, moments, newton
+from model.dynamics.equations import Motions, Numbers, at_contact, moments, newton
 from model.dynamics.material import relaxation
 
 SMALL = 1e-11  # a step of Newton's method that ends it
@@ -61,7 +61,7 @@ def _step(body: Body, given: Given, state: MotionState, of: Scheme, n: int, h: f
 
     scale = np.concatenate([np.full(size, 1.0 / body.space.length_m), [1.0, body.space.length_m]])
     scale[size] = body.stiffness[0] * scale[0] ** 3  # B/l^2, about
-    u = np.concatenate([state.q, state.x]) if contact else state.q.copy()
+    u = np.concatenate([state.q, state.x[:2]]) if contact else state.q.copy()
     found = newton(residual, u, scale[: len(u)], SMALL)
     if found is None:
         return False
@@ -69,5 +69,7 @@ def _step(body: Body, given: Given, state: MotionState, of: Scheme, n: int, h: f
     state.z[:] = past + late * (found[:size] - body.rest)
     state.q[:], state.v[:], state.a[:], state.a_mean[:] = found[:size], v, a, mean
     if contact:
-        state.x[:] = found[size:]
+        turn, _ = at_contact(body.space, found[size + 1 :])
+        state.x[:2] = found[size:]
+        state.x[2] = turn[0] @ state.q + given.clamp[n + 1, 0]
     return True

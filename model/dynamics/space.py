@@ -84,7 +84,7 @@ def _polynomials(nodes: int, count: int) -> tuple[FloatArray, FloatArray]:
     return np.asarray(legendre.legvander(t, count - 1)), integrated_legendre(t, count)
 
 
-class _Panels:
+class Panels:
     """A space as a key: the same panels have the same matrices, which many runs share."""
 
     __slots__ = ("_key", "on")
@@ -96,7 +96,7 @@ class _Panels:
         return hash(self._key)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Panels) and self._key == other._key
+        return isinstance(other, Panels) and self._key == other._key
 
 
 def norms(on: Space) -> FloatArray:
@@ -110,11 +110,11 @@ def norms(on: Space) -> FloatArray:
 
 def moments(on: Space) -> FloatArray:
     """Return the matrix (N, M) that takes nodal values to int f P_j ds; not to be changed."""
-    return _moments(_Panels(on))
+    return _moments(Panels(on))
 
 
 @lru_cache(maxsize=16)
-def _moments(panels: _Panels) -> FloatArray:
+def _moments(panels: Panels) -> FloatArray:
     on = panels.on
     rows = np.zeros((on.size, len(on.s_m)))
     for p in range(on.flexible):
@@ -134,11 +134,11 @@ class Rows(NamedTuple):
 
 def rows_at(on: Space, s_m: FloatArray) -> Rows:
     """Return the matrices for points from the clamp to the end of the elongation; not to change."""
-    return _rows_at(_Panels(on), tuple(np.atleast_1d(np.asarray(s_m, dtype=float)).tolist()))
+    return _rows_at(Panels(on), tuple(np.atleast_1d(np.asarray(s_m, dtype=float)).tolist()))
 
 
 @lru_cache(maxsize=64)
-def _rows_at(panels: _Panels, places_m: tuple[float, ...]) -> Rows:
+def _rows_at(panels: Panels, places_m: tuple[float, ...]) -> Rows:
     on, s = panels.on, np.array(places_m)
     panel = np.clip(np.searchsorted(on.breaks_m[1:-1], s, side="left"), 0, len(on.breaks_m) - 3)
     k, angle = np.zeros((len(s), on.size)), np.zeros((len(s), on.size))
@@ -167,11 +167,11 @@ def _rows_at(panels: _Panels, places_m: tuple[float, ...]) -> Rows:
 
 def dense(on: Space) -> tuple[FloatArray, FloatArray]:
     """Return angle (M, N) and position (M, M) at all nodes as whole matrices; not to be changed."""
-    return _dense(_Panels(on))
+    return _dense(Panels(on))
 
 
 @lru_cache(maxsize=16)
-def _dense(panels: _Panels) -> tuple[FloatArray, FloatArray]:
+def _dense(panels: Panels) -> tuple[FloatArray, FloatArray]:
     on = panels.on
     M = len(on.s_m)
     angle, position = np.zeros((M, on.size)), np.zeros((M, M))
@@ -184,3 +184,28 @@ def _dense(panels: _Panels) -> tuple[FloatArray, FloatArray]:
             angle[nodes.stop :, dofs.start] = high - low
         position[nodes.stop :, nodes] = on.weight_m[nodes]
     return angle, position
+
+
+def operators(on: Space, nodes: int, M: int, P: int) -> dict[str, FloatArray]:
+    """Return the matrices of the first nodes, filled up to M nodes and P coefficients with 0.
+
+    They are `turn` (N, M), `angle` (M, P), `run` (M, M), its transpose `back`, `weight_m` (M,) and
+    `to_legendre` (M, n); not to be changed.
+    """
+    return _operators(Panels(on), nodes, M, P)
+
+
+@lru_cache(maxsize=16)
+def _operators(panels: Panels, nodes: int, M: int, P: int) -> dict[str, FloatArray]:
+    on = panels.on
+    angle, position = _dense(panels)
+    wide, square = np.zeros((M, P)), np.zeros((M, M))
+    wide[:nodes, : on.size] = angle[:nodes]
+    square[:nodes, :nodes] = position[:nodes, :nodes]
+    weight, rows = np.zeros(M), np.zeros((M, on.to_legendre.shape[1]))
+    weight[:nodes], rows[:nodes] = on.weight_m[:nodes], on.to_legendre[:nodes]
+    return {
+        "turn": np.ascontiguousarray(wide[:, : on.size].T), "angle": wide,
+        "run": np.ascontiguousarray(square.T), "back": square, "weight_m": weight,
+        "to_legendre": rows,
+    }  # fmt: skip

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
+from collections.abc import Callable
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from model.dynamics.beam import ContactSetup, DynamicBeam
-from model.dynamics.body import Body, MotionState
-from model.dynamics.equations import Motions, derivative, moments, newton, static_residual
-from model.dynamics.space import Space, dense, norms, rows_at, space
+from model.dynamics.body import Body, MotionState, Packed
+from model.dynamics.equations import (
+    Motions,
+    at_contact,
+    derivative,
+    moments,
+    newton,
+    static_residual,
+)
+from model.dynamics.space import Panels, Space, dense, norms, operators, rows_at, space
 from model.dynamics.space import moments as projection
 from model.measurements import FloatArray, ModelError
 from model.mechanics.equilibrium import Engine, Equilibria, SolverStatus, problems, solve
@@ -66,11 +76,51 @@ def body_of(beam: DynamicBeam, on: Space) -> Body:
         stiffness=beam.material.B_Nm2 * norms(on), rest=coefficients(on, beam.rest),
         viscous_s=beam.material.viscous_time_s, shares=np.array(beam.material.shares),
         times_s=np.array(beam.material.times_s), reach_m=float(on.breaks_m[-1]) * (1.0 + 1e-12),
+        made=packed(on, mass, np.array(rows)),
+    )  # fmt: skip
+
+
+def packed(on: Space, mass: FloatArray, fluid: FloatArray) -> Packed:
+    """Return the arrays of the compiled kernel."""
+    holds = np.flatnonzero(mass + fluid.sum(axis=0))
+    nodes = max(int(on.first_node[on.flexible]), int(holds[-1]) + 1 if len(holds) else 0)
+    if on.breaks_m[-1] > on.breaks_m[on.flexible]:  # the rolls may be on the elongation
+        nodes = max(nodes, int(on.first_node[on.flexible + 1]))
+    M, P = -(-nodes // 4) * 4, -(-on.size // 4) * 4
+    of_space = operators(on, nodes, M, P)
+    whole = np.zeros((5, M))
+    whole[:, :nodes] = np.stack([mass, *fluid])[:, :nodes]
+    return Packed(
+        **of_space, mass=whole[0], fluid=whole[1:], wet=bool(np.any(fluid)),
+        breaks_m=on.breaks_m, flexible=on.flexible, first_node=on.first_node,
+        first_dof=on.first_dof,
     )  # fmt: skip
 
 
 def coefficients(on: Space, quantity: Field) -> FloatArray:
-    """Return the best approximation of a quantity along the sheet, (N,)."""
+    """Return the best approximation of a quantity along the sheet, (N,); not to be changed."""
+    return _coefficients(Panels(on), _Quantity(quantity))
+
+
+class _Quantity:
+    """A quantity along the sheet as a key: a search asks about the same one again and again."""
+
+    __slots__ = ("_key", "field")
+
+    def __init__(self, field: Field) -> None:
+        self.field = field
+        self._key = (field.breaks_m.tobytes(), field.coefficients.tobytes())
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Quantity) and self._key == other._key
+
+
+@lru_cache(maxsize=64)
+def _coefficients(panels: Panels, of: _Quantity) -> FloatArray:
+    on, quantity = panels.on, of.field
     breaks = np.unique(np.concatenate([quantity.breaks_m, on.breaks_m[: on.flexible + 1]]))
     values = np.zeros(on.size)
     x, w = np.polynomial.legendre.leggauss(16)
@@ -80,12 +130,42 @@ def coefficients(on: Space, quantity: Field) -> FloatArray:
     return np.asarray(values / norms(on))
 
 
+_RESTING: OrderedDict[tuple[bytes, ...], FloatArray] = OrderedDict()  # see `resting`
+MOST_RESTING = 64
+
+
+def resting(
+    body: Body, found: Callable[[], Equilibria], moment: FloatArray, clamp_rad: float,
+    place: FloatArray,
+) -> MotionState:  # fmt: skip
+    """Return `at_rest`; of an uncharged sheet it is found once, for it does not depend on B.
+
+    Only N grows with B. A search for B and all else asks for hundreds of motions from there.
+    """
+    if moment.any():
+        return at_rest(body, found(), moment, clamp_rad, place)
+    on, size = body.space, body.space.size
+    B = body.stiffness[0] / on.breaks_m[1]
+    key = (
+        on.breaks_m.tobytes(), on.first_dof.tobytes(), body.rest.tobytes(), place.tobytes(),
+        np.float64(clamp_rad).tobytes(),
+    )  # fmt: skip
+    kept = _RESTING.get(key)
+    if kept is None:
+        state = at_rest(body, found(), moment, clamp_rad, place)
+        _RESTING[key] = np.concatenate([state.q, [state.x[0] / B], state.x[1:]])
+        while len(_RESTING) > MOST_RESTING:
+            _RESTING.popitem(last=False)
+        return state
+    return _state(body, kept[:size], kept[size:] * np.array([B, 1.0, 1.0]))
+
+
 def at_rest(
     body: Body, found: Equilibria | None, moment: FloatArray, clamp_rad: float, place: FloatArray
 ) -> MotionState:
     """Return the equilibrium of the space, from the static solution `found` (None: free)."""
     if found is None:
-        return _state(body, body.rest + moment / body.stiffness, np.zeros(2))
+        return _state(body, body.rest + moment / body.stiffness, np.zeros(3))
     on, bends = body.space, body.space.first_node[body.space.flexible]
     shape = found.shapes(on.s_m[:bends])
     k = np.zeros(len(on.s_m))
@@ -101,12 +181,14 @@ def at_rest(
     )  # fmt: skip
     if solved is None:
         raise ModelError("no equilibrium to begin from was found in the chosen space")
-    return _state(body, solved[: on.size], solved[on.size :])
+    q, x = solved[: on.size], solved[on.size :]
+    turned = at_contact(on, x[1:])[0][0] @ q + clamp_rad
+    return _state(body, q, np.append(x, turned))
 
 
 def let_go(body: Body, curvature: Field, moment: FloatArray, clamp: FloatArray) -> MotionState:
     """Return a free sheet at rest in a given shape, with the acceleration it begins with."""
-    state = _state(body, coefficients(body.space, curvature), np.zeros(2))
+    state = _state(body, coefficients(body.space, curvature), np.zeros(3))
     accelerate(body, state, moment, clamp)
     return state
 

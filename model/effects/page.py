@@ -1,4 +1,4 @@
-"""The catalogue as a page of the docs: `python -m model.effects.page > docs/effects.md`."""
+"""The catalogue as a page of the documentation: `python -m model.effects.page` prints it."""
 
 from __future__ import annotations
 
@@ -12,22 +12,23 @@ from model.locations import locations
 HEAD = """\
 # The catalogue of effects
 
-What the base model leaves out, and `labrig diagnose` may find. This page is made from the effects
-themselves: `python -m model.effects.page > docs/effects.md`.
+An effect is a physical cause that the base model leaves out. `labrig diagnose` looks for all of
+these. The documentation build makes this page from the effects themselves.
 
-An effect is one object in a file of its own, `model/effects/NAME.py`: a frozen subclass of
-`Effect` that overrides the one place where it acts, and `EFFECT`. Its first parameter says how much
-of it there is; the form is only a first guess, from which `diagnose` lets the data depart along
-what stands under *may differ along*. Another distribution adds an effect by an entry point:
+Each section says what the effect is, its formula, and what it leaves in the data. The formula is a
+first guess: the data may depart from it along what is listed under *may differ along*.
+`labrig effects show NAME` prints the same.
+
+To add an effect, write one file with a frozen subclass of `Effect` and the constant `EFFECT`; its
+first parameter is the amplitude. It goes into `model/effects/`, or into a distribution of yours:
 
 ```toml
 [project.entry-points."labrig.effects"]
 moonlight = "my_package.moonlight:EFFECT"
 ```
 
-`model.effects.conformance.faults(EFFECT)` says what is wrong with it; `[]` is what its tests want.
-One that cannot be used, or has a name that exists already, is left out with a warning. `diagnose`
-records name and version of the distributions that others come from.
+`labrig.testing.effect_faults(EFFECT)` returns what is wrong with it. A faulty one is left out with
+a warning. `diagnose` records the name and version of the distribution that an effect comes from.
 """
 
 
@@ -41,8 +42,8 @@ def _overview(effects: list[Effect]) -> Iterable[str]:
     yield "| effect | location | parameters | form |"
     yield "|---|---|---|---|"
     for e in effects:
-        told = ", ".join([*(k.name for k in e.parameters), *e.extra])
-        yield f"| [{e.name}](#{e.name}) | {e.location} | {told} | {_cell(e.form)} |"
+        names = ", ".join([*(k.name for k in e.parameters), *e.extra])
+        yield f"| [{e.name}](#{e.name}) | {e.location} | {names} | {_cell(e.form)} |"
     yield ""
 
 
@@ -58,7 +59,7 @@ def _section(e: Effect) -> Iterable[str]:
     yield f"### {e.name}\n"
     yield f"{e.meaning}\n"
     yield f"- **form**: {e.form}"
-    yield f"- **leaves**: {e.signature}"
+    yield f"- **leaves in the data**: {e.signature}"
     yield f"- **isolated by**: {e.isolates}"
     yield f"- **may differ along**: {', '.join(e.form_error_along)}" + (
         "; each configuration may have its own size" if e.by_configuration else ""
@@ -66,7 +67,7 @@ def _section(e: Effect) -> Iterable[str]:
     if e.explained_by_dynamics:
         yield "- **explained by dynamics**: with a model that has them it is what they leave"
     yield f"- **source**: {e.source}\n"
-    yield "| parameter | meaning | unit | plausible | bounds | absent at | tried |"
+    yield "| parameter | meaning | unit | prior scale | bounds | absent at | starting values |"
     yield "|---|---|---|---|---|---|---|"
     for parameter in e.parameters:
         yield _row(parameter, shape=parameter is not e.amplitude)

@@ -20,6 +20,8 @@ from benchmarks.worlds.generators.collocation import (
 )
 from model.measurements import Condition
 
+pytestmark = pytest.mark.thorough
+
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 FEW = Design(positions_m={"long": (0.005, 0.025), "short": (0.005, 0.025)}, readings=3)
 

@@ -12,6 +12,8 @@ from benchmarks.worlds.conditions import unmeasured
 from benchmarks.worlds.contract import Design
 from model.measurements import Condition, Curve, Measurements, Reading
 
+pytestmark = pytest.mark.thorough
+
 RUN_S = 60.0
 
 

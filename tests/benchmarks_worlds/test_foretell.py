@@ -23,6 +23,8 @@ from benchmarks.worlds.methods._foretell import along_arc, likeliest_shapes, of_
 from benchmarks.worlds.methods._signatures import Started
 from model.measurements import Measurements
 
+pytestmark = pytest.mark.thorough
+
 DESIGN = replace(PAPER, readings=3, series=False, curve_points=17)
 HIDDEN, SEED = {"load_cell_compliance": 0.3}, 17
 
@@ -51,7 +53,6 @@ def base_errors() -> tuple[float, float]:
     return errors_of(of_model(started().base, session()), truth())
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("method", [fixed_forms, stlsq, kennedy_ohagan, gp_along_arc])
 def test_a_method_foretells_better_than_the_base_model(method) -> None:
     foretell = method.answer(session()).foretell
@@ -60,7 +61,6 @@ def test_a_method_foretells_better_than_the_base_model(method) -> None:
     assert curve < 0.6 * base_errors()[1]
 
 
-@pytest.mark.thorough
 def test_a_method_whose_names_are_wrong_foretells_nevertheless() -> None:
     foretell = repeats_bic.answer(session()).foretell
     assert foretell is not None

@@ -11,6 +11,8 @@ import pytest
 from benchmarks.worlds.contract import Design
 from benchmarks.worlds.generators.splines import WORLD, Cases, Sheet, solve, true_sheets
 
+pytestmark = pytest.mark.thorough
+
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 FEW = Design(positions_m={"long": (0.005, 0.025), "short": (0.005, 0.025)}, readings=3)
 

@@ -1,4 +1,4 @@
-"""The devices that docs/devices.md shows keep their contracts, as they stand there."""
+"""The devices that docs/howto/devices.md shows keep their contracts, as they stand there."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from drivers.positioners.conformance import positioner_faults
 from labrig.config.derived import model_of
 from sim_hardware.clock import VirtualClock
 
-PAGE = (Path(__file__).parents[2] / "docs" / "devices.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "devices.md").read_text(encoding="utf-8")
 
 
 def shown(constant: str) -> Any:
@@ -25,7 +25,7 @@ def shown(constant: str) -> Any:
     blocks = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
     (code,) = (block for block in blocks if f"\n{constant} =" in block)
     names: dict[str, Any] = {"__name__": f"docs_{constant.lower()}"}
-    exec(compile(code, "docs/devices.md", "exec", dont_inherit=True), names)
+    exec(compile(code, "docs/howto/devices.md", "exec", dont_inherit=True), names)
     return names[constant]
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from labrig.analysis import analyze
-from labrig.config import templates
+from labrig.cli.commands import demo as demo_command
 from labrig.model_file import load_model
 from labrig.session import load_measurements, open_session
 from model import Measurements, fit
@@ -67,21 +67,11 @@ def run_demo(folder: Path) -> Demo:
 
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Demo:
-    """All positions, voltages and steps of it; three readings of each voltage instead of ten."""
-    real = templates.write_templates
-
-    def fewer_readings(folder: Path, *, simulated: bool) -> None:
-        real(folder, simulated=simulated)
-        protocol = folder / "protocol.toml"
-        text = protocol.read_text()
-        for key in ("zero_readings", "readings_per_voltage"):
-            assert f"{key} = 10" in text
-            text = text.replace(f"{key} = 10", f"{key} = 3")
-        protocol.write_text(text)
+    """All positions, voltages and steps of it, with fewer readings."""
 
     def make(folder: Path) -> None:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(templates, "write_templates", fewer_readings)
+            patch.setattr(demo_command, "READINGS", 3)
             made = run_demo(folder)
         kept_beside(folder).write_text(json.dumps([made.printed, made.code]))
 

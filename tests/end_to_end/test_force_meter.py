@@ -165,7 +165,7 @@ def test_whatever_a_meter_has_read_is_said_in_newtons_and_never_in_volts(
     metered: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with h5py.File(metered) as file:
-        assert file["session/run_000/signals/force"].attrs["units"] == b"N"
+        assert file["session/run_000/signals/force"].attrs["units"] == "N"
     capsys.readouterr()
     assert labrig("show", metered) == 0
     (row,) = (

@@ -15,7 +15,7 @@ import pytest
 
 from labrig.session import Note, add_note, store_measurements
 from labrig.session.format import layout
-from labrig.session.recording.create import put_text
+from labrig.session.recording.hdf5 import put_text
 from labrig.session.recording.journal import journal_path
 from tests.fuzz.mangle import DEEP, NUMBERS, bytes_of
 from tests.fuzz.told import told

@@ -178,6 +178,6 @@ def test_the_preflight_names_operator_and_sample(rig, capsys):
 
 
 def test_the_about_toml_of_the_docs_is_understood():
-    page = (Path(__file__).parents[2] / "docs" / "about.md").read_text(encoding="utf-8")
-    about = parse_about(page.split("```toml\n")[1].split("```")[0], "docs/about.md")
+    page = (Path(__file__).parents[2] / "docs" / "howto" / "about.md").read_text(encoding="utf-8")
+    about = parse_about(page.split("```toml\n")[1].split("```")[0], "docs/howto/about.md")
     assert (about.licence, about.sample.identity) == ("CC-BY-4.0", "S-17")

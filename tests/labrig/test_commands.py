@@ -15,7 +15,7 @@ import typer
 
 import labrig.cli.commands
 from labrig.cli.app import all_commands, module_of
-from labrig.cli.command import Command, faults
+from labrig.cli.command import Command, CommandExample, faults
 from tests.labrig.report_data import measure, session
 
 ROOT = Path(__file__).parents[2]
@@ -73,6 +73,14 @@ def documented(speed: int | str) -> None:
         (Command("do", list_nothing, order="last"), "its order 'last'"),  # type: ignore[arg-type]
         (Command("do", "it"), "its action is neither"),  # type: ignore[arg-type]
         (Command("do", nothing), "it has no help"),
+        (
+            Command("do", list_nothing, examples=(CommandExample(line="labrig undo"),)),
+            "its example 'labrig undo' does not begin with 'labrig do'",
+        ),
+        (
+            Command("do", list_nothing, examples=("labrig do",)),  # type: ignore[arg-type]
+            "its examples are not a tuple of labrig.CommandExample",
+        ),
         (Command("do", typer.Typer()), "it has no help"),
         (Command("do", documented), "typer cannot read its arguments and options"),
     ],
@@ -82,8 +90,8 @@ def test_what_is_wrong_with_a_command_is_said(part: object, fault: str) -> None:
 
 
 def documented_example(language: str) -> str:
-    """The example of docs/commands.md in this language, as it stands there."""
-    text = (ROOT / "docs" / "commands.md").read_text()
+    """The example of docs/howto/commands.md in this language, as it stands there."""
+    text = (ROOT / "docs" / "howto" / "commands.md").read_text()
     return text.split(f"```{language}\n")[1].split("```")[0]
 
 

@@ -25,11 +25,11 @@ from labrig.report.sections.interface import SECTIONS, ReportSection, ordered
 from labrig.session import Mark, add_mark, open_session
 from tests.labrig.report_data import measure, session, stopped_session
 
-DOCS = Path(__file__).parents[2] / "docs" / "report.md"
+DOCS = Path(__file__).parents[2] / "docs" / "howto" / "report.md"
 
 
 def documented(language: str) -> str:
-    """The example of docs/report.md in this language, as it stands there."""
+    """The example of docs/howto/report.md in this language, as it stands there."""
     (found,) = re.findall(rf"```{language}\n(.*?)```", DOCS.read_text("utf-8"), re.DOTALL)
     return str(found)
 

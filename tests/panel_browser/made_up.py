@@ -34,7 +34,7 @@ ROWS = ["run_s"] + [
 
 
 def binary(header: Message, payload: bytes) -> bytes:
-    """A binary frame as docs/panel.md lays it out."""
+    """A binary frame as docs/reference/panel_messages.md lays it out."""
     text = json.dumps(header).encode()
     text += b" " * (-(4 + len(text)) % 8)
     return struct.pack("<I", len(text)) + text + payload

@@ -99,7 +99,9 @@ def test_a_shipped_world_is_meant_by_its_name_unless_the_folder_has_its_own(tmp_
 
 def test_every_key_of_the_shipped_world_is_explained() -> None:
     text = files("sim_hardware.world").joinpath("world.toml").read_text(encoding="utf-8")
-    page = Path(__file__).parents[2].joinpath("docs", "world.md").read_text(encoding="utf-8")
+    page = (
+        Path(__file__).parents[2].joinpath("docs", "howto", "world.md").read_text(encoding="utf-8")
+    )
     for line in text.splitlines():
         key = line.split("=")[0].strip()
         if "=" in line and line[:1] not in ("#", "["):

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.hidden_effects.pool import worked
+from benchmarks._batched import done
 from benchmarks.hidden_effects.records import Name, Unseen
 from benchmarks.hidden_effects.run import ROOT
 from benchmarks.worlds.cases import Task, made, names, tasks
@@ -112,7 +112,8 @@ def example(task: Task) -> tuple[str, FloatArray, str]:
     return task.key, found, "+".join(told)
 
 
-def _lost(task: Task) -> tuple[str, FloatArray, str]:
+def _lost(task: Task, error: BaseException) -> tuple[str, FloatArray, str]:
+    del error
     return task.key, np.zeros(0), "its process was killed"
 
 
@@ -146,7 +147,7 @@ def main() -> int:
         t for name in open_worlds() for t in tasks(name, chosen.cases, chosen.seed)
         if t.key not in examples
     ]  # fmt: skip
-    for i, (key, found, truth) in enumerate(worked(todo, chosen.jobs, example, _lost), 1):
+    for i, (key, found, truth) in enumerate(done(todo, chosen.jobs, example, _lost), 1):
         print(f"{i}/{len(todo)} {key} {truth or 'nothing'}", file=sys.stderr, flush=True)
         if len(found):
             examples[key] = (found, truth)

@@ -29,7 +29,7 @@ drive_readback = "AIN4"            # the amplifier's output: sheet volts, differ
 sample_rate_hz = 1000.0            # of each channel
 """,
     interlock="""\
-# [interlock]                      # a relay in the amplifier's supply: see docs/safety.md
+# [interlock]                      # a relay, not a one-shot: see docs/explanation/safety.md
 # line = "EIO0"                    # high while a run is under way; the device's watchdog drops it
 """,
 )

@@ -1,6 +1,6 @@
 """Models of the sheet in time compared on a recorded session, and what is kept of it there."""
 
-from labrig.analysis.comparison.compared import compare_in_time, why_not_in_time
+from labrig.analysis.comparison.compared import compare_fitted, compare_in_time, why_not_in_time
 from labrig.analysis.comparison.result import (
     ComparedModel,
     DynamicComparison,
@@ -11,6 +11,7 @@ from labrig.analysis.comparison.result import (
 __all__ = [
     "ComparedModel",
     "DynamicComparison",
+    "compare_fitted",
     "compare_in_time",
     "keep_comparisons",
     "kept_comparisons",

@@ -10,6 +10,7 @@ import numpy as np
 from labrig.analysis.comparison.result import ComparedModel, ComparedQuantity, DynamicComparison
 from labrig.analysis.motion import motion_record
 from labrig.analysis.motion.beginning import COARSE, StatedValues, beginning
+from labrig.analysis.motion.dynamic_fit import DynamicFit
 from labrig.analysis.motion.noise import noise_at_first
 from labrig.analysis.motion.record import MotionRecord
 from labrig.analysis.motion.rest_shape import rest_curvature
@@ -27,7 +28,7 @@ from model.dynamics.comparison import (
     compare_models,
     hold_out,
 )
-from model.dynamics.identification import RecordedRun, RecordingNoise, identify
+from model.dynamics.identification import RecordedRun, RecordingNoise, best_sheet
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.models import models
 from model.measurements import ModelError, SheetGeometry
@@ -110,6 +111,37 @@ def compare_in_time(
     )  # fmt: skip
 
 
+def compare_fitted(
+    fit: DynamicFit, *, names: Sequence[str] | None = None, progress: Progress | None = None
+) -> DynamicComparison:
+    """Compare with a sheet in time that is fitted already, for less time: its k0 is the same.
+
+    names: of the models from the literature, in any order; None: all. Raises BadInputError.
+    """
+    whole = [run for run in fit.runs if run.plan.setup is None or _rests(run)]
+    data = _compared(fit.sheet, whole, fit.noise, fit.found.beam.rest)
+    try:
+        begun = replace(beginning(fit.sheet, whole, fit.stated), rest=fit.found.beam.rest)
+        full = FullContender(begun, COARSE)
+        # the fit has seen what is held out here, so a search goes on from it without that
+        some = [run.run for run in data.fitted]
+        values = _magnitudes(
+            best_sheet(
+                fit.found.beam, some, fit.noise, resolution=COARSE, tolerance=FOUND, near=True
+            )
+        )
+        others = [PublishedContender(m) for n, m in models().items() if names is None or n in names]
+        rows = compare_models(
+            [full, *others], data, lambda one, _: values if one is full else None, progress
+        )
+    except ModelError as error:
+        raise BadInputError(f"{fit.source}: {error}.") from None
+    return DynamicComparison(
+        configuration=fit.sheet.configuration, models=tuple(_kept(row) for row in rows),
+        held_out=data.in_words, values=_values(data), rate_hz=RATE_HZ, missing=fit.missing,
+    )  # fmt: skip
+
+
 def _positions(session: RecordedSession, configuration: str) -> list[float]:
     """Return at most `MOST_POSITIONS` of the positions in contact, evenly chosen."""
     found = sorted({
@@ -132,14 +164,18 @@ def _full(
     noise = noise_at_first(whole)
     begun = beginning(record.sheet, whole, stated)
     runs = [run.run for run in _compared(record.sheet, whole, noise, begun.rest).fitted]
-    near = identify(begun, runs, noise, resolution=COARSE, tolerance=NEAR).beam
+    near = best_sheet(begun, runs, noise, resolution=COARSE, tolerance=NEAR)
     rest = rest_curvature(near, runs, noise.curve_m)
     if rest is not None:
         begun, near = replace(begun, rest=rest.rest), replace(near, rest=rest.rest)
-    found = identify(near, runs, noise, resolution=COARSE, tolerance=FOUND).beam
-    logarithms = LogParameters(found)
-    values = {name: abs(v) for name, v in logarithms.values(logarithms.theta).items()}
-    return begun, values, _compared(record.sheet, whole, noise, found.rest)
+    found = best_sheet(near, runs, noise, resolution=COARSE, tolerance=FOUND)
+    return begun, _magnitudes(found), _compared(record.sheet, whole, noise, found.rest)
+
+
+def _magnitudes(beam: DynamicBeam) -> dict[str, float]:
+    """Return a sheet's parameters without signs, as `FullContender` takes them."""
+    logarithms = LogParameters(beam)
+    return {name: abs(v) for name, v in logarithms.values(logarithms.theta).items()}
 
 
 def _rests(run: RecordedRun) -> bool:

@@ -20,6 +20,7 @@ from model.dynamics.identification import (
     Identification,
     RecordedRun,
     RecordingNoise,
+    best_sheet,
     identify,
 )
 from model.measurements import FloatArray, SheetGeometry
@@ -166,9 +167,7 @@ def _near(
     rest = None
     fewer = [_thinned(run) for run in runs]
     for again in (False, True):
-        beam = identify(
-            beam, fewer, noise, resolution=COARSE, tolerance=NEAR, near=again
-        ).beam  # fmt: skip
+        beam = best_sheet(beam, fewer, noise, resolution=COARSE, tolerance=NEAR, near=again)
         rest = rest_curvature(beam, runs, noise.curve_m)
         if rest is None:
             break

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json, Recorded
 from labrig.cli.screen import print_json, print_table, progress, warn
 
@@ -40,4 +40,9 @@ def analyze(
         warn(text)
 
 
-COMMAND = Command("analyze", analyze, order=130)
+COMMAND = Command(
+    "analyze",
+    analyze,
+    order=130,
+    examples=(CommandExample(line="labrig analyze session.h5"),),
+)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
 from labrig.files import write_text
@@ -161,4 +161,19 @@ _app = typer.Typer(help="Calibrate what measures.", no_args_is_help=True)
 _app.command(name="load-cell")(load_cell)
 _app.command()(camera)
 _app.command()(board)
-COMMAND = Command("calibrate", _app, order=260)
+COMMAND = Command(
+    "calibrate",
+    _app,
+    order=260,
+    examples=(
+        CommandExample(
+            line="labrig calibrate load-cell rig/rig.toml --weight-mN 0 --weight-mN 49 "
+            "--weight-mN 0 --yes"
+        ),
+        CommandExample(
+            line="labrig calibrate camera strip.png --ruler-px 24,75,144,75 --ruler-mm 30 "
+            "--clamp-px 24,75 -o optics.json"
+        ),
+        CommandExample(line="labrig calibrate board -o board.pdf"),
+    ),
+)

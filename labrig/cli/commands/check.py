@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import AboutFile, Json, RigFile
 from labrig.cli.screen import print_json, print_table, warn
 from labrig.errors import NotReadyError
@@ -50,4 +50,9 @@ def _short(text: str) -> str:
     return text if len(text) < 70 else "see below"
 
 
-COMMAND = Command("check", check, order=40)
+COMMAND = Command(
+    "check",
+    check,
+    order=40,
+    examples=(CommandExample(line="labrig check rig/rig.toml"),),
+)

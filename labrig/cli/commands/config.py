@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 from labrig.errors import BadInputError
 from labrig.files import write_text
@@ -35,4 +35,9 @@ def _as_text(content: dict[str, Any]) -> str:
 
 _app = typer.Typer(help="The configuration files.", no_args_is_help=True)
 _app.command()(schema)
-COMMAND = Command("config", _app, order=240)
+COMMAND = Command(
+    "config",
+    _app,
+    order=240,
+    examples=(CommandExample(line="labrig config schema schemas"),),
+)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import ModelFile
 from labrig.cli.screen import print_table, say
 from labrig.errors import BadInputError
@@ -96,4 +96,11 @@ def control(
     say(f"wrote {path}")
 
 
-COMMAND = Command("control", control, order=156)
+COMMAND = Command(
+    "control",
+    control,
+    order=156,
+    examples=(
+        CommandExample(line="labrig control dynamic.toml --position-mm 5 -o controller.toml"),
+    ),
+)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import print_json_line, say, warn
 from labrig.errors import BadInputError
 
@@ -231,4 +231,9 @@ def _curve_json(curve: Curve | None) -> dict[str, Any]:
     }
 
 
-COMMAND = Command("curves", curves, order=210)
+COMMAND = Command(
+    "curves",
+    curves,
+    order=210,
+    examples=(CommandExample(line="labrig curves strip.png -o strip.csv"),),
+)

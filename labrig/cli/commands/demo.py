@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 import time
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.commands.analyze import analyze
 from labrig.cli.commands.diagnose import diagnose
 from labrig.cli.commands.fit import fit
@@ -16,6 +17,7 @@ from labrig.cli.commands.report import report
 from labrig.cli.screen import print_table, say
 from labrig.errors import BadInputError, ExitCode
 
+READINGS = 10  # at 0 V and of each voltage, as in the paper; a test takes fewer
 _REAL_CLOCK_PROTOCOL = """\
 # Ten seconds of the paper's protocol, for the demo on the real clock.
 moisten = false
@@ -52,6 +54,7 @@ def demo(
     began = time.monotonic()
     _heading("1. A simulated rig: rig.toml, sheet.toml, protocol.toml and calibrations")
     write_templates(folder, simulated=True)
+    _state_readings(folder / "protocol.toml")
     say(f"wrote {folder}{'/'}")
     session, model = folder / "session.h5", folder / "model.toml"
     _heading("2. The experiment: 2 configurations x 7 positions, on the virtual clock")
@@ -79,6 +82,16 @@ def _heading(text: str) -> None:
     say()
     say(text)
     say("=" * len(text))
+
+
+def _state_readings(protocol: Path) -> None:
+    text = protocol.read_text(encoding="utf-8")
+    changed, count = re.subn(
+        r"(?m)^(zero_readings|readings_per_voltage) = \d+", rf"\1 = {READINGS}", text
+    )
+    if count != 2:
+        raise ValueError("the template of the protocol states its readings in another way")
+    protocol.write_text(changed, encoding="utf-8")
 
 
 def _run(rig: Path, protocol: Path, sheet: Path, session: Path) -> None:
@@ -130,4 +143,9 @@ def _last_voltage(record: Path) -> str:
     return rows[-1].split(",")[header.split(",").index("drive_V")]
 
 
-COMMAND = Command("demo", demo, order=10)
+COMMAND = Command(
+    "demo",
+    demo,
+    order=10,
+    examples=(CommandExample(line="labrig demo demo", run_by="make demo"),),
+)

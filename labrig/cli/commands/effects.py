@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.diagnosis import print_noted_table
 from labrig.cli.options import Json
 from labrig.cli.screen import print_json, say
@@ -49,4 +49,12 @@ _app = typer.Typer(
 )
 _app.callback()(list_effects)
 _app.command(name="show")(show_effect)
-COMMAND = Command("effects", _app, order=250)
+COMMAND = Command(
+    "effects",
+    _app,
+    order=250,
+    examples=(
+        CommandExample(line="labrig effects"),
+        CommandExample(line="labrig effects show gravity"),
+    ),
+)

@@ -1,4 +1,4 @@
-"""CSV tables of a session."""
+"""A session for other programs: CSV tables, Parquet, xarray, Bluesky documents, RO-Crate, video."""
 
 from __future__ import annotations
 
@@ -7,19 +7,33 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 
 
 def export(
-    session: Annotated[Path, typer.Argument(help="an analysed session")],
+    session: Annotated[Path, typer.Argument(help="a session; csv and parquet want it analysed")],
     output: Annotated[Path, typer.Option("--output", "-o", help="the folder to write into")],
+    name: Annotated[
+        str,
+        typer.Option(
+            "--as",
+            metavar="FORMAT",
+            help="csv, parquet, xarray (netCDF), bluesky (documents), crate (RO-Crate), "
+            "video (a file for each run), or another distribution's",
+        ),
+    ] = "csv",
 ) -> None:
-    """Write forces, curves, signals and control as CSV, about.toml, notes.csv and photographs."""
-    from labrig.session import export_session
+    """Write a session for other programs: as CSV tables, or --as another format."""
+    from labrig.exports.choice import export as write
 
-    for path in export_session(session, output):
+    for path in write(session, output, name):
         say(f"wrote {path}")
 
 
-COMMAND = Command("export", export, order=230)
+COMMAND = Command(
+    "export",
+    export,
+    order=230,
+    examples=(CommandExample(line="labrig export session.h5 -o tables"),),
+)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say, warn
 
 
@@ -32,4 +32,14 @@ def import_tables(
     say(f"wrote {output}")
 
 
-COMMAND = Command("import", import_tables, order=220)
+COMMAND = Command(
+    "import",
+    import_tables,
+    order=220,
+    examples=(
+        CommandExample(
+            line="labrig import --sheet sheet.toml --forces forces.csv --curves curves.csv "
+            "-o old.h5"
+        ),
+    ),
+)

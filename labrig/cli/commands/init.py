@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 
 
@@ -27,4 +27,12 @@ def init(
         say(f"wrote {path}")
 
 
-COMMAND = Command("init", init, order=20)
+COMMAND = Command(
+    "init",
+    init,
+    order=20,
+    examples=(
+        CommandExample(line="labrig init my_rig --simulated"),
+        CommandExample(line="labrig init my_labjack --board labjack"),
+    ),
+)

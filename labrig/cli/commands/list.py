@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json
-from labrig.cli.screen import print_json, print_table, progress, say
+from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.report.parts.table import fixed, volts
 
 if TYPE_CHECKING:
     from labrig.library import CatalogueEntry
+
+_MOST_LINES = 500  # that anybody reads on a screen
 
 
 def list_sessions(
@@ -29,6 +31,11 @@ def list_sessions(
     ] = "",
     outcome: Annotated[str, typer.Option(help="completed, aborted, failed, crashed, running")] = "",
     sheet: Annotated[str, typer.Option(help="a configuration, such as long")] = "",
+    limit: Annotated[
+        int | None,
+        typer.Option(min=0, help=f"at most so many; {_MOST_LINES}, with --json all; 0: all"),
+    ] = None,
+    offset: Annotated[int, typer.Option(min=0, help="leave out the first so many")] = 0,
     as_json: Json = False,
 ) -> None:
     """List the sessions of a folder: date, sheet, outcome, B, EIBM, figures of merit.
@@ -37,21 +44,31 @@ def list_sessions(
     in the folder that labrig fit -o wrote for the session; where there is none, from the newest one
     of labrig diagnose -o. The file and the kind of EIBM are named beside them.
     """
-    from labrig.library import Library, select
+    from labrig.library import Library, Selection
 
+    most = limit if limit is not None else (0 if as_json else _MOST_LINES)
+    wanted = Selection(
+        sort=sort, down=not up, text=text, outcome=outcome, sheet=sheet, limit=most or None,
+        offset=offset,
+    )  # fmt: skip
     library = Library(folder)
     with progress("list") as advance:
         library.refresh(advance=advance)
-    found = select(
-        library.entries(), sort=sort, down=not up, text=text, outcome=outcome, sheet=sheet
-    )
+    found = library.find(wanted)
+    if library.cut:
+        warn(library.cut)
     if as_json:
-        print_json({"sessions": [entry.as_dict() for entry in found]})
+        sessions = [entry.as_dict() for entry in found.entries]
+        print_json({"sessions": sessions, "total": found.total})
         return
-    print_table(f"{folder}", _COLUMNS, [_row(entry) for entry in found])
-    if any(entry.fit for entry in found):
+    print_table(f"{folder}", _COLUMNS, [_row(entry) for entry in found.entries])
+    if any(entry.fit for entry in found.entries):
         say(_NOTE)
-    for entry in found:
+    if len(found.entries) < found.total:
+        first = offset + 1 if found.entries else offset
+        last = offset + len(found.entries)
+        say(f"These are {first} to {last} of {found.total}; see --limit, --offset and --text.")
+    for entry in found.entries:
         if entry.error:
             say(f"{entry.name}: {entry.error}")
         elif outdated := _outdated(entry):
@@ -104,4 +121,9 @@ def _fitted(entry: CatalogueEntry) -> list[str]:
     ]
 
 
-COMMAND = Command("list", list_sessions, order=120)
+COMMAND = Command(
+    "list",
+    list_sessions,
+    order=120,
+    examples=(CommandExample(line="labrig list ."),),
+)

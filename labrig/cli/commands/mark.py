@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 
 
@@ -53,4 +53,14 @@ def _user() -> str:
         return "not known"
 
 
-COMMAND = Command("mark", mark, order=85)
+COMMAND = Command(
+    "mark",
+    mark,
+    order=85,
+    examples=(
+        CommandExample(
+            line='labrig mark copy.h5 --run 2 --reading 3 --why "a bubble" --who "Ada Example"',
+            before="cp session.h5 copy.h5",
+        ),
+    ),
+)

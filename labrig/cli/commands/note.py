@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 from labrig.errors import BadInputError
 
@@ -56,4 +56,11 @@ def _operators(session: Path) -> str:
         return ""
 
 
-COMMAND = Command("note", note, order=75)
+COMMAND = Command(
+    "note",
+    note,
+    order=75,
+    examples=(
+        CommandExample(line='labrig note session.h5 "a bubble at the clamp" --who "Ada Example"'),
+    ),
+)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError
 
@@ -146,4 +146,9 @@ def _with_tls(
     return replace(settings, certificate=certificate.resolve(), key=key.resolve())
 
 
-COMMAND = Command("panel", panel, order=110)
+COMMAND = Command(
+    "panel",
+    panel,
+    order=110,
+    examples=(CommandExample(line="labrig panel rig/rig.toml --port 0", stop=True),),
+)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 from labrig.errors import BadInputError
 
@@ -51,4 +51,16 @@ def _operator() -> str:
         return "somebody"
 
 
-COMMAND = Command("pause", pause, order=56)
+COMMAND = Command(
+    "pause",
+    pause,
+    order=56,
+    examples=(
+        CommandExample(
+            line="labrig pause running.h5",
+            before="labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o running.h5 --yes "
+            "> run.log 2>&1 & echo $! > run.pid; until [ -e running.h5 ]; do sleep 0.05; done",
+            after="kill -KILL $(cat run.pid); sleep 1",
+        ),
+    ),
+)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, say, warn
 from labrig.errors import BadInputError
@@ -84,4 +84,9 @@ def _sheets_beside(protocol: Path) -> dict[str, SheetGeometry] | None:
         return None
 
 
-COMMAND = Command("plan", plan, order=30)
+COMMAND = Command(
+    "plan",
+    plan,
+    order=30,
+    examples=(CommandExample(line="labrig plan rig/protocol.toml"),),
+)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError, LabrigError
 
@@ -76,4 +76,11 @@ def _run(run: QueuedRun, left: list[QueuedRun], *, yes: bool) -> None:
         raise
 
 
-COMMAND = Command("queue", queue, order=55)
+COMMAND = Command(
+    "queue",
+    queue,
+    order=55,
+    examples=(
+        CommandExample(line="labrig queue rig/protocol.toml --rig rig/rig.toml -o night --yes"),
+    ),
+)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 from labrig.errors import BadInputError
 
@@ -35,4 +35,10 @@ def recover(
     say(report.text)
 
 
-COMMAND = Command("recover", recover, order=90)
+COMMAND = Command(
+    "recover",
+    recover,
+    order=90,
+    # The session that the example of `labrig pause` has left.
+    examples=(CommandExample(line="labrig recover running.h5"),),
+)

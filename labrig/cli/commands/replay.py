@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Recorded
 
 
@@ -26,4 +26,9 @@ def replay(
     finish(replay_and_follow(session, output))
 
 
-COMMAND = Command("replay", replay, order=60)
+COMMAND = Command(
+    "replay",
+    replay,
+    order=60,
+    examples=(CommandExample(line="labrig replay session.h5"),),
+)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import FigureFormats, Recorded
 from labrig.cli.screen import progress, say, warn
 
@@ -35,4 +35,9 @@ def report(
     say(f"wrote {page}")
 
 
-COMMAND = Command("report", report, order=170)
+COMMAND = Command(
+    "report",
+    report,
+    order=170,
+    examples=(CommandExample(line="labrig report session.h5 -o report"),),
+)

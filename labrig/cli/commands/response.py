@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import FigureFormats, ModelFile
 from labrig.cli.screen import print_table, say
 from labrig.errors import BadInputError
@@ -77,4 +77,9 @@ def response(
         say(f"wrote {path}")
 
 
-COMMAND = Command("response", response, order=153)
+COMMAND = Command(
+    "response",
+    response,
+    order=153,
+    examples=(CommandExample(line="labrig response dynamic.toml --position-mm 5 -o response"),),
+)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import AboutFile
 from labrig.errors import BadInputError
 
@@ -101,4 +101,13 @@ def run(
         follow_up(output, rig, sheet, yes=yes, about=about)
 
 
-COMMAND = Command("run", run, order=50)
+COMMAND = Command(
+    "run",
+    run,
+    order=50,
+    examples=(
+        CommandExample(
+            line="labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o session.h5 --yes"
+        ),
+    ),
+)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import RigFile
 from labrig.cli.screen import say
 from labrig.errors import OutputUnknownError
@@ -22,4 +22,9 @@ def safe(rig: RigFile) -> None:
     say(report.text)
 
 
-COMMAND = Command("safe", safe, order=70)
+COMMAND = Command(
+    "safe",
+    safe,
+    order=70,
+    examples=(CommandExample(line="labrig safe rig/rig.toml"),),
+)

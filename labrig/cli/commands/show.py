@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, say
 
@@ -49,4 +49,9 @@ def _if_any(table: Table) -> list[Table]:
     return [table] if table.rows else []
 
 
-COMMAND = Command("show", show, order=80)
+COMMAND = Command(
+    "show",
+    show,
+    order=80,
+    examples=(CommandExample(line="labrig show session.h5"),),
+)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json, Recorded
 from labrig.cli.screen import print_json, print_table
 from labrig.errors import BadInputError
@@ -26,4 +26,9 @@ def verify(session: Recorded, as_json: Json = False) -> None:
         raise BadInputError(f"{session}: not in order: {', '.join(c.name for c in failed)}.")
 
 
-COMMAND = Command("verify", verify, order=100)
+COMMAND = Command(
+    "verify",
+    verify,
+    order=100,
+    examples=(CommandExample(line="labrig verify session.h5"),),
+)

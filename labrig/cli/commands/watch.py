@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from labrig.cli.command import Command
+from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import RigFile
 from labrig.cli.screen import say
 from labrig.errors import BadInputError, NotReadyError
@@ -38,16 +38,17 @@ def watch(
     reached from here; wiring, amplifier and limits must be those of the operator's rig.toml.
     """
     from drivers.interfaces import DeviceError
-    from labrig.experiment.precautions.boards_watch import boards_watch, made_token
+    from labrig.experiment.precautions.boards_watch import boards_watch, made_token, watched_rig
     from labrig.experiment.signals import stop_signals
 
     host, found, port = listen.rpartition(":")
     if not found or not port.isdecimal() or int(port) > 65535:
         raise BadInputError(f"--listen {listen}: must be address:port, such as 0.0.0.0:31764.")
     secret = token or rig.parent / "watch.token"
+    config = watched_rig(rig)
     if made_token(secret):
         say(f"made {secret}: copy it beside the operator's rig.toml, for nobody else to read.")
-    guard = boards_watch(rig, secret, lambda text: say(f"watch: {text}"))
+    guard = boards_watch(config, secret, lambda text: say(f"watch: {text}"))
     try:
         at = guard.listen(host, int(port))
     except DeviceError as fault:
@@ -62,4 +63,10 @@ def watch(
     say("watch: ended.")
 
 
-COMMAND = Command("watch", watch, order=72)
+COMMAND = Command(
+    "watch",
+    watch,
+    order=72,
+    # The rig of the examples is a simulated one.
+    examples=(CommandExample(line="labrig watch rig/rig.toml", exit_code=2),),
+)

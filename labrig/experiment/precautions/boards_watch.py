@@ -11,7 +11,7 @@ from pathlib import Path
 from drivers.guard import GuardSettings
 from drivers.interfaces import DeviceError, RealClock
 from drivers.watch import BoardsWatch, read_token
-from labrig.config import ReplayConfig, load_output
+from labrig.config import ReplayConfig, RigConfig, load_output
 from labrig.errors import BadInputError, NotReadyError
 from labrig.experiment.safety import output_place
 from labrig.files import not_written
@@ -34,16 +34,23 @@ def made_token(path: Path) -> bool:
     return True
 
 
-def boards_watch(rig: Path, token: Path, tell: Callable[[str], None]) -> BoardsWatch:
-    """Return the watch over the output of a rig.toml, which does not listen yet."""
+def watched_rig(rig: Path) -> RigConfig:
+    """Return what rig.toml says of the output; BadInputError where there is nothing to watch."""
     config = load_output(rig)
     if isinstance(config, ReplayConfig) or config.is_simulated:
         raise BadInputError(f"{rig}: a simulated output ends with its program; nothing to watch.")
-    make = config.family.rescue
-    if make is None:
+    if config.family.rescue is None:
         raise BadInputError(
             f"{rig}: boards of [{config.boards_kind}] cannot be made safe by another process."
         )
+    return config
+
+
+def boards_watch(config: RigConfig, token: Path, tell: Callable[[str], None]) -> BoardsWatch:
+    """Return the watch over the output of a rig, which does not listen yet."""
+    make = config.family.rescue
+    if make is None:
+        raise BadInputError("these boards cannot be made safe by another process.")
     try:
         secret = read_token(token)
         place = output_place(config)

@@ -34,7 +34,7 @@ def beyond_the_guard(config: RigConfig) -> Check:
         name="beyond the guard",
         ok=True,
         found=" and ".join(found) or "nobody writes 0 V if this computer or the network fails",
-        wanted="[watch], [interlock] or boards with a watchdog (docs/safety.md)",
+        wanted="[watch], [interlock] or boards with a watchdog (docs/explanation/safety.md)",
         warning=not found,
     )
 

@@ -86,6 +86,7 @@ class Panel:
         self.jobs.close()
         self.live_model.close()
         self.frame_pipeline.close()
+        self.library.close()
 
     def state(self, kind: type[State]) -> State:
         """Return this panel's object of a class, made when a page first asks; any thread may ask.

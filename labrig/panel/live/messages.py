@@ -1,4 +1,7 @@
-"""A session's events as the messages that pages understand; see docs/panel.md."""
+"""A session's events as the messages that pages understand.
+
+The messages: docs/reference/panel_messages.md.
+"""
 
 from __future__ import annotations
 

@@ -17,8 +17,7 @@ Session = Annotated[str, Query(max_length=400)]
 
 def entry_of(panel: Panel, path: Path, name: str) -> CatalogueEntry:
     """Return a session as the library knows it, with its fit; read now where it does not."""
-    known = next((entry for entry in panel.library.entries() if entry.name == name), None)
-    return known or read_entry(path, name)
+    return panel.library.entry(name) or read_entry(path, name)
 
 
 def shown(entry: CatalogueEntry) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 
-from labrig.library import CatalogueEntry, select
+from labrig.library import CatalogueEntry, Selection
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
@@ -32,16 +32,19 @@ def listed(
     """Return the sessions that fit."""
     library = panel.library
     pending = library.refresh(REFRESH_S)
-    entries = library.entries()
-    found = select(entries, sort=sort, down=down, text=text, outcome=outcome, sheet=sheet)
+    wanted = Selection(
+        sort=sort, down=down, text=text, outcome=outcome, sheet=sheet, limit=limit, offset=offset
+    )
+    found = library.find(wanted)
     return {
         "sessions": [
             {**shown(entry), "recoverable": _is_recoverable(panel, entry)}
-            for entry in found[offset : offset + limit]
+            for entry in found.entries
         ],
-        "total": len(found),
-        "damaged": sum(entry.error is not None for entry in entries),
+        "total": found.total,
+        "damaged": library.damaged(),
         "pending": pending,
+        "cut": library.cut.replace(f"{panel.settings.data}: ", ""),
     }
 
 

@@ -13,8 +13,8 @@ from labrig.session.derived.arrays import measurements_from_tables, tables_from_
 from labrig.session.format import layout
 from labrig.session.reading.opening import open_file
 from labrig.session.reading.session import RecordedSession
-from labrig.session.reading.values import read_array, read_dataset
-from labrig.session.recording.create import set_attributes
+from labrig.session.reading.values import read_array, read_dataset, text_attribute
+from labrig.session.recording.hdf5 import set_attributes
 from labrig.session.supplements.store import replaced, seal
 from model.measurements import Measurements
 
@@ -33,8 +33,11 @@ def store_measurements(
         write_derived(file, measurements, curve_extractor=curve_extractor)
 
 
-def load_measurements(path: Path) -> Measurements:
-    """Return the measurements kept in a session. Raises BadInputError when there are none."""
+def load_measurements(path: Path | str) -> Measurements:
+    """Return the measurements kept in a session file that was analysed or imported.
+
+    Raises BadInputError of one sentence when there are none.
+    """
     path = Path(path)
     with open_file(path) as file:
         if layout.DERIVED not in file:
@@ -63,8 +66,7 @@ def stored_curve_extractor(path: Path) -> str:
     path = Path(path)
     with open_file(path) as file:
         group = file.get(layout.DERIVED)
-        made_by = b"" if group is None else group.attrs.get("curve_extractor", b"")
-    return bytes(made_by).decode("utf-8", errors="replace")
+        return "" if group is None else text_attribute(group, "curve_extractor")
 
 
 def drop_measurements(path: Path) -> None:

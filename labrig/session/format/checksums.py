@@ -28,7 +28,7 @@ def covered(file: Any) -> dict[str, Any]:
 
     def note(path: str, item: Any) -> None:
         name = f"/{path}"
-        if name == layout.CHECKSUMS or layout.in_supplement(name):
+        if name == layout.CHECKSUMS or layout.in_supplement(name) or layout.in_additional(name):
             return
         if isinstance(item, h5py.Dataset) or version_of(file) >= ATTRIBUTES_SINCE:
             found[name] = item
@@ -107,6 +107,14 @@ def _content_digest(group: Any) -> str:
 def _attribute(item: Any, name: str) -> bytes:
     """Return name, type, shape and value of an attribute."""
     stored = item.attrs.get_id(name)
+    if (
+        stored.shape is not None
+        and h5py.check_string_dtype(stored.dtype)
+        and stored.dtype.hasobject
+    ):
+        texts = [str(text).encode() for text in np.atleast_1d(item.attrs[name])]
+        lengths = [len(text) for text in texts]
+        return f"\n@{name} text {stored.shape} {lengths}\n".encode() + b"".join(texts)
     if stored.dtype.hasobject or stored.shape is None:
         raise ValueError(f"the attribute {name} of {item.name} has a type that no session holds")
     value = np.zeros(stored.shape, dtype=stored.dtype)

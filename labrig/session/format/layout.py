@@ -1,11 +1,15 @@
-"""The session file's layout, version 4: every group, dataset and type has its name here.
+"""The session file's layout, version 5: every group, dataset and type has its name here.
 
 /                       NXroot, default -> session, labrig_format
-/session                NXentry, default -> run_000
+/session                NXentry, default -> data; definition NXsensor_scan
   identifier, outcome, reason, output_state, start_time, end_time
+  process/              NXprocess: the program that recorded it
+  data/                 NXdata: the readings of all runs in plain columns; links to the sensors
+  instrument/environment/COLUMN/  NXsensor: value, one for each reading of all runs
   events              the log, a row for each event (a long text goes on in rows of kind +)
   checksums           sha256 of every other group and dataset, written at the close
   title, project, license, user_1/ (NXuser), ..., sample/ (NXsample): what about.toml states
+  additional/           NXcollection: for anybody's additions, which labrig does not check
   setup/              schedule and resolved configuration (JSON), texts/NAME, versions/PACKAGE,
                       signals (name, range, quantity, unit, gain, offset of each channel), rate_hz,
                       simulated, devices (JSON: what each device says that it is), keep_all_frames,
@@ -28,12 +32,14 @@ Supplements, groups that are added to a closed session; each has a checksum of i
 A checksum covers content, type and shape of a dataset and attributes of both; that of a
 supplement, its attribute `sha256`, covers everything in the group.
 
-Version 3 has no controlled runs; it is written where there is none, so that older programs read it.
+Before version 5 text attributes had fixed lengths, `acquisition` was a scalar, the default of the
+entry was run_000, and there were no columns of all readings. Version 3 has no controlled runs.
 Version 2 has checksums of the content of datasets only and no devices. In version 1 `signals` holds
 names and ranges only, and the values of a reading are always force_N, drive_V and current_A; since
 version 2 they are those of the session's channels, a column each.
 Datasets have fixed-length types only and grow by appended rows; nothing in them depends on when
-they were flushed. Anything else in a file is refused when it is opened.
+they were flushed. Anything else in a file is refused when it is opened. The attribute
+`column_units` of a table holds the unit of each column, empty where there is none.
 """
 
 from __future__ import annotations
@@ -47,9 +53,9 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 3  # that is written...
-CONTROLLED: Final = 4  # ... but where a run has a controller
-READABLE: Final = (1, 2, 3, 4)
+FORMAT: Final = 5  # that is written
+READABLE: Final = (1, 2, 3, 4, 5)
+NEXUS_SINCE: Final = 5  # version in which NeXus libraries find entry, sensors and data
 # The oldest file format with single-writer-multiple-reader, so that any viewer since 2016 opens it.
 LIBVER: Final = ("v110", "v110")
 ENTRY: Final = "/session"
@@ -58,6 +64,9 @@ DERIVED: Final = "/session/derived"
 NOTES: Final = "/session/notes"
 MARKS: Final = "/session/marks"
 SUPPLEMENTS: Final = (DERIVED, NOTES, MARKS)
+ADDITIONAL: Final = "/session/additional"
+DATA: Final = "/session/data"
+ENVIRONMENT: Final = "/session/instrument/environment"
 CHECKSUMS: Final = "/session/checksums"
 EVENTS: Final = "/session/events"
 MORE: Final = "+"  # kind of an event row that continues the text of the row before
@@ -120,6 +129,7 @@ SIGNAL_ROWS: Final = {  # by version
     2: np.dtype(_SIGNAL_2),
     3: np.dtype(_SIGNAL_2),
     4: np.dtype(_SIGNAL_2),
+    5: np.dtype(_SIGNAL_2),
 }
 EVENT_ROW: Final = np.dtype(
     [
@@ -227,6 +237,20 @@ FRAME_COLUMNS: Final = {
     "sample_index": ("<f8", ""),
     "reading": ("<i4", ""),  # -1: no reading's frame
 }
+# One value a reading in `data`, beside the sensors' values: name -> (type, unit).
+SCAN_COLUMNS: Final = {
+    "time_s": ("<f8", "s"),  # of the sampling point, since the session's start
+    "voltage_V": ("<f8", "V"),
+    "position_m": ("<f8", "m"),  # NaN: free
+    "run": ("<i4", ""),
+    "reading": ("<i4", ""),  # number within the run
+    "valid": ("<u1", ""),
+}
+
+
+def in_additional(name: str) -> bool:
+    """Whether a full name is that of the group in which anybody may add anything, or inside it."""
+    return name == ADDITIONAL or name.startswith(f"{ADDITIONAL}/")
 
 
 def in_supplement(name: str) -> bool:
@@ -247,6 +271,22 @@ def signal_path(run: int, channel: str) -> str:
 def frame_path(run: int, column: str) -> str:
     """Path of a run's images, or of one of `FRAME_COLUMNS`."""
     return f"{run_path(run)}/frames/{column}"
+
+
+def scan_path(column: str) -> str:
+    """Path of a column of the readings of all runs."""
+    return f"{DATA}/{column}" if column in SCAN_COLUMNS else sensor_path(column)
+
+
+def sensor_path(column: str) -> str:
+    """Path of a sensor's values, one for each reading of all runs."""
+    return f"{ENVIRONMENT}/{column}/value"
+
+
+def link_target(name: str) -> str:
+    """Where the link of this full name leads; empty where a session has no link."""
+    group, _, column = name.rpartition("/")
+    return sensor_path(column) if group == DATA and column not in SCAN_COLUMNS else ""
 
 
 def signal_chunk(rate_hz: float) -> int:

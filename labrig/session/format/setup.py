@@ -53,12 +53,6 @@ def _plugin_versions() -> dict[str, str]:
     return {entry.dist.name: entry.dist.version for entry in own if entry.dist is not None}
 
 
-def version_for(schedule: Schedule) -> int:
-    """Return the version of the layout that a schedule needs: the oldest that holds it."""
-    controlled = any(run.reference for run in schedule.all_runs)
-    return layout.CONTROLLED if controlled else layout.FORMAT
-
-
 def check_recorded(schedule: Schedule) -> None:
     """Raise ScheduleError for a schedule that is none; unlike one to be run it may have no runs."""
     if schedule != Schedule(schedule.protocol, (), IMPORTED_FRAME_RATE_HZ):

@@ -17,7 +17,7 @@ from labrig.session.format import layout
 from labrig.session.format.layout import Array
 from labrig.session.marks.mark import Mark
 from labrig.session.reading.values import damage_told, read_array, read_dataset, with_str
-from labrig.session.recording.create import set_attributes
+from labrig.session.recording.hdf5 import set_attributes
 from labrig.session.supplements.store import is_sealed, seal
 
 _TABLE = f"{layout.MARKS}/entries"

@@ -14,7 +14,7 @@ from labrig.errors import BadInputError
 from labrig.session.format import layout
 from labrig.session.notes.note import PHOTOGRAPH_BYTES_MAX, Note, from_head
 from labrig.session.reading.values import damage_told, read_array, read_dataset, read_text
-from labrig.session.recording.create import put_text, set_attributes
+from labrig.session.recording.hdf5 import put_text, set_attributes
 from labrig.session.supplements.store import is_sealed, seal
 
 _GROUP = re.compile(r"note_\d{4,9}")

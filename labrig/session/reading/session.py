@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from labrig.config.about import About, recorded_about
 from labrig.config.derived import SIMULATED
@@ -22,12 +22,29 @@ from labrig.session.marks.stored import read_marks
 from labrig.session.notes.note import Note
 from labrig.session.notes.stored import read_photograph, read_stored
 from labrig.session.notes.waiting import read_waiting
+from labrig.session.reading.columns import (
+    RUN_TABLE,
+    reading_columns,
+    run_cells,
+    run_columns,
+)
+from labrig.session.reading.labelled_arrays import labelled_session
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
-from labrig.session.reading.values import damage_told, read_setup, read_table, read_text
+from labrig.session.reading.values import (
+    damage_told,
+    read_setup,
+    read_table,
+    read_text,
+    text_attribute,
+)
 from labrig.session.supplements.store import is_sealed
+from model.measurements import Displayed, Measurements, Summary, dataframe
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # Differ from one recording of the same virtual run to the next.
 VOLATILE = frozenset(
@@ -52,7 +69,7 @@ class LoggedEvent:
     text: str
 
 
-class RecordedSession:
+class RecordedSession(Displayed):
     """An open session file. Close it, or use it in a `with` statement."""
 
     def __init__(self, file: Any, path: Path) -> None:
@@ -76,6 +93,34 @@ class RecordedSession:
         self.devices = self._setup.devices  # none in sessions before version 3
         # Planned ones, begun or not, and those that were measured again; `run` finds one by index.
         self.runs: tuple[RunRecord, ...] = tuple(self._records())
+
+    def summary(self) -> Summary:
+        """Return the outcome and a row for each run."""
+        if not self._file:
+            return Summary(f"RecordedSession {self.path}: closed")
+        began = f", {self.started}" if self.started else ""
+        return Summary(
+            f"RecordedSession {self.path}: {self.outcome.value}{began}, "
+            f"output {self.output_state.value}",
+            RUN_TABLE,
+            [run_cells(run) for run in self.runs],
+            (self.reason,) if self.reason else (),
+        )
+
+    def to_dataframe(self, part: Literal["readings", "runs"] = "readings") -> pd.DataFrame:
+        """Return a part of the session as a pandas data frame.
+
+        part: `readings` (a row for each, with the values of its channels in SI units, marks
+        included) or `runs` (a row for each). The samples of a run are those of
+        `session.run(index).to_dataframe()`.
+
+        Raises BadInputError for another part, MissingPandasError where pandas is not installed.
+        """
+        if part == "readings":
+            return dataframe(reading_columns(self.runs))
+        if part == "runs":
+            return dataframe(run_columns(self.runs))
+        raise BadInputError(f"a session has no part '{part}', but readings, runs.")
 
     def run(self, index: int) -> RunRecord:
         """Return the run of an index. Raises BadInputError."""
@@ -184,8 +229,8 @@ class RecordedSession:
     def state_checksum(self) -> str:
         """A sha256 (hex) of all that the file holds now: recording, analysis, notes and marks."""
         groups = [self._file.get(name) for name in layout.SUPPLEMENTS]
-        sums = [b"" if one is None else bytes(one.attrs.get(SUPPLEMENT_SUM, b"")) for one in groups]
-        return hashlib.sha256(b" ".join([self.checksum.encode(), *sums])).hexdigest()
+        sums = ["" if one is None else text_attribute(one, SUPPLEMENT_SUM) for one in groups]
+        return hashlib.sha256(" ".join([self.checksum, *sums]).encode()).hexdigest()
 
     @property
     def clock(self) -> str:
@@ -256,6 +301,26 @@ class RecordedSession:
             if name not in VOLATILE and not name.startswith(VOLATILE_UNDER):
                 total.update(f"{name} {row['sha256']}\n".encode())
         return total.hexdigest()
+
+    def to_xarray(self, measurements: Measurements | None = None) -> Any:
+        """Return the session as an `xarray.DataTree` with named dimensions, coordinates and units.
+
+        `/readings` has the value of each channel at each reading (dimension `reading`), `/signals`
+        the raw samples of all runs (dimension `sample`). With `measurements`, as
+        `labrig.load_measurements` returns them, `/curves` has the neutral curves (dimensions
+        `curve` and `point`, padded with NaN). SI units, in the attribute `units`.
+
+        Raises BadInputError where xarray is not installed, or content is damaged.
+        """
+        try:
+            attributes = {"identifier": self.identifier, "start_time": self.started}
+            attributes |= {"title": self.about.title} if self.about.title else {}
+            return labelled_session(self.runs, attributes, measurements)
+        except ModuleNotFoundError as error:
+            raise BadInputError(
+                f"to_xarray() needs the package {error.name}; install it with: "
+                'pip install "labrig[xarray]".'
+            ) from None
 
     def close(self) -> None:
         """Let go of the file; may be called twice."""

@@ -65,6 +65,12 @@ def read_text(file: Any, name: str, path: Path) -> str:
         raise BadInputError(f"{path}: {name} is damaged; it is no text in UTF-8.") from None
 
 
+def text_attribute(item: Any, name: str) -> str:
+    """Return a text attribute, of fixed length before version 5; empty where there is none."""
+    value = item.attrs.get(name, "")
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
 def read_texts(file: Any, name: str, path: Path) -> dict[str, str]:
     """All texts of a group."""
     with damage_told(path, name):

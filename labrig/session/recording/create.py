@@ -7,7 +7,6 @@ is there from the beginning: the schedule says what will come.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,17 @@ from labrig.session.format.checksums import covered
 from labrig.session.format.extras import extras_of, without_extras
 from labrig.session.format.layout import Array
 from labrig.session.format.setup import DEVICES_SINCE, SessionSetup
+from labrig.session.recording.hdf5 import (
+    create_column,
+    create_group,
+    create_table,
+    put_column_units,
+    put_text,
+    put_text_list,
+    put_texts,
+    set_attributes,
+)
+from labrig.session.recording.nexus import fill_nexus, has_scan
 from protocols import run_to_dict, schedule_to_dict
 from protocols.execution.channels import FORCE
 from protocols.execution.events import Outcome, OutputState
@@ -40,46 +50,21 @@ def create_file(path: Path, setup: SessionSetup) -> None:
 
 def fill_file(file: Any, setup: SessionSetup) -> None:
     """Write it into a file that is open and empty."""
-    set_attributes(file, NX_class="NXroot", default="session", labrig_format=setup.version)
+    set_attributes(file, labrig_format=setup.version)  # which decides how texts are stored
+    set_attributes(file, NX_class="NXroot", default="session")
     entry = create_group(file, layout.ENTRY, "NXentry")
-    if setup.schedule.runs:
-        set_attributes(entry, default="run_000")
     _status(entry, setup)
     _setup_group(file, setup)
-    _about(file, recorded_about(setup.texts))
-    _table(entry, "events", layout.EVENT_ROW, rows_in_chunk=64)
+    about = recorded_about(setup.texts)
+    _about(file, about)
+    if has_scan(setup):
+        fill_nexus(file, setup, about)
+    elif setup.schedule.runs:
+        set_attributes(entry, default="run_000")
+    create_table(entry, "events", layout.EVENT_ROW, rows_in_chunk=64)
     for run in setup.schedule.all_runs:
         _run(file, run, setup)
     _checksum_table(file)
-
-
-def set_attributes(item: Any, **values: object) -> None:
-    """Attributes of a group or dataset, texts with a fixed length."""
-    for name, value in values.items():
-        if isinstance(value, str):
-            put_text_attribute(item, name, value)
-        else:
-            item.attrs[name] = value
-
-
-def put_text_attribute(item: Any, name: str, value: str) -> None:
-    """One text attribute of a fixed length."""
-    raw = value.encode("utf-8")
-    item.attrs.create(name, np.bytes_(raw), dtype=layout.text_type(len(raw)))
-
-
-def put_text(group: Any, name: str, value: str, size: int | None = None) -> None:
-    """Write a scalar text of a fixed length, as long as it is unless `size` says otherwise."""
-    raw = value.encode("utf-8")
-    kind = layout.text_type(size or len(raw))
-    group.create_dataset(name, data=np.array(raw, dtype=kind), dtype=kind)
-
-
-def create_group(file: Any, path: str, nx_class: str) -> Any:
-    """Make a group of a NeXus class."""
-    group = file.create_group(path)
-    set_attributes(group, NX_class=nx_class)
-    return group
 
 
 def _status(entry: Any, setup: SessionSetup) -> None:
@@ -114,24 +99,18 @@ def _setup_group(file: Any, setup: SessionSetup) -> None:
 def _about(file: Any, about: About) -> None:
     """Write what is stated of people and sample as NeXus has it; what is not stated is left out."""
     facts = {"title": about.title, "project": about.project, "license": about.licence}
-    _texts(file[layout.ENTRY], facts)
+    put_texts(file[layout.ENTRY], facts)
     for number, person in enumerate(about.people, 1):
         values = person.model_dump()
         values["ORCID"] = values.pop("orcid")
-        _texts(create_group(file, f"{layout.ENTRY}/user_{number}", "NXuser"), values)
+        put_texts(create_group(file, f"{layout.ENTRY}/user_{number}", "NXuser"), values)
     if about.sample is not None:
         sample = about.sample
         group = create_group(file, f"{layout.ENTRY}/sample", "NXsample")
         values = sample.model_dump(include={"material", "batch", "preparation"})
         values |= {"name": sample.identity, "description": sample.notes}
         values["preparation_date"] = "" if sample.made is None else sample.made.isoformat()
-        _texts(group, values)
-
-
-def _texts(group: Any, values: Mapping[str, str]) -> None:
-    for name, text in values.items():
-        if text:
-            put_text(group, name, text)
+        put_texts(group, values)
 
 
 def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
@@ -145,12 +124,17 @@ def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
         **({"extra": run.extra} if run.extra else {}),
     )
     put_text(group, "planned", json.dumps(run_to_dict(run)))
-    group.create_dataset("acquisition", data=_not_started())
-    _table(group, "writes", layout.WRITE_ROW, rows_in_chunk=32)
+    row = _not_started()
+    # NeXus libraries fail on a table that is a scalar.
+    shape = (1,) if setup.version >= layout.NEXUS_SINCE else ()
+    acquisition = group.create_dataset("acquisition", data=row.reshape(shape))
+    put_column_units(acquisition, {})
+    create_table(group, "writes", layout.WRITE_ROW, rows_in_chunk=32)
     if run.reference:
-        _table(group, "control", layout.CONTROL_ROW, rows_in_chunk=256)
-    _table(group, "readings", setup.reading_row, rows_in_chunk=16)
-    _table(group, "marks", layout.MARK_ROW, rows_in_chunk=8)
+        create_table(group, "control", layout.CONTROL_ROW, rows_in_chunk=256)
+    units = {channel.column: channel.unit for channel in setup.signals}
+    create_table(group, "readings", setup.reading_row, rows_in_chunk=16, units=units)
+    create_table(group, "marks", layout.MARK_ROW, rows_in_chunk=8)
     _signals(file, run, setup)
     if setup.frame_shape is not None:
         _frames(file, run, setup.frame_shape, np.dtype(setup.frame_dtype))
@@ -172,8 +156,7 @@ def _signals(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
         put_text_list(group, "auxiliary_signals", list(setup.channels[1:]))
     chunk = layout.signal_chunk(setup.rate_hz)
     for name in (*setup.channels, "time"):
-        column = _column(group, name, "<f8", chunk)
-        set_attributes(column, units=_unit_of(name, setup))
+        create_column(group, name, "<f8", chunk=chunk, units=_unit_of(name, setup))
 
 
 def _unit_of(name: str, setup: SessionSetup) -> str:
@@ -197,34 +180,7 @@ def _frames(file: Any, run: PlannedRun, shape: tuple[int, int], dtype: np.dtype[
         compression_opts=FRAME_COMPRESSION,
     )
     for name, (kind, unit) in layout.FRAME_COLUMNS.items():
-        column = _column(group, name, kind, 64)
-        if unit:
-            set_attributes(column, units=unit)
-
-
-def put_text_list(group: Any, name: str, values: list[str]) -> None:
-    """Write an attribute of several texts, of one fixed length."""
-    raw = [value.encode("utf-8") for value in values]
-    kind = layout.text_type(max(len(value) for value in raw))
-    group.attrs.create(name, np.array(raw, dtype=kind), dtype=kind)
-
-
-def _column(group: Any, name: str, kind: str, chunk: int) -> Any:
-    return group.create_dataset(
-        name,
-        shape=(0,),
-        maxshape=(None,),
-        chunks=(chunk,),
-        dtype=kind,
-        shuffle=True,
-        compression="gzip",
-    )
-
-
-def _table(group: Any, name: str, row: np.dtype[Any], rows_in_chunk: int) -> None:
-    group.create_dataset(
-        name, shape=(0,), maxshape=(None,), chunks=(rows_in_chunk,), dtype=row, compression="gzip"
-    )
+        create_column(group, name, kind, chunk=64, units=unit)
 
 
 def _checksum_table(file: Any) -> None:

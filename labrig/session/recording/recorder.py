@@ -50,7 +50,7 @@ class Recorder:
         """Take rows. Raises MisplacedRowsError, KeyError (no such dataset), OSError (the disk)."""
         if rows.at is None:
             dataset = self._file[rows.path]
-            if not isinstance(dataset, h5py.Dataset) or dataset.shape != ():
+            if not isinstance(dataset, h5py.Dataset) or dataset.shape not in ((), (1,)):
                 raise MisplacedRowsError(f"{rows.path} is no single value")
             dataset[()] = rows.array(dataset.dtype, ())
             return

@@ -18,6 +18,7 @@ from labrig.session.format import layout
 from labrig.session.format.layout import NOBODY_ANSWERED, Array
 from labrig.session.format.setup import SessionSetup
 from labrig.session.recording.create import FRAME_COMPRESSION
+from labrig.session.recording.nexus import has_scan, scan_columns
 from protocols.execution import events as ev
 from protocols.execution.channels import Values
 from protocols.execution.operator import REPEAT
@@ -57,6 +58,7 @@ class Translator:
     def __init__(self, setup: SessionSetup) -> None:
         self._setup = setup
         self._lengths: dict[str, int] = {}
+        self._began_s = math.nan  # clock time of the session's start
         self._started: dict[int, ev.RunStarted] = {}
         self._frames: dict[int, dict[int, int]] = {}  # run -> frame number -> row of its image
         self._ways: dict[type, Callable[[Any], list[EventRows]]] = {
@@ -123,6 +125,7 @@ class Translator:
     # ----------------------------------------------------------------------------------- session
 
     def _session_started(self, event: ev.SessionStarted) -> list[EventRows]:
+        self._began_s = event.time_s
         return [self._status("start_time", event.wall), *self._log(event, "started")]
 
     def _resumed(self, event: ev.Resumed) -> list[EventRows]:
@@ -312,9 +315,31 @@ class Translator:
         row["frame"], row["frame_offset_s"] = frame, _or_nan(event.frame_offset_s)
         row["valid"], row["why"] = event.valid, layout.cut(event.why, 240)
         rows = [*images, self._append(f"{layout.run_path(event.run)}/readings", row)]
+        rows += self._scan(row[0], event.run, started, event.sample_time_s - self._began_s)
         if not event.valid:
             rows += self._log(event, "lost", event.why, run=event.run, reading=planned.index)
         return rows
+
+    def _scan(
+        self, reading: np.void, run: int, started: ev.RunStarted, session_s: float
+    ) -> list[EventRows]:
+        """Rows of the columns of all readings."""
+        if not has_scan(self._setup):
+            return []
+        values: dict[str, float] = {
+            "time_s": session_s,
+            "voltage_V": reading["voltage_V"],
+            "position_m": _or_nan(started.run.position_m),
+            "run": run,
+            "reading": reading["index"],
+            "valid": reading["valid"],
+        } | {column: reading[column] for column in self._setup.value_columns}
+        types = scan_columns(self._setup)
+        paths = {layout.scan_path(name): value for name, value in values.items()}
+        return [
+            self._append(path, np.array([value], dtype=types[path]))
+            for path, value in paths.items()
+        ]
 
     def _values(self, values: Values) -> Iterator[tuple[str, float]]:
         """Yield what each column of the channels holds; NaN where the reading has no value."""

@@ -19,7 +19,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.session.format import layout
 from labrig.session.format.channels import as_recorded
 from labrig.session.format.devices import RecordedDevice
-from labrig.session.format.setup import SessionSetup, present_versions, version_for
+from labrig.session.format.setup import SessionSetup, present_versions
 from labrig.session.notes.add import add_waiting
 from labrig.session.notes.waiting import holds_notes, waiting_path
 from labrig.session.recording.create import create_file
@@ -97,7 +97,6 @@ class SessionWriter:
             simulated=simulated,
             devices=tuple(devices),
             versions=present_versions() | dict(parts or {}),
-            version=version_for(schedule),
         )
         self._journal = _begin(self.path, self._setup)
         self._translator = Translator(self._setup)

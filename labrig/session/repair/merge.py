@@ -11,6 +11,7 @@ import numpy as np
 from labrig.session.format import layout
 from labrig.session.format.setup import SessionSetup
 from labrig.session.reading.values import dataset_names
+from labrig.session.recording.nexus import has_scan, scan_columns
 from labrig.session.supplements.store import is_sealed
 
 
@@ -23,9 +24,9 @@ def add_missing(new: Any, old: Any, *, status_too: bool) -> list[str]:
     for name in sorted(dataset_names(new, Path(new.filename))):
         try:
             source = old[name]
-            if new[name].shape == ():
+            if new[name].shape == () or name.endswith("/acquisition"):
                 if status_too:
-                    _copy_scalar(new[name], source)
+                    _copy_value(new[name], source)
             elif name not in (layout.CHECKSUMS, f"{layout.SETUP}/signals"):
                 _extend(new[name], source)
         except (KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
@@ -48,8 +49,8 @@ def copy_supplements(new: Any, old: Any) -> list[str]:
     return notes
 
 
-def _copy_scalar(target: Any, source: Any) -> None:
-    if source.shape != () or source.dtype != target.dtype:
+def _copy_value(target: Any, source: Any) -> None:
+    if source.shape != target.shape or source.dtype != target.dtype:
         raise ValueError("it has another type")
     target[()] = source[()]
 
@@ -76,7 +77,17 @@ def trim(file: Any, setup: SessionSetup) -> list[str]:
         if setup.frame_shape is not None:
             notes.extend(_even(group["frames"], "frames"))
         notes.extend(_loosen(group, setup))
+    if has_scan(setup):
+        _cut_scan(file, setup)
     return notes
+
+
+def _cut_scan(file: Any, setup: SessionSetup) -> None:
+    """Cut the columns of all readings to one length."""
+    columns = [file[path] for path in scan_columns(setup)]
+    least = min(column.shape[0] for column in columns)
+    for column in columns:
+        column.resize(least, axis=0)
 
 
 def _even(group: Any, what: str) -> Iterator[str]:

@@ -16,9 +16,9 @@ import h5py
 from labrig.session.format import layout
 from labrig.session.format.checksums import SUPPLEMENT_SUM, supplement_digest, version_of
 from labrig.session.reading.opening import open_file
-from labrig.session.reading.values import damage_told
-from labrig.session.recording.create import set_attributes
+from labrig.session.reading.values import damage_told, text_attribute
 from labrig.session.recording.disk import written_beside
+from labrig.session.recording.hdf5 import set_attributes
 from labrig.session.recording.locking import only_writer
 
 
@@ -65,8 +65,7 @@ def is_sealed(group: Any) -> bool:
         wanted = supplement_digest(group, version_of(group.file))
     except ValueError:  # an attribute of a type that no session holds
         return False
-    stored = group.attrs.get(SUPPLEMENT_SUM)
-    return isinstance(stored, bytes) and stored == wanted.encode("ascii")
+    return text_attribute(group, SUPPLEMENT_SUM) == wanted
 
 
 def _copy(old: Any, new: Any, without: str) -> None:

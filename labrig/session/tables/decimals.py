@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from decimal import Context, Decimal, InvalidOperation
 
+_SHORT = 28  # characters: so many digits Decimal keeps
 # Enough digits that an angle survives the way to degrees and back.
 _WIDE = Context(prec=30)
 _PI = Decimal("3.14159265358979323846264338327950288")
@@ -17,6 +18,13 @@ def milli(value: float) -> str:
 
 def from_milli(text: str) -> float:
     """Return the reverse of `milli`. Raises ValueError for what is no finite number."""
+    if len(text) <= _SHORT:
+        try:
+            # The exponent is that of the text, so the number is rounded once, as Decimal does it;
+            # "nan" and texts with an exponent of their own are no number then.
+            return float(text + "e-3")
+        except ValueError:
+            pass
     return float(_decimal(text).scaleb(-3))
 
 
@@ -27,6 +35,11 @@ def plain(value: float) -> str:
 
 def from_plain(text: str) -> float:
     """Return the reverse of `plain`. Raises ValueError for what is no finite number."""
+    if len(text) <= _SHORT:
+        try:
+            return float(text + "e0")
+        except ValueError:
+            pass
     return float(_decimal(text))
 
 

@@ -37,6 +37,25 @@ class _Key(NamedTuple):
     run: int
 
 
+class _Conditions(dict["_Key", "_Gathered"]):
+    """Conditions while their rows come in, also by all that any row of theirs says."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._alike: dict[tuple[str, float | None, float, int], list[_Key]] = {}
+
+    def of(self, key: _Key, tilt_rad: float) -> _Gathered:
+        """Return the condition of a key, a new one where there is none."""
+        if key not in self:
+            self[key] = _Gathered(tilt_rad)
+            self._alike.setdefault(key[:4], []).append(key)
+        return self[key]
+
+    def alike(self, key: _Key) -> list[_Key]:
+        """Return the keys that differ from one in approach and run at most."""
+        return self._alike.get(key[:4], [])
+
+
 @dataclass
 class _Gathered:
     """A condition while its rows come in."""
@@ -48,18 +67,19 @@ class _Gathered:
 
 def read_tables(
     sheet: Mapping[str, SheetGeometry],
-    forces: Path | None,
-    curves: Path | None = None,
-    signals: Path | None = None,
+    forces: Path | str | None,
+    curves: Path | str | None = None,
+    signals: Path | str | None = None,
 ) -> Measurements:
     """Measurements from CSV files: forces, curves or both.
 
     Raises BadInputError naming file, line and column.
     """
+    forces, curves, signals = (None if p is None else Path(p) for p in (forces, curves, signals))
     source = forces or curves
     if source is None:
         raise BadInputError("there is neither a table of forces nor one of curves.")
-    gathered: dict[_Key, _Gathered] = {}
+    gathered = _Conditions()
     if forces is not None:
         for row in read_rows(forces, columns.FORCES, columns.FORCES_OPTIONAL, columns.CHANNEL):
             _add_force(gathered, row, sheet)
@@ -101,17 +121,15 @@ def _key(row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> _Key:
     )
 
 
-def _gathered(gathered: dict[_Key, _Gathered], key: _Key, row: CsvRow) -> _Gathered:
+def _gathered(gathered: _Conditions, key: _Key, row: CsvRow) -> _Gathered:
     tilt_rad = row.optional("tilt_deg", from_degrees, NUMBER, 0.0)
-    found = gathered.setdefault(key, _Gathered(tilt_rad))
+    found = gathered.of(key, tilt_rad)
     if found.tilt_rad != tilt_rad:
         raise row.fault("tilt_deg differs from that of an earlier line of the same condition")
     return found
 
 
-def _add_force(
-    gathered: dict[_Key, _Gathered], row: CsvRow, sheet: Mapping[str, SheetGeometry]
-) -> None:
+def _add_force(gathered: _Conditions, row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> None:
     key = _key(row, sheet)
     index = row.get("reading", integer, WHOLE)
     kind = row.optional("kind", one_of(*columns.KINDS), " or ".join(columns.KINDS), "kept")
@@ -131,9 +149,7 @@ def _add_force(
     )
 
 
-def _add_point(
-    gathered: dict[_Key, _Gathered], row: CsvRow, sheet: Mapping[str, SheetGeometry]
-) -> bool:
+def _add_point(gathered: _Conditions, row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> bool:
     """Take a curve's point; says whether its condition had to be taken from its order."""
     reading = row.optional("reading", integer, WHOLE, None)
     key, unsaid = _meant(gathered, row, sheet, reading)
@@ -148,7 +164,7 @@ def _add_point(
 
 
 def _meant(
-    gathered: dict[_Key, _Gathered],
+    gathered: _Conditions,
     row: CsvRow,
     sheet: Mapping[str, SheetGeometry],
     reading: int | None,
@@ -163,9 +179,8 @@ def _meant(
         return key, False
     fit = [
         each
-        for each in gathered
-        if each[:4] == key[:4]
-        and row.optional("approach", str, "", each.approach) == each.approach
+        for each in gathered.alike(key)
+        if row.optional("approach", str, "", each.approach) == each.approach
         and row.optional("run", integer, WHOLE, each.run) == each.run
     ]
     fit.sort(key=lambda each: (each.run, each.approach == "down"))
@@ -176,7 +191,7 @@ def _meant(
     return fit[-1] if fit else key, len(fit) > 1
 
 
-def _without_force(gathered: dict[_Key, _Gathered]) -> Iterator[str]:
+def _without_force(gathered: _Conditions) -> Iterator[str]:
     for key, each in gathered.items():
         if key.position_m is not None and not each.readings:
             yield (
@@ -231,7 +246,7 @@ def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries,
                 row.optional("current_mA", from_milli, NUMBER, np.nan),
             )
         )
-        if len(values) > 1 and np.any(np.isnan(values[-1]) != np.isnan(values[-2])):
+        if len(values) > 1 and _are_there(values[-1]) != _are_there(values[-2]):
             raise row.fault("force_mN and current_mA must be there for all of a position, or none")
     if not rows:
         raise BadInputError(f"{path}: holds no samples.")
@@ -239,6 +254,10 @@ def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries,
         replace(_one_series(*key, np.array(values)), extra=extras[key])
         for key, values in rows.items()
     )
+
+
+def _are_there(values: tuple[float, ...]) -> list[bool]:
+    return [value == value for value in values]
 
 
 def _one_series(

@@ -1,6 +1,6 @@
 """What recorded motions say about the sheet: its parameters, each with an interval, or that not."""
 
-from model.dynamics.identification.fit import Identification, identify
+from model.dynamics.identification.fit import Identification, best_sheet, identify
 from model.dynamics.identification.information import expected, information, information_matrix
 from model.dynamics.identification.noise import ChannelNoise, RecordingNoise
 from model.dynamics.identification.runs import RecordedRun, RunPlan
@@ -13,6 +13,7 @@ __all__ = [
     "RecordedRun",
     "RecordingNoise",
     "RunPlan",
+    "best_sheet",
     "expected",
     "identify",
     "information",

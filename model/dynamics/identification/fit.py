@@ -154,13 +154,10 @@ def identify(
     `start` is near the answer; else the electrodes are found from the current alone, then all
     parameters from the begin of each run, then from everything. Raises ModelError.
     """
-    _refuse(runs)
-    parameters, fine = LogParameters(start), resolution or FINE
-    theta = parameters.theta
-    for some, louder, by in () if near else _beginnings(runs, noise, fine):
-        theta = _search(_Problem(parameters, some, louder, by), theta, BEGIN).at.theta
-    problem = _Problem(parameters, runs, noise, fine)
-    search = _search(problem, theta, tolerance)
+    parameters = LogParameters(start)
+    problem, search = _found(
+        parameters, runs, noise, resolution=resolution or FINE, tolerance=tolerance, near=near
+    )
     at = search.at
     data = problem.information(at)
     found, covariance = judged(parameters, at.theta, data, max(1.0, at.chi2 / problem.count))
@@ -168,6 +165,35 @@ def identify(
         beam=parameters.beam(at.theta), parameters=found, covariance=covariance, chi2=at.chi2,
         count=problem.count, steps=search.steps, converged=search.converged,
     )  # fmt: skip
+
+
+def best_sheet(
+    start: DynamicBeam,
+    runs: Sequence[RecordedRun],
+    noise: RecordingNoise,
+    *,
+    resolution: Resolution | None = None,
+    tolerance: float = 0.02,
+    near: bool = False,
+) -> DynamicBeam:
+    """Return the sheet of `identify` alone: intervals cost as much as several steps of a search."""
+    parameters = LogParameters(start)
+    _, search = _found(
+        parameters, runs, noise, resolution=resolution or FINE, tolerance=tolerance, near=near
+    )
+    return parameters.beam(search.at.theta)
+
+
+def _found(
+    parameters: LogParameters, runs: Sequence[RecordedRun], noise: RecordingNoise, *,
+    resolution: Resolution, tolerance: float, near: bool,
+) -> tuple[_Problem, _Found]:  # fmt: skip
+    _refuse(runs)
+    theta = parameters.theta
+    for some, louder, by in () if near else _beginnings(runs, noise, resolution):
+        theta = _search(_Problem(parameters, some, louder, by), theta, BEGIN).at.theta
+    problem = _Problem(parameters, runs, noise, resolution)
+    return problem, _search(problem, theta, tolerance)
 
 
 @dataclass(frozen=True)

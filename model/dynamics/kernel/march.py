@@ -15,9 +15,19 @@ import numpy as np
 
 from model.dynamics.body import FAILED, SLIPPED
 from model.dynamics.kernel.contact import levers, touch
-from model.dynamics.kernel.residual import balance, move
-from model.dynamics.kernel.tangent import assemble, derivatives, invert
-from model.dynamics.kernel.work import Scratch, new_work
+from model.dynamics.kernel.residual import balance, move, pressed
+from model.dynamics.kernel.tangent import assemble, edge, invert
+from model.dynamics.kernel.work import (
+    ALONG,
+    FORMER,
+    HISTORY,
+    RHS,
+    SLIDE,
+    STEP,
+    TURN_HAT,
+    Scratch,
+    new_work,
+)
 from model.jit import Array, jit
 
 # An iteration takes at least this share of the error over: the first after a new matrix converges
@@ -40,54 +50,59 @@ def relax(h: float, body: Any, factors: Array) -> float:
 
 
 @jit
-def remember(body: Any, state: Any, factors: Array, w: Scratch) -> None:
+def remember(body: Any, state: Any, factors: Array, dof: Array) -> None:
     """Write what the past adds to the Prony series' moment in this step."""
-    w.history[:] = 0.0
+    for j in range(len(state.q)):
+        dof[HISTORY, j] = 0.0
     for i in range(len(body.shares)):
-        for j in range(len(w.history)):
-            past = factors[i, 0] * state.z[i, j] + factors[i, 1] * (state.q[j] - body.rest[j])
+        gone, early, share = factors[i, 0], factors[i, 1], body.shares[i]
+        for j in range(len(state.q)):
+            past = gone * state.z[i, j] + early * (state.q[j] - body.rest[j])
             state.z[i, j] = past  # the end of the step adds its share when it is known
-            w.history[j] += body.shares[i] * past
+            dof[HISTORY, j] += share * past
 
 
 @jit
-def relaxed(body: Any, state: Any, factors: Array) -> None:
+def relaxed(z: Array, q: Array, rest: Array, factors: Array) -> None:
     """Complete the internal variables with the end of the step."""
-    for i in range(len(body.shares)):
-        for j in range(len(state.q)):
-            state.z[i, j] += factors[i, 2] * (state.q[j] - body.rest[j])
+    for i in range(len(z)):
+        late = factors[i, 2]
+        for j in range(len(q)):
+            z[i, j] += late * (q[j] - rest[j])
 
 
 @jit
 def evaluate(
     body: Any, state: Any, moment: Array, clamp: Array, place: Array, contact: bool, stiff: float,
     w: Scratch,
-) -> None:  # fmt: skip
-    """Write the residuals' negative to `w.rhs`, the place along n_hat last."""
-    move(body, state.q, state.v, state.a, clamp, w)
-    size = len(state.q)
+) -> float:  # fmt: skip
+    """Write the residuals' negative, the place along n_hat last; return what is along t_hat."""
+    at, dof, size = w.at, w.dof, len(state.q)
+    move(body.made, state.q, state.v, state.a, clamp, w.node)
     along = 0.0
     if contact:
-        touch(body.space, clamp[0], state.x[1], state.q, w)
-        gap_x, gap_y = place[0] - w.at[2], place[1] - w.at[3]
-        w.rhs[size] = w.at[4] * gap_x + w.at[5] * gap_y
-        along = w.at[5] * gap_x - w.at[4] * gap_y
-        w.step[size] = along
-    balance(body, state.x[0], contact, w.rhs, w)
+        touch(body.made, clamp[0], state.x[1], state.q, w)
+        gap_x, gap_y = place[0] - at[2], place[1] - at[3]
+        dof[RHS, size] = at[4] * gap_x + at[5] * gap_y
+        along = at[5] * gap_x - at[4] * gap_y
+        pressed(state.x[0], at, w.node)
+    balance(body.made.turn, w.node, dof)
     for j in range(size):
-        bent = stiff * (state.q[j] - body.rest[j]) - w.history[j] + body.viscous_s * state.v[j]
-        w.rhs[j] = moment[j] - body.stiffness[j] * bent - w.rhs[j]
+        bent = stiff * (state.q[j] - body.rest[j]) - dof[HISTORY, j] + body.viscous_s * state.v[j]
+        dof[RHS, j] = moment[j] - body.stiffness[j] * bent - dof[RHS, j]
+    return along
 
 
 @jit
-def predict(state: Any, h: float, of: Any, former: Array) -> None:
-    """Begin a step: q'' goes on in a straight line; `former` keeps what it was at the last end."""
+def predict(state: Any, h: float, of: Any, dof: Array) -> None:
+    """Begin a step: q'' goes on in a straight line; FORMER keeps what it was at the last end."""
+    over, early = 1.0 / (1.0 - of.alpha_m), h * h * (0.5 - of.beta)
     for j in range(len(state.q)):
         a, mean = state.a[j], state.a_mean[j]
-        guess = 2.0 * a - former[j]
-        former[j] = a
-        new = ((1.0 - of.alpha_f) * guess + of.alpha_f * a - of.alpha_m * mean) / (1.0 - of.alpha_m)
-        state.q[j] += h * state.v[j] + h * h * ((0.5 - of.beta) * mean + of.beta * new)
+        guess = 2.0 * a - dof[FORMER, j]
+        dof[FORMER, j] = a
+        new = ((1.0 - of.alpha_f) * guess + of.alpha_f * a - of.alpha_m * mean) * over
+        state.q[j] += h * state.v[j] + early * mean + h * h * of.beta * new
         state.v[j] += h * ((1.0 - of.gamma) * mean + of.gamma * new)
         state.a[j], state.a_mean[j] = guess, new
 
@@ -96,33 +111,41 @@ def predict(state: Any, h: float, of: Any, former: Array) -> None:
 def renew(body: Any, state: Any, contact: bool, elastic: float, by: Array, w: Scratch) -> bool:
     """Write the inverse of Newton's matrix for the state just evaluated; by: dv/dq, da/dq."""
     if contact:
-        levers(body.angle, w)
-    derivatives(body, by[0], by[1], w)
-    return invert(assemble(body, elastic, state.x[0], contact, w), w)
+        levers(body.made.turn, w.at, w.node, w.dof)
+    assemble(body.made, by, w)
+    size = edge(elastic, body.stiffness, state.x[0], contact, w.dof, w.matrix)
+    return invert(size, w.matrix, w.inverse)
 
 
 @jit
-def correct(state: Any, contact: bool, by: Array, w: Scratch) -> float:
+def solve(order: int, inverse: Array, dof: Array) -> None:
+    """Write STEP from RHS."""
+    for i in range(order):
+        dof[STEP, i] = 0.0
+    for j in range(order):
+        residual = dof[RHS, j]
+        for i in range(order):
+            dof[STEP, i] += inverse[j, i] * residual
+
+
+@jit
+def correct(state: Any, contact: bool, along: float, by: Array, at: Array, dof: Array) -> float:
     """Make one iteration's step; return the largest change of a coefficient."""
     size = len(state.q)
-    order = size + 1 if contact else size
-    along, largest = w.step[size], 0.0
-    for i in range(order):
-        total = 0.0
-        for j in range(order):
-            total += w.inverse[i, j] * w.rhs[j]
-        w.step[i] = total
+    largest, turned = 0.0, 0.0
     for j in range(size):
-        change = w.step[j]
+        change = dof[STEP, j]
         largest = max(largest, abs(change))
-        along -= w.T[j] * change
+        along -= dof[ALONG, j] * change
+        turned += dof[TURN_HAT, j] * change
         state.q[j] += change
         state.v[j] += by[0] * change
         state.a[j] += by[1] * change
         state.a_mean[j] += by[2] * change
     if contact:
-        state.x[0] += w.step[size]
+        state.x[0] += dof[STEP, size]
         state.x[1] += along
+        state.x[2] = at[1] + turned + at[0] * along
     return largest
 
 
@@ -142,8 +165,9 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
     Returns the steps that were made, and 0, SLIPPED or FAILED.
     """
     size, contact = len(state.q), given.contact
-    w, factors = new_work(len(body.mass), size), np.zeros((len(body.shares), 3))
-    former, by, x_rate = state.a.copy(), np.zeros(3), np.zeros(2)
+    w = new_work(len(body.made.mass), size, body.made.angle.shape[1])
+    dof, factors = w.dof, np.zeros((len(body.shares), 3))
+    by, x_rate = np.zeros(3), np.zeros(2)
     h_old, age, rate, stiff = 0.0, 0, 0.0, 1.0
     track.q[0], track.v[0], track.x[0] = state.q, state.v, state.x
     for n in range(len(given.step_s)):
@@ -154,15 +178,16 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
             by[0] = of.gamma / (h * of.beta)
             by[1] = (1.0 - of.alpha_m) / (h * h * of.beta * (1.0 - of.alpha_f))
             by[2] = 1.0 / (h * h * of.beta)
-            former[:] = state.a
+            for j in range(size):
+                dof[FORMER, j] = state.a[j]
             x_rate[:] = 0.0
-        remember(body, state, factors, w)
-        predict(state, h, of, former)
+        remember(body, state, factors, dof)
+        predict(state, h, of, dof)
         state.x[0] += x_rate[0]
         state.x[1] += x_rate[1]
         near, before, done = nearness(state.q, of.tolerance * h * h), 0.0, False
         for k in range(of.most):
-            evaluate(
+            along = evaluate(
                 body=body, state=state, moment=given.moment[n + 1], clamp=given.clamp[n + 1],
                 place=given.place[n + 1], contact=contact, stiff=stiff, w=w,
             )  # fmt: skip
@@ -172,8 +197,9 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
                 age, rate = 0, 0.0
             if contact:
                 for j in range(size):
-                    w.rhs[j] -= state.x[0] * w.step[size] * w.slide[j]
-            largest = correct(state, contact, by, w)
+                    dof[RHS, j] -= state.x[0] * along * dof[SLIDE, j]
+            solve(size + 1 if contact else size, w.inverse, dof)
+            largest = correct(state, contact, along, by, w.at, dof)
             if not largest < 1e9:  # nor where it is not a number
                 return n, FAILED
             if contact and not 0.0 < state.x[1] <= body.reach_m:
@@ -187,9 +213,11 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
         if not done:
             return n, FAILED
         age += 1
-        relaxed(body, state, factors)
+        relaxed(state.z, state.q, body.rest, factors)
         for j in range(size):
             track.q[n + 1, j], track.v[n + 1, j] = state.q[j], state.v[j]
+        for i in range(3):
+            track.x[n + 1, i] = state.x[i]
         for i in range(2):
-            track.x[n + 1, i], x_rate[i] = state.x[i], state.x[i] - track.x[n, i]
+            x_rate[i] = state.x[i] - track.x[n, i]
     return len(given.step_s), 0

@@ -8,130 +8,194 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
-from model.dynamics.kernel.work import Scratch
-from model.jit import jit
-
-
-@jit
-def integrate_columns(on: Any, row: int, w: Scratch) -> None:
-    """Replace two rows of `w.by`, values at the nodes, by their integral from the clamp."""
-    N = w.by.shape[2]
-    w.start[:] = 0.0
-    held = np.empty((2, w.cos.shape[0], N))
-    for p in range(len(on.breaks_m) - 1):
-        first, end = on.first_node[p], on.first_node[p + 1]
-        for m in range(first, end):
-            for c in range(2):
-                for k in range(N):
-                    held[c, m, k] = w.start[c, k]
-                for i in range(end - first):
-                    share = on.run[m, i]
-                    for k in range(N):
-                        held[c, m, k] += share * w.by[row + c, first + i, k]
-        for m in range(first, end):
-            for c in range(2):
-                for k in range(N):
-                    w.start[c, k] += on.weight_m[m] * w.by[row + c, m, k]
-    for c in range(2):
-        w.by[row + c] = held[c]
+from model.dynamics.kernel.work import (
+    A_X,
+    A_Y,
+    ALONG,
+    BEND,
+    COS,
+    CUT_X,
+    CUT_Y,
+    D_A,
+    D_R,
+    D_V,
+    FORCE,
+    SIN,
+    SLIDE,
+    SPIN,
+    SWING,
+    TURN_HAT,
+    V_X,
+    V_Y,
+    A,
+    J,
+    R,
+    Scratch,
+    V,
+)
+from model.jit import Array, jit
 
 
 @jit
-def derivatives(body: Any, factor_v: float, factor_a: float, w: Scratch) -> None:
-    """Write `w.by`: how places, velocities and accelerations at the nodes change with q."""
-    for m in range(len(w.sin)):
-        s, c, spin, swing = w.sin[m], w.cos[m], w.spin[m], w.swing[m]
+def rates(angle: Array, factor_v: float, factor_a: float, node: Array, by: Array) -> None:
+    """Write d/ds of how places, accelerations and velocities change."""
+    for m in range(node.shape[1]):
+        s, c, spin, swing = node[SIN, m], node[COS, m], node[SPIN, m], node[SWING, m]
         along, across = factor_a - spin * spin, swing + 2.0 * factor_v * spin
-        for k in range(body.angle.shape[1]):
-            phi = body.angle[m, k]
-            w.by[0, m, k], w.by[1, m, k] = -s * phi, c * phi
-            w.by[4, m, k] = (-s * along - c * across) * phi
-            w.by[5, m, k] = (c * along - s * across) * phi
-            if body.wet:
-                w.by[2, m, k] = (-s * factor_v - c * spin) * phi
-                w.by[3, m, k] = (c * factor_v - s * spin) * phi
-    integrate_columns(body.space, 0, w)
-    integrate_columns(body.space, 4, w)
-    if body.wet:
-        integrate_columns(body.space, 2, w)
+        ax, ay = -s * along - c * across, c * along - s * across
+        vx, vy = -s * factor_v - c * spin, c * factor_v - s * spin
+        for k in range(angle.shape[1]):
+            phi = angle[m, k]
+            by[D_R, m, k], by[D_R + 1, m, k] = -s * phi, c * phi
+            by[D_A, m, k], by[D_A + 1, m, k] = ax * phi, ay * phi
+            by[D_V, m, k], by[D_V + 1, m, k] = vx * phi, vy * phi
 
 
 @jit
-def forces(body: Any, m: int, w: Scratch) -> None:
-    """Write `w.push`: how the force at a node changes with q."""
-    for k in range(body.angle.shape[1]):
-        w.push[0, k] = body.mass[m] * w.by[4, m, k]
-        w.push[1, k] = body.mass[m] * w.by[5, m, k]
-    if body.wet:
-        s, c = w.sin[m], w.cos[m]
-        across = -s * w.velocity[0, m] + c * w.velocity[1, m]
-        along = c * w.velocity[0, m] + s * w.velocity[1, m]
-        forward = c * w.acceleration[0, m] + s * w.acceleration[1, m]
-        drag = body.normal[m] + 2.0 * body.quadratic[m] * abs(across)
-        normal = body.added[m] * (-s * w.acceleration[0, m] + c * w.acceleration[1, m])
-        normal += (body.normal[m] + body.quadratic[m] * abs(across)) * across
-        rub = body.tangential[m]
-        for k in range(body.angle.shape[1]):
-            phi = body.angle[m, k]
-            d_across = -s * w.by[2, m, k] + c * w.by[3, m, k] - along * phi
-            d_along = c * w.by[2, m, k] + s * w.by[3, m, k] + across * phi
-            d_normal = body.added[m] * (-s * w.by[4, m, k] + c * w.by[5, m, k] - forward * phi)
+def integrate(run: Array, given: Array, out: Array) -> None:
+    """Write the integral from the clamp of values at the nodes, for each coefficient."""
+    for m in range(given.shape[0]):
+        for k in range(given.shape[1]):
+            out[m, k] = 0.0
+        for i in range(0, given.shape[0], 4):
+            a, b, c, d = run[i, m], run[i + 1, m], run[i + 2, m], run[i + 3, m]
+            if a == 0.0 and d == 0.0:  # a panel beyond
+                continue
+            for k in range(given.shape[1]):
+                out[m, k] += (a * given[i, k] + b * given[i + 1, k]) + (
+                    c * given[i + 2, k] + d * given[i + 3, k]
+                )
+
+
+@jit
+def forces(mass: Array, by: Array) -> None:
+    """Write how the forces of inertia change."""
+    for m in range(by.shape[1]):
+        for k in range(by.shape[2]):
+            by[FORCE, m, k] = mass[m] * by[A, m, k]
+            by[FORCE + 1, m, k] = mass[m] * by[A + 1, m, k]
+
+
+@jit
+def fluid(angle: Array, load: Array, node: Array, by: Array) -> None:
+    """Add how the fluid's forces change; load: added mass, normal, quadratic, tangential drag."""
+    for m in range(node.shape[1]):
+        s, c, added, rub = node[SIN, m], node[COS, m], load[0, m], load[3, m]
+        across = -s * node[V_X, m] + c * node[V_Y, m]
+        along = c * node[V_X, m] + s * node[V_Y, m]
+        forward = c * node[A_X, m] + s * node[A_Y, m]
+        drag = load[1, m] + 2.0 * load[2, m] * abs(across)
+        normal = added * (-s * node[A_X, m] + c * node[A_Y, m])
+        normal += (load[1, m] + load[2, m] * abs(across)) * across
+        for k in range(angle.shape[1]):
+            phi = angle[m, k]
+            d_across = -s * by[V, m, k] + c * by[V + 1, m, k] - along * phi
+            d_along = c * by[V, m, k] + s * by[V + 1, m, k] + across * phi
+            d_normal = added * (-s * by[A, m, k] + c * by[A + 1, m, k] - forward * phi)
             d_normal += drag * d_across + rub * along * phi
             d_tangential = rub * d_along - normal * phi
-            w.push[0, k] += -s * d_normal + c * d_tangential
-            w.push[1, k] += c * d_normal + s * d_tangential
+            by[FORCE, m, k] += -s * d_normal + c * d_tangential
+            by[FORCE + 1, m, k] += c * d_normal + s * d_tangential
 
 
 @jit
-def assemble(body: Any, elastic: float, N: float, contact: bool, w: Scratch) -> int:
-    """Write `w.matrix`, bordered by J where there is contact; return its size."""
-    size: int = body.angle.shape[1]
-    w.matrix[:] = 0.0
-    for m in range(len(w.sin)):
-        forces(body, m, w)
-        bend = -w.cos[m] * w.cut[0, m] - w.sin[m] * w.cut[1, m]
-        for j in range(size):
-            x, y, turn = w.by[0, m, j], w.by[1, m, j], bend * body.angle[m, j]
-            for k in range(size):
-                w.matrix[j, k] += x * w.push[0, k] + y * w.push[1, k] + turn * body.angle[m, k]
+def bends(angle: Array, node: Array, by: Array) -> None:
+    """Write how the moment changes as the node turns under the force in the cut."""
+    for m in range(node.shape[1]):
+        bend = -node[COS, m] * node[CUT_X, m] - node[SIN, m] * node[CUT_Y, m]
+        for k in range(angle.shape[1]):
+            by[BEND, m, k] = bend * angle[m, k]
+
+
+@jit
+def add(left: Array, right: Array, out: Array) -> None:
+    """Add left^T right; there are a multiple of four rows."""
+    for j in range(len(out) - 1):
+        for m in range(0, left.shape[0], 4):
+            a, b, c, d = left[m, j], left[m + 1, j], left[m + 2, j], left[m + 3, j]
+            for k in range(left.shape[1]):
+                out[j, k] += (a * right[m, k] + b * right[m + 1, k]) + (
+                    c * right[m + 2, k] + d * right[m + 3, k]
+                )
+
+
+@jit
+def edge(elastic: float, stiffness: Array, N: float, contact: bool, dof: Array, out: Array) -> int:
+    """Add elasticity and contact; return the matrix's size."""
+    size = len(stiffness)
     for j in range(size):
-        w.matrix[j, j] += elastic * body.stiffness[j]
+        out[j, j] += elastic * stiffness[j]
     if not contact:
         return size
+    for k in range(out.shape[1]):
+        out[size, k] = 0.0
     for j in range(size):
         for k in range(size):
-            w.matrix[j, k] -= N * (w.T[j] * w.turn_hat[k] + w.slide[j] * w.T[k])
-        w.matrix[j, size] = w.matrix[size, j] = w.J[j]
+            turned = dof[ALONG, j] * dof[TURN_HAT, k] + dof[SLIDE, j] * dof[ALONG, k]
+            out[j, k] -= N * turned
+        out[j, size] = out[size, j] = dof[J, j]
     return size + 1
 
 
 @jit
-def invert(size: int, w: Scratch) -> bool:
-    """Write the inverse of the matrix (Gauss-Jordan, pivots by row); False where it is singular."""
-    A, B = w.matrix, w.inverse
-    B[:] = 0.0
+def assemble(made: Any, by_q: Array, w: Scratch) -> None:
+    """Write what inertia and fluid add to `w.matrix`; by_q: dv/dq, da/dq."""
+    node, by, matrix = w.node, w.by, w.matrix
+    rates(made.angle, by_q[0], by_q[1], node, by)
+    for plane in range(4):
+        integrate(made.run, by[plane], by[R + plane])
+    forces(made.mass, by)
+    if made.wet:
+        integrate(made.run, by[D_V], by[V])
+        integrate(made.run, by[D_V + 1], by[V + 1])
+        fluid(made.angle, made.fluid, node, by)
+    bends(made.angle, node, by)
+    for j in range(matrix.shape[0]):
+        for k in range(matrix.shape[1]):
+            matrix[j, k] = 0.0
+    add(by[R], by[FORCE], matrix)
+    add(by[R + 1], by[FORCE + 1], matrix)
+    add(made.angle, by[BEND], matrix)
+
+
+@jit
+def pivot(size: int, j: int, rows: Array) -> bool:
+    """Put the largest value of column j in row j, and make it 1; False where there is none."""
+    best = j
+    for i in range(j + 1, size):
+        if abs(rows[i, j]) > abs(rows[best, j]):
+            best = i
+    if not abs(rows[best, j]) > 0.0:
+        return False
+    if best != j:
+        for k in range(rows.shape[1]):
+            rows[j, k], rows[best, k] = rows[best, k], rows[j, k]
+    over = 1.0 / rows[j, j]
+    for k in range(rows.shape[1]):
+        rows[j, k] *= over
+    return True
+
+
+@jit
+def invert(size: int, rows: Array, inverse: Array) -> bool:
+    """Write the inverse of a matrix (Gauss-Jordan, pivots by row); False where it is singular.
+
+    The matrix is the left part of `rows`; the right part is used. A row of `inverse` belongs to a
+    residual.
+    """
+    right = rows.shape[1] - rows.shape[0]
+    rows[:size, size:] = 0.0
     for j in range(size):
-        B[j, j] = 1.0
+        rows[j, right + j] = 1.0
     for j in range(size):
-        pivot = j
-        for i in range(j + 1, size):
-            if abs(A[i, j]) > abs(A[pivot, j]):
-                pivot = i
-        if not abs(A[pivot, j]) > 0.0:
+        if not pivot(size, j, rows):
             return False
-        for k in range(size):
-            A[j, k], A[pivot, k] = A[pivot, k], A[j, k]
-            B[j, k], B[pivot, k] = B[pivot, k], B[j, k]
-        over = 1.0 / A[j, j]
-        for k in range(size):
-            A[j, k] *= over
-            B[j, k] *= over
         for i in range(size):
             if i != j:
-                share = A[i, j]
-                for k in range(size):
-                    A[i, k] -= share * A[j, k]
-                    B[i, k] -= share * B[j, k]
+                share = rows[i, j]
+                for k in range(rows.shape[1]):
+                    rows[i, k] -= share * rows[j, k]
+    for j in range(size):
+        for k in range(size):
+            inverse[k, j] = rows[j, right + k]
     return True

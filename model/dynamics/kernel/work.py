@@ -8,46 +8,51 @@ import numpy as np
 
 from model.jit import Array, jit
 
+# Rows of `Scratch.node`, a value for each node.
+PHI, SPIN, SWING = 0, 1, 2  # the angle and its two derivatives in time
+SIN, COS = 3, 4
+E_X, E_Y, A_X, A_Y = 5, 6, 7, 8  # d/ds of the acceleration, and the acceleration
+U_X, U_Y, V_X, V_Y = 9, 10, 11, 12  # d/ds of the velocity, and the velocity
+F_X, F_Y = 13, 14  # forces of inertia and fluid
+CUT_X, CUT_Y = 15, 16  # the force in the cut, times the node's weight
+HAT = 17  # nodal values -> their integral up to s_hat
+ROWS = 18
+# Rows of `Scratch.dof`, a value for each coefficient; the place along n_hat comes last.
+RHS, STEP, HISTORY = 0, 1, 2  # residuals' negative; Newton's step; the past of the Prony series
+TURN_HAT = 3  # coefficients -> phi_hat
+J, ALONG = 4, 5  # n_hat . dr_hat/dq, t_hat . dr_hat/dq
+SLIDE = 6  # how the contact's moment changes with s_hat, over N
+FORMER = 7  # d2q/dt2 at the end of the step before
+DOF_ROWS = 8
+
+
+# Planes of `Scratch.by`: how what is at the nodes changes with each coefficient; y follows x.
+D_R, D_A, D_V = 0, 2, 4  # d/ds of the place, the acceleration and the velocity
+R, A, V = 6, 8, 10  # these themselves
+FORCE, BEND = 12, 14  # the force at a node; the moment there, as the force in the cut turns
+PLANES = 15
+
 
 class Scratch(NamedTuple):
-    """At the M nodes where not said otherwise; x and y are rows 0 and 1."""
+    """M nodes, N coefficients; P: N, rounded up to a multiple of four."""
 
-    phi: Array
-    sin: Array
-    cos: Array
-    spin: Array  # phi_t
-    swing: Array  # phi_tt
-    e: Array  # (2, M) d/ds of r_tt, then of r_t
-    acceleration: Array  # (2, M) r_tt
-    velocity: Array  # (2, M) r_t
-    force: Array  # (2, M) of inertia and fluid at the nodes
-    cut: Array  # (2, M) its sum beyond a node, times the node's weight: the force in the cut
-    hat: Array  # nodal values -> their integral up to s_hat
-    turn_hat: Array  # (N,) coefficients -> phi_hat
-    at: Array  # (6,) k_hat, phi_hat, x_hat, y_hat, and n_hat's components
-    J: Array  # (N,) n_hat . dr_hat/dq
-    T: Array  # (N,) t_hat . dr_hat/dq
-    slide: Array  # (N,) how the contact's moment changes with s_hat, over N
-    start: Array  # (2, N) at the start of a panel
-    by: Array  # (6, M, N) dr/dq, dr_t/dq, dr_tt/dq: x, y of each
-    push: Array  # (2, N) d(force)/dq at one node
-    matrix: Array  # (N + 1, N + 1) of Newton's method, bordered by J
-    inverse: Array  # (N + 1, N + 1)
-    rhs: Array  # (N + 1,)
-    step: Array  # (N + 1,)
-    over: Array  # (2 M - 1,) 1/(i + 1)
-    history: Array  # (N,) what the past adds to the Prony series
+    node: Array  # (ROWS, M)
+    dof: Array  # (DOF_ROWS, N + 1)
+    at: Array  # (6,) k_hat, phi_hat, x_hat, y_hat and n_hat's components
+    values: Array  # (M,) Legendre polynomials at s_hat
+    integrals: Array  # (M,) of them up to there
+    over: Array  # (2 M,) 1/(i + 1)
+    by: Array  # (PLANES, M, P)
+    matrix: Array  # (N + 1, P + 4 + N + 1) of Newton's method, bordered by J; then its inverse
+    inverse: Array  # (N + 1, N + 1) a row for each residual
 
 
 @jit
-def new_work(M: int, N: int) -> Scratch:
+def new_work(M: int, N: int, P: int) -> Scratch:
     """Scratch arrays for M nodes and N coefficients."""
     return Scratch(
-        phi=np.zeros(M), sin=np.zeros(M), cos=np.zeros(M), spin=np.zeros(M), swing=np.zeros(M),
-        e=np.zeros((2, M)), over=1.0 / np.arange(1.0, 2.0 * M), history=np.zeros(N),
-        acceleration=np.zeros((2, M)), velocity=np.zeros((2, M)), force=np.zeros((2, M)),
-        cut=np.zeros((2, M)), hat=np.zeros(M), turn_hat=np.zeros(N), at=np.zeros(6), J=np.zeros(N),
-        T=np.zeros(N), slide=np.zeros(N), start=np.zeros((2, N)), by=np.zeros((6, M, N)),
-        push=np.zeros((2, N)), matrix=np.zeros((N + 1, N + 1)), inverse=np.zeros((N + 1, N + 1)),
-        rhs=np.zeros(N + 1), step=np.zeros(N + 1),
+        node=np.zeros((ROWS, M)), dof=np.zeros((DOF_ROWS, N + 1)), at=np.zeros(6),
+        values=np.zeros(M), integrals=np.zeros(M), over=1.0 / np.arange(1.0, 2.0 * M + 1.0),
+        by=np.zeros((PLANES, M, P)), matrix=np.zeros((N + 1, P + 4 + N + 1)),
+        inverse=np.zeros((N + 1, N + 1)),
     )  # fmt: skip

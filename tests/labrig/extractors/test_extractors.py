@@ -25,7 +25,7 @@ from protocols import Place, make_schedule
 from protocols.kinds.pulse_train import PulseTrain
 from tests.labrig.analysis.analysed import record_with, with_pictures
 
-DOCS = Path(__file__).parents[3] / "docs" / "vision.md"
+DOCS = Path(__file__).parents[3] / "docs" / "howto" / "curve_extractor.md"
 OTHER = '''
 from dataclasses import replace
 from labrig.vision import neutral_curve
@@ -78,7 +78,7 @@ def other(tmp_path, monkeypatch):
 
 @pytest.fixture
 def documented(tmp_path, monkeypatch):
-    """The extractor of docs/vision.md, installed as the distribution that is described there."""
+    """The extractor that the docs describe, installed as the distribution described there."""
     text = DOCS.read_text(encoding="utf-8")
     code = re.findall(r"```python\n(.*?)```", text, re.DOTALL)[-1]
     points = tomllib.loads(re.findall(r"```toml\n(.*?)```", text, re.DOTALL)[-1])

@@ -5,12 +5,19 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
 from dataclasses import replace
 
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.library import CatalogueEntry, Library, index, read_entry, select
+from labrig.library import CatalogueEntry, Library, Selection, index, read_entry
+from labrig.library.database import Database
+from labrig.library.records import put_entry
+from labrig.library.select import select
 from labrig.model_file import load_model, save_model
 from labrig.session import open_session
 from tests.labrig.session.session_recording import record, small_schedule
@@ -88,22 +95,91 @@ def test_a_damaged_file_is_listed_with_its_fault(folder):
     assert str(folder) not in broken.error
 
 
+@pytest.mark.parametrize("damage", ["empty", "text", "zeros", "half", "no_table", "no_entry"])
+def test_a_cache_that_is_damaged_is_made_anew(folder, looked, damage):
+    library = Library(folder)
+    library.refresh()
+    path = library.cache
+    library.close()
+    whole = path.read_bytes()
+    if damage in {"no_table", "no_entry"}:
+        with closing(sqlite3.connect(path)) as file, file:
+            file.execute(
+                "DROP TABLE texts" if damage == "no_table" else "UPDATE entries SET entry='{'"
+            )
+    else:
+        path.write_bytes(
+            {
+                "empty": b"",
+                "text": b"no database" * 500,
+                "zeros": whole[:4096] + b"\0" * (len(whole) - 4096),
+                "half": whole[: len(whole) // 2],
+            }[damage]
+        )
+    again = Library(folder)
+    again.refresh()
+    found = again.find(Selection(sort="name", down=False, text="h5"))
+    assert [entry.name for entry in found.entries] == ["a.h5", "b.h5", "below/c.h5", "broken.h5"]
+    looked.clear()
+    again.refresh()
+    assert looked == []
+    assert again.cache == path
+
+
+def test_nothing_is_written_to_the_folder_of_the_sessions(folder):
+    before = sorted(folder.rglob("*"))
+    library = Library(folder)
+    library.refresh()
+    assert sorted(folder.rglob("*")) == before
+    assert folder not in library.cache.parents
+
+
+def test_a_cache_that_cannot_be_written_is_kept_in_memory(folder, monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setenv("LABRIG_CACHE", str(tmp_path / "file"))
+    library = Library(folder)
+    library.refresh()
+    assert library.cache is None
+    assert len(library.entries()) == 4
+
+
 @pytest.mark.slow
-def test_what_was_kept_is_not_believed_when_it_is_damaged(folder, looked):
-    Library(folder).refresh()
-    for text in (
-        "",
-        "{",
-        "[]",
-        '{"version": 99, "files": {}}',
-        '{"version": 1, "files": {"a": 3}}',
-    ):
-        (folder / index.KEPT).write_text(text)
-        looked.clear()
-        library = Library(folder)
-        library.refresh()
-        assert len(looked) == 4
-        assert len(library.entries()) == 4
+def test_programs_that_look_at_once_do_not_disturb_each_other(folder):
+    script = (
+        "import sys; from pathlib import Path; from labrig.library import Library\n"
+        "library = Library(Path(sys.argv[1])); library.refresh()\n"
+        "assert library.cache is not None\n"
+        "print(*[entry.name for entry in library.entries()])"
+    )
+    command = [sys.executable, "-c", script, str(folder)]
+    several = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(4)]
+    said = {process.communicate()[0].strip() for process in several}
+    assert [process.returncode for process in several] == [0] * 4
+    assert said == {"a.h5 b.h5 below/c.h5 broken.h5"}
+
+
+def test_a_folder_with_more_files_than_are_listed_says_so(folder, monkeypatch, capsys):
+    from labrig.cli.main import run
+
+    monkeypatch.setattr(index, "MOST_FILES", 2)
+    library = Library(folder)
+    library.refresh()
+    assert "only the first 2" in library.cut
+    assert len(library.entries()) == 2
+    assert run(["list", str(folder)]) == 0
+    assert "only the first 2" in capsys.readouterr().err
+
+
+def test_the_command_says_what_it_does_not_show(folder, capsys):
+    from labrig.cli.main import run
+
+    assert (
+        run(["list", str(folder), "--sort", "name", "--up", "--limit", "2", "--offset", "1"]) == 0
+    )
+    said = capsys.readouterr().out
+    assert "These are 2 to 3 of 4" in said
+    assert "below/c.h5" in said
+    assert "a.h5" not in said
 
 
 def test_a_scan_that_has_no_time_says_how_many_files_are_left(folder):
@@ -208,13 +284,35 @@ ENTRIES = [
         ({"text": "long pulse"}, ""),
     ],
 )
-def test_entries_are_filtered_and_sorted(asked, wanted):
-    assert "".join(entry.name[0] for entry in select(ENTRIES, **asked)) == wanted
+def test_entries_are_filtered_and_sorted(asked, wanted, tmp_path):
+    assert "".join(entry.name[0] for entry in selected(tmp_path, ENTRIES, **asked)) == wanted
+
+
+def selected(folder, entries, **asked):
+    database = Database(folder)
+    database.write(lambda connection: [put_entry(connection, entry) for entry in entries])
+    return database.read(lambda connection: select(connection, Selection(**asked))).entries
+
+
+@pytest.mark.parametrize("down", [True, False])
+def test_pages_are_parts_of_the_whole(tmp_path, down):
+    asked = {"sort": "scatter_mN", "down": down}
+    whole = selected(tmp_path, ENTRIES, **asked)
+    assert len(whole) == 4
+    for limit in (1, 2, 3, 4, 5):
+        for offset in range(6):
+            page = selected(tmp_path, [], **asked, limit=limit, offset=offset)
+            assert page == whole[offset : offset + limit]
+
+
+def test_an_entry_comes_back_as_it_was(session, tmp_path):
+    entry = read_entry(session, "one.h5")
+    assert selected(tmp_path, [entry]) == (entry,)
 
 
 def test_an_unknown_column_is_named_with_those_that_are_known():
     with pytest.raises(BadInputError, match="scatter_mN"):
-        select(ENTRIES, sort="colour")
+        Selection(sort="colour")
 
 
 def test_the_command_lists_and_says_what_cannot_be_read(folder, capsys):

@@ -67,11 +67,11 @@ failing = labrig_notes:FAILING
 bad = labrig_notes:BAD
 list = labrig_list:PAGE
 """
-DOCS = Path(__file__).parents[3] / "docs" / "panel.md"
+DOCS = Path(__file__).parents[3] / "docs" / "howto" / "panel.md"
 
 
 def documented(language: str) -> str:
-    """The example of docs/panel.md in this language, as it stands there."""
+    """The example of docs/howto/panel.md in this language, as it stands there."""
     (found,) = re.findall(rf"```{language}\n(.*?)```", DOCS.read_text("utf-8"), re.DOTALL)
     return str(found)
 

@@ -6,40 +6,22 @@ import os
 import signal
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-import sim_hardware.world
 from labrig.model_file import save_model
-from labrig.panel.live.curve_process import Finder
 from labrig.panel.live.event_stream import EventStream, Mailbox
-from labrig.panel.live.frames import image_of
 from labrig.panel.live.strip_chart import BIN_S, PREDICTED, SIGNALS, StripChart, joined
 from labrig.panel.live_model import live_model
-from labrig.panel.live_model.beside_run import ModelBesideRun
 from labrig.panel.live_model.live_model import LiveModel
 from labrig.panel.live_model.running_error import OVER_S, RunningError, white_noise
-from labrig.panel.replay.recording import Recording
-from tests.end_to_end.small_rig import make_rig, run_rig
 from tests.labrig.moving_model import model
-from tests.made_once import made_once
+from tests.labrig.panel.moving_session import followed, moving_session
 
-FRAME_S = 0.04
 WAIT_S = 60.0
-PROTOCOL = """
-moisten = false
-[pulse_train]
-zero_readings = 2
-readings_per_voltage = 5
-[[places]]
-configuration = "long"
-positions_mm = [5, 15]
-[extras]
-mode = "paper"
-"""
-MOVING = Path(sim_hardware.world.__file__).with_name("moving.toml").read_text()
 
 
 def until(holds):
@@ -51,22 +33,8 @@ def until(holds):
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    """A session of the moving world, as it came: (messages, strip, curve) of each 40 ms."""
-    folder = made_once(
-        tmp_path_factory, "moving", lambda path: run_rig(make_rig(path, PROTOCOL, MOVING))
-    )
-    recording = Recording(folder / "session.h5", "session.h5")
-    finder = Finder()
-    finder.setup(recording.setup)
-    rows, before_s = [], -1.0
-    for at_s in np.arange(0.0, recording.duration_s + FRAME_S, FRAME_S).tolist():
-        strip = recording.strip(before_s, at_s, fresh=False)
-        picture = recording.picture(before_s, at_s)
-        curve = None if picture is None else finder.curve(picture[0], image_of(*picture))
-        rows.append((recording.between(before_s, at_s), strip, curve))
-        before_s = at_s
-    yield recording.plan, recording.setup, rows
-    recording.close()
+    with moving_session(tmp_path_factory) as found:
+        yield found
 
 
 @pytest.fixture
@@ -78,21 +46,6 @@ def model_file(tmp_path):
         return str(tmp_path / "m.toml")
 
     return write
-
-
-def followed(recorded, path, rows=None):
-    """All answers of a model to a session."""
-    plan, setup, every = recorded
-    beside = ModelBesideRun()
-    beside.choose(path)
-    beside.setup(setup)
-    beside.take(plan)
-    answers = []
-    for messages, strip, curve in rows or every:
-        for message in messages:
-            beside.take(message)
-        answers.append(beside.follow(strip, curve))
-    return answers
 
 
 def errors(answers):
@@ -172,6 +125,20 @@ def test_a_model_that_is_slow_skips_images_and_takes_signals_in_larger_pieces(re
     np.testing.assert_allclose(parts[1, :first], whole[1, :first], atol=1e-4)
     row = last_estimate(some)
     assert abs(row["B"] - last_estimate(every)["B"]) < max(2 * row["B_sigma"], 0.03)
+
+
+@pytest.mark.slow
+def test_signals_from_before_the_run_do_not_end_the_prediction(recorded, model_file):
+    rows = recorded[2][:200]
+    at = next(k for k, (_, strip, _) in enumerate(rows) if strip is not None and strip.run == 0)
+    messages, strip, curve = rows[at]
+    early = replace(strip, values=strip.values.copy())
+    early.values[0] -= 1.0
+    assert early.values[0].max() < 0
+    split = [*rows[:at], (messages, early, None), ([], strip, curve), *rows[at + 1 :]]
+    answers = followed(recorded, model_file(), split)
+    assert {a.motion["why"] for a in answers} == {""}
+    assert answers[-1].motion["state"] == "following"
 
 
 @pytest.mark.slow
@@ -258,6 +225,7 @@ def test_pages_hear_the_prediction_and_the_estimates(panel_side, recorded):
     tell(200, 400)
     until(lambda: hear()["estimates"] and hear()["strips"])
     assert hear()["strips"][-1].keys == ("force_mN", "current_mA")
+    until(lambda: any(m.get("shape") is not None for m in hear()["motion"]))
 
 
 @pytest.mark.slow

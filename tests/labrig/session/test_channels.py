@@ -119,5 +119,5 @@ def test_the_raw_force_has_the_unit_in_which_it_was_read(tmp_path, unit, found):
         pass
     with h5py.File(tmp_path / "s.h5") as file:
         signals = file["session/run_000/signals"]
-        units = {name: signals[name].attrs["units"].decode() for name in signals}
+        units = {name: signals[name].attrs["units"] for name in signals}
     assert units == {"force": found, "current": "V", "drive": "V", "time": "s"}

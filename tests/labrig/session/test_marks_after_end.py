@@ -19,7 +19,7 @@ import pytest
 from labrig.cli.main import run
 from labrig.errors import BadInputError
 from labrig.library.entry import read_entry
-from labrig.library.index import with_fit
+from labrig.library.records import with_fit
 from labrig.session import (
     Mark,
     SessionWriter,

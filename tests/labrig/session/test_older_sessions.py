@@ -1,4 +1,4 @@
-"""Sessions of the layout's versions 1 and 2, as an earlier labrig wrote them, are still of use."""
+"""Sessions of the layout's versions 1 to 3, as an earlier labrig wrote them, are still of use."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from labrig.session import (
     store_measurements,
     verify,
 )
+from labrig.session.format import layout
 from labrig.session.recording.journal import journal_path
 from protocols.execution import events as ev
 from protocols.execution.events import Outcome
@@ -29,7 +30,7 @@ DATA = Path(__file__).parent / "data"
 CUT = 5000  # bytes that the disk never got
 
 
-OLDER = (1, 2)
+OLDER = (1, 2, 3)
 
 
 @pytest.fixture
@@ -38,13 +39,13 @@ def old(tmp_path, request):
     return Path(shutil.copy(DATA / f"version_{version}.hdf5", tmp_path / "old.h5"))
 
 
-def of_both(test):
+def of_each(test):
     return pytest.mark.parametrize(("old", "version"), [(v, v) for v in OLDER], indirect=["old"])(
         test
     )
 
 
-@of_both
+@of_each
 def test_an_older_session_passes_verify_and_a_changed_sample_is_found(old, version):
     assert all(check.ok for check in verify(old))
     with h5py.File(old, "r+") as file:
@@ -52,7 +53,7 @@ def test_an_older_session_passes_verify_and_a_changed_sample_is_found(old, versi
     assert [check.name for check in verify(old) if not check.ok] == ["checksums"]
 
 
-@of_both
+@of_each
 def test_measurements_are_kept_in_an_older_session_without_changing_its_recording(old, version):
     with open_session(old) as session:
         before = session.checksum
@@ -86,7 +87,7 @@ def test_a_session_of_version_1_is_read_with_the_units_of_its_channels(old):
     assert all(check.ok for check in verify(old))
 
 
-@of_both
+@of_each
 def test_an_older_session_is_recovered_from_its_journal_in_its_own_version(old, version, tmp_path):
     crashed = tmp_path / "crashed.h5"
     journal = (DATA / f"version_{version}.hdf5-journal").read_bytes()
@@ -105,7 +106,7 @@ def test_an_older_session_is_recovered_from_its_journal_in_its_own_version(old, 
     assert any("session/outcome" in text for text in compare_sessions(tmp_path / "whole.h5", old))
 
 
-@of_both
+@of_each
 def test_the_runs_of_an_older_session_are_copied_into_a_new_one_when_it_is_resumed(
     old, version, tmp_path
 ):
@@ -126,7 +127,7 @@ def test_the_runs_of_an_older_session_are_copied_into_a_new_one_when_it_is_resum
             )
             writer.handle(stopped)
         with open_session(tmp_path / "new.h5") as new:
-            assert new.version == 3
+            assert new.version == layout.FORMAT
             for before, after in zip(session.runs, new.runs, strict=True):
                 for row, copy in zip(before.readings, after.readings, strict=True):
                     assert after.values(copy) == before.values(row)

@@ -11,7 +11,7 @@ import pytest
 from labrig.errors import BadInputError
 from labrig.session import open_session, recover, store_measurements, verify
 from labrig.session.format import layout
-from labrig.session.recording.create import put_text, set_attributes
+from labrig.session.recording.hdf5 import put_text, set_attributes
 from labrig.session.supplements.store import store_supplement
 from tests.labrig.session.measured import measurements
 from tests.labrig.session.session_recording import record, small_schedule
@@ -95,5 +95,5 @@ def test_recover_keeps_the_supplements_that_are_whole(noted, tmp_path):
     assert any(layout.DERIVED in note for note in report.notes)
     with h5py.File(tmp_path / "whole.h5") as file:
         assert layout.DERIVED not in file
-        assert file[layout.NOTES]["photographs/0"].attrs["who"] == b"A. B."
+        assert file[layout.NOTES]["photographs/0"].attrs["who"] == "A. B."
     assert failed(tmp_path / "whole.h5") == {}

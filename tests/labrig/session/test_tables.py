@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from decimal import Decimal
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from labrig.session import (
     verify,
     write_tables,
 )
+from labrig.session.tables import decimals
 from labrig.session.tables.curve_points import arc_length
 from labrig.session.tables.decimals import (
     degrees,
@@ -392,3 +394,18 @@ def test_an_import_overwrites_nothing_and_leaves_nothing_behind(imported, tmp_pa
 def test_a_table_of_signals_without_samples_is_refused(tmp_path):
     with pytest.raises(BadInputError, match=r"signals\.csv: holds no samples"):
         read(tmp_path, signals=SIGNALS.splitlines()[0] + "\n")
+
+
+@pytest.mark.parametrize("read", [decimals.from_milli, decimals.from_plain])
+def test_numbers_are_read_the_short_way_as_exactly_as_the_long_way(read):
+    dice = np.random.default_rng(5)
+    scale = 3 if read is decimals.from_milli else 0
+    texts = [repr(float(x)) for x in dice.normal(size=300) * 10.0 ** dice.integers(-8, 9, 300)]
+    texts += [f"{x:.4f}" for x in dice.normal(size=300)]
+    texts += ["-0", "+1.5", ".5", "5.", "1e3", "1E-400", "1_0", "0" * 40 + "1", "9" * 60]
+    for text in texts:
+        value = Decimal(text).scaleb(-scale)
+        assert read(text) == float(value)
+    for text in ("nan", "inf", "-inf", "1e400", "", "1,5", "1 e", "0x1", "e", "--1"):
+        with pytest.raises(ValueError):  # noqa: PT011 - any will do
+            read(text)

@@ -40,7 +40,9 @@ def forces_changed(m, change):
 
 
 def test_the_check_on_the_page_about_extending_conforms():
-    page = (Path(__file__).parents[3] / "docs" / "extending.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "howto" / "extending.md").read_text(
+        encoding="utf-8"
+    )
     example = page.split("## A data check")[1].split("```python")[1].split("```")[0]
     there: dict[str, object] = {"__name__": "example"}
     exec(compile(example, "extending.md", "exec"), there)

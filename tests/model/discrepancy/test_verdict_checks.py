@@ -39,7 +39,9 @@ def test_each_verdict_check_conforms(name):
 
 
 def test_the_check_on_the_page_about_extending_conforms():
-    page = (Path(__file__).parents[3] / "docs" / "extending.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "howto" / "extending.md").read_text(
+        encoding="utf-8"
+    )
     example = page.split("## A verdict check")[1].split("```python")[1].split("```")[0]
     there: dict[str, object] = {"__name__": "example"}
     exec(compile(example, "extending.md", "exec"), there)

@@ -1,22 +1,13 @@
-"""docs/effects.md says what the effects say."""
+"""The page of effects says what the effects say."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
-from pathlib import Path
 
 from model.effects import catalogue
 from model.effects.page import page
 from model.locations import locations
-
-PAGE = Path(__file__).parents[3] / "docs" / "effects.md"
-
-
-def test_the_page_is_what_the_catalogue_makes():
-    assert PAGE.read_text(encoding="utf-8") == page(), (
-        "make it anew: python -m model.effects.page > docs/effects.md"
-    )
 
 
 def test_every_effect_and_slot_has_a_section():

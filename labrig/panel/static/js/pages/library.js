@@ -33,13 +33,13 @@ const COLUMNS = [
     show: (s) => number(s.largest_force_mN, 2),
   },
   {
-    key: "B",
+    key: "B_Nm2",
     name: "B, \u00B5N\u00B7m\u00B2",
     num: true,
     show: (s) => fitted(s, (fit) => digits(1e6 * fit.B_Nm2, 4)),
   },
   {
-    key: "EIBM",
+    key: "EIBM_Nm",
     name: "EIBM, \u00B5N\u00B7m",
     num: true,
     show: (s) => [fitted(s, moments), source(s)],
@@ -183,12 +183,13 @@ class Library {
     }
   }
 
-  show({ sessions, total, damaged }) {
+  show({ sessions, total, damaged, pending, cut }) {
     const { offset, sort, down } = this.asked;
     const last = Math.min(offset + sessions.length, total);
     setText(
       this.said,
-      `${total ? `${offset + 1} to ${last} of ${total}` : "no sessions"}${damaged ? `, ${damaged} damaged` : ""}`,
+      `${total ? `${offset + 1} to ${last} of ${total}` : "no sessions"}${damaged ? `, ${damaged} damaged` : ""}` +
+        `${pending ? `; ${pending} files not looked into yet` : ""}${cut ? `; ${cut}` : ""}`,
     );
     const head = h(
       "tr",

@@ -1,0 +1,1 @@
+"""Batch tasks, one a module: each defines TASK, see `labrig.batch.contract`."""

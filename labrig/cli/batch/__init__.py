@@ -1,0 +1,1 @@
+"""`labrig batch`: a command for each batch task, with the task's own options."""

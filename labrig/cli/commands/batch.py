@@ -1,0 +1,39 @@
+"""The same task for many sessions, tables or models."""
+
+from __future__ import annotations
+
+import typer
+
+from labrig.cli.batch.group import BatchGroup
+from labrig.cli.command import Command, CommandExample
+
+app = typer.Typer(
+    cls=BatchGroup,
+    no_args_is_help=True,
+    help="""Do the same for many sessions, tables or models, in several processes or on a cluster.
+
+    A line of rows.jsonl is kept for each as it ends; the same command goes on where it was broken
+    off, and does again what has changed. What was found is also one table (CSV, and Parquet where
+    pyarrow is installed) and a summary with figures.""",
+)
+
+
+@app.callback()
+def batch() -> None:
+    """Have a task by name, which is asked for when it is needed."""
+
+
+COMMAND = Command(
+    "batch",
+    app,
+    order=185,
+    examples=(
+        CommandExample(line="labrig batch analyze *.h5 --dry-run"),
+        CommandExample(line="labrig batch fit session.h5 night --dry-run"),
+        CommandExample(line="labrig batch diagnose *.h5 --dry-run"),
+        CommandExample(line="labrig batch report *.h5 --dry-run"),
+        CommandExample(line="labrig batch verify session.h5 night --workers 1 -o verified"),
+        CommandExample(line="labrig batch simulate model.toml --count 100 --dry-run"),
+        CommandExample(line="labrig batch design model.toml --force-mN 0.2 --dry-run"),
+    ),
+)

@@ -1,0 +1,55 @@
+"""Choose an export format by its name, and write a session with it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final
+
+from drivers.plugins import PluginFolder, UnknownPartError
+from labrig.errors import BadInputError
+from labrig.exports.conformance import faults
+from labrig.exports.contract import ExportFormat
+
+DEFAULT: Final = "csv"
+FORMATS: Final[PluginFolder[ExportFormat]] = PluginFolder(
+    what="export format",
+    package="labrig.exports",
+    constant="FORMAT",
+    group="labrig.exports",
+    faults=faults,
+)
+
+
+def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list[Path]:
+    """Write a closed session into a folder in a format of this name.
+
+    Args:
+        session: the session file.
+        folder: where to write; it is made where it does not exist.
+        name: `csv`, `parquet`, `xarray`, `bluesky`, `crate`, `video`, or one of another
+            distribution.
+
+    Returns:
+        The files written.
+
+    Raises:
+        BadInputError: no such format, a package is missing, a file is there already, or the session
+            lacks what the format needs.
+
+    """
+    try:
+        chosen = FORMATS.get(name)
+    except UnknownPartError as error:
+        raise BadInputError(f"--as: {error}.") from None
+    target = Path(folder)
+    try:
+        target.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInputError(f"{target}: cannot be made ({error.strerror}).") from None
+    try:
+        return chosen.write(Path(session), target)
+    except ModuleNotFoundError as error:
+        raise BadInputError(
+            f"--as {name} needs the package {error.name}; install it with: "
+            f'pip install "labrig[{chosen.extra}]".'
+        ) from None

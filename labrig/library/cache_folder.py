@@ -1,0 +1,24 @@
+"""Where this user's caches lie: on this computer, and safe to delete."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+OWN = "LABRIG_CACHE"  # an environment variable that names another folder
+
+
+def cache_folder() -> Path:
+    """Return labrig's folder in the user's cache folder, as each system has it; not made here."""
+    if own := os.environ.get(OWN):
+        return Path(own)
+    if sys.platform == "win32":
+        local = os.environ.get("LOCALAPPDATA")
+        base = Path(local) if local else Path.home() / "AppData" / "Local"
+        return base / "labrig" / "Cache"
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "labrig"
+    told = os.environ.get("XDG_CACHE_HOME", "")
+    base = Path(told) if told and Path(told).is_absolute() else Path.home() / ".cache"
+    return base / "labrig"

@@ -1,0 +1,73 @@
+"""Pages that are made from the code hold all that the code has."""
+
+from __future__ import annotations
+
+import inspect
+from importlib import import_module
+
+import pytest
+
+from labrig.cli.app import all_commands
+from labrig.session.tables import columns
+
+COMMANDS = [command for command in all_commands() if "." not in command.name]
+
+
+def made(name):
+    return import_module(f"made.{name}")
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command.name)
+def test_every_command_and_subcommand_has_an_example(command):
+    commands = made("commands")
+    for path in commands.paths(command):
+        assert commands.examples(command, path), f"add examples=... to the COMMAND of '{path}'"
+
+
+def test_a_command_without_an_example_would_be_found():
+    from labrig.cli.command import Command
+
+    commands = made("commands")
+    bare = Command("bare", test_a_command_without_an_example_would_be_found)
+    assert commands.paths(bare) == ["labrig bare"]
+    assert commands.examples(bare, "labrig bare") == []
+
+
+def test_the_page_of_commands_runs_each_example_that_is_quick():
+    page = made("commands").page()
+    for command in COMMANDS:
+        for example in command.examples:
+            block = page.split(f"\n{example.line}\n")[0].rsplit("````{terminal}", 1)
+            assert example.run_by or (len(block) == 2 and "````" not in block[1]), example.line
+
+
+def test_every_column_of_the_tables_is_described():
+    page = made("csv_columns").page()
+    names = {
+        *columns.FORCES, *columns.FORCES_OPTIONAL, *columns.CURVES, *columns.CURVES_OPTIONAL,
+        *columns.SIGNALS, *columns.SIGNALS_OPTIONAL,
+    }  # fmt: skip
+    assert all(f"| `{name}` |" in page for name in names)
+    assert set(made("csv_columns").MEANINGS) == names
+
+
+def test_every_public_name_is_documented_with_a_docstring():
+    api = made("python_api")
+    page = api.page()
+    for name, thing in api.public_names():
+        assert name in page
+        assert not callable(thing) or inspect.getdoc(thing), f"{name} has no docstring"
+
+
+@pytest.mark.parametrize("file", ["rig", "sheet", "protocol", "load_cell", "about", "optics"])
+def test_every_key_of_a_configuration_file_is_on_its_page(file):
+    from labrig.config.schema import schemas
+    from labrig.vision import Optics
+
+    schema = schemas().get(file) or Optics.model_json_schema()
+    page = made("configuration").pages()[f"{file}_file"]
+    tables = [schema, *schema.get("$defs", {}).values()]
+    keys = {key for table in tables for key in table.get("properties", {})}
+    assert keys
+    shown = ("`{}`", "{}]", "[{}.")
+    assert [key for key in keys if not any(form.format(key) in page for form in shown)] == []

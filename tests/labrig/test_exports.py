@@ -1,0 +1,157 @@
+"""A session for other programs: what `labrig export --as` writes is what the session holds."""
+
+from __future__ import annotations
+
+import json
+import sys
+
+import h5py
+import numpy as np
+import pytest
+
+from labrig.cli.main import run
+from labrig.errors import BadInputError
+from labrig.exports.choice import FORMATS, export
+from labrig.session import load_measurements, open_session, store_measurements
+from tests.labrig.session.measured import measurements
+from tests.labrig.session.session_recording import record, small_schedule
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory):
+    path = tmp_path_factory.mktemp("exports") / "s.h5"
+    record(path, small_schedule())
+    store_measurements(path, measurements())
+    return path
+
+
+def test_parquet_has_the_columns_and_values_of_csv(session, tmp_path):
+    import pandas as pd
+
+    export(session, tmp_path / "csv", "csv")
+    written = export(session, tmp_path / "parquet", "parquet")
+    assert {path.name for path in written} >= {"forces.parquet", "curves.parquet"}
+    for path in written:
+        table = pd.read_parquet(path)
+        again = pd.read_csv(tmp_path / "csv" / f"{path.stem}.csv")
+        assert list(table.columns) == list(again.columns)
+        for name in table.select_dtypes("number"):
+            np.testing.assert_array_equal(table[name].to_numpy(float), again[name].to_numpy(float))
+        assert (table["configuration"] == again["configuration"]).all()
+
+
+def test_xarray_has_named_dimensions_units_and_the_values_of_the_session(session, tmp_path):
+    import xarray
+
+    (path,) = export(session, tmp_path, "xarray")
+    tree = xarray.open_datatree(path, engine="h5netcdf")
+    force = tree["readings/force_N"]
+    assert force.dims == ("reading",)
+    assert force.attrs["units"] == "N"
+    with open_session(session) as opened:
+        rows = np.concatenate([run.readings for run in opened.runs])
+        samples = np.concatenate([run.signal_V("force") for run in opened.runs])
+    np.testing.assert_array_equal(force.values, rows["force_N"])
+    np.testing.assert_array_equal(force.voltage_V.values, rows["voltage_V"])
+    np.testing.assert_array_equal(tree["signals/force"].values, samples)
+    curves = tree["curves"]
+    measured = [c for c in load_measurements(session).conditions if c.curve is not None]
+    first = curves["x_m"].values[curves["reading_index"].values == -1][0]
+    np.testing.assert_array_equal(first[: len(measured[0].curve.x_m)], measured[0].curve.x_m)
+
+
+def read_documents(path):
+    return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
+
+
+def test_bluesky_documents_are_valid_and_point_into_the_session(session, tmp_path):
+    from event_model import DocumentNames, schema_validators
+
+    (path,) = export(session, tmp_path, "bluesky")
+    found = read_documents(path)
+    for name, content in found:
+        schema_validators[DocumentNames[name]].validate(content)
+    names = [name for name, _ in found]
+    assert names[0] == "start"
+    assert names[-1] == "stop"
+    with open_session(session) as opened:
+        forces = [float(row["force_N"]) for run in opened.runs for row in run.readings]
+    assert [c["data"]["force_N"] for name, c in found if name == "event"] == forces
+    rows = {c["stream_resource"]: c["indices"]["stop"] for n, c in found if n == "stream_datum"}
+    with h5py.File(session) as file:
+        for name, content in found:
+            if name == "stream_resource":
+                assert content["uri"].endswith(session.name)
+                dataset = file[content["parameters"]["dataset"]]
+                assert len(dataset) == rows[content["uid"]]
+
+
+@pytest.mark.thorough
+def test_tiled_reads_back_what_the_session_holds(session, tmp_path):
+    pytest.importorskip("tiled.server", reason="needs tiled[server] and bluesky-tiled-plugins")
+    from bluesky_tiled_plugins import TiledWriter
+    from tiled.catalog import in_memory
+    from tiled.client import Context, from_context
+    from tiled.server.app import build_app
+
+    (path,) = export(session, tmp_path, "bluesky")
+    storage = [str(tmp_path / "tiled"), f"duckdb:///{tmp_path}/tables.db"]
+    catalog = in_memory(writable_storage=storage, readable_storage=[str(session.parent)])
+    found = read_documents(path)
+    with Context.from_app(build_app(catalog)) as context:
+        client = from_context(context)
+        writer = TiledWriter(client)
+        for name, content in found:
+            writer(name, content)
+        run = client[found[0][1]["uid"]]
+        streams = run.get("streams", run)
+        force = np.asarray(streams["run_000_signals"]["force"].read()).ravel()
+        images = np.asarray(streams["run_000_images"]["images"].read())
+    with h5py.File(session) as file:
+        np.testing.assert_array_equal(force, file["session/run_000/signals/force"][()])
+        stored = file["session/run_000/frames/images"][()]
+    np.testing.assert_array_equal(images.reshape(stored.shape), stored)
+
+
+@pytest.mark.slow
+def test_a_crate_names_the_session_its_licence_and_what_made_it(tmp_path):
+    from rocrate.rocrate import ROCrate
+
+    session = tmp_path / "s.h5"
+    about = 'title = "Aged sheets"\nlicence = "CC-BY-4.0"\n[[people]]\nname = "Ada Example"\n'
+    record(session, small_schedule(readings=1), texts={"about.toml": about, "sheet.toml": ""})
+    written = export(session, tmp_path / "crate", "crate")
+    assert {path.name for path in written} == {"ro-crate-metadata.json", "s.h5"}
+    crate = ROCrate(tmp_path / "crate")
+    assert crate.name == "Aged sheets"
+    assert crate.license.id == "https://spdx.org/licenses/CC-BY-4.0"
+    (action,) = [e for e in crate.get_entities() if e.type == "CreateAction"]
+    assert action["name"] == "labrig run"
+    assert action["result"].id == "s.h5"
+
+
+def test_a_missing_package_is_one_sentence_and_leaves_nothing(
+    session, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", None)
+    assert run(["export", str(session), "-o", str(tmp_path / "x"), "--as", "parquet"]) == 2
+    said = capsys.readouterr().err
+    assert 'pip install "labrig[dataframe]"' in said
+    assert list((tmp_path / "x").iterdir()) == []
+
+
+def test_a_format_that_is_not_there_is_refused_with_those_that_are(session, tmp_path):
+    with pytest.raises(BadInputError, match=r"no export format 'netcdf'; choose one of: bluesky"):
+        export(session, tmp_path, "netcdf")
+
+
+@pytest.mark.parametrize("name", ["xarray", "bluesky"])
+def test_a_file_that_is_there_is_not_replaced(session, tmp_path, name):
+    export(session, tmp_path, name)
+    with pytest.raises(BadInputError, match="exists already"):
+        export(session, tmp_path, name)
+
+
+def test_every_format_says_what_it_writes():
+    assert set(FORMATS.parts()) == {"bluesky", "crate", "csv", "parquet", "xarray"}
