@@ -16,6 +16,9 @@ def init(
     simulated: Annotated[
         bool, typer.Option("--simulated", help="a rig that needs no hardware")
     ] = False,
+    board: Annotated[
+        str, typer.Option("--board", help="the family of boards, such as ni or labjack")
+    ] = "ni",
 ) -> None:
     """Write commented configuration files to start from.
 
@@ -23,7 +26,7 @@ def init(
     """
     from labrig.config.templates import write_templates
 
-    for path in write_templates(folder, simulated=simulated):
+    for path in write_templates(folder, simulated=simulated, board=board):
         say(f"wrote {path}")
 
 
@@ -31,5 +34,8 @@ COMMAND = Command(
     "init",
     init,
     order=20,
-    examples=(CommandExample(line="labrig init my_rig --simulated"),),
+    examples=(
+        CommandExample(line="labrig init my_rig --simulated"),
+        CommandExample(line="labrig init my_labjack --board labjack"),
+    ),
 )
