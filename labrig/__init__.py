@@ -27,11 +27,26 @@ if TYPE_CHECKING:
     from drivers.plugins import PluginWarning as PluginWarning
     from drivers.plugins import UnknownPartError as UnknownPartError
     from drivers.positioners.contract import PositionerKind as PositionerKind
+    from labrig import plot as plot
     from labrig.analysis import analyze as analyze
+    from labrig.api.compare import ModelComparison as ModelComparison
+    from labrig.api.compare import compare as compare
+    from labrig.api.design import Design as Design
+    from labrig.api.design import design as design
+    from labrig.api.design import map_of_elongation as map_of_elongation
+    from labrig.api.diagnose import diagnose as diagnose
+    from labrig.api.fit import fit as fit
+    from labrig.api.run import run as run
+    from labrig.api.sheet import sheet as sheet
+    from labrig.api.simulate import SimulatedConditions as SimulatedConditions
+    from labrig.api.simulate import predict as predict
+    from labrig.api.simulate import simulate as simulate
+    from labrig.api.simulate import simulate_in_time as simulate_in_time
     from labrig.cli.command import Command as Command
     from labrig.cli.command import CommandExample as CommandExample
     from labrig.errors import BadInputError as BadInputError
     from labrig.errors import LabrigError as LabrigError
+    from labrig.errors import LabrigWarning as LabrigWarning
     from labrig.exports.choice import export as export
     from labrig.exports.contract import ExportFormat as ExportFormat
     from labrig.extractors.contract import CurveExtractor as CurveExtractor
@@ -49,14 +64,15 @@ if TYPE_CHECKING:
     from labrig.vision import StripGeometry as StripGeometry
     from labrig.vision import Tracker as Tracker
     from labrig.vision import neutral_curve as neutral_curve
+    from model import Fit as Fit
     from model import FitOptions as FitOptions
     from model import Measurements as Measurements
+    from model import ModelError as ModelError
+    from model import Prediction as Prediction
+    from model import PredictionArray as PredictionArray
     from model import SheetModel as SheetModel
-    from model import fit as fit
-    from model import predict as predict
     from model.discrepancy import DiagnoseOptions as DiagnoseOptions
     from model.discrepancy import Diagnosis as Diagnosis
-    from model.discrepancy import diagnose as diagnose
     from model.effects import Effect as Effect
     from model.effects import EffectParameter as EffectParameter
     from model.locations.contract import Location as Location
@@ -85,6 +101,25 @@ _HOMES = {
     ),
     "drivers.positioners.contract": ("PositionerKind",),
     "labrig.analysis": ("analyze",),
+    "labrig.api.compare": (
+        "ModelComparison",
+        "compare",
+    ),
+    "labrig.api.design": (
+        "Design",
+        "design",
+        "map_of_elongation",
+    ),
+    "labrig.api.diagnose": ("diagnose",),
+    "labrig.api.fit": ("fit",),
+    "labrig.api.run": ("run",),
+    "labrig.api.sheet": ("sheet",),
+    "labrig.api.simulate": (
+        "SimulatedConditions",
+        "predict",
+        "simulate",
+        "simulate_in_time",
+    ),
     "labrig.cli.command": (
         "Command",
         "CommandExample",
@@ -92,6 +127,7 @@ _HOMES = {
     "labrig.errors": (
         "BadInputError",
         "LabrigError",
+        "LabrigWarning",
     ),
     "labrig.exports.choice": ("export",),
     "labrig.exports.contract": ("ExportFormat",),
@@ -117,16 +153,17 @@ _HOMES = {
         "neutral_curve",
     ),
     "model": (
+        "Fit",
         "FitOptions",
         "Measurements",
+        "ModelError",
+        "Prediction",
+        "PredictionArray",
         "SheetModel",
-        "fit",
-        "predict",
     ),
     "model.discrepancy": (
         "DiagnoseOptions",
         "Diagnosis",
-        "diagnose",
     ),
     "model.effects": (
         "Effect",
@@ -136,4 +173,6 @@ _HOMES = {
     "protocols": ("ProtocolKind",),
     "sim_hardware.ni.boards": ("BoardModel",),
 }
-__getattr__, __dir__, __all__ = lazily(__name__, _HOMES, before=require_own_packages)
+__getattr__, __dir__, __all__ = lazily(
+    __name__, _HOMES, modules=("plot",), before=require_own_packages
+)

@@ -23,6 +23,10 @@ class RenamedKeyWarning(DeprecationWarning):
     """A key of a configuration file has a new name; the old one is read for one release."""
 
 
+class LabrigWarning(UserWarning):
+    """Something about data or a model that is no error; the text is a sentence for the user."""
+
+
 class LabrigError(Exception):
     """An error for the user, with the exit code it ends the program with."""
 

@@ -10,19 +10,24 @@ from typing import Any
 def lazily(
     package: str,
     homes: Mapping[str, Sequence[str]],
+    *,
+    modules: Sequence[str] = (),
     before: Callable[[], None] = lambda: None,
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]], list[str]]:
     """Return `__getattr__`, `__dir__` and `__all__` of a package from the names of each module.
 
-    `before` is called before a module is imported; it may raise.
+    `modules`: its modules that are names of it, too. `before` is called before a module is
+    imported; it may raise.
     """
     home_of = {name: home for home, names in homes.items() for name in names}
-    every = sorted(home_of)
+    every = sorted([*home_of, *modules])
 
     def load(name: str) -> Any:
-        if name not in home_of:
+        if name not in every:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         before()
+        if name in modules:
+            return import_module(f"{package}.{name}")
         return getattr(import_module(home_of[name]), name)
 
     return load, lambda: list(every), every

@@ -21,8 +21,12 @@ _HEADER = (
 )
 
 
-def load_model(path: Path) -> SheetModel:
-    """Read a model file. Raises BadInputError naming file and key."""
+def load_model(path: Path | str) -> SheetModel:
+    """Read a model file, as `labrig fit -o` or `save_model` wrote it.
+
+    Raises BadInputError of one sentence that names file and key.
+    """
+    path = Path(path)
     text = read_text(path)
     refuse_other_kind(text, str(path), MODEL)
     data = parse_toml(text, str(path))
@@ -52,9 +56,13 @@ def moving_configuration(model: SheetModel, path: Path, wanted: str | None) -> s
     return wanted or known[0]
 
 
-def save_model(model: SheetModel, path: Path) -> None:
-    """Write a model file beside its place and rename it."""
-    write_text(path, model_text(model))
+def save_model(model: SheetModel, path: Path | str) -> None:
+    """Write a model file (TOML), which `load_model` and the commands read.
+
+    It is written beside its place and renamed, so that a file of that name is replaced whole.
+    Raises LabrigError of one sentence where it cannot be written.
+    """
+    write_text(Path(path), model_text(model))
 
 
 def model_text(model: SheetModel) -> str:

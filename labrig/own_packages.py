@@ -16,8 +16,8 @@ def hidden() -> str | None:
         found = _where(name)
         if found is not None and found != root / name:
             return (
-                f"{found}: hides labrig's own package '{name}'; rename it, or start labrig in "
-                "another folder and without it on PYTHONPATH."
+                f"{found}: hides labrig's own package '{name}', {root / name}; rename it, or "
+                "start labrig in another folder and without it on PYTHONPATH."
             )
     return None
 

@@ -13,6 +13,7 @@ from model.measurements import (
 )
 from model.parameter import Parameter
 from model.sheet.prediction import Prediction, predict, predict_free
+from model.sheet.predictions import PredictionArray, predict_array
 from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
 
 __all__ = [
@@ -27,11 +28,13 @@ __all__ = [
     "ModelError",
     "Parameter",
     "Prediction",
+    "PredictionArray",
     "Reading",
     "SheetGeometry",
     "SheetModel",
     "TimeSeries",
     "fit",
     "predict",
+    "predict_array",
     "predict_free",
 ]

@@ -21,7 +21,7 @@ from model.discrepancy.answers.choice_set import ATTRIBUTES
 from model.measurements import FloatArray
 
 COVERAGE = 0.95
-LEAST_CONTENT = 0.8  # what is less probable than that never stands alone
+LEAST_CONTENT = 0.9  # what is less probable than that never stands alone
 ROUNDING = 1e-9
 # prior precisions of a weight, over the mean square of its attribute where that is not 0; tried
 RIDGES = (0.01, 0.03, 0.1, 0.3, 1.0, 3.0)
@@ -98,6 +98,21 @@ def content(found: FloatArray, each: FloatArray, coverage: float = COVERAGE) -> 
     return float(min(found[order[np.argmax(enough)]], 1.0)) if np.any(enough) else 1.0
 
 
+def content_in_each(found: FloatArray, each: FloatArray, worlds: Sequence[str]) -> float:
+    """Return the content with which sets hold the right answer in `COVERAGE` of further questions.
+
+    And of the questions of each world: one that is unlike the others must not be averaged away.
+    """
+    of, whole = np.array(worlds), content(found, each)
+    for world in dict.fromkeys(worlds):
+        own = of == world
+        order = np.argsort(found[own])
+        below = np.cumsum(each[own][order])
+        enough = below >= COVERAGE * below[-1] * (1.0 - ROUNDING)
+        whole = max(whole, float(min(found[own][order][np.argmax(enough)], 1.0)))
+    return whole
+
+
 def in_other_worlds(questions: Sequence[Labelled], ridge: float) -> list[CalibratedAnswers]:
     """Return for each question answers whose weights were fitted to the other worlds only."""
     all_in = dict.fromkeys(SAID, 1.0)
@@ -127,6 +142,8 @@ class Fitted:
 def fitted(questions: Sequence[Labelled]) -> Fitted:
     """Return weights from all questions, contents from worlds that weights were not fitted to.
 
+    Contents are those that the worst of these worlds asks for.
+
     The ridge is that with which probabilities do best in such worlds.
     """
     foreign = {ridge: in_other_worlds(questions, ridge) for ridge in RIDGES}
@@ -136,7 +153,10 @@ def fitted(questions: Sequence[Labelled]) -> Fitted:
         likelier_than_right(q, one) for q, one in zip(questions, foreign[ridge], strict=True)
     ])  # fmt: skip
     of, each = np.array([said(q.asked) for q in questions]), _shares(questions)
+    worlds = np.array([q.world for q in questions])
     contents = {
-        what: max(content(before[of == what], each[of == what]), LEAST_CONTENT) for what in SAID
+        what: max(content_in_each(before[own], each[own], worlds[own].tolist()), LEAST_CONTENT)
+        for what in SAID
+        for own in [of == what]
     }
     return Fitted(CalibratedAnswers(weights(questions, ridge), contents), ridge, losses[ridge])

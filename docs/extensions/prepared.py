@@ -5,22 +5,25 @@ Its commands are those of the first session. Pages that show them show this outp
 
 from __future__ import annotations
 
+import json
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import IO
+from typing import Protocol
 
 DATA = Path(__file__).parents[1] / "tutorials" / "data"
 COMMANDS = (
     "labrig init rig --simulated",
-    "cp five_positions.toml rig/protocol.toml",
+    "cp short.toml rig/protocol.toml",
     "labrig plan rig/protocol.toml",
     "labrig check rig/rig.toml",
     "labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o session.h5 --yes",
@@ -28,8 +31,10 @@ COMMANDS = (
     "labrig fit session.h5 -o model.toml",
     "labrig diagnose session.h5 -o model+.toml",
     "labrig report session.h5 -o report",
+    "labrig next session.h5 --model model+.toml --between gravity clamp_angle -o next.toml",
 )
 _PROGRESS = re.compile(r"^[\w -]+: \d+ %")
+_PLAIN = re.compile(r"labrig [^|&;<>$`\\\n]*")  # nothing that needs a shell
 _TIMEOUT_S = 180.0
 
 
@@ -48,7 +53,13 @@ def prepared() -> tuple[Path, dict[str, tuple[int, str]]]:
 
 
 def remove_prepared() -> None:
-    """Remove the folder, if it was made."""
+    """Remove the folder, if it was made, and end the process that runs commands."""
+    if _server.cache_info().currsize:
+        server = _server()
+        assert server.stdin is not None  # noqa: S101 - it was opened as a pipe
+        server.stdin.close()
+        server.wait(_TIMEOUT_S)
+        _server.cache_clear()
     if prepared.cache_info().currsize:
         shutil.rmtree(prepared()[0], ignore_errors=True)
         prepared.cache_clear()
@@ -61,30 +72,83 @@ def run(
 
     With `stop`, Ctrl-C is pressed a second after its first output.
     """
-    with tempfile.TemporaryFile("w+") as printed, tempfile.TemporaryFile("w+") as typed:
-        typed.write("".join(f"{answer}\n" for answer in answers))
-        typed.seek(0)
-        process = subprocess.Popen(
-            ["bash", "-c", command],
-            cwd=folder,
-            stdin=typed,
-            stdout=printed,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
+    with tempfile.TemporaryDirectory() as files:
+        typed, printed = Path(files, "typed"), Path(files, "printed")
+        typed.write_text("".join(f"{answer}\n" for answer in answers))
+        printed.touch()
+        if _PLAIN.fullmatch(command):
+            process: _Process = _Forked(command, folder, typed, printed)
+        else:
+            process = _Shell(command, folder, typed, printed)
         if stop:
-            _wait_for_output(process, printed)
-            process.send_signal(signal.SIGINT)
-        process.wait(_TIMEOUT_S)
-        printed.seek(0)
-        output = printed.read().replace(f"{folder}/", "")  # where it is says nothing
-        kept = [line for line in output.splitlines() if not _PROGRESS.match(line)]
-    return process.returncode, "\n".join(kept).strip("\n")
+            _wait_for(printed)
+            os.kill(process.pid, signal.SIGINT)
+        code = process.wait()
+        output = printed.read_text().replace(f"{folder}/", "")  # where it is says nothing
+    kept = [line for line in output.splitlines() if not _PROGRESS.match(line)]
+    return code, "\n".join(kept).strip("\n")
 
 
-def _wait_for_output(process: subprocess.Popen[bytes], printed: IO[str]) -> None:
+class _Process(Protocol):
+    """A command that is running."""
+
+    pid: int
+
+    def wait(self) -> int:
+        """Return the exit code when it has ended."""
+
+
+class _Shell:
+    def __init__(self, command: str, folder: Path, typed: Path, printed: Path) -> None:
+        with typed.open() as standard_input, printed.open("w") as output:
+            self._process = subprocess.Popen(
+                ["bash", "-c", command],
+                cwd=folder,
+                stdin=standard_input,
+                stdout=output,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+        self.pid = self._process.pid
+
+    def wait(self) -> int:
+        return self._process.wait(_TIMEOUT_S)
+
+
+class _Forked:
+    """A command of labrig alone, in a child of the process that has imported what it needs."""
+
+    def __init__(self, command: str, folder: Path, typed: Path, printed: Path) -> None:
+        asked = {
+            "arguments": shlex.split(command)[1:],
+            "folder": str(folder),
+            "typed": str(typed),
+            "printed": str(printed),
+        }
+        server = _server()
+        assert server.stdin is not None  # noqa: S101 - it was opened as a pipe
+        server.stdin.write(f"{json.dumps(asked)}\n")
+        server.stdin.flush()
+        self.pid = self._answer()
+
+    def wait(self) -> int:
+        return self._answer()
+
+    def _answer(self) -> int:
+        output = _server().stdout
+        assert output is not None  # noqa: S101 - it was opened as a pipe
+        return int(output.readline())
+
+
+@cache
+def _server() -> subprocess.Popen[str]:
+    program = Path(__file__).with_name("command_server.py")
+    pipe = subprocess.PIPE
+    return subprocess.Popen([sys.executable, str(program)], stdin=pipe, stdout=pipe, text=True)
+
+
+def _wait_for(printed: Path) -> None:
     ends = time.monotonic() + _TIMEOUT_S
-    while process.poll() is None and time.monotonic() < ends:
-        time.sleep(1.0)
-        if os.fstat(printed.fileno()).st_size:
-            return
+    while not printed.stat().st_size and time.monotonic() < ends:
+        time.sleep(0.2)
+    time.sleep(1.0)

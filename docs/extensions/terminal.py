@@ -55,10 +55,11 @@ class Terminal(SphinxDirective):
 
     def _run(self, command: str) -> tuple[int, str]:
         folder = self._folder()
-        if "prepared" in self.options and command in prepared.prepared()[1]:
-            return prepared.prepared()[1][command]
-        answers = self.options.get("answers", "").split(",")
-        return prepared.run(command, folder, answers, stop="stop" in self.options)
+        known = prepared.prepared()[1] if "prepared" in self.options else {}
+        if command not in known:  # else another page, in the same folder, has run it
+            answers = self.options.get("answers", "").split(",")
+            known[command] = prepared.run(command, folder, answers, stop="stop" in self.options)
+        return known[command]
 
     def _unseen(self, option: str) -> None:
         if option in self.options:

@@ -33,7 +33,7 @@ def paths(command: Command) -> list[str]:
     click = _click(command)
     if not isinstance(click, TyperGroup):
         return [f"labrig {command.name}"]
-    below = [f"labrig {command.name} {name}" for name in click.commands]
+    below = [f"labrig {command.name} {name}" for name in click.list_commands(_context(click))]
     return [f"labrig {command.name}", *below] if click.invoke_without_command else below
 
 
@@ -56,6 +56,10 @@ def _click(command: Command) -> typer.core.TyperCommand | TyperGroup:
     return group.commands[command.name]
 
 
+def _context(group: TyperGroup) -> typer.Context:
+    return typer.Context(group)
+
+
 def _section(command: Command) -> Iterator[str]:
     click = _click(command)
     yield f"## {command.name}\n"
@@ -63,7 +67,7 @@ def _section(command: Command) -> Iterator[str]:
     for path in paths(command):
         if path != f"labrig {command.name}":
             yield f"### {path.removeprefix('labrig ')}\n"
-            yield from _described(click.commands[path.split()[-1]])
+            yield from _described(click.get_command(_context(click), path.split()[-1]))
         for example in examples(command, path):
             yield from _block(example)
 

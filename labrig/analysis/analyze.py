@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def analyze(
-    path: Path,
+    path: Path | str,
     progress: Progress | None = None,
     *,
     workers: int = 1,

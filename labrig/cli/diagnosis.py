@@ -5,23 +5,20 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.cli.screen import print_table, progress, say, warn
-from labrig.errors import BadInputError, LabrigError
+from labrig.cli.screen import print_table, progress, say
 
 if TYPE_CHECKING:
     from labrig.report.parts.table import Table
     from model import Measurements, SheetModel
-    from model.discrepancy import DiagnoseOptions, Diagnosis, Next
+    from model.discrepancy import DiagnoseOptions, Diagnosis
 
 
 def diagnosed(measurements: Measurements, options: DiagnoseOptions) -> Diagnosis:
     """Diagnose with a progress bar."""
-    from labrig.analysis.driven import require_driven
-    from model.discrepancy import diagnose
+    from labrig.api.diagnose import diagnosed as searched
 
-    require_driven(measurements)
     with progress("diagnose") as advance:
-        return diagnose(measurements, options, lambda text, share: advance(share, text))
+        return searched(measurements, options, advance)
 
 
 def known_model(path: Path | None) -> SheetModel | None:
@@ -31,30 +28,6 @@ def known_model(path: Path | None) -> SheetModel | None:
     from labrig.model_file import load_model
 
     return load_model(path)
-
-
-def promises_kept_in(sessions: list[Path]) -> tuple[Next, ...]:
-    """Return the proposals kept in the first session that the further ones have measured."""
-    from labrig.experiment.next_measurement.promises import promised
-    from labrig.report.data.kept_diagnosis import kept_diagnosis
-
-    if len(sessions) < 2:
-        return ()
-    try:
-        return promised(kept_diagnosis(sessions[0]), sessions)
-    except BadInputError as error:
-        warn(f"promises of earlier proposals are not compared: {error}")
-        return ()
-
-
-def keep(session: Path, found: Diagnosis) -> None:
-    """Store a diagnosis in the session; warn where the session cannot be written."""
-    from labrig.report.data.kept_diagnosis import keep_diagnosis
-
-    try:
-        keep_diagnosis(session, found)
-    except LabrigError as error:
-        warn(f"the diagnosis is not stored in the session: {error}")
 
 
 def print_diagnosis(found: Diagnosis, session: Path | None) -> None:

@@ -11,18 +11,15 @@ from pathlib import Path
 
 import typer
 
+from labrig.api.run import recorded, session_hooks, tell_of_doubts
 from labrig.cli.screen import Advance, progress, say, warn
 from labrig.config import read_text
 from labrig.config.about import FILE as ABOUT
-from labrig.errors import ExitCode
-from labrig.experiment.hook_watch import hooks_of
-from labrig.experiment.hooks import Hooks, NotifyingOperator
+from labrig.experiment.hooks import NotifyingOperator
 from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import ControlFiles, Plan, load_plan
-from labrig.experiment.preflight import calibrations, doubts, refuse_implausible
 from labrig.experiment.replay import replay_plan, replay_rig
 from labrig.experiment.resume import Resumption, output_beside, resumed_plan
-from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
 from labrig.experiment.signals import stop_signals
 from labrig.session import open_session
@@ -98,39 +95,21 @@ def resume_and_follow(
 
 
 def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) -> Result:
-    refuse_implausible(plan)
-    for check in (*calibrations(plan), *doubts(plan)):
-        if check.warning or not check.ok:
-            warn(f"warning: {check.in_words}")
+    tell_of_doubts(plan, warn)
     operator = NoOperator(warn) if yes else ConsoleOperator(warn)
     stop = StopRequest()
     hub = EventBus(threaded=not plan.rig.is_simulated)
     done = resumption.done if resumption else frozenset()
     with (
-        _hooks(plan, output) as hooks,
+        session_hooks(plan, output, warn) as hooks,
         _stopping(stop, operator),
         _display(plan.schedule, stop, done, pace=not plan.rig.is_simulated) as show,
     ):
         hub.add_best_effort("the progress display", show)
-        show.step("starting the simulated rig" if plan.rig.is_simulated else "loading drivers")
         asked = operator if yes else NotifyingOperator(operator, hooks)
-        rig = wire(plan, asked, hub.emit)
-        result = run_session(rig, plan, output, stop, hub, resumption=resumption, on_step=show.step)
-        hooks.ended(completed=result.code == ExitCode.DONE, text=result.status.text)
-        return result
-
-
-@contextmanager
-def _hooks(plan: Plan, output: Path) -> Iterator[Hooks]:
-    """Yield the rig's hooks; what is still told when the session is over is waited for."""
-    hooks: Hooks | None = None
-    try:
-        is_guarded = not plan.rig.is_simulated
-        with hooks_of(plan.rig.hooks, output, warn, is_guarded=is_guarded) as hooks:
-            yield hooks
-    finally:
-        if hooks is not None:
-            hooks.close()
+        return recorded(
+            plan, output, asked, hub, stop, hooks=hooks, resumption=resumption, step=show.step
+        )
 
 
 def replay_and_follow(session_path: Path, output: Path | None) -> Result:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import typer
 
-from labrig.cli.diagnosis import diagnosed, keep, print_diagnosis, promises_kept_in
+from labrig.api.diagnose import keep_in, promises_kept_in
+from labrig.cli.diagnosis import diagnosed, print_diagnosis
 from labrig.cli.follow import run_and_follow
 from labrig.cli.measurements import of_sessions
 from labrig.cli.screen import say, warn
@@ -44,7 +45,7 @@ class _AtTheRig:
             of_sessions(sessions), DiagnoseOptions(promised=promises_kept_in(sessions))
         )
         found = with_protocol(found, of_sessions(sessions[:1]), sessions[0])
-        keep(sessions[0], found)
+        keep_in(sessions[0], found)
         print_diagnosis(found, sessions[0])
         return found
 

@@ -1,25 +1,24 @@
-"""The measurements that a command's arguments name, and the fit to them."""
+"""The measurements that a command's arguments name, read with a progress bar."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.cli.screen import progress, warn
-from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
-    from model import Fit, FitOptions, Measurements
+    from model import Measurements
     from model.discrepancy import Suspicion
 
 
-def of_sessions(sessions: list[Path]) -> Measurements:
+def of_sessions(sessions: Sequence[Path]) -> Measurements:
     """Return the measurements of sessions, combined; analyse what is not analysed yet."""
-    from labrig.analysis.together import together
-    from labrig.report.data.findings import measured
+    from labrig.api.data import measurements_of
 
     with progress("analyze") as advance:
-        return together([(path, measured(path, advance, warn)) for path in sessions])
+        return measurements_of(sessions, advance)
 
 
 def of_sessions_or_tables(
@@ -30,22 +29,10 @@ def of_sessions_or_tables(
     signals: Path | None,
 ) -> Measurements:
     """Return the measurements of sessions, or of CSV tables with a sheet.toml."""
-    tables = [path for path in (sheet, forces, curves, signals) if path is not None]
-    if sessions and tables:
-        raise BadInputError("give either a session or CSV tables, not both.")
-    if sessions:
-        return of_sessions(sessions)
-    if sheet is None or (forces is None and curves is None):
-        raise BadInputError(
-            "give a session, or CSV tables with --sheet and --forces, --curves or both."
-        )
-    from labrig.config import load_sheet
-    from labrig.session import read_tables
+    from labrig.api.diagnose import data_of
 
-    found = read_tables(load_sheet(sheet), forces, curves, signals)
-    for text in found.warnings:
-        warn(text)
-    return found
+    with progress("analyze") as advance:
+        return data_of(sessions or None, (sheet, forces, curves, signals), advance)
 
 
 def warn_of_suspicions(measurements: Measurements) -> tuple[Suspicion, ...]:
@@ -56,17 +43,3 @@ def warn_of_suspicions(measurements: Measurements) -> tuple[Suspicion, ...]:
     for one in found:
         warn(f"check the data: {one.sentence}.")
     return found
-
-
-def fitted_of(source: str, measurements: Measurements, options: FitOptions) -> Fit:
-    """Fit all configurations that allow it; warn of the others with the reason."""
-    from labrig.report.data.fitted import fit_what_can_be
-
-    fitted = fit_what_can_be(measurements, options)
-    lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
-    if fitted.fit is None:
-        why = "; ".join(dict.fromkeys(lacking.values())) or "nothing was measured"
-        raise BadInputError(f"{source}: no configuration can be fitted: {why}.")
-    for name, why in lacking.items():
-        warn(f"{name}: could not be fitted: {why}.")
-    return fitted.fit

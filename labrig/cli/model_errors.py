@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from labrig.cli.screen import say, warn
+from labrig.cli.screen import say
 
 if TYPE_CHECKING:
     from model import SheetModel
@@ -21,14 +21,9 @@ def errors_of(model: SheetModel, names: Iterable[str]) -> list[Misfit]:
 
 def warn_of_misses(found: Iterable[Misfit]) -> None:
     """Warn of each configuration whose model does not describe its own data."""
-    for one in found:
-        if one.misses:
-            better = f", {one.better_in_words}" if one.known_better else ""
-            warn(
-                f"warning: the model of '{one.configuration}' misses its own data by "
-                f"{one.in_words} RMS; take fit --varying (EIBM along the sheet{better}) "
-                "or diagnose -o."
-            )
+    from labrig.api.simulate import tell_of_misses
+
+    tell_of_misses(list(found))
 
 
 def say_errors(found: Iterable[Misfit]) -> None:

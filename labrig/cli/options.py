@@ -15,6 +15,18 @@ AboutFile = Annotated[
     typer.Option("--about", help="about.toml; by default the one beside rig.toml, if any"),
 ]
 ModelFile = Annotated[Path, typer.Argument(help="a model file, as labrig fit writes it")]
+OwnEibm = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--eibm",
+        metavar="VOLTAGE=EIBM",
+        help="an EIBM of your own in N m, or a table with s_mm, Me_Nm (2=eibm.csv); repeatable",
+    ),
+]
+StatedStiffness = Annotated[
+    float | None,
+    typer.Option("--stiffness-Nm2", help="B, with sheet.toml and --eibm in place of a model file"),
+]
 EachConfiguration = Annotated[
     list[str] | None, typer.Option(help="repeatable; by default all that the model has")
 ]

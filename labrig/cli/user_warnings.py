@@ -8,19 +8,22 @@ from contextlib import contextmanager
 from typing import TextIO
 
 from labrig.cli.screen import warn
-from labrig.errors import RenamedKeyWarning
+from labrig.errors import LabrigWarning, RenamedKeyWarning
 from labrig.left_out import is_left_out, note
 
 
 @contextmanager
 def shown_as_sentences() -> Iterator[None]:
-    """Print each warning of a part that is left out or a key that is renamed, once, as a sentence.
+    """Print each warning that is meant for the user as a sentence.
+
+    A part that is left out and a key that is renamed are named once.
 
     All other warnings are left to Python.
     """
     printed: set[str] = set()
     with warnings.catch_warnings():
         warnings.simplefilter("default", RenamedKeyWarning)  # Python hides those of its kind
+        warnings.simplefilter("always", LabrigWarning)
         as_python_does = warnings.showwarning
 
         def show(
@@ -31,6 +34,9 @@ def shown_as_sentences() -> Iterator[None]:
             file: TextIO | None = None,
             line: str | None = None,
         ) -> None:
+            if category is LabrigWarning:
+                warn(str(message))
+                return
             if is_left_out(category):
                 note(str(message))
             elif category is not RenamedKeyWarning:

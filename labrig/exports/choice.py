@@ -26,7 +26,8 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
     Args:
         session: the session file.
         folder: where to write; it is made where it does not exist.
-        name: `csv`, `parquet`, `xarray`, `bluesky`, `crate`, or one of another distribution.
+        name: `csv`, `parquet`, `xarray`, `bluesky`, `crate`, `video`, or one of another
+            distribution.
 
     Returns:
         The files written.

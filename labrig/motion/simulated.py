@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,7 +14,10 @@ from labrig.model_file import load_model, moving_configuration
 from labrig.motion.drive import MotionDrive
 from model import ModelError
 from model.dynamics import Resolution, SheetMotion, simulate
-from model.measurements import FloatArray
+from model.measurements import Displayed, FloatArray, Summary
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 MOST_TIMES = 500_000
 _DEGREES, _FREE_DEGREES = (10, 4), 12  # polynomials: force and tip below 1e-5 of their range
@@ -46,8 +49,8 @@ class OutputTimes:
         return np.asarray(self.start_s + self.every_s * np.arange(int(count) + 1))
 
 
-@dataclass(frozen=True, kw_only=True)
-class SimulatedRun:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SimulatedRun(Displayed):
     """A motion, and what it is of."""
 
     configuration: str
@@ -55,6 +58,15 @@ class SimulatedRun:
     motion: SheetMotion
     readings: dict[float, SheetMotion]  # by voltage, at the sampling points of a rig
     has_effects: bool  # whether the file has effects, which are not in the motion
+
+    def summary(self) -> Summary:
+        """Return the rows that `labrig simulate --time` prints."""
+        rows = [tuple(row) for row in summary_rows(self)]
+        return Summary(f"SimulatedRun: {self.place}", SUMMARY_COLUMNS, rows)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each time as a pandas data frame; see `SheetMotion.to_dataframe`."""
+        return self.motion.to_dataframe()
 
     @property
     def place(self) -> str:

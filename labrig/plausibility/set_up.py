@@ -74,7 +74,7 @@ class SetUp:
 def set_up_checks(set_up: SetUp) -> Iterator[Check]:
     """Yield a warning or a fault for each number that can hardly be meant."""
     sheets = set_up.sheets or {}
-    lengths = [check for sheet in sheets.values() for check in _lengths(sheet)]
+    lengths = [check for sheet in sheets.values() for check in length_checks(sheet)]
     yield from {check.name: check for check in lengths}.values()  # the arc's radius once
     if not all(check.ok for check in lengths):
         sheets = {}  # what follows from a wrong length is no further fault
@@ -89,7 +89,8 @@ def set_up_checks(set_up: SetUp) -> Iterator[Check]:
         yield from _images(set_up.px_per_mm, set_up.image_size, sheets)
 
 
-def _lengths(sheet: SheetGeometry) -> Iterator[Check]:
+def length_checks(sheet: SheetGeometry) -> Iterator[Check]:
+    """Yield a warning or a fault for each length of a sheet that can hardly be meant."""
     at = f"sheet.toml [{sheet.configuration}]"
     yield from RADIUS.checks("sheet.toml [arc] radius_mm", 1e3 * sheet.arc_radius_m)
     yield from FREE_LENGTH.checks(f"{at} free_length_mm", 1e3 * sheet.free_length_m)

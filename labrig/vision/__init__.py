@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from labrig.lazy_imports import lazily
+from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
     from labrig.vision.batch import BatchOptions as BatchOptions
@@ -49,4 +50,4 @@ _HOMES = {
     "labrig.vision.calibration.optics": ("SheetAppearance", "Optics", "load_optics"),
     "labrig.vision.tracking.tracker": ("Tracker",),
 }  # fmt: skip
-__getattr__, __dir__, __all__ = lazily(__name__, _HOMES)
+__getattr__, __dir__, __all__ = lazily(__name__, _HOMES, before=require_own_packages)

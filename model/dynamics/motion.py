@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import cos, sin
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -24,9 +24,12 @@ from model.dynamics.body import SLIPPED, Given, MotionState, StepHistory, new_hi
 from model.dynamics.line import LineModes
 from model.dynamics.load_cell import LoadCellFilter
 from model.dynamics.space import Rows, dense, moments, rows_at
-from model.measurements import FloatArray, ModelError
+from model.measurements import Displayed, FloatArray, ModelError, Summary, dataframe
 from model.mechanics.equilibrium import Engine, Equilibria
 from model.mechanics.field import Field
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 SAME_TIME = 1e-9  # s: instants nearer than this are one
 
@@ -52,8 +55,8 @@ class Resolution:
             raise ModelError(f"the spectral radius rho must be between 0 and 1, not {self.rho:g}")
 
 
-@dataclass(frozen=True, kw_only=True)
-class SheetMotion:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SheetMotion(Displayed):
     """What was computed at T times and S points; NaN after the sheet has slipped out."""
 
     time_s: FloatArray  # (T,)
@@ -71,6 +74,31 @@ class SheetMotion:
     phi_rad: FloatArray
     curvature_per_m: FloatArray
     slipped_s: float | None = None  # when the sheet left the rolls
+
+    def summary(self) -> Summary:
+        """Return the range of each quantity over time."""
+        rows = []
+        for name, values in self._over_time().items():
+            known = values[np.isfinite(values)]
+            if len(known):
+                span = (f"{known.min():.4g}", f"{known.max():.4g}", f"{known[-1]:.4g}")
+                rows.append((name, *span))
+        slipped = () if self.slipped_s is None else (f"slips out at {self.slipped_s:.3f} s",)
+        length = f"{len(self.time_s)} times, {len(self.s_m)} points of the shape"
+        columns = ("quantity", "least", "most", "last")
+        return Summary(f"SheetMotion: {length}", columns, rows, slipped)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each time as a pandas data frame, in SI units; the shape as its tip."""
+        return dataframe(self._over_time())
+
+    def _over_time(self) -> dict[str, FloatArray]:
+        names = (
+            "time_s", "drive_V", "sheet_V", "current_A", "force_N", "reading_N", "normal_N",
+            "s_hat_m", "phi_hat_rad",
+        )  # fmt: skip
+        tip = {f"tip_{name}": getattr(self, name)[:, -1] for name in ("x_m", "y_m", "phi_rad")}
+        return {**{name: getattr(self, name) for name in names}, **tip}
 
 
 class Steps(NamedTuple):

@@ -8,13 +8,19 @@ from model.measurements import FloatArray
 
 
 def hung(
-    force_N: FloatArray, position_m: FloatArray, reach_N: float, *, from_no_load: bool
+    force_N: FloatArray,
+    position_m: FloatArray,
+    reach_N: float,
+    *,
+    from_no_load: bool,
+    goes_on: bool = False,
 ) -> FloatArray:
     """By how much the force is ahead of what follows it, within +-reach_N.
 
     Arrays (..., n), the last axis in the order of time. It begins anew where the position changes:
-    in the middle of the loop at no load, or in the middle of it at the first force. It turns over
-    as in Dahl's model, exp(-change/reach), so that small changes leave no corner.
+    in the middle of the loop at no load, or in the middle of it at the first force. If it `goes_on`
+    it begins at no load once, and each position begins where the one before has ended. It turns
+    over as in Dahl's model, exp(-change/reach), so that small changes leave no corner.
     """
     force_N, reach = np.asarray(force_N, dtype=float), abs(reach_N)
     ahead = np.zeros_like(force_N)
@@ -22,8 +28,8 @@ def hung(
         return ahead
     before = np.concatenate([np.zeros_like(force_N[..., :1]), force_N[..., :-1]], axis=-1)
     new = np.ones(force_N.shape, dtype=bool)
-    new[..., 1:] = position_m[..., 1:] != position_m[..., :-1]
-    change = force_N - np.where(new, 0.0 if from_no_load else force_N, before)
+    new[..., 1:] = False if goes_on else position_m[..., 1:] != position_m[..., :-1]
+    change = force_N - np.where(new, 0.0 if from_no_load or goes_on else force_N, before)
     towards = reach * np.sign(change)
     left = np.where(change == 0.0, 1.0, np.exp(-np.abs(change) / reach))
     now = np.zeros(force_N.shape[:-1])

@@ -11,6 +11,8 @@ from model.effects._values import MILLI
 from model.effects.interface import Effect, EffectParameter, LoadCellInput, Values
 from model.measurements import FloatArray
 
+FROM_NO_LOAD, GOES_ON = 1, 2
+
 
 @dataclass(frozen=True)
 class LoadCellHysteresis(Effect):
@@ -19,12 +21,15 @@ class LoadCellHysteresis(Effect):
     def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
         load = np.where(weighed.touching > 0.0, weighed.force_N, 0.0)
-        from_no_load = p["from_no_load"] > 0.5
+        begins = round(p["from_no_load"])
         height = p["force_mN"] * MILLI
         reach = p["reach_mN"] * MILLI or height
         if reach == 0.0:
             return np.zeros_like(load)
-        behind = hung(load, weighed.position_m, reach, from_no_load=from_no_load)
+        behind = hung(
+            load, weighed.position_m, reach,
+            from_no_load=begins == FROM_NO_LOAD, goes_on=begins == GOES_ON,
+        )  # fmt: skip
         return -height / reach * behind
 
 
@@ -55,12 +60,15 @@ EFFECT = LoadCellHysteresis(
         ),
         EffectParameter(
             name="from_no_load",
-            meaning="0: a run begins in the middle of the loop; 1: at no load",
+            meaning=(
+                "0: a run begins in the middle of the loop; 1: at no load; 2: where the run before"
+                " ended"
+            ),
             unit="",
             prior_scale=0.0,
             low=0.0,
-            high=1.0,
-            starting_values=(0.0, 1.0),
+            high=2.0,
+            starting_values=(0.0, 1.0, 2.0),
         ),
         EffectParameter(
             name="reach_mN",

@@ -26,6 +26,11 @@ from model.sheet.solution import SolvedProblems
 from model.sheet.typical_run import mean_over, typical_run
 
 
+def deceives_load_cell(effects: Sequence[ActiveEffect], configuration: str) -> bool:
+    """Return whether any effect changes what the load cell reads."""
+    return any(type(one.effect).force is not Effect.force for one in acting(effects, configuration))
+
+
 def load_cell_N(
     effects: Sequence[ActiveEffect],
     found: SolvedProblems,
@@ -38,9 +43,10 @@ def load_cell_N(
     `rows` maps a voltage to its row in the solution; all of these are at one of `positions_m`, the
     positions of all rows. The run alternates between `voltage_V` and the other driving voltage.
     """
-    inner = acting(effects, found.setups[0].sheet.configuration)
-    if all(type(one.effect).force is Effect.force for one in inner):
+    configuration = found.setups[0].sheet.configuration
+    if not deceives_load_cell(effects, configuration):
         return 0.0
+    inner = acting(effects, configuration)
     others = [v for v in rows if v not in (0.0, voltage_V)]
     position_m = positions_m[rows[voltage_V]]
     run = typical_run(voltage_V, others[0] if others else 0.0, position_m=position_m)

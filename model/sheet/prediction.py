@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypedDict
+from typing import TYPE_CHECKING, Any, Protocol, TypedDict
 
 import numpy as np
 
-from model.measurements import FloatArray
+from model.measurements import Displayed, FloatArray, Summary, dataframe
 from model.mechanics.contact_range import limit_m, other_solutions, stable
 from model.mechanics.equilibrium import Equilibria, SolverStatus
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 from model.sheet.solution import SolvedProblems, sampled_s, solved
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class Predictable(Protocol):
@@ -39,8 +42,8 @@ class _Asked(TypedDict):
     voltage_V: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class Prediction:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Prediction(Displayed):
     """One condition; where it is not reachable the numbers are NaN and the shape is empty."""
 
     configuration: str
@@ -56,6 +59,28 @@ class Prediction:
     x_m: FloatArray
     y_m: FloatArray
     curvature_per_m: FloatArray
+
+    def summary(self) -> Summary:
+        """Return force, contact and remark."""
+        where = f"{self.configuration}, {1e3 * self.position_m:g} mm, {self.voltage_V:+g} V"
+        if not self.reachable:
+            return Summary(f"Prediction {where}: {self.why}")
+        rows = [
+            ("force F along the arc", f"{1e3 * self.F_N:.4f}", "mN"),
+            ("force N normal to the sheet", f"{1e3 * self.N_N:.4f}", "mN"),
+            ("contact along the sheet", f"{1e3 * self.s_hat_m:.3f}", "mm"),
+            ("direction of the sheet there", f"{np.degrees(self.phi_hat_rad):.3f}", "degrees"),
+            ("points of the shape", f"{len(self.s_m)}", ""),
+        ]
+        notes = (self.why,) if self.why else ()
+        return Summary(f"Prediction {where}", ("quantity", "value", "unit"), rows, notes)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the shape as a pandas data frame, a row for each point, in SI units."""
+        return dataframe({
+            "s_m": self.s_m, "x_m": self.x_m, "y_m": self.y_m,
+            "curvature_per_m": self.curvature_per_m,
+        })  # fmt: skip
 
     def to_json(self) -> dict[str, Any]:
         """For `simulate --json`; numbers that do not exist are null."""

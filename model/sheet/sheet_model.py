@@ -4,31 +4,43 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
+import numpy.typing as npt
 
 from model.dynamics import ContactSetup, DynamicBeam, DynamicSheet
 from model.effects.between_sessions import sessions_in
-from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.measurements import Displayed, FloatArray, ModelError, SheetGeometry, Summary
 from model.mechanics.field import Field
 from model.parameter import Parameter, finite
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 
 if TYPE_CHECKING:
     from model.sheet.prediction import Prediction
+    from model.sheet.predictions import PredictionArray
 
 FORMAT, WITH_FORMS = 1, 2  # of a model file; the second where effects have forms of their own
 
 
-@dataclass(frozen=True)
-class Along:
+@dataclass(frozen=True, repr=False)
+class Along(Displayed):
     """A quantity along the sheet: nodes, straight lines between; one node: the same everywhere."""
 
     s_m: FloatArray
     values: FloatArray
     sigma: FloatArray
     unit: str
+
+    def summary(self) -> Summary:
+        """Return its range along the sheet."""
+        first, last = float(self.values[0]), float(self.values[-1])
+        if len(self.s_m) == 1:
+            return Summary(f"Along: {first:.4g} {self.unit} everywhere")
+        return Summary(
+            f"Along: {first:.4g} to {last:.4g} {self.unit}, {len(self.s_m)} nodes from "
+            f"{1e3 * self.s_m[0]:.4g} to {1e3 * self.s_m[-1]:.4g} mm"
+        )
 
     @staticmethod
     def constant(parameter: Parameter) -> Along:
@@ -64,14 +76,31 @@ class Along:
         return Along(rows["s_m"], rows["value"], rows["sigma"], str(data.get("unit", "")))
 
 
-@dataclass(frozen=True)
-class ConfiguredSheet:
+@dataclass(frozen=True, repr=False)
+class ConfiguredSheet(Displayed):
     """One configuration's parameters."""
 
     sheet: SheetGeometry
     B: Parameter  # N m^2
     rest: Along  # k0, 1/m
     eibm: Mapping[float, Along]  # by voltage, N m
+
+    def summary(self) -> Summary:
+        """Return B, E and the mean EIBM of each voltage."""
+        rows = [
+            ("bending stiffness B", *_said(self.B, 1e6), "µN m²"),
+            ("equivalent Young modulus E", *_said(self.E, 1e-6), "MPa"),
+            *(
+                (f"EIBM at {v:+g} V, {_form(along)}", *_said(self._mean(v), 1e6), "µN m")
+                for v, along in sorted(self.eibm.items(), reverse=True)
+            ),
+        ]
+        columns = ("parameter", "value", "sigma", "unit")
+        return Summary(f"ConfiguredSheet: {self.sheet.summary().title}", columns, rows)
+
+    def _mean(self, voltage_V: float) -> Parameter:
+        sigma = float(np.sqrt(np.mean(self.eibm[voltage_V].sigma ** 2)))
+        return Parameter(value=self.mean_eibm(voltage_V), sigma=sigma, unit="N m")
 
     @property
     def E(self) -> Parameter:
@@ -102,8 +131,8 @@ class ConfiguredSheet:
         return self.eibm_at(voltage_V).mean(self.sheet.free_length_m)
 
 
-@dataclass(frozen=True, kw_only=True)
-class SheetModel:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SheetModel(Displayed):
     """Geometry, parameters, active effects; what it was fitted to and how well."""
 
     sheets: Mapping[str, ConfiguredSheet]
@@ -119,6 +148,19 @@ class SheetModel:
     session: int = 0
     # free lengths as measured of sheets that are cut to another, to which their effects refer
     cut_from_m: Mapping[str, float] = field(default_factory=dict)
+
+    def summary(self) -> Summary:
+        """Return the parameters of each configuration, and the names of the effects."""
+        rows = [(name, *row) for name, one in self.sheets.items() for row in one.summary().rows]
+        origin = f" fitted to {self.source}" if self.source else ""
+        merit = ", ".join(f"{name} {value:.3g}" for name, value in self.merit.items())
+        notes = (
+            *([f"effects: {', '.join(one.name for one in self.effects)}"] if self.effects else []),
+            *([f"in time: {', '.join(self.dynamic)}"] if self.dynamic else []),
+            *([f"errors: {merit}"] if merit else []),
+        )
+        columns = ("sheet", "parameter", "value", "sigma", "unit")
+        return Summary(f"SheetModel{origin}: {', '.join(self.sheets)}", columns, rows, notes)
 
     def sheet(self, configuration: str) -> ConfiguredSheet:
         """Return a configuration's parameters."""
@@ -188,11 +230,32 @@ class SheetModel:
             measured_length_m=self.cut_from_m.get(configuration, 0.0),
         )  # fmt: skip
 
-    def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction:
-        """Force and shape of a condition, or why it is not reachable."""
-        from model.sheet.prediction import predict
+    @overload
+    def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction: ...
 
-        return predict(self, configuration, position_m, voltage_V)
+    @overload
+    def predict(
+        self, configuration: str, position_m: npt.ArrayLike, voltage_V: npt.ArrayLike
+    ) -> PredictionArray: ...
+
+    def predict(
+        self, configuration: str, position_m: npt.ArrayLike, voltage_V: npt.ArrayLike
+    ) -> Prediction | PredictionArray:
+        """Predict force and shape of a condition, or of arrays of conditions in one batch.
+
+        configuration: name of one of the model's sheets. position_m: along the arc in m;
+        voltage_V: within the voltages of the model. Two numbers give a `Prediction`; arrays are
+        broadcast and give `PredictionArray`. A position that is not reachable is no error.
+
+        Raises ModelError for an unknown configuration or voltage.
+        """
+        from model.sheet.prediction import predict
+        from model.sheet.predictions import predict_array
+
+        numbers: tuple[Any, Any] = (position_m, voltage_V)
+        if all(isinstance(one, int | float) for one in numbers):
+            return predict(self, configuration, *map(float, numbers))
+        return predict_array(self, configuration, position_m, voltage_V)
 
     def with_effects(self, *effects: ActiveEffect) -> SheetModel:
         """Return the same model with these effects."""
@@ -260,6 +323,16 @@ class SheetModel:
                 if "dynamic" in one
             },
         )  # fmt: skip
+
+
+def _said(parameter: Parameter, factor: float) -> tuple[str, str]:
+    """Return value and standard uncertainty in another unit."""
+    sigma = f"{factor * parameter.sigma:.2g}" if parameter.sigma else "-"
+    return f"{factor * parameter.value:.4g}", sigma
+
+
+def _form(along: Along) -> str:
+    return "constant" if np.ptp(along.values) == 0.0 else "mean along the sheet"
 
 
 _LENGTHS = {

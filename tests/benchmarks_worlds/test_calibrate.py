@@ -14,6 +14,7 @@ from benchmarks.worlds.fit_answers import (
     LEAST_CONTENT,
     RIDGES,
     content,
+    content_in_each,
     fitted,
     in_other_worlds,
     log_loss,
@@ -96,6 +97,15 @@ def test_a_value_that_counts_little_moves_a_content_little():
 
 def test_a_right_answer_that_is_in_no_set_asks_for_all_answers():
     assert content(np.array([0.0] * 10 + [np.inf] * 10), np.ones(20)) == 1.0
+
+
+def test_a_content_is_large_enough_for_the_worst_world():
+    easy, hard = np.arange(80) / 1000.0, np.arange(20) / 25.0
+    found, each = np.concatenate([easy, hard]), np.ones(100)
+    worlds = ["easy"] * 80 + ["hard"] * 20
+    pooled, worst = content(found, each), content_in_each(found, each, worlds)
+    assert np.mean(hard <= pooled) < 0.95 <= np.mean(hard <= worst)
+    assert content_in_each(found, each, ["all"] * 100) == pooled
 
 
 def test_families_count_as_in_the_benchmark_however_many_were_run(questions):

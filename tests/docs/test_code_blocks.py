@@ -52,9 +52,9 @@ def _faults(model, data):
 
 
 def test_the_first_sessions_protocol_is_read():
-    text = (DOCS / "tutorials" / "data" / "five_positions.toml").read_text(encoding="utf-8")
+    text = (DOCS / "tutorials" / "data" / "short.toml").read_text(encoding="utf-8")
     positions_mm = PROTOCOL.model_validate(tomllib.loads(text)).places[0].positions_mm
-    assert list(positions_mm) == [0, 5, 10, 15, 20]
+    assert list(positions_mm) == [0, 7, 14, 21]
 
 
 def test_the_tutorials_sheets_are_read():

@@ -64,10 +64,30 @@ def test_the_script_runs_in_a_folder_with_a_module_of_that_name(tmp_path: Path) 
     assert ended([script, "effects"], tmp_path).returncode == 0
 
 
-def test_other_peoples_code_is_told_by_an_import_error(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "first_use",
+    [
+        "import labrig; labrig.fit",
+        "from labrig import load_model",
+        "import labrig; labrig.plot",
+        "import model, labrig; labrig.sheet",
+        "from labrig.vision import Tracker",
+    ],
+)
+def test_other_peoples_code_is_told_both_files_by_an_import_error(
+    tmp_path: Path, first_use: str
+) -> None:
     (tmp_path / "model.py").write_text("x = 1\n")
     (tmp_path / "mine.py").write_text(
-        "import labrig\ntry:\n    labrig.fit\nexcept ImportError as error:\n    print(error)\n"
+        f"try:\n    {first_use}\nexcept ImportError as error:\n    print(error)\n"
     )
     told = ended([sys.executable, "mine.py"], tmp_path).stdout
-    assert told.startswith(f"{tmp_path / 'model.py'}: hides labrig's own package 'model'")
+    assert told.startswith(f"{tmp_path / 'model.py'}: hides labrig's own package 'model', ")
+    assert str(ROOT / "model") in told
+    assert len(told.splitlines()) == 1
+
+
+def test_a_console_in_the_folder_is_told_the_same(tmp_path: Path) -> None:
+    (tmp_path / "model.py").write_text("x = 1\n")
+    typed = ended([sys.executable, "-c", "import labrig; labrig.open_session"], tmp_path)
+    assert f"ImportError: {tmp_path / 'model.py'}: hides" in typed.stderr

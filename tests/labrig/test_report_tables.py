@@ -117,6 +117,22 @@ def test_a_fit_without_curves_says_what_it_rests_on():
     assert any("no neutral curves" in text for text in trust(fit))
 
 
+def test_the_forces_where_the_sheets_rest_are_compared():
+    made = measure("long", "short")
+    rows = {row[0]: row[1:] for row in observations(made, None).rows}
+    long = rows["force at the rest position, long sheet, +2 V, -2 V, mN"][0]
+    short = rows["force at the rest position, short sheet, +2 V, -2 V, mN"][0]
+    model = truth("long", "short")
+    for name, cells, rest_m in (("long", long, 0.0144), ("short", short, 0.0047)):
+        for cell, volts in zip(cells.split(", "), (2.0, -2.0), strict=True):
+            assert float(cell) == pytest.approx(
+                1e3 * model.predict(name, rest_m, volts).F_N, abs=0.05
+            )
+    ratio, theirs = rows["largest force at the rest position, short sheet over long one"]
+    assert float(ratio) == pytest.approx(float(short[:4]) / float(long[:4]), abs=0.02)
+    assert theirs == "above 1"
+
+
 def test_observations_have_the_rest_positions_and_the_straight_line_of_the_short_sheet(
     measured, fit
 ):

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from labrig.cli.command import Command, CommandExample
-from labrig.cli.model_errors import errors_of, say_errors, warn_of_misses
-from labrig.cli.options import EachConfiguration, Json, ModelFile
+from labrig.cli.model_errors import say_errors
+from labrig.cli.options import EachConfiguration, Json, ModelFile, OwnEibm, StatedStiffness
 from labrig.cli.screen import print_json, print_table, say, warn
+from labrig.cli.stated_model import StatedModel
 from labrig.errors import BadInputError
+
+if TYPE_CHECKING:
+    from labrig.api.design import Design
+    from model import SheetModel
+    from model.design.elongation_map import ElongationMap
 
 
 class Direction(StrEnum):
@@ -39,6 +44,11 @@ def design(
         float, typer.Option("--bandwidth-Hz", help="wanted of the controlled object")
     ] = 1.0,
     lag_s: Annotated[float, typer.Option("--lag-s", help="of the voltage's effect")] = 0.0,
+    eibm: OwnEibm = None,
+    stiffness_Nm2: StatedStiffness = None,
+    with_map: Annotated[
+        bool, typer.Option("--map", help="also the map of sections for which an elongation pays")
+    ] = False,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="a folder for the figures")
     ] = None,
@@ -47,66 +57,71 @@ def design(
     """Answer the design questions of the paper's section 5 for a working section.
 
     Best line and controller, largest difference of shapes, shortest sheet, largest forces, force in
-    both directions, and the sheet of least area with and without a rigid elongation. Each question
-    is answered by itself; what has no answer is reported with the reason. So is a model that does
-    not describe its own data.
-    """
-    from labrig.model_file import load_model
-    from labrig.report.design.answers import Wanted, answer, as_dict, tables
+    both directions, the sheet of least area with and without a rigid elongation, and the work along
+    the arc. Each question is answered by itself; what has no answer is reported with the reason. So
+    is a model that does not describe its own data.
 
-    known = load_model(model)
-    low_m, high_m = _section(section)
-    answers = [
-        answer(
-            known,
-            Wanted(
-                configuration=name,
-                low_m=low_m,
-                high_m=high_m,
-                force_N=None if force_mN is None else force_mN / 1000,
-                direction=direction.value,
-                mass_kg=mass_g / 1000,
-                bandwidth_rad_per_s=2 * math.pi * bandwidth_Hz,
-                lag_s=lag_s,
-            ),
-        )
-        for name in configuration or known.sheets
-    ]
-    errors = errors_of(known, [found.wanted.configuration for found in answers])
-    warn_of_misses(errors)
+    With --eibm, for EIBMs of your own; with --stiffness-Nm2 too, sheet.toml takes the model file's
+    place.
+    """
+    from labrig.api.design import design as design_for
+    from labrig.api.design import map_of_elongation
+
+    known = StatedModel(model, eibm or (), stiffness_Nm2).model()
+    answers = design_for(
+        known, section, configuration=configuration or (), force_mN=force_mN,
+        direction=direction.value, mass_g=mass_g, bandwidth_Hz=bandwidth_Hz, lag_s=lag_s,
+    )  # fmt: skip
     for found in answers:
         for why in dict.fromkeys(found.unanswered.values()):
             asked = [name for name, reason in found.unanswered.items() if reason == why]
             warn(f"{found.wanted.configuration}, no answer to {', '.join(asked)}: {why}.")
+    maps = {
+        found.wanted.configuration: map_of_elongation(
+            known, section, configuration=found.wanted.configuration, direction=direction.value
+        )
+        for found in answers
+        if with_map
+    }
+    _show(answers, maps, as_json=as_json)
+    for path in [] if output is None else _draw(known, answers, maps, output):
+        if not as_json:
+            say(f"wrote {path}")
+
+
+def _show(answers: Design, maps: dict[str, ElongationMap], *, as_json: bool) -> None:
+    from labrig.report.design.answers import tables
+    from labrig.report.design.elongation import as_dict, elongation_table
+
     if as_json:
-        print_json([as_dict(found, own) for found, own in zip(answers, errors, strict=True)])
-    else:
-        for found in answers:
-            for table in tables(found):
-                print_table(table.title, table.columns, table.rows)
-        say_errors(errors)
-    if output is not None:
-        from labrig.report.design.figures import draw_design
-
-        try:
-            output.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise BadInputError(f"{output}: cannot be made ({error.strerror}).") from None
-        for found in answers:
-            for path in draw_design(known, found, output):
-                if not as_json:
-                    say(f"wrote {path}")
+        plain = {name: {"elongation_map": as_dict(one)} for name, one in maps.items()}
+        print_json([{**one, **plain.get(one["configuration"], {})} for one in answers.to_json()])
+        return
+    every = [table for found in answers for table in tables(found)]
+    for table in (*every, *(elongation_table(name, one) for name, one in maps.items())):
+        print_table(table.title, table.columns, table.rows)
+        if table.note:
+            say(table.note)
+            say()
+    say_errors(answers.errors)
 
 
-def _section(text: str) -> tuple[float, float]:
-    parts = text.split(":")
+def _draw(
+    model: SheetModel, answers: Design, maps: dict[str, ElongationMap], folder: Path
+) -> list[Path]:
+    """Draw all figures into a folder and return their paths."""
+    from labrig.report.design.elongation import draw_elongation_map
+    from labrig.report.design.figures import draw_design
+
     try:
-        low_mm, high_mm = (float(part) for part in parts)
-    except ValueError:
-        raise BadInputError(
-            f"--section {text!r}: two positions in mm with a colon between, such as 0:30."
-        ) from None
-    return low_mm / 1000, high_mm / 1000
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise BadInputError(f"{folder}: cannot be made ({error.strerror}).") from None
+    written = [path for found in answers for path in draw_design(model, found, folder)]
+    for name, one in maps.items():
+        written.append(folder / f"{name}-elongation-map.png")
+        draw_elongation_map(name, one, written[-1])
+    return written
 
 
 COMMAND = Command(

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from labrig.cli.command import Command, CommandExample
-from labrig.cli.diagnosis import diagnosed, keep, known_model, print_diagnosis, promises_kept_in
+from labrig.cli.diagnosis import print_diagnosis
 from labrig.cli.measurements import of_sessions_or_tables
 from labrig.cli.options import (
     CurvesFile,
@@ -21,7 +21,7 @@ from labrig.cli.options import (
     Stiffness,
     Symmetric,
 )
-from labrig.cli.screen import print_json, say, warn
+from labrig.cli.screen import print_json, progress, say, warn
 from labrig.errors import BadInputError
 
 
@@ -61,9 +61,7 @@ def diagnose(
 
     The diagnosis is stored in the (first) session; labrig report shows it, too.
     """
-    from labrig.analysis.holding_out import held_out
-    from labrig.experiment.next_measurement.next_protocol import with_protocol
-    from model.discrepancy import DiagnoseOptions
+    from labrig.api.diagnose import diagnosed_and_kept, options_for
     from model.effects import effect
 
     if output is not None and output.exists() and not force:
@@ -71,19 +69,12 @@ def diagnose(
     for name in without or ():
         effect(name)  # at once: what follows may take minutes
     measurements = of_sessions_or_tables(sessions, sheet, forces, curves, signals)
-    options = DiagnoseOptions(
-        symmetric=symmetric,
-        calibrate=calibrate,
-        model=known_model(model),
-        exclude=tuple(without or ()),
-        hold_out=held_out(hold_out or [], measurements),
-        promised=promises_kept_in(sessions or []),
-        stiffness_Nm2=stiffness_Nm2,
-    )
-    found = diagnosed(measurements, options)
-    found = with_protocol(found, measurements, sessions[0] if sessions else None)
-    if sessions:
-        keep(sessions[0], found)
+    options = options_for(
+        measurements, sessions or [], model=model, hold_out=hold_out or (), symmetric=symmetric,
+        without=without or (), calibrate=calibrate, stiffness_Nm2=stiffness_Nm2,
+    )  # fmt: skip
+    with progress("diagnose") as advance:
+        found = diagnosed_and_kept(measurements, sessions or [], options, advance)
     written = []
     if output is not None and not found.searched:
         older = "; what is there is older" if output.exists() else ""

@@ -1,4 +1,4 @@
-"""A session for other programs: CSV tables, Parquet, xarray, Bluesky documents, RO-Crate."""
+"""A session for other programs: CSV tables, Parquet, xarray, Bluesky documents, RO-Crate, video."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ def export(
         typer.Option(
             "--as",
             metavar="FORMAT",
-            help="csv, parquet, xarray (netCDF), bluesky (documents), crate (RO-Crate), or another "
-            "distribution's",
+            help="csv, parquet, xarray (netCDF), bluesky (documents), crate (RO-Crate), "
+            "video (a file for each run), or another distribution's",
         ),
     ] = "csv",
 ) -> None:

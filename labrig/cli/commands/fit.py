@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,18 +19,16 @@ from labrig.cli.dynamic_fit import (
     refuse_others,
     refuse_without_dynamic,
 )
-from labrig.cli.measurements import fitted_of, warn_of_suspicions
+from labrig.cli.measurements import warn_of_suspicions
 from labrig.cli.model_errors import errors_of, warn_of_misses
 from labrig.cli.options import FigureFormats, Json, Stiffness
-from labrig.cli.screen import print_json, print_table, progress, say, warn
+from labrig.cli.screen import print_json, print_table, progress, say
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
     from labrig.report.parts.table import Table
     from labrig.report.tables.mountings import Run
     from model import Fit, Measurements
-
-FEWEST_REPEATS = 20  # with fewer a standard deviation says little
 
 
 def fit(
@@ -116,11 +113,10 @@ def fit(
     a free sheet that moves ([extras] release = true), the rest pulses in contact. The model file
     holds the sheet in time, for simulate --time, response and control.
     """
+    from labrig.api.fit import fitted_data
     from labrig.model_file import save_model
-    from labrig.report.data.separate_sessions import only
     from labrig.report.figures.fit import make_folder, write_fit_figures
     from labrig.report.parts.style import known_formats
-    from model import FitOptions
 
     if output is not None and output.exists() and not force:
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
@@ -139,21 +135,16 @@ def fit(
         fit_in_time(in_time, output, as_json=as_json)
         return
     refuse_without_dynamic(in_time)
-    if 0 < bootstrap < FEWEST_REPEATS:
-        raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
-    if not math.isfinite(q):
-        raise BadInputError(f"--q {q}: a number is needed, such as 1.")
-    options = FitOptions(
-        weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
-        bootstrap=bootstrap, stiffness_Nm2=stiffness_Nm2,
-    )  # fmt: skip
     wanted = known_formats(formats)
     if figures is not None:
         make_folder(figures)
-    measured = _measured(sessions, apart)
-    measurements = only(measured.measurements, configuration or [])
-    options = replace(options, held_out=_held_out(hold_out or [], measurements))
-    found = fitted_of(", ".join(map(str, sessions)), measurements, options)
+    with progress("analyze") as advance:
+        data = fitted_data(
+            sessions, configuration=configuration or (), hold_out=hold_out or (), apart=apart,
+            symmetric=symmetric, measured_curvature=measured_curvature, bootstrap=bootstrap, q=q,
+            stiffness_Nm2=stiffness_Nm2, progress=advance,
+        )  # fmt: skip
+    found, measurements = data.fit, data.measurements
     suspicious = warn_of_suspicions(measurements)
     written = []
     if output is not None:
@@ -166,55 +157,11 @@ def fit(
     if as_json:
         print_json({**found.to_json(), "data_checks": [one.to_json() for one in suspicious]})
         return
-    _print(found, measurements, measured.sessions if by_run else None)
+    _print(found, measurements, data.runs if by_run else None)
     if output is not None and varying is None and found.preferred_model is found.varying_model:
         say(f"{output} holds the EIBM along the sheet: with a constant one the model misses.")
     for path in written:
         say(f"wrote {path}")
-
-
-@dataclass(frozen=True)
-class _Measured:
-    """The measurements of all sessions, and which of several sessions each run is from."""
-
-    measurements: Measurements
-    sessions: dict[Run, str]
-
-
-def _measured(paths: list[Path], apart: bool) -> _Measured:
-    from labrig.analysis.together import together
-    from labrig.report.data.findings import measured as of_session
-    from labrig.report.data.separate_sessions import apart as taken_apart
-    from labrig.report.data.separate_sessions import labels
-    from labrig.report.tables.mountings import sessions_of_runs
-
-    names = labels(paths)
-    if apart and len(paths) == 1:
-        raise BadInputError("--apart: give several sessions to be kept apart.")
-    with progress("analyze") as advance:
-        parts = [of_session(path, advance, warn) for path in paths]
-    if apart:
-        return _Measured(taken_apart(parts, names), {})
-    whole = together(list(zip(paths, parts, strict=True)))
-    known = sessions_of_runs(whole, parts, names) if len(parts) > 1 else {}
-    return _Measured(whole, known)
-
-
-def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:
-    """Return configuration and position of each condition to leave out."""
-    from labrig.analysis.holding_out import SAME_M, held_out
-
-    wanted = held_out(texts, measurements)
-    return tuple(
-        dict.fromkeys(
-            (c.configuration, c.position_m)
-            for c in measurements.conditions
-            for name, at_m in wanted
-            if name in ("", c.configuration)
-            and c.position_m is not None
-            and abs(c.position_m - at_m) < SAME_M
-        )
-    )
 
 
 def _print(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | None) -> None:

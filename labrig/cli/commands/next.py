@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from labrig.cli.command import Command, CommandExample
-from labrig.cli.diagnosis import diagnosed, keep, known_model
+from labrig.cli.diagnosis import diagnosed, known_model
 from labrig.cli.dynamic_fit import (
     DynamicFluid,
     DynamicRequest,
@@ -99,8 +99,10 @@ def next_measurement(
         diagnosis = kept_diagnosis(sessions[0])
         if diagnosis is None and between is None:
             warn(f"{sessions[0]} holds no diagnosis yet, so it is diagnosed first")
+            from labrig.api.diagnose import keep_in
+
             diagnosis = diagnosed(measurements, options)
-            keep(sessions[0], diagnosis)
+            keep_in(sessions[0], diagnosis)
     found = proposal(measurements, diagnosis, between, options)
     text = protocol_text(found, measurements, sessions[0] if sessions else None)
     if output is not None:
@@ -127,6 +129,9 @@ COMMAND = Command(
     next_measurement,
     order=190,
     examples=(
-        CommandExample(line="labrig next session.h5 --between gravity clamp_angle -o next.toml"),
+        CommandExample(
+            line="labrig next session.h5 --model model+.toml --between gravity clamp_angle "
+            "-o next.toml"
+        ),
     ),
 )

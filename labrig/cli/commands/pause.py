@@ -60,7 +60,7 @@ COMMAND = Command(
             line="labrig pause running.h5",
             before="labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o running.h5 --yes "
             "> run.log 2>&1 & echo $! > run.pid; until [ -e running.h5 ]; do sleep 0.05; done",
-            after="labrig pause running.h5 --end; tail --pid=$(cat run.pid) -f /dev/null",
+            after="kill -KILL $(cat run.pid); sleep 1",
         ),
     ),
 )

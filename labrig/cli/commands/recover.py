@@ -39,11 +39,6 @@ COMMAND = Command(
     "recover",
     recover,
     order=90,
-    examples=(
-        CommandExample(
-            line="labrig recover killed.h5",
-            before="labrig run rig/rig.toml rig/protocol.toml rig/sheet.toml -o killed.h5 --yes "
-            "> run.log 2>&1 & until [ -e killed.h5 ]; do sleep 0.05; done; kill -KILL $!; sleep 1",
-        ),
-    ),
+    # The session that the example of `labrig pause` has left.
+    examples=(CommandExample(line="labrig recover running.h5"),),
 )

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from typing import Annotated, TypeVar
 
 import typer
 
 from labrig.cli.command import Command, CommandExample
-from labrig.cli.model_errors import errors_of, say_errors, warn_of_misses
-from labrig.cli.options import EachConfiguration, Json, ModelFile
-from labrig.cli.screen import print_json, print_table, say, warn
+from labrig.cli.model_errors import say_errors
+from labrig.cli.options import EachConfiguration, Json, ModelFile, OwnEibm, StatedStiffness
+from labrig.cli.screen import print_json, print_table, say
+from labrig.cli.stated_model import StatedModel
 from labrig.errors import BadInputError
-
-if TYPE_CHECKING:
-    from labrig.motion.simulated import OutputTimes
-    from model import Prediction
 
 _EVERY_MS, _START_MS = 1.0, 0.0
 Given = TypeVar("Given", str, float)
@@ -36,6 +33,8 @@ def simulate(
         ),
     ] = 0,
     as_json: Json = False,
+    eibm: OwnEibm = None,
+    stiffness_Nm2: StatedStiffness = None,
     in_time: Annotated[
         bool, typer.Option("--time", help="the motion under --drive instead; needs [...dynamic]")
     ] = False,
@@ -67,6 +66,9 @@ def simulate(
 ) -> None:
     """Force and shape that a model predicts, for all combinations of what is given.
 
+    With --eibm, what it predicts for EIBMs of your own; --voltage may then be left out. With
+    --eibm and --stiffness-Nm2, sheet.toml takes the model file's place.
+
     With --time: force, current and shape at every millisecond of a drive, from rest at 0 V.
     """
     given = {
@@ -79,11 +81,13 @@ def simulate(
     }
     if not in_time:
         _refuse(given, "is of a motion; give --time with it")
-        _at_rest(model, configuration, position_mm, voltage, session, as_json=as_json)
+        stated = StatedModel(model, eibm or (), stiffness_Nm2)
+        _at_rest(stated, configuration, position_mm, voltage, session, as_json=as_json)
         return
-    from labrig.motion.simulated import OutputTimes
-
-    given = {"--voltage": bool(voltage), "--session": session > 0, "--json": as_json}
+    given = {
+        "--voltage": bool(voltage), "--session": session > 0, "--json": as_json,
+        "--eibm": bool(eibm), "--stiffness-Nm2": stiffness_Nm2 is not None,
+    }  # fmt: skip
     _refuse(given, "is of the sheet at rest; leave it out, or --time")
     if drive is None or output is None:
         raise BadInputError("--time needs --drive (protocol.toml or a table) and -o (a file).")
@@ -97,7 +101,7 @@ def simulate(
     if output.exists() and not force:
         raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
     place = _only(configuration), _only(position_mm)
-    _in_time(model, place, (drive, run), OutputTimes(1e-3 * every_ms, 1e-3 * start_ms), output)
+    _in_time(model, place, (drive, run), (every_ms, start_ms), output)
 
 
 def _only(values: list[Given] | None) -> Given | None:
@@ -112,7 +116,7 @@ def _refuse(given: dict[str, bool], why: str) -> None:
 
 
 def _at_rest(
-    model: Path,
+    stated: StatedModel,
     configuration: list[str] | None,
     position_mm: list[float] | None,
     voltage: list[float] | None,
@@ -120,78 +124,42 @@ def _at_rest(
     *,
     as_json: bool,
 ) -> None:
-    from labrig.model_file import load_model
-    from model import predict
+    from labrig.api.simulate import simulate as simulate_at_rest
 
-    if not position_mm or not voltage:
-        raise BadInputError("give at least one --position-mm and one --voltage.")
-    known = load_model(model)
-    if session > known.sessions:
-        many = f"more than {known.sessions} sessions" if known.sessions else "sessions"
-        raise BadInputError(
-            f"--session {session}: {model.name} has nothing that differs between {many}."
-        )
-    known = known.in_session(session)
-    found = [
-        predict(known, name, 1e-3 * position, volts)
-        for name in configuration or known.sheets
-        for position in position_mm
-        for volts in voltage
-    ]
-    errors = errors_of(known, dict.fromkeys(one.configuration for one in found))
-    warn_of_misses(errors)
+    found = simulate_at_rest(
+        stated.model(), position_mm=position_mm or (), voltage=voltage or stated.voltages,
+        configuration=configuration or (), session=session,
+    )  # fmt: skip
     if as_json:
-        print_json([one.to_json() for one in found])
+        print_json(found.to_json())
         return
-    columns = ["sheet", "p mm", "V", "F mN", "N mN", "contact at mm", "angle deg", "remark"]
-    print_table(f"{model}", columns, [_prediction_row(one) for one in found])
-    say_errors(errors)
+    table = found.summary()
+    print_table(f"{stated.path}", table.columns, table.rows)
+    say_errors(found.errors)
 
 
 def _in_time(
     model: Path,
     place: tuple[str | None, float | None],
     driven: tuple[Path, int | None],
-    times: OutputTimes,
+    times_ms: tuple[float, float],
     output: Path,
 ) -> None:
-    from labrig.motion.drive import load_drive
+    from labrig.api.simulate import simulate_in_time
     from labrig.motion.motion_file import require_ending, write_motion
-    from labrig.motion.simulated import SUMMARY_COLUMNS, simulated_run, summary_rows
+    from labrig.motion.simulated import SUMMARY_COLUMNS, summary_rows
 
     require_ending(output)
-    configuration, position_mm = place
-    drive, number = driven
-    found = simulated_run(
-        model,
-        load_drive(drive, number),
-        times,
-        configuration,
-        None if position_mm is None else 1e-3 * position_mm,
-    )
-    if found.has_effects:
-        warn(f"{model}: its effects act on the sheet at rest only, and are not in the motion.")
+    (configuration, position_mm), (drive, number) = place, driven
+    every_ms, start_ms = times_ms
+    found = simulate_in_time(
+        model, drive, configuration=configuration, position_mm=position_mm, run=number,
+        every_ms=every_ms, start_ms=start_ms,
+    )  # fmt: skip
     made_from = {"model_file": model.name, "drive_file": drive.name}
     write_motion(found, made_from, output)
     print_table(f"{model}: {found.place}", SUMMARY_COLUMNS, summary_rows(found))
     say(f"wrote {output}: {len(found.motion.time_s)} times, {len(found.motion.s_m)} points")
-
-
-def _prediction_row(found: Prediction) -> list[str]:
-    import math
-
-    from labrig.report.parts.table import fixed
-
-    return [
-        found.configuration,
-        f"{1e3 * found.position_m:g}",
-        f"{found.voltage_V:+g}",
-        fixed(1e3 * found.F_N, 3),
-        fixed(1e3 * found.N_N, 3),
-        fixed(1e3 * found.s_hat_m, 2),
-        fixed(math.degrees(found.phi_hat_rad), 2),
-        found.why or "-",
-    ]
 
 
 COMMAND = Command(
@@ -201,6 +169,9 @@ COMMAND = Command(
     examples=(
         CommandExample(
             line="labrig simulate model.toml --configuration long --position-mm 12 --voltage 2"
+        ),
+        CommandExample(
+            line="labrig simulate model.toml --configuration long --position-mm 12 --eibm 2=36e-6"
         ),
     ),
 )

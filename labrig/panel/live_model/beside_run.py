@@ -231,6 +231,8 @@ class ModelBesideRun:
     def _take_signals(self, run: FollowedRun, strip: StripChart, pieces: list[StripChart]) -> None:
         times = strip.values[0].astype(float)
         times = np.round(times / GRID_S) * GRID_S
+        if times[-1] < 0.0:
+            return  # from before the run's beginning: the model begins there
         if times[-1] - run.motion.time_s > MOST_BEHIND_S:
             raise ModelError(f"the model is more than {MOST_BEHIND_S:g} s behind the run")
         run.motion.advance(run.drive, float(times[-1]) + 0.5 * GRID_S)

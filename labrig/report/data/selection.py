@@ -87,6 +87,17 @@ def rest_position_m(measurements: Measurements, configuration: str) -> float | N
     return None
 
 
+def force_at_N(
+    measurements: Measurements, configuration: str, voltage_V: float, position_m: float
+) -> float | None:
+    """Return the mean force at a voltage, interpolated between the positions about a place."""
+    forces = mean_forces(measurements, configuration, voltage_V)
+    p = np.array([force.position_m for force in forces])
+    if not len(p) or not p[0] <= position_m <= p[-1]:
+        return None
+    return float(np.interp(position_m, p, [force.mean_N for force in forces]))
+
+
 @dataclass(frozen=True)
 class MeanForceLine:
     """The straight line through the mean forces of one voltage."""

@@ -23,6 +23,7 @@ from model.design.linear_models import (
     validity,
 )
 from model.design.sizing import Direction, Linearity, Size, least_area, linearity
+from model.design.work import WorkAlongArc, work_along_arc
 from model.design.working_section import (
     BothWays,
     LargestForce,
@@ -35,6 +36,7 @@ from model.design.working_section import (
     shape_difference,
     shortest_sheet,
 )
+from model.measurements import Displayed, Summary
 from model.sheet.misfit import Misfit
 
 WITHOUT, WITH = "without elongation", "with elongation"
@@ -54,8 +56,8 @@ class Wanted:
     lag_s: float  # of the voltage's effect
 
 
-@dataclass(frozen=True, kw_only=True)
-class DesignAnswers:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class DesignAnswers(Displayed):
     """One configuration's answers; None and `unanswered`, with the reason, where there is none."""
 
     wanted: Wanted
@@ -67,12 +69,19 @@ class DesignAnswers:
     both_ways: BothWays | None
     sizes: dict[str, Size]  # without, with elongation
     elongated: Linearity | None
+    work: WorkAlongArc | None
     unanswered: dict[str, str]  # question -> why
+
+    def summary(self) -> Summary:
+        """Return shapes, reach, forces and work; the other tables are in `tables`."""
+        table = _force_table(self, self.wanted.configuration)
+        why = tuple(f"no answer to {name}: {text}" for name, text in self.unanswered.items())
+        return Summary(f"DesignAnswers {table.title}", table.columns, table.rows, why)
 
     @property
     def nothing(self) -> bool:
         """Whether no question about the section has an answer."""
-        found = (self.control, self.shapes, self.reach, self.both_ways)
+        found = (self.control, self.shapes, self.reach, self.both_ways, self.work)
         return not (self.lines or self.largest or self.sizes or any(found))
 
 
@@ -123,6 +132,7 @@ def answer(model: SheetModel, wanted: Wanted) -> DesignAnswers:
         both_ways=asked.ask("force in both directions", lambda: force_both_ways(*place)),
         sizes=_sizes(model, wanted, asked),
         elongated=asked.ask("effect of an elongation", lambda: linearity(*place)),
+        work=asked.ask("work along the arc", lambda: work_along_arc(*place)),
         unanswered=asked.unanswered,
     )
     if found.nothing:
@@ -188,6 +198,8 @@ def tables(found: DesignAnswers) -> list[Table]:
     result.append(_force_table(found, name))
     if found.wanted.force_N is not None:
         result.append(_size_table(found))
+    if found.work is not None:
+        result.append(_work_table(found.work, found.wanted))
     return result
 
 
@@ -285,6 +297,20 @@ def _size_table(found: DesignAnswers) -> Table:
     )
 
 
+def _work_table(work: WorkAlongArc, wanted: Wanted) -> Table:
+    rows = [
+        (f"outward at {v:+g} V, µJ" if v else "outward at 0 V, µJ", _said(one, 1e6))
+        for v, one in sorted(work.outward_J.items(), reverse=True)
+    ]
+    low_V, high_V = work.voltages_V
+    rows.append((f"out at {high_V:+g} V and back at {low_V:+g} V, µJ", _said(work.cycle_J, 1e6)))
+    return Table(
+        title=f"7. {wanted.configuration}: quasi-static work on the object over the section",
+        columns=("", "value"),
+        rows=tuple(rows),
+    )
+
+
 def as_dict(found: DesignAnswers, errors: Misfit) -> dict[str, Any]:
     """For `--json`, in SI; null where a question has no answer. `errors`: of the model itself."""
     return {
@@ -302,6 +328,8 @@ def as_dict(found: DesignAnswers, errors: Misfit) -> dict[str, Any]:
         "largest_forces_N": {key: force.force_N.to_json() for key, force in found.largest.items()},
         "force_both_ways_N": found.both_ways and found.both_ways.force_N.to_json(),
         "least_area": {name: _size_as_dict(size) for name, size in found.sizes.items()},
+        "work_J": found.work and {str(v): w.to_json() for v, w in found.work.outward_J.items()},
+        "work_of_a_cycle_J": found.work and found.work.cycle_J.to_json(),
         "unanswered": found.unanswered,
     }
 

@@ -28,24 +28,29 @@ def ranking_figure(found: Diagnosis) -> Figure | None:
     if not shown:
         return None
     with figure(6.2, 0.24 * len(shown) + 1.3) as fig:
-        axes = fig.subplots()
-        named = {one.name for one in found.effects}
-        colours = [_colour(one, named, found) for one in shown]
-        axes.barh(range(len(shown)), [one.log_bayes for one in shown], color=colours, height=0.7)
-        axes.set_yticks(range(len(shown)), [title(one.name) for one in shown])
-        axes.set_xscale("symlog", linthresh=_LINEAR, linscale=1.0)
-        axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "−"))
-        axes.axvline(0, color=INK, linewidth=0.7)
-        if np.isfinite(found.threshold):
-            axes.axvline(found.threshold, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
-            axes.annotate(
-                f"threshold {found.threshold:.1f}", (found.threshold, 1.0), xytext=(0, 3),
-                xycoords=axes.get_xaxis_transform(), textcoords="offset points", fontsize=8,
-                ha="center", va="bottom",  # above the bars, which may be of any length
-            )  # fmt: skip
-        axes.set_xlabel("ln Bayes factor over the base model")
-        axes.grid(visible=False, axis="y")
+        draw_ranking(fig.subplots(), found)
         return fig
+
+
+def draw_ranking(axes: Axes, found: Diagnosis) -> None:
+    """Draw the evidence for the best candidates and the named effects."""
+    shown = best_and_named(found, MOST)[::-1]
+    named = {one.name for one in found.effects}
+    colours = [_colour(one, named, found) for one in shown]
+    axes.barh(range(len(shown)), [one.log_bayes for one in shown], color=colours, height=0.7)
+    axes.set_yticks(range(len(shown)), [title(one.name) for one in shown])
+    axes.set_xscale("symlog", linthresh=_LINEAR, linscale=1.0)
+    axes.xaxis.set_major_formatter(lambda value, _: f"{value:g}".replace("-", "−"))
+    axes.axvline(0, color=INK, linewidth=0.7)
+    if np.isfinite(found.threshold):
+        axes.axvline(found.threshold, color=INK, linewidth=1.0, linestyle=(0, (4, 2.5)))
+        axes.annotate(
+            f"threshold {found.threshold:.1f}", (found.threshold, 1.0), xytext=(0, 3),
+            xycoords=axes.get_xaxis_transform(), textcoords="offset points", fontsize=8,
+            ha="center", va="bottom",  # above the bars, which may be of any length
+        )  # fmt: skip
+    axes.set_xlabel("ln Bayes factor over the base model")
+    axes.grid(visible=False, axis="y")
 
 
 def _colour(one: Ranked, named: set[str], found: Diagnosis) -> str:

@@ -48,10 +48,8 @@ def forces_figure(found: Diagnosis) -> Figure | None:
     with figure(panels_width_in(len(names)), 5.0) as fig:
         panels = fig.subplots(2, len(names), squeeze=False, height_ratios=[1.5, 1.0], sharex="col")
         for column, name, mark in zip(panels.T, names, "abcdefgh", strict=False):
-            rows = _held(found, name)
-            for volts in sorted({row.voltage_V for row in rows}, reverse=True):
-                own = [row for row in rows if row.voltage_V == volts]
-                _forces(column[0], own)
+            draw_forces_before_and_after(column[0], found, name)
+            for own in _by_voltage(found, name):
                 _left(column[1], own)
             letter(column[0], mark, f"{name} sheet")
             column[1].axhline(0, color=INK, linewidth=0.7, alpha=0.6)
@@ -60,6 +58,19 @@ def forces_figure(found: Diagnosis) -> Figure | None:
         panels[1, 0].set_ylabel("measured − simulated (mN)")
         _legend(fig, panels[0, 0])
         return fig
+
+
+def draw_forces_before_and_after(axes: Axes, found: Diagnosis, name: str) -> None:
+    """Draw measured forces over position, and those simulated before (dashed) and after."""
+    for own in _by_voltage(found, name):
+        _forces(axes, own)
+
+
+def _by_voltage(found: Diagnosis, name: str) -> list[list[ErrorRow]]:
+    """Return the conditions of a configuration, those of the highest voltage first."""
+    rows = _held(found, name)
+    volts = sorted({row.voltage_V for row in rows}, reverse=True)
+    return [[row for row in rows if row.voltage_V == one] for one in volts]
 
 
 def _held(found: Diagnosis, name: str) -> list[ErrorRow]:

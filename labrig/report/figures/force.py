@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +18,7 @@ from labrig.report.parts.style import (
     letter,
     panels_width_in,
 )
-from model import Measurements
+from model import Measurements, SheetModel
 from model.measurements import FloatArray
 
 if TYPE_CHECKING:
@@ -34,17 +35,23 @@ def force_figure(measurements: Measurements, names: list[str], models: Models | 
     with figure(panels_width_in(len(names)), 3.7) as fig:
         panels = fig.subplots(1, len(names), squeeze=False)[0]
         for axes, name, mark in zip(panels, names, "abcdefgh", strict=False):
-            axes.axhline(0, color=INK, linewidth=0.7, alpha=0.6)
-            for volts in voltages(measurements, name):
-                _measured(axes, measurements, name, volts)
-                if models is not None:
-                    _simulated(axes, models, name, volts, _range(measurements, name))
-            _invalid(axes, measurements, name)
+            draw_forces(axes, measurements, name, models.named() if models is not None else ())
             letter(axes, mark, f"{name} sheet")
-            axes.set_xlabel("position p (mm)")
         panels[0].set_ylabel("force F (mN)")
         _legend(fig, models is not None)
         return fig
+
+
+def draw_forces(
+    axes: Axes, measurements: Measurements, name: str, simulated: Sequence[tuple[str, SheetModel]]
+) -> None:
+    """Draw the forces of a configuration over position; simulated ones by the name of a model."""
+    axes.axhline(0, color=INK, linewidth=0.7, alpha=0.6)
+    for volts in voltages(measurements, name):
+        _measured(axes, measurements, name, volts)
+        _simulated(axes, simulated, name, volts, _range(measurements, name))
+    _invalid(axes, measurements, name)
+    axes.set_xlabel("position p (mm)")
 
 
 def _measured(axes: Axes, measurements: Measurements, name: str, volts: float) -> None:
@@ -74,8 +81,14 @@ def _range(measurements: Measurements, name: str) -> FloatArray:
     return np.linspace(low, high, max(2, round((high - low) / _STEP_M) + 1))
 
 
-def _simulated(axes: Axes, models: Models, name: str, volts: float, places_m: FloatArray) -> None:
-    for kind, model in models.named():
+def _simulated(
+    axes: Axes,
+    models: Sequence[tuple[str, SheetModel]],
+    name: str,
+    volts: float,
+    places_m: FloatArray,
+) -> None:
+    for kind, model in models:
         if knows(model, name, volts) and len(places_m):
             force = force_curve_N(model, name, places_m, volts)
             colour = colour_of(volts)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from labrig.report.data.models import CONSTANT, Models
 from labrig.report.parts.style import (
     INK,
@@ -29,26 +31,34 @@ def moment_figure(models: Models, names: list[str]) -> Figure:
     with figure(panels_width_in(len(names)), 3.3) as fig:
         panels = fig.subplots(1, len(names), squeeze=False)[0]
         for axes, name, mark in zip(panels, names, "abcdefgh", strict=False):
-            _moments(axes, models, name)
+            draw_moments(axes, models.along, name, models.constant)
             letter(axes, mark, f"{name} sheet")
         panels[0].set_ylabel("EIBM (µN·m)")
         _legend(fig)
         return fig
 
 
-def _moments(axes: Axes, models: Models, name: str) -> None:
+def draw_moments(
+    axes: Axes, model: SheetModel, name: str, constant: SheetModel | None = None
+) -> None:
+    """Draw the EIBMs of a configuration along the sheet, and those of the constant model."""
+    one = model.sheet(name)
     axes.axhline(0, color=INK, linewidth=0.7, alpha=0.6)
-    for volts in sorted(models.along.sheets[name].eibm, reverse=True):
+    for volts in sorted(one.eibm, reverse=True):
         colour = colour_of(volts)
-        _band(axes, models.along.sheets[name].eibm[volts], colour, volts)
-        for mean in _constant(models.constant, name, volts):
+        _band(axes, one.eibm[volts], one.sheet.free_length_m, volts)
+        for mean in [] if constant is None else _constant(constant, name, volts):
             axes.axhline(1e6 * mean, color=colour, linewidth=1.0, linestyle=(0, (5, 3)))
     axes.set_xlabel("distance along the sheet s (mm)")
-    axes.set_xlim(0, 1e3 * models.along.sheets[name].sheet.free_length_m)
+    axes.set_xlim(0, 1e3 * one.sheet.free_length_m)
 
 
-def _band(axes: Axes, along: Along, colour: str, volts: float) -> None:
-    s, Me, reach = 1e3 * along.s_m, 1e6 * along.values, 1e6 * _REACH * along.sigma
+def _band(axes: Axes, along: Along, length_m: float, volts: float) -> None:
+    colour = colour_of(volts)
+    # beyond the outer nodes it is constant, as the model takes it; one node: everywhere
+    at = np.unique(np.concatenate([[0.0, length_m], along.s_m]))
+    s, Me = 1e3 * at, 1e6 * np.interp(at, along.s_m, along.values)
+    reach = 1e6 * _REACH * np.interp(at, along.s_m, along.sigma)
     axes.plot(s, Me, color=colour, label=label_of(volts))
     axes.fill_between(s, Me - reach, Me + reach, color=colour, alpha=0.2, linewidth=0)
 

@@ -35,7 +35,7 @@ def curves_figure(measurements: Measurements, names: list[str]) -> Figure:
     with figure(width_in, _HIGHEST_IN) as fig:
         panels = fig.subplots(1, len(names), squeeze=False)[0]
         for axes, name, mark in zip(panels, names, "abcdefgh", strict=False):
-            _all_curves(axes, measurements, name)
+            draw_curves(axes, measurements, name)
             letter(axes, mark, f"{name} sheet")
         handles = {h.get_label(): h for axes in panels for h in axes.get_lines() if _shown(h)}
         legend_below(fig, list(handles.values()))
@@ -49,7 +49,8 @@ def _shown(line: Any) -> bool:
     return not str(line.get_label()).startswith("_")
 
 
-def _all_curves(axes: Axes, measurements: Measurements, name: str) -> None:
+def draw_curves(axes: Axes, measurements: Measurements, name: str) -> None:
+    """Draw all measured curves of a configuration, the arc and the clamp; equal aspect."""
     sheet = measurements.sheets[name]
     draw_setup(axes, sheet, positions_m(measurements, name))
     _draw_conditions(axes, measurements, name)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -54,6 +54,14 @@ def colour_of(voltage_V: float) -> str:
 def label_of(voltage_V: float) -> str:
     """Return a voltage for a legend, with its sign and a true minus."""
     return f"{voltage_V:+g} V".replace("-", "\N{MINUS SIGN}") if voltage_V else "0 V"
+
+
+def styled() -> AbstractContextManager[None]:
+    """Return a context in which figures are made in this style."""
+    import matplotlib as mpl
+
+    context: AbstractContextManager[None] = mpl.rc_context(_SETTINGS)
+    return context
 
 
 @contextmanager

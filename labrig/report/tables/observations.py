@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from labrig.report.data.paper import PAPER
-from labrig.report.data.selection import configurations, force_line, rest_position_m, voltages
+from labrig.report.data.selection import (
+    configurations,
+    force_at_N,
+    force_line,
+    rest_position_m,
+    voltages,
+)
 from labrig.report.parts.table import Table, fixed, number, volts
 from model import ConfigurationFit, Fit, Measurements
 
@@ -15,6 +21,7 @@ def observations(measurements: Measurements, fit: Fit | None) -> Table:
     rows: list[tuple[str, str, str]] = []
     for name in configurations(measurements):
         rows += _rest(measurements, name)
+    rows += _initial_forces(measurements)
     if fit is not None:
         rows += _between_sheets(fit)
         for one in fit.configurations.values():
@@ -33,6 +40,29 @@ def _rest(measurements: Measurements, name: str) -> list[tuple[str, str, str]]:
     theirs = number(PAPER[name].rest_position_mm) if name in PAPER else "-"
     ours = "not within the positions" if found is None else fixed(1e3 * found, 1)
     return [(f"rest position of the undriven {name} sheet, mm", ours, theirs)]
+
+
+def _initial_forces(measurements: Measurements) -> list[tuple[str, str, str]]:
+    """Compare the forces under voltage where the undriven sheet rests."""
+    rows, largest = [], {}
+    for name in configurations(measurements):
+        at_m = rest_position_m(measurements, name)
+        driven = [v for v in voltages(measurements, name) if v]
+        if at_m is None:
+            continue
+        found = {v: force_at_N(measurements, name, v, at_m) for v in driven}
+        forces = {v: force for v, force in found.items() if force is not None}
+        if not forces:
+            continue
+        largest[name] = max(map(abs, forces.values()))
+        at = ", ".join(volts(v) for v in forces)
+        cells = ", ".join(fixed(1e3 * force, 2) for force in forces.values())
+        rows.append((f"force at the rest position, {name} sheet, {at}, mN", cells, "-"))
+    if {"long", "short"} <= set(largest):
+        ratio = largest["short"] / largest["long"]
+        what = "largest force at the rest position, short sheet over long one"
+        rows.append((what, fixed(ratio, 2), "above 1"))
+    return rows
 
 
 def _between_sheets(fit: Fit) -> list[tuple[str, str, str]]:

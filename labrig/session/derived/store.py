@@ -33,8 +33,11 @@ def store_measurements(
         write_derived(file, measurements, curve_extractor=curve_extractor)
 
 
-def load_measurements(path: Path) -> Measurements:
-    """Return the measurements kept in a session. Raises BadInputError when there are none."""
+def load_measurements(path: Path | str) -> Measurements:
+    """Return the measurements kept in a session file that was analysed or imported.
+
+    Raises BadInputError of one sentence when there are none.
+    """
     path = Path(path)
     with open_file(path) as file:
         if layout.DERIVED not in file:

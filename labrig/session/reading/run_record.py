@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,11 @@ from labrig.session.format.layout import Array
 from labrig.session.format.setup import SessionSetup
 from labrig.session.marks.mark import Mark, Place, standing
 from labrig.session.reading.values import read_array, read_dataset, read_table
+from model.measurements import Displayed, Summary, dataframe
 from protocols.planning.schedule import PlannedRun
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,7 @@ class Counts:
     frames_dropped: int
 
 
-class RunRecord:
+class RunRecord(Displayed):
     """A run of an open session. Nothing is read before it is asked for, images one at a time."""
 
     def __init__(
@@ -52,6 +56,25 @@ class RunRecord:
         self._path = path
         self._has_frames = setup.frame_shape is not None
         self._frame_shape = setup.frame_shape
+
+    def summary(self) -> Summary:
+        """Return place, samples and frames."""
+        planned = self.planned
+        at = "free" if planned.position_m is None else f"{1e3 * planned.position_m:g} mm"
+        title = f"RunRecord {planned.index + 1}: {planned.configuration}, {at}, {planned.in_words}"
+        if not self._file:
+            return Summary(f"{title}, of a closed session")
+        if not self.started:
+            return Summary(f"{title}, not begun")
+        return Summary(
+            f"{title}, {self.samples} samples of {', '.join(self.channels)}, "
+            f"{self.frame_count} frames"
+        )
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return a row for each sample as a pandas data frame: `time_s`, and inputs in V."""
+        inputs = {f"{name}_V": self.signal_V(name) for name in self.channels}
+        return dataframe({"time_s": self.time_s, **inputs})
 
     # --------------------------------------------------------------------------------- its course
 

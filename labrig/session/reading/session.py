@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from labrig.config.about import About, recorded_about
 from labrig.config.derived import SIMULATED
@@ -22,6 +22,12 @@ from labrig.session.marks.stored import read_marks
 from labrig.session.notes.note import Note
 from labrig.session.notes.stored import read_photograph, read_stored
 from labrig.session.notes.waiting import read_waiting
+from labrig.session.reading.columns import (
+    RUN_TABLE,
+    reading_columns,
+    run_cells,
+    run_columns,
+)
 from labrig.session.reading.labelled_arrays import labelled_session
 from labrig.session.reading.opening import cut_short, open_file
 from labrig.session.reading.run_record import RunRecord
@@ -33,9 +39,12 @@ from labrig.session.reading.values import (
     text_attribute,
 )
 from labrig.session.supplements.store import is_sealed
-from model.measurements import Measurements
+from model.measurements import Displayed, Measurements, Summary, dataframe
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 # Differ from one recording of the same virtual run to the next.
 VOLATILE = frozenset(
@@ -60,7 +69,7 @@ class LoggedEvent:
     text: str
 
 
-class RecordedSession:
+class RecordedSession(Displayed):
     """An open session file. Close it, or use it in a `with` statement."""
 
     def __init__(self, file: Any, path: Path) -> None:
@@ -84,6 +93,34 @@ class RecordedSession:
         self.devices = self._setup.devices  # none in sessions before version 3
         # Planned ones, begun or not, and those that were measured again; `run` finds one by index.
         self.runs: tuple[RunRecord, ...] = tuple(self._records())
+
+    def summary(self) -> Summary:
+        """Return the outcome and a row for each run."""
+        if not self._file:
+            return Summary(f"RecordedSession {self.path}: closed")
+        began = f", {self.started}" if self.started else ""
+        return Summary(
+            f"RecordedSession {self.path}: {self.outcome.value}{began}, "
+            f"output {self.output_state.value}",
+            RUN_TABLE,
+            [run_cells(run) for run in self.runs],
+            (self.reason,) if self.reason else (),
+        )
+
+    def to_dataframe(self, part: Literal["readings", "runs"] = "readings") -> pd.DataFrame:
+        """Return a part of the session as a pandas data frame.
+
+        part: `readings` (a row for each, with the values of its channels in SI units, marks
+        included) or `runs` (a row for each). The samples of a run are those of
+        `session.run(index).to_dataframe()`.
+
+        Raises BadInputError for another part, MissingPandasError where pandas is not installed.
+        """
+        if part == "readings":
+            return dataframe(reading_columns(self.runs))
+        if part == "runs":
+            return dataframe(run_columns(self.runs))
+        raise BadInputError(f"a session has no part '{part}', but readings, runs.")
 
     def run(self, index: int) -> RunRecord:
         """Return the run of an index. Raises BadInputError."""

@@ -67,14 +67,15 @@ class _Gathered:
 
 def read_tables(
     sheet: Mapping[str, SheetGeometry],
-    forces: Path | None,
-    curves: Path | None = None,
-    signals: Path | None = None,
+    forces: Path | str | None,
+    curves: Path | str | None = None,
+    signals: Path | str | None = None,
 ) -> Measurements:
     """Measurements from CSV files: forces, curves or both.
 
     Raises BadInputError naming file, line and column.
     """
+    forces, curves, signals = (None if p is None else Path(p) for p in (forces, curves, signals))
     source = forces or curves
     if source is None:
         raise BadInputError("there is neither a table of forces nor one of curves.")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,10 @@ import numpy.typing as npt
 from labrig.errors import BadInputError
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.background_lines import BackgroundLine
-from model.measurements import Curve
+from model.measurements import Curve, Displayed, Summary, dataframe
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -63,8 +66,8 @@ def _nothing() -> FloatArray:
     return np.empty(0)
 
 
-@dataclass(frozen=True, kw_only=True)
-class NeutralCurve:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class NeutralCurve(Displayed):
     """The neutral curve found in one image; arrays run from the clamp to the visible end.
 
     `sigma_m` is one standard deviation of the distance along the normal, from noise and from the
@@ -106,6 +109,25 @@ class NeutralCurve:
     )  # the side face's visible width, by point
     side_face_share: float = 0.0  # its grey over the edge's
     wires: tuple[BackgroundLine, ...] = ()  # that hide parts of the sheet
+
+    def summary(self) -> Summary:
+        """Return length, tip, how much was seen, and the warnings; or why there is no curve."""
+        if not self.ok:
+            return Summary(f"NeutralCurve: no curve: {self.why}")
+        rows = [
+            ("length", f"{1e3 * self.s_m[-1]:.2f}", "mm"),
+            ("tip x", f"{1e3 * self.x_m[-1]:+.3f}", "mm"),
+            ("tip y", f"{1e3 * self.y_m[-1]:+.3f}", "mm"),
+            ("uncertainty of the tip along the normal", f"{1e3 * self.sigma_m[-1]:.4f}", "mm"),
+            ("share of the length that was seen", f"{100 * self.covered:.0f}", "%"),
+            ("residual", f"{self.residual_px:.3f}", "px"),
+        ]
+        title = f"NeutralCurve: {len(self.s_m)} points"
+        return Summary(title, ("quantity", "value", "unit"), rows, self.warnings)
+
+    def to_dataframe(self) -> pd.DataFrame:
+        """Return the points as a pandas data frame, in SI units; no row without a curve."""
+        return dataframe(self.as_curve().columns())
 
     def as_curve(self) -> Curve:
         """Return the same as the model takes it."""

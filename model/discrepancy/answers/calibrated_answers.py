@@ -9,7 +9,7 @@ with the attributes x and weights w that were fitted to sessions in which it is 
 hidden. A set has the likeliest answers, until they have a probability together that is its content
 (adaptive prediction sets; Romano, Sesia and Candes 2020, Adv. Neural Inf. Process. Syst. 33). The
 content is as much as it takes for the sets to hold the right answer in 95 % of the training
-questions, with weights that were fitted to other worlds, and 0.8 at least. Where the search says
+questions, with weights that were fitted to other worlds, and 0.9 at least. Where the search says
 something and where it says NOTHING sets have contents of their own, so that the promise holds for
 whoever reads one or the other. The numbers are in `calibrated_answers.json`, made by
 `python -m benchmarks.worlds.calibrate`.

@@ -27,7 +27,9 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     """Return the set of a name that is reported; rivals that a check found are in it."""
     judged = answer_about(name, decision)
     names = dict.fromkeys([name, *judged.names, *decision.criticism.rivals(name)])
-    or_else = tuple(one for one in judged.answers if not is_name(one))
+    others = [one for one in judged.answers if not is_name(one)]
+    others += [UNKNOWN] if decision.criticism.doubted([name]) else []
+    or_else = tuple(dict.fromkeys(others))
     chances = {one: judged.probabilities.get(one, 0.0) for one in (*names, *or_else)}
     return ReportedSet(
         confidence=min(sum(chances[one] for one in names), 1.0),

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 # unknown: the names are wrong, or something is not in the model that has no name
+# doubt: so it is, unless the answers, which count failed checks, are sure of the name all the same
 # one_of: rivals are as good, the class is the answer
 # cannot_tell: the data do not allow a verdict
-Consequence = Literal["unknown", "one_of", "cannot_tell"]
+Consequence = Literal["unknown", "doubt", "one_of", "cannot_tell"]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from model.discrepancy.criticism.catalogue import verdict_checks
-from model.discrepancy.criticism.check_result import CheckResult, Failure
+from model.discrepancy.criticism.check_result import CheckResult, Consequence, Failure
 from model.discrepancy.criticism.named_model import NamedModel
 
 
@@ -18,9 +18,16 @@ class Criticism:
     failures: tuple[Failure, ...] = ()
 
     def rejected(self, names: Iterable[str]) -> tuple[str, ...]:
-        """Return which of the names a failure speaks against."""
-        unknown = [one for one in self.failures if one.consequence == "unknown"]
-        return tuple(n for n in names if any(n in one.effects for one in unknown if one.effects))
+        """Return which of the names cannot be, whatever else speaks for them."""
+        return self._against(names, "unknown")
+
+    def doubted(self, names: Iterable[str]) -> tuple[str, ...]:
+        """Return which of the names something unknown may imitate."""
+        return self._against(names, "doubt")
+
+    def _against(self, names: Iterable[str], consequence: Consequence) -> tuple[str, ...]:
+        failed = [f for f in self.failures if f.consequence == consequence and f.effects]
+        return tuple(n for n in names if any(n in f.effects for f in failed))
 
     @property
     def incomplete(self) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from copy import deepcopy
+from dataclasses import fields, is_dataclass
 
 import numpy as np
 
@@ -41,8 +42,22 @@ def _behaviour(check: DataCheck) -> Iterator[str]:
         yield f"it suspects data in which nothing is wrong: {said[0].sentence}"
     for change in check.changes(data):
         yield from _faults_of_change(change, data)
-    if repr(before) != repr(data):
+    if not _same(before, data):
         yield "it changes the measurements that it is given"
+
+
+def _same(one: object, other: object) -> bool:
+    """Return whether two measurements, or parts of them, hold the same."""
+    if isinstance(one, np.ndarray) and isinstance(other, np.ndarray):
+        return np.array_equal(one, other, equal_nan=True)
+    if is_dataclass(one) and not isinstance(one, type):
+        values = (_same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
+        return type(one) is type(other) and all(values)
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_same, one, other))
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
+    return one == other
 
 
 def _faults_of_change(change: object, data: Measurements) -> Iterator[str]:

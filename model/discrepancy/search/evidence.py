@@ -212,8 +212,17 @@ def surprise(one: Score) -> float:
 def rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
     """Return the evidence with the noise estimated together with the candidate.
 
-    Otherwise the candidate would hide in the noise.
+    Otherwise the candidate would hide in the noise. The same candidate is judged once.
     """
+    kept = fitted.linear.at_states
+    key = ("rescored", id(fitted.solution), id(one.candidate), one.scale)
+    if key not in kept:  # with both, so that nothing else can have their identity
+        kept[key] = (fitted.solution, one.candidate, *_rescored(fitted, one))
+    _, _, gain, solution = kept[key]
+    return float(gain), solution
+
+
+def _rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
     from model.identification.likelihood.linearisation import with_columns
 
     forward = fitted.problem.forward

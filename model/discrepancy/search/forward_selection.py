@@ -91,12 +91,13 @@ def search(
     without it, and replace it where they explain more. `report` is called before each step, with
     the share of the search that is done at least.
     """
-    outcome = _forward(problem, theta, effects, threshold, most, found, report)
+    fitted = fit_mixed_model(problem, theta, found)
+    outcome = _forward(fitted, effects, threshold, most, report)
     loose = {c.name for c in outcome.chosen if _share(c) > LOOSE_FORM_SHARE}
     if not loose or most < 2:
         return outcome
     rest = [e for e in effects if e.name not in loose]
-    other = _forward(problem, theta, rest, threshold, most, found, report)
+    other = _forward(fitted, rest, threshold, most, report, LOOSE_FORM_SHARE)
     several = len(other.chosen) > 1 and all(_share(c) <= LOOSE_FORM_SHARE for c in other.chosen)
     return other if several and other.gain > outcome.gain + EQUAL_EVIDENCE_LN else outcome
 
@@ -107,16 +108,17 @@ def _share(contender: RankedCandidate) -> float:
 
 
 def _forward(
-    problem: FitProblem,
-    theta: FloatArray,
+    fitted: MixedModelFit,
     effects: Sequence[Effect],
     threshold: float,
     most: int,
-    found: tuple[Found, ...],
     report: Report,
+    largest_share: float = np.inf,
 ) -> SearchResult:
-    """Add the best effect, and the best one then, while the data ask for them."""
-    fitted = fit_mixed_model(problem, theta, found)
+    """Add the best effect, and the best one then, while the data ask for them.
+
+    It ends at one that is more deviation from its form than `largest_share`.
+    """
     outcome, rounds_of_outliers = SearchResult(fitted, [], fitted), 0
     while len(outcome.turns) < most + 1:
         step, share = f"searching for effect {len(outcome.turns) + 1}", 1 / (most + 1)
@@ -138,6 +140,8 @@ def _forward(
         if turn.chosen is None or turn.chosen.fitted is None:
             break
         fitted = turn.chosen.fitted
+        if _share(turn.chosen) > largest_share:
+            break
     outcome.final = fitted
     return outcome
 

@@ -76,7 +76,18 @@ def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
 
 
 def unknowns(fitted: MixedModelFit) -> list[Candidate]:
-    """Return for each location all of its shapes, and each part that has a profile alone."""
+    """Return for each location all of its shapes, and each part that has a profile alone.
+
+    They are computed once at the same states.
+    """
+    kept = fitted.linear.at_states
+    key = ("unknowns", id(fitted.problem.forward), tuple(locations()))
+    if key not in kept:
+        kept[key] = _unknowns(fitted)
+    return list(kept[key])
+
+
+def _unknowns(fitted: MixedModelFit) -> list[Candidate]:
     result = []
     for name in locations():
         every = all_shapes(fitted, name)
@@ -118,7 +129,7 @@ def linearised(fitted: MixedModelFit, c: int) -> Linearised:
         forces_N=_force_range_N(forward),
         bent_per_m=_most_bent_per_m(fitted),
         bin_clock=part.bin_clock, bin_sample=part.bin_sample,
-        bin_mean=part.bin_mean, periodic=forward.wave, nothing=lambda: forward.no_step(c),
+        bin_mean=part.bin_mean, periodic=forward.wave, nothing=lambda: forward.blank_step(c),
         change=lambda other: scene.change(state.beam, other, state.solved.contact),
     )  # fmt: skip
 

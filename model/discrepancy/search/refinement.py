@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +15,7 @@ from model.discrepancy.thresholds import (
     CURVATURE_SHARE,
     DOUBTFUL_FORM_SHARE,
     DOUBTFUL_SCATTER_RATIO,
+    EQUAL_EVIDENCE_LN,
     FORM_SHARE_LIMIT,
     REFINED_AT_USUAL_SCATTER,
     REFINED_CANDIDATES,
@@ -118,17 +120,34 @@ def _better(
     if other is None:
         return contender
     contender = replace(contender, tried=(*contender.tried, other))
-    if best is not None and _rank(best) <= _rank(other):
-        return contender
     # its size was chosen from several, as in `score`
     gain = 0.5 * (fitted.deviance - other.deviance) - float(np.log(len(one.candidate.sizes)))
     gain += contender.among
+    if best is None:
+        return replace(contender, score=one, gain=gain, fitted=other)
+    if not preferred(_fit(other), _fit(best)):
+        return contender
+    if gain > contender.gain - EQUAL_EVIDENCE_LN:  # the effect explains what its best shape does
+        gain = max(gain, contender.gain)
     return replace(contender, score=one, gain=gain, fitted=other)
 
 
-def _rank(fitted: MixedModelFit) -> tuple[bool, float]:
-    """Return a sort key, smaller is better; mostly deviation from form comes last."""
-    return form_share(fitted, -1) > FORM_SHARE_LIMIT, fitted.deviance
+def preferred(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Return whether a fit (its deviance, share of deviation from its form) is better than another.
+
+    Mostly deviation comes last. Of two that explain about as much, the one that needs less of it
+    is better: a shape may imitate another one by its deviation.
+    """
+    loose, otherwise = (fit[1] > FORM_SHARE_LIMIT for fit in (one, other))
+    if loose != otherwise:
+        return otherwise
+    if abs(one[0] - other[0]) < 2.0 * EQUAL_EVIDENCE_LN:
+        return one[1] < other[1]
+    return one[0] < other[0]
+
+
+def _fit(fitted: MixedModelFit) -> tuple[float, float]:
+    return fitted.deviance, form_share(fitted, -1)
 
 
 def _found(fitted: MixedModelFit, one: Score, amplitude: float) -> Found:
@@ -167,12 +186,20 @@ def _settled(
 ) -> MixedModelFit | None:
     """Return a model with these effects, from there on; None where it does not settle.
 
-    `form` is how much of the tolerance of the effects' forms there is.
+    `form` is how much of the tolerance of the effects' forms there is. A fit from the same place
+    is made once: the search may come back to a model with fewer candidates.
     """
-    try:
-        return fit_mixed_model(fitted.problem, theta, found, log_sigma, form)
-    except (ModelError, np.linalg.LinAlgError):
-        return None
+    kept = fitted.linear.at_states
+    key = (
+        "settled", id(fitted.problem), theta.tobytes(), repr([(f.effect.name, f) for f in found]),
+        None if log_sigma is None else log_sigma.tobytes(), form,
+    )  # fmt: skip
+    if key not in kept:
+        kept[key] = None
+        with suppress(ModelError, np.linalg.LinAlgError):
+            kept[key] = fit_mixed_model(fitted.problem, theta, found, log_sigma, form)
+    result: MixedModelFit | None = kept[key]
+    return result
 
 
 def _promising(fitted: MixedModelFit, done: list[RankedCandidate]) -> set[str]:

@@ -18,6 +18,7 @@ from model.discrepancy.thresholds import (
     LEAST_PROBABILITY,
     MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
+    PROBABLE_ALL_THE_SAME,
     UNEXPLAINED_SHARE,
 )
 from model.discrepancy.verdict.fitted_model import sheet_model
@@ -25,6 +26,7 @@ from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
 from model.discrepancy.verdict.posterior import (
     Choice,
     Leftover,
+    choice,
     choices,
     leftover,
     with_shapes,
@@ -82,15 +84,20 @@ class Judgement:
                 named, known, rest = more, full, beside
         only = rest is not None and alone(rest, base, known)
         if rest is None or not (only or self._unexplained(rest)):
-            known = with_shapes(known, named)
-            told, model = self._written(known, known, None)
-            return Decision(
-                named=named, known=known, unknown=None, final=known, written=told, model=model,
-                rest=rest,
-            )  # fmt: skip
+            return self._with_names(named, known, rest)
         if only:
             named, known, rest = [], base, self._leftover(base) or rest
         return self._with_unknown(named, known, rest)
+
+    def _with_names(
+        self, named: list[Choice], known: MixedModelFit, rest: Leftover | None
+    ) -> Decision:
+        known = with_shapes(known, named)
+        told, model = self._written(known, known, None)
+        return Decision(
+            named=named, known=known, unknown=None, final=known, written=told, model=model,
+            rest=rest,
+        )  # fmt: skip
 
     def _with_unknown(self, named: list[Choice], known: MixedModelFit, rest: Leftover) -> Decision:
         """Return the names with the nonparametric term that is left beside them."""
@@ -105,21 +112,52 @@ class Judgement:
             rest=rest,
         )  # fmt: skip
 
-    def _revised(self, found: Decision) -> Decision:
-        """Return the decision without names that the checks reject."""
+    def _revised(self, found: Decision, *, settled: bool = False) -> Decision:
+        """Return the decision without names that the checks reject.
+
+        Unless it is `settled`, a name gives way to a likelier one of the same question first.
+        """
         judged = NamedModel(self.outcome, found.named, found.known)
         criticism = criticise(judged)
         choice_sets = ComparedAnswers(
             judged=judged, rest=found.rest, unknown=found.unknown is not None, criticism=criticism
         ).choice_sets()
         answers = tuple(calibrated().judged(one) for one in choice_sets)
+        other = None if settled else self._with_likelier(found, answers)
+        if other is not None:
+            return self._revised(other, settled=True)
         names = [one.effect.name for one in found.named]
-        asked = zip(names, answers, strict=False)
-        improbable = {name for name, one in asked if one.of_names < LEAST_PROBABILITY}
-        rejected = [n for n in names if n in {*improbable, *criticism.rejected(names)}]
+        asked = dict(zip(names, answers, strict=False))
+        wrong = {name for name, one in asked.items() if one.of_names < LEAST_PROBABILITY}
+        wrong |= {
+            name for name in criticism.doubted(names)
+            if asked[name].probabilities.get(name, 0.0) < PROBABLE_ALL_THE_SAME
+        }  # fmt: skip
+        rejected = [n for n in names if n in {*wrong, *criticism.rejected(names)}]
         if rejected or (criticism.incomplete and found.unknown is None):
             found = self._without(found, rejected)
         return replace(found, criticism=criticism, choice_sets=choice_sets, answers=answers)
+
+    def _with_likelier(self, found: Decision, answers: Sequence[Judged]) -> Decision | None:
+        """Return the decision with the likeliest name of a question; None: it has them all.
+
+        The evidence of all data decides in the search; what left-out data choose counts here.
+        """
+        if found.unknown is not None:
+            return None
+        names = {one.effect.name for one in found.named}
+        for i, (one, judged) in enumerate(zip(found.named, answers, strict=False)):
+            name = judged.likeliest
+            rival = next((c for c in one.ranking if c.name == name and c.known), None)
+            if name in names or rival is None or rival.fitted is None:
+                continue
+            rest = self._leftover(rival.fitted)
+            if self._unexplained(rest):
+                continue
+            named = list(found.named)
+            named[i] = choice(rival, one.ranking, one.before)
+            return self._with_names(named, rival.fitted, rest)
+        return None
 
     def _without(self, found: Decision, rejected: Sequence[str]) -> Decision:
         """Return a decision without these names, and with the best nonparametric term instead."""

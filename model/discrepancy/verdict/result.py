@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any, Literal
+import textwrap
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -13,10 +14,14 @@ from model.discrepancy.at_rest.taken import DynamicsTaken
 from model.discrepancy.criticism.check_result import CheckResult
 from model.discrepancy.data_checks.contract import Suspicion
 from model.effects import title
-from model.measurements import FloatArray
+from model.measurements import Displayed, FloatArray, ModelError, Summary, dataframe
+from model.measurements.columns import of_rows
 from model.parameter import Parameter
 from model.sheet.beam_problem import Under
 from model.sheet.sheet_model import SheetModel
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Verdict = Literal[
     "effect_named", "nothing_missing", "indistinguishable", "unknown_effect", "cannot_tell"
@@ -313,8 +318,8 @@ class Signatures:
     cosine: FloatArray  # (n, n)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Diagnosis:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Diagnosis(Displayed):
     """Everything that was found."""
 
     verdict: Verdict
@@ -349,6 +354,54 @@ class Diagnosis:
     choice_sets: tuple[ChoiceSet, ...] = ()  # the answers that were compared, for benchmarks
     # by configuration: what the dynamics of the model that was given explain
     dynamics: Mapping[str, DynamicsTaken] = field(default_factory=dict)
+
+    def summary(self) -> Summary:
+        """Return the named effects with their parameters, and the verdict's sentence."""
+        rows = [
+            (one.name, what, f"{p.value:.4g}", *(f"{end:.4g}" for end in p.interval()), p.unit)
+            for one in self.effects
+            for what, p in one.parameters.items()
+        ]
+        columns = ("effect", "parameter", "value", "90 % from", "to", "unit") if rows else ()
+        before, after = self.held_out.before, self.held_out.after
+        errors = (
+            "prediction error on left-out positions, RMS, before and after: force "
+            f"{before.force_rmse_mN:.3f} and {after.force_rmse_mN:.3f} mN, neutral curve "
+            f"{before.curve_rmse_mm:.3f} and {after.curve_rmse_mm:.3f} mm"
+        )
+        sentences = textwrap.wrap(f"{self.sentence} {errors}" if self.searched else self.sentence)
+        return Summary(f"Diagnosis: {self.verdict}", columns, rows, tuple(sentences))
+
+    def to_dataframe(
+        self, part: Literal["effects", "ranking", "conditions"] = "effects"
+    ) -> pd.DataFrame:
+        """Return a part of the diagnosis as a pandas data frame.
+
+        part: `effects` (a row for each parameter of each named effect), `ranking` (a row for each
+        candidate) or `conditions` (a row for each condition: force measured, before, after; SI).
+
+        Raises ModelError for another part, MissingPandasError where pandas is not installed.
+        """
+        if part == "effects":
+            return dataframe(of_rows(list(self._effect_rows()), _EFFECT_COLUMNS))
+        if part == "ranking":
+            names = [f.name for f in fields(Ranked)]
+            return dataframe({n: [getattr(one, n) for one in self.ranking] for n in names})
+        if part == "conditions":
+            return dataframe({n: [getattr(one, n) for one in self.rows] for n in _ERROR_COLUMNS})
+        raise ModelError(f"a diagnosis has no part '{part}', but effects, ranking, conditions")
+
+    def _effect_rows(self) -> Iterator[dict[str, Any]]:
+        for one in self.effects:
+            own = {one.configuration: one.parameters, **one.by_configuration}
+            for configuration, parameters in own.items():
+                for what, p in parameters.items():
+                    low, high = p.interval()
+                    values = (
+                        one.name, configuration, one.location, one.probability, what, p.value,
+                        p.sigma, low, high, p.unit,
+                    )  # fmt: skip
+                    yield dict(zip(_EFFECT_COLUMNS, values, strict=True))
 
     @property
     def searched(self) -> bool:
@@ -385,6 +438,16 @@ class Diagnosis:
         beside = [one.name for one in self.model.effects if one.beside_dynamics]
         taken = {name: one.to_json() for name, one in self.dynamics.items()}
         return {"dynamics": {"explain": taken, "deviations": beside}}
+
+
+_EFFECT_COLUMNS = (
+    "effect", "configuration", "location", "probability", "parameter", "value", "sigma", "low90",
+    "high90", "unit",
+)  # fmt: skip
+_ERROR_COLUMNS = (
+    "configuration", "position_m", "voltage_V", "force_N", "sigma_N", "before_N", "after_N",
+    "held_out_before_N", "held_out_after_N",
+)  # fmt: skip
 
 
 def _parameter_object(one: Parameter) -> dict[str, float | None]:

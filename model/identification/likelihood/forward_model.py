@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -67,6 +67,7 @@ class ForwardModel:
         ]
         self.layout = RowIndex(looks, self.scenes)
         self.names = [one.sheet.configuration for one in looks]
+        self._nothing: dict[int, Perturbation] = {}
         self.wave: PeriodicTerm | None = wave_in(looks) if like is None else like.wave
 
     def part(self, c: int) -> RowBlock:
@@ -164,7 +165,15 @@ class ForwardModel:
     # -- first-order changes
 
     def no_step(self, c: int) -> Perturbation:
-        """No change."""
+        """No change; its arrays are the same each time, and cannot be written to."""
+        if c not in self._nothing:
+            self._nothing[c] = self.blank_step(c)
+            for one in fields(Perturbation):
+                getattr(self._nothing[c], one.name).flags.writeable = False
+        return self._nothing[c]
+
+    def blank_step(self, c: int) -> Perturbation:
+        """No change, to be filled in."""
         scene, part = self.scenes[c], self.part(c)
         n, b = len(part.reading_of), len(part.bin_of)
         return Perturbation(
@@ -240,14 +249,17 @@ class ForwardModel:
         part, scene, y = self.part(c), self.scenes[c], np.zeros(self.layout.size)
         of, answers = part.reading_of, state.answers
         by_stiffness = state.by_stiffness
-        condition = np.einsum("kq,kq->k", answers.force, step.beam)
-        readings = condition[of] + state.by_eibm[of] * step.eibm
+        readings = state.by_eibm[of] * step.eibm
+        bends = step.beam is not self.no_step(c).beam
+        if bends:
+            readings += np.einsum("kq,kq->k", answers.force, step.beam)[of]
         readings += by_stiffness[of] * step.stiffness + step.force_N
-        y[part.trend_rows] = part.trend @ readings
+        y[part.trend_rows] = part.trends_by @ readings
         bent = step.eibm + step.frame_eibm - step.stiffness * (part.clock.voltage_V != 0.0)
-        y[part.sway_rows] = part.sway @ (bent * state.reach_m[of])
-        modes = np.einsum("kmq,kq->km", answers.modes, step.beam)
-        modes += state.modes_by_eibm * part.mean(bent)[:, None]
+        y[part.sway_rows] = part.sways_by @ (bent * state.reach_m[of])
+        modes = state.modes_by_eibm * part.mean(bent)[:, None]
+        if bends:
+            modes += (answers.modes @ step.beam[:, :, None])[:, :, 0]
         if np.any(step.points_m):
             modes += np.einsum("kms,ks->km", scene.project, step.points_m)
         has = scene.has_curve

@@ -130,7 +130,7 @@ class _DeviancePoint:
     value: float
     gradient: FloatArray
     curvature: FloatArray
-    covariance: FloatArray  # of beta
+    solution: Solution
 
 
 def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) -> _DeviancePoint:
@@ -159,7 +159,7 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     X = np.block([[stack.of.T @ ZWZ @ stack.of, cross.T], [cross, DWD]])
     curvature = 4.0 * variance[:, None] * variance * X
     curvature[np.diag_indices_from(curvature)] += 2.0 / np.broadcast_to(data.width, len(away)) ** 2
-    return _DeviancePoint(value, gradient, curvature, C)
+    return _DeviancePoint(value, gradient, curvature, Solution(beta, C, log_sigma, W))
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:
@@ -199,7 +199,7 @@ def estimate(
             damping *= 10.0
             if damping > 1e6:
                 break
-    return weigh(data, at)
+    return point.solution
 
 
 @dataclass(frozen=True)
@@ -219,7 +219,7 @@ def spread(data: Data, solution: Solution, guess: FloatArray) -> Spread:
         step[k] = h
         up, down = (_point(data, stack, solution.log_sigma + d, guess) for d in (step, -step))
         curvature[k] = (up.gradient - down.gradient) / (2.0 * h)
-        slopes.append((up.covariance - down.covariance) / (2.0 * h))
+        slopes.append((up.solution.covariance - down.solution.covariance) / (2.0 * h))
     values, vectors = np.linalg.eigh(0.25 * (curvature + curvature.T))
     return Spread(vectors / np.sqrt(np.maximum(values, 0.1)), slopes)
 

@@ -226,12 +226,12 @@ class _Iteration:
 
     def worse_than(self, other: _Iteration) -> bool:
         """Whether it is further from the data, both before their steps, at the other's noise."""
-        return self._distance(other.log_sigma) > other._distance(other.log_sigma) + WORSE
+        here = weigh(self.linear.data, other.log_sigma)
+        return self._distance(here) > other._distance(other.solution) + WORSE
 
-    def _distance(self, log_sigma: FloatArray) -> float:
+    def _distance(self, solution: Solution) -> float:
         """Square of what is left, whitened, with no step but in the tolerance of the forms."""
         data = self.linear.data
-        solution = weigh(data, log_sigma)
         error = data.y - data.X @ solution.beta
         We = (solution.weights @ error[:, :, None])[:, :, 0]
         promised = float(np.sum(error * We))

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from model.effects.interface import AcquisitionTimes
 from model.identification.data.acquisition_times import RunKey
@@ -52,6 +54,16 @@ class RowBlock:
     bin_N: FloatArray  # (b,) measured
     bin_variance: FloatArray  # (b,)
     edge_s: float  # how well the pulses' edges are known in time
+
+    @cached_property
+    def trends_by(self) -> csr_array:
+        """The same as `trend`, of whose numbers nearly all are 0."""
+        return csr_array(self.trend)
+
+    @cached_property
+    def sways_by(self) -> csr_array:
+        """The same as `sway`."""
+        return csr_array(self.sway)
 
     def mean(self, values: FloatArray) -> FloatArray:
         """Mean over the readings that count: (n,) to (K,)."""

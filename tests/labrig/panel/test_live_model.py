@@ -6,6 +6,7 @@ import os
 import signal
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -124,6 +125,20 @@ def test_a_model_that_is_slow_skips_images_and_takes_signals_in_larger_pieces(re
     np.testing.assert_allclose(parts[1, :first], whole[1, :first], atol=1e-4)
     row = last_estimate(some)
     assert abs(row["B"] - last_estimate(every)["B"]) < max(2 * row["B_sigma"], 0.03)
+
+
+@pytest.mark.slow
+def test_signals_from_before_the_run_do_not_end_the_prediction(recorded, model_file):
+    rows = recorded[2][:200]
+    at = next(k for k, (_, strip, _) in enumerate(rows) if strip is not None and strip.run == 0)
+    messages, strip, curve = rows[at]
+    early = replace(strip, values=strip.values.copy())
+    early.values[0] -= 1.0
+    assert early.values[0].max() < 0
+    split = [*rows[:at], (messages, early, None), ([], strip, curve), *rows[at + 1 :]]
+    answers = followed(recorded, model_file(), split)
+    assert {a.motion["why"] for a in answers} == {""}
+    assert answers[-1].motion["state"] == "following"
 
 
 @pytest.mark.slow

@@ -16,7 +16,9 @@ from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
 from model.discrepancy.search.ranking import rank
+from model.discrepancy.verdict import decision as decisions
 from model.discrepancy.verdict import finding as verdicts
+from model.discrepancy.verdict.decision import Decision, Judgement
 from model.discrepancy.verdict.finding import Finding
 from model.discrepancy.verdict.posterior import Choice
 from model.discrepancy.verdict.result import Unknown
@@ -29,7 +31,11 @@ PAIR = ("gravity", "clamp_angle")
 
 
 def decided(
-    probabilities: dict[str, float], answers: tuple[str, ...], rivals: tuple[str, ...] = ()
+    probabilities: dict[str, float],
+    answers: tuple[str, ...],
+    rivals: tuple[str, ...] = (),
+    *,
+    doubted: bool = False,
 ):
     """A decision for gravity, with the judged answers to that question."""
     base = base_fit()
@@ -44,6 +50,8 @@ def decided(
         Failure(consequence="one_of", sentence="", effects=("gravity",), rivals=(name,))
         for name in rivals
     )
+    if doubted:
+        failures += (Failure(consequence="doubt", sentence="", effects=("gravity",)),)
     return SimpleNamespace(
         written=one, known=one, named=[choice], criticism=Criticism(failures=failures),
         choice_sets=(ChoiceSet("gravity", ()),), answers=(Judged(probabilities, answers),),
@@ -73,6 +81,68 @@ def test_the_confidence_of_a_class_is_the_sum_over_its_members(reported):
     assert one.probabilities == {"gravity": 0.004, "clamp_angle": 0.966}
     assert one.probability == 0.004
     assert one.or_else == ()
+
+
+def test_a_name_that_acts_otherwise_in_a_part_of_the_data_may_be_something_unknown(reported):
+    one = reported({"gravity": 0.95, "unknown": 0.04}, ("gravity",), doubted=True)
+    assert one.or_else == ("unknown",)
+    assert one.probabilities == {"gravity": 0.95, "unknown": 0.04}
+
+
+@pytest.mark.parametrize(
+    ("consequence", "probability", "kept"),
+    [("doubt", 0.95, True), ("doubt", 0.7, False), ("unknown", 0.99, False)],
+)
+def test_answers_that_are_sure_of_a_name_outweigh_a_doubt_but_no_impossible_amplitude(
+    monkeypatch, consequence, probability, kept
+):
+    failure = Failure(consequence=consequence, sentence="", effects=("gravity",))
+    judged = Judged({"gravity": probability, "unknown": 1.0 - probability}, ("gravity",))
+    asked = SimpleNamespace(choice_sets=lambda: (ChoiceSet("gravity", ()),))
+    monkeypatch.setattr(decisions, "criticise", lambda _: Criticism(failures=(failure,)))
+    monkeypatch.setattr(decisions, "ComparedAnswers", lambda **_: asked)
+    monkeypatch.setattr(decisions, "calibrated", lambda: SimpleNamespace(judged=lambda _: judged))
+    monkeypatch.setattr(Judgement, "_without", lambda _self, found, _: replace(found, named=[]))
+    choice = SimpleNamespace(effect=effect("gravity"), ranking=())
+    found = Decision(named=[choice], known=None, unknown=None, final=None, written=None, model=None)  # type: ignore[arg-type]
+    whole = Judgement(
+        measurements=None, options=None, outcome=None, effects=(), threshold=6.0, enough=True
+    )  # type: ignore[arg-type]
+    assert bool(whole._revised(found).named) is kept
+
+
+@pytest.mark.parametrize(("likelier", "unknown"), [(0.6, None), (0.6, True), (0.2, None)])
+def test_a_name_gives_way_to_a_likelier_one_of_its_question(monkeypatch, likelier, unknown):
+    """The search takes what explains most; left-out positions may choose another."""
+    answers = {"gravity": 0.4, "clamp_angle": likelier}
+    judged = Judged(dict(sorted(answers.items(), key=lambda item: -item[1])), PAIR)
+    fits = {"gravity": base_fit(), "clamp_angle": replace(base_fit())}
+    ranking = [
+        SimpleNamespace(
+            name=name, known=True, fitted=fits[name], gain=50.0, tried=(), compared=(),
+            score=SimpleNamespace(candidate=SimpleNamespace(
+                effect=effect(name), location=effect(name).location)),
+        )
+        for name in PAIR
+    ]  # fmt: skip
+    one = Choice(
+        effect=effect("gravity"), confidence=0.5, gain=50.0, of_location=1.0, before=base_fit(),
+        ranking=ranking,
+    )  # fmt: skip
+    monkeypatch.setattr(Judgement, "_leftover", lambda _self, _: None)
+    monkeypatch.setattr(Judgement, "_written", lambda _self, known, *_: (known, None))
+    whole = Judgement(
+        measurements=None, options=None, outcome=None, effects=(), threshold=6.0, enough=True
+    )  # type: ignore[arg-type]
+    found = Decision(
+        named=[one], known=fits["gravity"], unknown=unknown, final=None, written=None, model=None
+    )  # type: ignore[arg-type]
+    other = whole._with_likelier(found, (judged,))
+    if likelier < 0.4 or unknown:
+        assert other is None
+    else:
+        assert [c.effect.name for c in other.named] == ["clamp_angle"]
+        assert other.known is fits["clamp_angle"]
 
 
 @pytest.mark.parametrize(

@@ -244,6 +244,7 @@ def test_waves_along_the_sheet_have_the_form_s_standard_deviation_however_many()
         assert np.all(np.diff(shares) < 0.0)
 
 
+@pytest.mark.slow
 def test_what_is_looked_for_alone_has_a_profile_to_be_told():
     base = base_fit()
     for one in unknowns(base):

@@ -60,7 +60,14 @@ def bao_runs():
     return runs_of(contender("bao"), away(contender("bao"), 1))
 
 
-@pytest.mark.parametrize("name", models())
+USUAL = ("bao", "lee", "tamagawa")  # in `make test`: each takes seconds
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[] if n in USUAL else [pytest.mark.thorough]) for n in models()],
+)
 def test_a_model_finds_the_values_that_made_its_own_data_within_its_intervals(name):
     one = contender(name)
     true = away(one, 7)
@@ -80,6 +87,7 @@ def test_a_model_finds_the_values_that_made_its_own_data_within_its_intervals(na
     assert fitted.chi2_per_value == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / count))
 
 
+@pytest.mark.slow
 def test_the_full_model_is_one_of_them():
     start = moving(fluid=AIR, rest=Field.constant(5.0, SHEET.free_length_m))
     full = FullContender(start, COARSE)
@@ -99,6 +107,7 @@ def test_force_alone_does_not_determine_what_only_current_tells(bao_runs):
     assert list(fitted.misfit) == ["force"]
 
 
+@pytest.mark.slow
 def test_the_model_that_made_the_data_comes_first_and_predicts_them_best(bao_runs):
     data = hold_out(bao_runs)
     names = ("huynh_alici", "bao", "lee", "gonzalez")
@@ -121,6 +130,7 @@ def test_the_model_that_made_the_data_comes_first_and_predicts_them_best(bao_run
     assert set(by["huynh_alici"].scores) == {"force"}
 
 
+@pytest.mark.slow
 def test_of_two_models_that_fit_alike_the_one_with_fewer_parameters_has_more_evidence():
     """Data of one lag in contact: `lee` (3) against `bao` (7)."""
     lee, bao = contender("lee"), contender("bao")

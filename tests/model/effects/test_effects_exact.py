@@ -347,6 +347,18 @@ def test_small_changes_of_load_move_inside_the_loop():
     assert one == pytest.approx(-two, rel=1e-4)  # no jump between rising and falling
 
 
+def test_a_cell_that_is_never_relieved_takes_its_history_to_the_next_position():
+    """So the readings at 0 V depend on the position before."""
+    p = {"force_mN": 0.05, "from_no_load": 2.0, "reach_mN": 0.0}
+    loop = effect("load_cell_hysteresis")
+    added = loop.force(weighed([2, -1, 0.5, 0.5, -2, 1.0], [5, 5, 5, 10, 10, 15]), p) * 1e3
+    assert added == pytest.approx([-0.05, 0.05, -0.05, -0.05, 0.05, -0.05], abs=1e-6)
+    anew = loop.force(weighed([2, 0.5], [5, 10]), {**p, "from_no_load": 1.0}) * 1e3
+    assert anew == pytest.approx([-0.05, -0.05], rel=1e-3)
+    on = loop.force(weighed([2, 0.5], [5, 10]), p) * 1e3
+    assert on == pytest.approx([-0.05, 0.05], rel=1e-3)
+
+
 def test_each_position_begins_a_loop_of_its_own_and_rows_are_runs():
     p = {"force_mN": 0.05, "from_no_load": 0.0, "reach_mN": 0.0}
     loop = effect("load_cell_hysteresis")

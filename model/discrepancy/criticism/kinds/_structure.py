@@ -48,7 +48,7 @@ def contradicted(
         if pair is not None:
             weak, strong = pair
             yield Failure(
-                consequence="unknown",
+                consequence="doubt",
                 sentence=(
                     f"the amplitude of {title(one.effect.name)}, over that of the whole, is"
                     f" {_number(strong)} {strong.title} but {_number(weak)} {weak.title}"

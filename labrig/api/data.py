@@ -1,0 +1,100 @@
+"""What the functions take: sessions, tables or measurements, and model files or models."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TypeVar
+
+from labrig.errors import BadInputError, LabrigWarning
+from model.measurements import Measurements
+from model.sheet.sheet_model import SheetModel
+
+AnyPath = str | os.PathLike[str]
+Data = AnyPath | Measurements
+Progress = Callable[[float, str], None]  # how much is done, 0 to 1, and what is being done
+One = TypeVar("One", bound=str | float)
+
+
+def tell(text: str) -> None:
+    """Warn the caller of something that is no error; the command line prints it as a sentence."""
+    warnings.warn(text, LabrigWarning, stacklevel=2)
+
+
+def silent(_fraction: float, _text: str) -> None:
+    """Report no progress."""
+
+
+def path_of(path: AnyPath) -> Path:
+    """Return a path that was given as text or as a path."""
+    return Path(os.fspath(path))
+
+
+def several(given: One | Sequence[One] | None) -> list[One]:
+    """Return a list of what was given alone, as a sequence or not at all."""
+    if given is None:
+        return []
+    if isinstance(given, str | float | int):
+        return [given]
+    return list(given)
+
+
+def paths_of(data: Data | Sequence[AnyPath]) -> list[Path]:
+    """Return the sessions among the data; none where these are measurements."""
+    if isinstance(data, Measurements):
+        return []
+    return [path_of(one) for one in _as_list(data)]
+
+
+def measurements_of(data: Data | Sequence[AnyPath], progress: Progress | None) -> Measurements:
+    """Return measurements as they are, or those of sessions; analyse what is not analysed yet."""
+    if isinstance(data, Measurements):
+        return data
+    from labrig.analysis.together import together
+    from labrig.report.data.findings import measured
+
+    paths = paths_of(data)
+    if not paths:
+        raise BadInputError("give at least one session, or measurements.")
+    return together([(path, measured(path, progress or silent, tell)) for path in paths])
+
+
+def measurements_of_tables(
+    sheet: AnyPath | None,
+    forces: AnyPath | None,
+    curves: AnyPath | None,
+    signals: AnyPath | None,
+) -> Measurements:
+    """Return the measurements of CSV tables with a sheet.toml; tell what is remarkable in them."""
+    if sheet is None or (forces is None and curves is None):
+        raise BadInputError(
+            "give a session, or CSV tables with --sheet and --forces, --curves or both."
+        )
+    from labrig.config import load_sheet
+    from labrig.session import read_tables
+
+    tables = [None if path is None else path_of(path) for path in (forces, curves, signals)]
+    found = read_tables(load_sheet(path_of(sheet)), *tables)
+    for text in found.warnings:
+        tell(text)
+    return found
+
+
+def model_of(model: AnyPath | SheetModel) -> SheetModel:
+    """Return a model as it is, or that of a file."""
+    if isinstance(model, SheetModel):
+        return model
+    from labrig.model_file import load_model
+
+    return load_model(path_of(model))
+
+
+def name_of(model: AnyPath | SheetModel) -> str:
+    """Return the file's name for sentences about a model."""
+    return "the model" if isinstance(model, SheetModel) else path_of(model).name
+
+
+def _as_list(data: AnyPath | Sequence[AnyPath]) -> list[AnyPath]:
+    return [data] if isinstance(data, str | os.PathLike) else list(data)

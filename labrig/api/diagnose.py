@@ -1,0 +1,179 @@
+"""`labrig.diagnose`: what the model is missing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from labrig.api.data import (
+    AnyPath,
+    Data,
+    Progress,
+    measurements_of,
+    measurements_of_tables,
+    model_of,
+    paths_of,
+    several,
+    silent,
+    tell,
+)
+from labrig.errors import BadInputError, LabrigError
+from model.discrepancy import DiagnoseOptions, Diagnosis, Next
+from model.measurements import Measurements
+from model.sheet.sheet_model import SheetModel
+
+
+def diagnose(
+    sessions: Data | Sequence[AnyPath] | None = None,
+    options: DiagnoseOptions | None = None,
+    *,
+    sheet: AnyPath | None = None,
+    forces: AnyPath | None = None,
+    curves: AnyPath | None = None,
+    signals: AnyPath | None = None,
+    model: AnyPath | SheetModel | None = None,
+    hold_out: str | Sequence[str] = (),
+    symmetric: bool = False,
+    without: str | Sequence[str] = (),
+    calibrate: int = 0,
+    stiffness_Nm2: float | None = None,
+    keep: bool = True,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Find which effects are not in the model, as `labrig diagnose` does. It takes a minute or so.
+
+    Args:
+        sessions: a session file, several of the same sheet, or `Measurements`.
+        options: all options of the diagnosis at once, in place of those below.
+        sheet: sheet.toml, with the CSV tables below in place of sessions.
+        forces: forces.csv.
+        curves: curves.csv.
+        signals: signals.csv.
+        model: a model (or its file) whose effects are known.
+        hold_out: positions to leave out, such as "position=25" (mm).
+        symmetric: one |EIBM| for both polarities; asymmetry is then a finding.
+        without: names of effects that are known to be absent; `labrig effects` lists them.
+        calibrate: number of simulated sessions for the threshold of evidence; 0: the usual one.
+        stiffness_Nm2: B in N m² of sheets of which no force was measured.
+        keep: store the diagnosis in the (first) session file, where its report shows it.
+        progress: called with the share done (0 to 1) and a text.
+
+    Returns:
+        Diagnosis: `verdict`, `sentence`, `effects` with parameters, `ranking`, and `model`, the
+        sheet's model with what was found.
+
+    Raises:
+        LabrigError, ModelError: one sentence that names the missing data or the wrong argument.
+
+    Example:
+        >>> found = labrig.diagnose("session.h5")  # doctest: +SKIP
+        >>> found.verdict, [one.name for one in found.effects]  # doctest: +SKIP
+        ('effect_named', ['nonuniform_eibm'])
+
+    """
+    _require_effects(without)
+    measurements = data_of(sessions, (sheet, forces, curves, signals), progress)
+    paths = [] if sessions is None else paths_of(sessions)
+    if options is None:
+        options = options_for(
+            measurements, paths, model=model, hold_out=hold_out, symmetric=symmetric,
+            without=without, calibrate=calibrate, stiffness_Nm2=stiffness_Nm2,
+        )  # fmt: skip
+    return diagnosed_and_kept(measurements, paths if keep else [], options, progress)
+
+
+def options_for(
+    measurements: Measurements,
+    sessions: Sequence[Path],
+    *,
+    model: AnyPath | SheetModel | None,
+    hold_out: str | Sequence[str],
+    symmetric: bool,
+    without: str | Sequence[str],
+    calibrate: int,
+    stiffness_Nm2: float | None,
+) -> DiagnoseOptions:
+    """Return the options of a diagnosis; the arguments are those of `diagnose`."""
+    from labrig.analysis.holding_out import held_out
+
+    _require_effects(without)
+    return DiagnoseOptions(
+        symmetric=symmetric, calibrate=calibrate,
+        model=None if model is None else model_of(model), exclude=tuple(several(without)),
+        hold_out=held_out(several(hold_out), measurements), promised=promises_kept_in(sessions),
+        stiffness_Nm2=stiffness_Nm2,
+    )  # fmt: skip
+
+
+def diagnosed_and_kept(
+    measurements: Measurements,
+    sessions: Sequence[Path],
+    options: DiagnoseOptions,
+    progress: Progress | None,
+) -> Diagnosis:
+    """Diagnose, add the protocol of the next measurement, and store it in the first session."""
+    from labrig.experiment.next_measurement.next_protocol import with_protocol
+
+    first = sessions[0] if sessions else None
+    found = with_protocol(diagnosed(measurements, options, progress), measurements, first)
+    if first is not None:
+        keep_in(first, found)
+    return found
+
+
+def _require_effects(names: str | Sequence[str]) -> None:
+    """Raise ModelError for an unknown effect, before anything that takes minutes."""
+    from model.effects import effect
+
+    for name in several(names):
+        effect(name)
+
+
+def data_of(
+    sessions: Data | Sequence[AnyPath] | None,
+    tables: tuple[AnyPath | None, AnyPath | None, AnyPath | None, AnyPath | None],
+    progress: Progress | None,
+) -> Measurements:
+    """Return the measurements of sessions, or of sheet.toml, forces, curves and signals."""
+    given = sessions is not None and (isinstance(sessions, Measurements) or paths_of(sessions))
+    if given and any(path is not None for path in tables):
+        raise BadInputError("give either a session or CSV tables, not both.")
+    if sessions is not None and given:
+        return measurements_of(sessions, progress)
+    return measurements_of_tables(*tables)
+
+
+def diagnosed(
+    measurements: Measurements, options: DiagnoseOptions, progress: Progress | None
+) -> Diagnosis:
+    """Diagnose measurements; raise BadInputError where nothing was driven."""
+    from labrig.analysis.driven import require_driven
+    from model.discrepancy import diagnose as search
+
+    require_driven(measurements)
+    advance = progress or silent
+    return search(measurements, options, lambda text, share: advance(share, text))
+
+
+def promises_kept_in(sessions: Sequence[Path]) -> tuple[Next, ...]:
+    """Return the proposals kept in the first session that the further ones have measured."""
+    from labrig.experiment.next_measurement.promises import promised
+    from labrig.report.data.kept_diagnosis import kept_diagnosis
+
+    if len(sessions) < 2:
+        return ()
+    try:
+        return promised(kept_diagnosis(sessions[0]), list(sessions))
+    except BadInputError as error:
+        tell(f"promises of earlier proposals are not compared: {error}")
+        return ()
+
+
+def keep_in(session: Path, found: Diagnosis) -> None:
+    """Store a diagnosis in the session; tell where the session cannot be written."""
+    from labrig.report.data.kept_diagnosis import keep_diagnosis
+
+    try:
+        keep_diagnosis(session, found)
+    except LabrigError as error:
+        tell(f"the diagnosis is not stored in the session: {error}")

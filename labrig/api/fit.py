@@ -1,0 +1,177 @@
+"""`labrig.fit`: the model's parameters from sessions or measurements."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from labrig.api.data import (
+    AnyPath,
+    Data,
+    Progress,
+    measurements_of,
+    paths_of,
+    several,
+    silent,
+    tell,
+)
+from labrig.errors import BadInputError
+from model import Fit, FitOptions, Measurements
+
+if TYPE_CHECKING:
+    from labrig.report.tables.mountings import Run
+
+FEWEST_REPEATS = 20  # with fewer a standard deviation says little
+
+
+@dataclass(frozen=True, kw_only=True)
+class FittedData:
+    """A fit with the data that it was made of."""
+
+    measurements: Measurements
+    fit: Fit
+    runs: dict[Run, str] = field(default_factory=dict)  # which of several sessions each is from
+
+
+def fit(
+    sessions: Data | Sequence[AnyPath],
+    options: FitOptions | None = None,
+    *,
+    configuration: str | Sequence[str] = (),
+    hold_out: str | Sequence[str] = (),
+    apart: bool = False,
+    symmetric: bool = False,
+    measured_curvature: bool = False,
+    bootstrap: int = 0,
+    q: float = 1.0,
+    stiffness_Nm2: float | None = None,
+    progress: Progress | None = None,
+) -> Fit:
+    """Identify bending stiffness B and EIBM of sheets, as `labrig fit` does.
+
+    Args:
+        sessions: a session file, several of the same sheet, or `Measurements`. A session that is
+            not analysed yet is analysed now, and keeps the result.
+        options: all options of the fit at once, in place of those below.
+        configuration: fit these sheets alone; default: all that were measured.
+        hold_out: positions to leave out, such as "position=25" or
+            "configuration=long,position=25" (mm).
+        apart: give each session B and EIBM of its own; the sheets are named `long@FILE`.
+        symmetric: one |EIBM| for both polarities.
+        measured_curvature: initial curvature from the curves at 0 V, whatever sheet.toml states.
+        bootstrap: number of simulated repeats that check the uncertainties; 0, or 20 to 10000.
+        q: weight exponent of equation (7), for the paper's own way that is reported with the fit.
+        stiffness_Nm2: B in N m² of sheets of which no force was measured.
+        progress: called with the share done (0 to 1) and a text, while a session is analysed.
+
+    Returns:
+        Fit: parameters with uncertainty (`configurations`), the models (`model`: constant EIBM,
+        `varying_model`: along the sheet, `preferred_model`), errors (`rmse`) and residuals.
+
+    Raises:
+        LabrigError, ModelError: one sentence that names the missing data or the wrong argument.
+
+    A sheet that cannot be fitted is left out, with a `LabrigWarning` that says why.
+
+    Example:
+        >>> found = labrig.fit("session.h5", configuration="long")  # doctest: +SKIP
+        >>> found.configurations["long"].B.value  # N m²  # doctest: +SKIP
+        1.27e-06
+
+    """
+    return fitted_data(
+        sessions, options, configuration=configuration, hold_out=hold_out, apart=apart,
+        symmetric=symmetric, measured_curvature=measured_curvature, bootstrap=bootstrap, q=q,
+        stiffness_Nm2=stiffness_Nm2, progress=progress,
+    ).fit  # fmt: skip
+
+
+def fitted_data(
+    sessions: Data | Sequence[AnyPath],
+    options: FitOptions | None = None,
+    *,
+    configuration: str | Sequence[str] = (),
+    hold_out: str | Sequence[str] = (),
+    apart: bool = False,
+    symmetric: bool = False,
+    measured_curvature: bool = False,
+    bootstrap: int = 0,
+    q: float = 1.0,
+    stiffness_Nm2: float | None = None,
+    progress: Progress | None = None,
+) -> FittedData:
+    """Fit as `fit` does, and return the data with it."""
+    from labrig.report.data.separate_sessions import only
+
+    if 0 < bootstrap < FEWEST_REPEATS:
+        raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
+    if not math.isfinite(q):
+        raise BadInputError(f"--q {q}: a number is needed, such as 1.")
+    chosen = options or FitOptions(
+        weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
+        bootstrap=bootstrap, stiffness_Nm2=stiffness_Nm2,
+    )  # fmt: skip
+    whole, runs = _measured(sessions, apart, progress)
+    measurements = only(whole, several(configuration))
+    if hold_out:
+        chosen = replace(chosen, held_out=_held_out(several(hold_out), measurements))
+    source = ", ".join(map(str, paths_of(sessions))) or measurements.source or "the measurements"
+    return FittedData(
+        measurements=measurements, fit=what_can_be_fitted(source, measurements, chosen), runs=runs
+    )
+
+
+def what_can_be_fitted(source: str, measurements: Measurements, options: FitOptions) -> Fit:
+    """Fit all configurations that allow it; tell of the others with the reason."""
+    from labrig.report.data.fitted import fit_what_can_be
+
+    fitted = fit_what_can_be(measurements, options)
+    lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
+    if fitted.fit is None:
+        why = "; ".join(dict.fromkeys(lacking.values())) or "nothing was measured"
+        raise BadInputError(f"{source}: no configuration can be fitted: {why}.")
+    for name, why in lacking.items():
+        tell(f"{name}: could not be fitted: {why}.")
+    return fitted.fit
+
+
+def _measured(
+    sessions: Data | Sequence[AnyPath], apart: bool, progress: Progress | None
+) -> tuple[Measurements, dict[Run, str]]:
+    """Return the measurements, and which of several sessions each run is from."""
+    from labrig.analysis.together import together
+    from labrig.report.data.findings import measured
+    from labrig.report.data.separate_sessions import apart as taken_apart
+    from labrig.report.data.separate_sessions import labels
+    from labrig.report.tables.mountings import sessions_of_runs
+
+    paths = paths_of(sessions)
+    if apart and len(paths) < 2:
+        raise BadInputError("--apart: give several sessions to be kept apart.")
+    if not paths:
+        return measurements_of(sessions, progress), {}
+    names = labels(paths)
+    parts = [measured(path, progress or silent, tell) for path in paths]
+    if apart:
+        return taken_apart(parts, names), {}
+    whole = together(list(zip(paths, parts, strict=True)))
+    return whole, sessions_of_runs(whole, parts, names) if len(parts) > 1 else {}
+
+
+def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:
+    """Return configuration and position of each condition to leave out."""
+    from labrig.analysis.holding_out import SAME_M, held_out
+
+    wanted = held_out(texts, measurements)
+    return tuple(
+        dict.fromkeys(
+            (c.configuration, c.position_m)
+            for c in measurements.conditions
+            for name, at_m in wanted
+            if name in ("", c.configuration)
+            and c.position_m is not None
+            and abs(c.position_m - at_m) < SAME_M
+        )
+    )

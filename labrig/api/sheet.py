@@ -1,0 +1,105 @@
+"""`labrig.sheet`: the model of a sheet from plain numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from labrig.api.eibm import Eibm, stated
+from labrig.errors import BadInputError
+from model.measurements import SheetGeometry
+from model.sheet.sheet_model import SheetModel
+from model.sheet.stated import stated_model
+
+USUAL_V = 2.0  # the paper's driving voltage, where one EIBM is stated without a voltage
+
+
+def sheet(
+    *,
+    free_length_mm: float,
+    width_mm: float,
+    thickness_mm: float,
+    EIBM_Nm: Eibm | Mapping[float, Eibm],
+    B_Nm2: float | None = None,
+    E_Pa: float | None = None,
+    elongation_mm: float = 0.0,
+    initial_curvature_per_m: float | tuple[Sequence[float], Sequence[float]] = 0.0,
+    arc_radius_mm: float = 40.0,
+    arc_origin_deg: float = 0.0,
+    name: str = "sheet",
+) -> SheetModel:
+    """Return the model of a sheet from plain numbers, taken as exact.
+
+    Args:
+        free_length_mm: l, length of the part that can bend, in mm.
+        width_mm: w, in mm.
+        thickness_mm: d, in mm.
+        EIBM_Nm: electrically induced bending moment in N m. By voltage, as `{2.0: 36e-6,
+            -2.0: -28e-6}`, each a number, a function of s in m, or a pair of rows (s in m, EIBM
+            in N m). Without a voltage it is that at +2 V, and its opposite that at -2 V.
+        B_Nm2: bending stiffness in N m².
+        E_Pa: equivalent Young modulus in Pa, in place of B_Nm2: B = E w d³/12.
+        elongation_mm: length of a rigid elongation beyond the free length, in mm; 0: none.
+        initial_curvature_per_m: k0 in 1/m, a number or a pair of rows (s in mm, k0 in 1/m).
+        arc_radius_mm: radius of the object's trajectory about the clamp, in mm.
+        arc_origin_deg: polar angle of position 0, in degrees from the clamp's tangent.
+        name: of the configuration, for `predict`, `simulate` and `design`.
+
+    Returns:
+        SheetModel: as `labrig.load_model` returns it; `labrig.save_model` writes it.
+
+    Raises:
+        BadInputError, ModelError: one sentence for a number that no sheet has.
+
+    Example:
+        >>> import labrig
+        >>> long = labrig.sheet(
+        ...     free_length_mm=50, width_mm=11, thickness_mm=0.21, B_Nm2=1.27e-6,
+        ...     EIBM_Nm={2.0: 36e-6, -2.0: -28e-6},
+        ... )
+        >>> round(1e3 * long.predict("sheet", 0.01, 2.0).F_N, 2)  # mN
+        0.74
+
+    """
+    from labrig.config.base import validate
+    from labrig.config.sheet import ArcConfig, Sheet
+
+    arc = validate(
+        ArcConfig, {"radius_mm": arc_radius_mm, "origin_deg": arc_origin_deg}, "labrig.sheet"
+    )
+    k0 = initial_curvature_per_m
+    table = {
+        "free_length_mm": free_length_mm, "width_mm": width_mm, "thickness_mm": thickness_mm,
+        "elongation_mm": elongation_mm,
+        "initial_curvature_per_m": dict(zip(("s_mm", "per_m"), map(list, k0), strict=True))
+        if isinstance(k0, tuple)
+        else k0,
+    }  # fmt: skip
+    geometry = validate(Sheet, table, "labrig.sheet").geometry(name, arc)
+    _require_plausible(geometry)
+    by_voltage = EIBM_Nm if isinstance(EIBM_Nm, Mapping) else None
+    length_m = geometry.free_length_m
+    if by_voltage is None:
+        up = stated(USUAL_V, EIBM_Nm, length_m)  # type: ignore[arg-type]  # it is no mapping
+        down = (up[0], -up[1]) if isinstance(up, tuple) else -up
+        moments = {USUAL_V: up, -USUAL_V: down}
+    else:
+        moments = {v: stated(v, one, length_m) for v, one in by_voltage.items()}
+    return stated_model(geometry, _stiffness(geometry, B_Nm2, E_Pa), moments)
+
+
+def _require_plausible(geometry: SheetGeometry) -> None:
+    """Raise BadInputError for lengths in another unit."""
+    from labrig.plausibility.set_up import length_checks
+
+    wrong = [check for check in length_checks(geometry) if not check.ok]
+    if wrong:
+        key = wrong[0].name.split()[-1]
+        raise BadInputError(f"labrig.sheet: {key}: {wrong[0].found}, wanted {wrong[0].wanted}.")
+
+
+def _stiffness(geometry: SheetGeometry, B_Nm2: float | None, E_Pa: float | None) -> float:
+    if (B_Nm2 is None) is (E_Pa is None):
+        raise BadInputError("labrig.sheet: give either B_Nm2 or E_Pa.")
+    if E_Pa is None:
+        return float(B_Nm2 or 0.0)
+    return E_Pa * geometry.width_m * geometry.thickness_m**3 / 12.0

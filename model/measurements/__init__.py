@@ -1,0 +1,34 @@
+"""`Measurements`: the one table between the rig and the model, and how it is shown and exported."""
+
+from model.measurements.columns import Columns, MissingPandasError, dataframe
+from model.measurements.data import (
+    Condition,
+    Contact,
+    Curve,
+    FloatArray,
+    Kind,
+    Measurements,
+    ModelError,
+    Reading,
+    SheetGeometry,
+    TimeSeries,
+)
+from model.measurements.display import Displayed, Summary
+
+__all__ = [
+    "Columns",
+    "Condition",
+    "Contact",
+    "Curve",
+    "Displayed",
+    "FloatArray",
+    "Kind",
+    "Measurements",
+    "MissingPandasError",
+    "ModelError",
+    "Reading",
+    "SheetGeometry",
+    "Summary",
+    "TimeSeries",
+    "dataframe",
+]

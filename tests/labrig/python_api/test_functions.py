@@ -1,0 +1,264 @@
+"""The commands as functions: `import labrig` in a script or a notebook."""
+
+from __future__ import annotations
+
+import doctest
+import inspect
+import json
+from importlib import import_module
+
+import numpy as np
+import pytest
+
+import labrig
+from labrig.cli.main import run
+from labrig.errors import BadInputError
+from model import ModelError, SheetModel
+from model.sheet.misfit import CURVE, FORCE, FORCE_SIZE
+from tests.labrig.report_data import STIFFNESS, measure, session, truth
+
+FUNCTIONS = (
+    "compare", "design", "diagnose", "fit", "map_of_elongation", "predict", "run", "sheet",
+    "simulate", "simulate_in_time",
+)  # fmt: skip
+MODULES = ("design", "sheet", "simulate")  # the others need a session
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("functions")
+
+
+@pytest.fixture(scope="module")
+def session_file(folder):
+    return session(folder / "session.h5", measure("long"))
+
+
+@pytest.fixture(scope="module")
+def fitted(session_file):
+    return labrig.fit(str(session_file))
+
+
+@pytest.fixture(scope="module")
+def model_file(folder):
+    path = folder / "model.toml"
+    labrig.save_model(truth("long", "short"), path)
+    return path
+
+
+def long_sheet(**changes: object) -> SheetModel:
+    numbers = {"free_length_mm": 50, "width_mm": 11, "thickness_mm": 0.21, "B_Nm2": 1.27e-6}
+    return labrig.sheet(**({**numbers, "EIBM_Nm": 36e-6} | changes))
+
+
+def printed_json(capsys, *arguments: object):
+    assert run([*map(str, arguments), "--json"]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+# -- help
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("module", MODULES)
+def test_the_examples_of_the_docstrings_run(module):
+    found = doctest.testmod(import_module(f"labrig.api.{module}"), report=True)
+    assert found.failed == 0
+    assert found.attempted > 0
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_help_explains_every_argument_and_shows_an_example(name):
+    function = getattr(labrig, name)
+    text = inspect.getdoc(function)
+    for argument in inspect.signature(function).parameters:
+        assert f"{argument}:" in text.partition("Args:")[2], argument
+    for part in ("Returns:", "Raises:", "Example:", ">>> "):
+        assert part in text, part
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_every_argument_has_a_type(name):
+    function = getattr(labrig, name)
+    assert all(
+        p.annotation is not inspect.Parameter.empty
+        for p in inspect.signature(function).parameters.values()
+    )
+
+
+# -- fit
+
+
+@pytest.mark.slow
+def test_fit_takes_text_paths_and_measurements(session_file, fitted):
+    B = fitted.configurations["long"].B
+    assert abs(B.value - STIFFNESS["long"]) < 4 * B.sigma
+    measurements = labrig.load_measurements(str(session_file))
+    for given in (session_file, [str(session_file)], measurements):
+        assert labrig.fit(given).configurations["long"].B.value == pytest.approx(B.value, rel=1e-9)
+    frame = fitted.to_dataframe()
+    row = frame[(frame.configuration == "long") & (frame.parameter == "B")].iloc[0]
+    assert row["value"] == B.value
+    assert row.low90 < B.value < row.high90
+
+
+@pytest.mark.slow
+def test_fit_is_what_the_command_prints(session_file, capsys):
+    printed = printed_json(capsys, "fit", session_file, "--hold-out", "position=20")
+    found = labrig.fit(session_file, hold_out="position=20")
+    B = printed["configurations"]["long"]["B_Nm2"]["value"]
+    assert found.configurations["long"].B.value == pytest.approx(B, rel=1e-12)
+    assert found.model.held_out
+
+
+@pytest.mark.slow
+def test_wrong_arguments_of_fit_are_one_sentence(session_file):
+    with pytest.raises(BadInputError, match="give at least 20, or 0"):
+        labrig.fit(session_file, bootstrap=5)
+    with pytest.raises(BadInputError, match="nothing was measured of it"):
+        labrig.fit(session_file, configuration="wide")
+    with pytest.raises(BadInputError, match="several sessions"):
+        labrig.fit(session_file, apart=True)
+
+
+# -- a sheet from plain numbers
+
+
+def test_a_sheet_from_plain_numbers_predicts():
+    model = long_sheet()
+    assert labrig.predict(model, "sheet", 0.01, 2.0).F_N > 0
+    both = labrig.predict(model, "sheet", np.array([0.0, 0.01]), np.array([2.0, -2.0]))
+    assert both.F_N.shape == (2,)
+    assert repr(model).startswith("SheetModel: sheet")
+
+
+def test_the_stiffness_may_be_a_modulus():
+    by_E = long_sheet(B_Nm2=None, E_Pa=150e6)
+    B = 150e6 * 11e-3 * 0.21e-3**3 / 12
+    assert by_E.sheets["sheet"].B.value == pytest.approx(B)
+
+
+def test_an_eibm_is_a_number_a_function_or_rows():
+    def falling(s_m):
+        return 80e-6 * np.exp(-s_m / 0.012)
+
+    s_m = np.linspace(0.0, 0.05, 51)
+    forces = [
+        labrig.predict(long_sheet(EIBM_Nm={2.0: one}), "sheet", 0.01, 2.0).F_N
+        for one in (falling, (s_m, falling(s_m)))
+    ]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-9)
+    rows = long_sheet(EIBM_Nm=(s_m, falling(s_m)))
+    assert rows.sheets["sheet"].mean_eibm(-2.0) == pytest.approx(
+        -rows.sheets["sheet"].mean_eibm(2.0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"free_length_mm": 0.05}, r"free_length_mm: 0\.05 mm, wanted 1 to 300 mm"),
+        ({"width_mm": -1}, "width_mm"),
+        ({"B_Nm2": None}, "give either B_Nm2 or E_Pa"),
+        ({"B_Nm2": -1e-6}, "the bending stiffness must be positive"),
+        ({"EIBM_Nm": {0.0: 1e-6}}, "at 0 V there is none"),
+        ({"EIBM_Nm": {2.0: ([0.0, 0.01], [1e-6])}}, "as many places as values"),
+        ({"EIBM_Nm": {2.0: "large"}}, "must be a number in N m, a function of s_m, or a pair"),
+    ],
+)
+def test_a_number_that_no_sheet_has_is_one_sentence(changes, said):
+    with pytest.raises((BadInputError, ModelError), match=said) as error:
+        long_sheet(**changes)
+    assert len(str(error.value).split()) <= 25
+
+
+# -- simulate
+
+
+def test_simulate_takes_a_model_or_its_file_and_gives_arrays(model_file, capsys):
+    printed = printed_json(
+        capsys, "simulate", model_file, "--position-mm", 0, "--position-mm", 12, "--voltage", 2
+    )
+    found = labrig.simulate(str(model_file), position_mm=[0, 12], voltage=2)
+    assert [one["F_N"] for one in printed] == [one.F_N for one in found]
+    assert len(found) == 4
+    assert found.to_dataframe().F_N.tolist() == [one.F_N for one in found]
+    assert [one.configuration for one in found[:2]] == ["long", "long"]
+
+
+def test_an_eibm_of_ones_own_takes_the_models_place(model_file, tmp_path, capsys):
+    table = tmp_path / "eibm.csv"
+    table.write_text("s_mm,Me_Nm\n0,8e-5\n25,1e-5\n50,0\n")
+    at = ("--position-mm", 5, "--configuration", "long")
+    printed = printed_json(capsys, "simulate", model_file, *at, "--eibm", f"2={table}")
+    rows = ([0.0, 0.025, 0.05], [8e-5, 1e-5, 0.0])
+    own = labrig.simulate(model_file, position_mm=5, configuration="long", eibm={2.0: rows})
+    assert [one["F_N"] for one in printed] == [one.F_N for one in own]
+    theirs = labrig.simulate(model_file, position_mm=5, configuration="long", voltage=2)
+    assert pytest.approx(theirs[0].F_N, rel=1e-3) != own[0].F_N
+    constant = printed_json(capsys, "simulate", model_file, *at, "--eibm", "2=4e-5")
+    number = labrig.simulate(model_file, position_mm=5, configuration="long", eibm={2: 4e-5})
+    assert constant[0]["F_N"] == number[0].F_N
+
+
+def test_sheet_toml_and_numbers_need_no_model_file(tmp_path, capsys):
+    sheet = tmp_path / "sheet.toml"
+    sheet.write_text(
+        "free_length_mm = 50\nwidth_mm = 11\nthickness_mm = 0.21\ninitial_curvature_per_m = 0.0\n"
+    )
+    stated = ("--stiffness-Nm2", "1.27e-6", "--eibm", "2=36e-6", "--eibm", "-2=-36e-6")
+    printed = printed_json(capsys, "simulate", sheet, "--position-mm", 10, *stated)
+    forces = [labrig.predict(long_sheet(), "sheet", 0.01, v).F_N for v in (2.0, -2.0)]
+    assert [one["F_N"] for one in printed] == pytest.approx(forces, rel=1e-12)
+    designed = printed_json(capsys, "design", sheet, "--section", "0:20", *stated)
+    assert designed[0]["work_of_a_cycle_J"]["value"] > 0
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--eibm", "36e-6"), "write --eibm 2=36e-6"),
+        (("--eibm", "2=1e-6", "--eibm", "2.0=2e-6"), "is given twice"),
+        (("--eibm", "0=1e-6"), "at 0 V there is none"),
+        (("--eibm", "2=nowhere.csv"), "nowhere.csv"),
+        (("--stiffness-Nm2", "1e-6"), "give the EIBM, too"),
+    ],
+)
+def test_a_wrong_eibm_is_one_sentence(model_file, options, said, capsys):
+    assert run(["simulate", str(model_file), "--position-mm", "5", *options]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert len(error.strip().splitlines()) == 1
+
+
+def test_a_model_that_misses_its_data_is_named_in_a_warning(tmp_path):
+    merit = {FORCE: 1e-3, CURVE: 2e-3, FORCE_SIZE: 2e-3}
+    model = truth("long").with_merit(merit, {})
+    with pytest.warns(labrig.LabrigWarning, match="misses its own data by 1.000 mN"):
+        labrig.simulate(model, position_mm=0, voltage=2)
+
+
+def test_simulate_asks_for_what_is_missing():
+    with pytest.raises(BadInputError, match="at least one --position-mm and one --voltage"):
+        labrig.simulate(long_sheet(), voltage=2)
+
+
+# -- design
+
+
+def test_design_is_what_the_command_prints(model_file, capsys):
+    printed = printed_json(
+        capsys, "design", model_file, "--section", "0:20", "--configuration", "short"
+    )
+    found = labrig.design(model_file, (0, 20), configuration="short")
+    assert found.to_json() == printed
+    assert found[0].wanted.configuration == "short"
+    assert len(repr(found).splitlines()) <= 24
+    assert "7. short: quasi-static work" in "".join(found.to_dataframe().table.unique())
+
+
+def test_a_section_may_be_text_or_a_pair():
+    with pytest.raises(BadInputError, match="such as 0:30"):
+        labrig.design(long_sheet(), "0-30")
+    with pytest.raises(BadInputError, match="such as 0:30"):
+        labrig.design(long_sheet(), (0, 10, 20))
