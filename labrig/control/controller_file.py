@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from model.dynamics.linear.state_space import LinearSystem
 
 MOST_STATES = 100
+SLOWEST_HZ, FASTEST_HZ = 4.0, 2000.0
+LONGEST_DELAY_MS, HIGHEST_V = 1000.0, 30.0
 _HEADER = (
     "A controller of the force, for labrig run --controller.",
     "Each period u = C x + D [r, y], x+ = A x + B [r, y] + anti_windup (written - u), with the",
@@ -40,7 +42,7 @@ Checksum = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 class ControllerLimits(ClosedModel):
     """What ends or bounds a controlled run, together with [limits] of the rig."""
 
-    voltage_V: float = Field(gt=0, le=30.0, description="largest, either sign")
+    voltage_V: float = Field(gt=0, le=HIGHEST_V, description="largest, either sign")
     saturated_s: float = Field(
         1.0, gt=0, le=60.0, description="the voltage may be at its limit for so long"
     )
@@ -138,8 +140,10 @@ class ControllerConfig(ClosedModel):
     output: Literal["force"]
     configuration: str = Field(min_length=1)
     position_mm: float
-    rate_hz: float = Field(ge=4.0, le=2000.0)
-    delay_ms: float = Field(ge=0, le=1000.0, description="from a force to the voltage it leads to")
+    rate_hz: float = Field(ge=SLOWEST_HZ, le=FASTEST_HZ)
+    delay_ms: float = Field(
+        ge=0, le=LONGEST_DELAY_MS, description="from a force to the voltage it leads to"
+    )
     limits: ControllerLimits
     model: DesignedFor
     sheet: ControlledSheet

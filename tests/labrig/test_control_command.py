@@ -81,7 +81,10 @@ def test_a_response_is_a_figure_and_two_tables(
         (["response"], "give --position-mm for the force"),
         (["response", "--output", "tip", "--configuration", "short"], "does not know short"),
         (["response", "--position-mm", 90], "cannot be reached"),
-        (["control", "--position-mm", 5, "--rate-hz", 0], "--rate-hz must be positive"),
+        (["control", "--position-mm", 5, "--rate-hz", 0], "--rate-hz 0: a number from 4 to 2000"),
+        (["control", "--position-mm", 5, "--rate-hz", 3], "--rate-hz 3: a number from 4 to 2000"),
+        (["control", "--position-mm", 5, "--delay-ms", -1], "--delay-ms -1: a number from 0 to"),
+        (["control", "--position-mm", 5, "--limit-V", 100], "--limit-V 100: a positive voltage"),
         (["control", "--position-mm", 90], "cannot be reached"),
     ],
 )

@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+from labrig.analysis.comparison import compare_fitted
 from labrig.analysis.motion.beginning import StatedValues, beginning
 from labrig.cli import dynamic_fit
 from labrig.cli.dynamic_fit import DynamicRequest, fitted_in_time, spread
@@ -181,3 +182,14 @@ def test_what_only_the_user_knows_is_asked_for(path):
 def test_few_positions_are_chosen_evenly():
     assert spread([0.0, 1.0, 2.0, 3.0, 4.0], 3) == [0.0, 2.0, 4.0]
     assert spread([1.0], 3) == [1.0]
+
+
+def test_models_of_others_are_ranked_beside_a_fit_that_is_there(fits):
+    found = compare_fitted(fits[0], names=("lee", "huynh_alici"))
+    assert [one.name for one in found.models] == ["full", "lee", "huynh_alici"]
+    full, lee, lag = found.models
+    assert full.ln_evidence > lee.ln_evidence > lag.ln_evidence
+    assert set(lag.quantities) == {"force"}
+    assert full.quantities["force"].rmse < 0.8 * lag.quantities["force"].rmse
+    assert full.quantities["shape"].rmse < 0.1 * lee.quantities["shape"].rmse
+    assert "last third of the pulses" in found.held_out

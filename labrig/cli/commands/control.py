@@ -53,12 +53,20 @@ def control(
         Path, typer.Option("--file", "-o", help="where the controller is written")
     ] = Path("controller.toml"),
 ) -> None:
-    """Design a controller of the force about rest at 0 V, and say what it will do.
+    """Design a controller of the force, and say what it does.
+
+    It is linear, about rest at 0 V.
 
     `labrig run --controller` uses it. PI has the highest integral gain at which the sensitivity's
     peak Ms stays below 1.6; LQG keeps the same bound.
     """
-    from labrig.control.controller_file import save_controller
+    from labrig.control.controller_file import (
+        FASTEST_HZ,
+        HIGHEST_V,
+        LONGEST_DELAY_MS,
+        SLOWEST_HZ,
+        save_controller,
+    )
     from labrig.control.sheet_loop import (
         DEFAULT_LIMIT_V,
         LoopGoal,
@@ -68,8 +76,12 @@ def control(
         rig_limit_V,
     )
 
-    if not (rate_hz > 0 and delay_ms >= 0):
-        raise BadInputError("--rate-hz must be positive, and --delay-ms not negative.")
+    _within("--rate-hz", rate_hz, SLOWEST_HZ, FASTEST_HZ)
+    _within("--delay-ms", delay_ms, 0.0, LONGEST_DELAY_MS)
+    if limit_V is not None and not 0.0 < limit_V <= HIGHEST_V:
+        raise BadInputError(
+            f"--limit-V {limit_V:g}: a positive voltage of at most {HIGHEST_V:g} V is needed."
+        )
     most_V = DEFAULT_LIMIT_V if rig is None else min(DEFAULT_LIMIT_V, rig_limit_V(rig))
     loop = LoopGoal(
         method=method.value,
@@ -94,6 +106,11 @@ def control(
         ],
     )
     say(f"wrote {path}")
+
+
+def _within(option: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise BadInputError(f"{option} {value:g}: a number from {low:g} to {high:g} is needed.")
 
 
 COMMAND = Command(
