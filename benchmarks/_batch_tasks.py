@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from labrig.batch import BatchAnswer, BatchInput, BatchItem, BatchTask, InputKind, option
-from labrig.batch.plan import BatchPlan, Wanted, plan
+from labrig.batch.plan import BatchOrder, BatchPlan, plan
 from labrig.model_file import save_model
 from model import Along, ConfiguredSheet, Parameter, SheetGeometry, SheetModel
 
@@ -34,7 +34,7 @@ class Costless(BatchTask):
 def planned(task: BatchTask, model: Path, output: Path) -> BatchPlan:
     """All pieces of a model file."""
     source = BatchInput(InputKind.MODEL, model, model.name)
-    return plan(Wanted(name=type(task).__name__, task=task, inputs=[source], output=output))
+    return plan(BatchOrder(name=type(task).__name__, task=task, inputs=[source], output=output))
 
 
 def write_model(path: Path) -> Path:

@@ -22,7 +22,7 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks.report import Report, Table, busy
-from labrig.library import CatalogueEntry, Selection
+from labrig.library import CatalogueEntry, SessionQuery
 from labrig.library.cache_folder import OWN
 from labrig.library.database import Database
 from labrig.library.fits import ModelFits
@@ -89,17 +89,17 @@ def _put(database: Database, chunk: list[tuple[CatalogueEntry, ModelFits | None]
 
 
 QUESTIONS = {
-    "first page of 100, newest first": Selection(limit=100),
-    "first page of 100, by B": Selection(sort="B_Nm2", limit=100),
-    "first page of 100, by name": Selection(sort="name", down=False, limit=100),
-    "first page of 100, by a column without an index": Selection(sort="duration_s", limit=100),
-    "page 500, newest first": Selection(limit=100, offset=49_900),
-    "search: a word of one session": Selection(text="session-0-031415", limit=100),
-    "search: a word of most sessions": Selection(text="nafion", limit=100),
-    "search: three words": Selection(text="nafion bubble s-17", limit=100),
-    "search: no session has it": Selection(text="unheard", limit=100),
-    "one outcome": Selection(outcome="aborted", limit=100),
-    "one sheet, one outcome, a word": Selection(
+    "first page of 100, newest first": SessionQuery(limit=100),
+    "first page of 100, by B": SessionQuery(sort="B_Nm2", limit=100),
+    "first page of 100, by name": SessionQuery(sort="name", down=False, limit=100),
+    "first page of 100, by a column without an index": SessionQuery(sort="duration_s", limit=100),
+    "page 500, newest first": SessionQuery(limit=100, offset=49_900),
+    "search: a word of one session": SessionQuery(text="session-0-031415", limit=100),
+    "search: a word of most sessions": SessionQuery(text="nafion", limit=100),
+    "search: three words": SessionQuery(text="nafion bubble s-17", limit=100),
+    "search: no session has it": SessionQuery(text="unheard", limit=100),
+    "one outcome": SessionQuery(outcome="aborted", limit=100),
+    "one sheet, one outcome, a word": SessionQuery(
         sheet="short", outcome="aborted", text="aged", limit=100
     ),
 }

@@ -30,6 +30,9 @@ class PluginWarning(UserWarning):
     """A part of another distribution is left out; the text says which, and why."""
 
 
+MOST_NAMED = 12  # parts that one sentence lists
+
+
 class UnknownPartError(LookupError):
     """No part has this name; the text says which there are."""
 
@@ -64,8 +67,7 @@ class PluginFolder(Generic[T]):
         parts = self.parts()
         if name not in parts:
             raise UnknownPartError(
-                f"there is no {self.what} '{name}'; choose one of: {', '.join(sorted(parts))}"
-                f"{_suggestion(name, list(parts))}"
+                f"there is no {self.what} '{name}'; {_choice(name, sorted(parts))}"
             )
         return parts[name].part
 
@@ -78,11 +80,16 @@ class PluginFolder(Generic[T]):
         }
 
 
-def _suggestion(name: str, known: list[str]) -> str:
+def _choice(name: str, known: list[str]) -> str:
+    """Return what could be meant: the names alike, or all where they are few."""
     from difflib import get_close_matches
 
-    close = get_close_matches(name, known, n=1)
-    return f" (did you mean '{close[0]}'?)" if close else ""
+    if len(known) <= MOST_NAMED:
+        close = get_close_matches(name, known, n=1)
+        hint = f" (did you mean '{close[0]}'?)" if close else ""
+        return f"choose one of: {', '.join(known)}{hint}"
+    close = get_close_matches(name, known, n=3, cutoff=0.5)
+    return f"did you mean {' or '.join(close)}" if close else f"there are {len(known)} others"
 
 
 @lru_cache(maxsize=64)

@@ -30,7 +30,8 @@ def punctual(priority: int) -> Iterator[bool]:
 
 
 def _cores() -> int:
-    return len(os.sched_getaffinity(0)) if sys.platform == "linux" else 1
+    affinity = getattr(os, "sched_getaffinity", None)  # Linux has it
+    return len(affinity(0)) if affinity is not None else 1
 
 
 def _set(policy: str, priority: int) -> bool:

@@ -5,6 +5,7 @@ Every way out of a run comes through `make_safe`, so nothing in here raises.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
@@ -15,7 +16,7 @@ from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, SignalInp
 
 READ_BACK_S = 0.02
 PATIENCE_S = 1.0  # a device that fails is tried again for so long
-DEVICE_S = 5.0  # a device that does not answer keeps the next one waiting for so long at most
+DEVICE_S = 1.5  # a device that does not answer keeps the next one waiting for so long at most
 NOT_SAFE = "THE OUTPUT IS NOT KNOWN TO BE SAFE"
 _AGAIN_S = 0.05
 _FAILED = " failed: "  # between what was tried and why not, in most errors' texts
@@ -167,16 +168,17 @@ def mean_when_low(measure: Callable[[], float], safe_below_V: float) -> float:
 
 
 def _insist(failures: list[str], clock: Clock, what: str, action: Callable[[], object]) -> bool:
-    """Try again while there is patience, all of it within the device's time."""
+    """Try again while there is patience, and once at least, all of it within the device's time."""
     until_s = clock.now() + PATIENCE_S
     end_s = clock.now() + DEVICE_S
-    while True:
+    for tries in itertools.count(1):
         left_s = end_s - clock.now()
         if attempt(failures, lambda: in_time(clock, what, action, left_s)):  # noqa: B023 - at once
             return True
-        if clock.now() + _AGAIN_S >= until_s:
-            return False
+        if clock.now() + _AGAIN_S >= (until_s if tries > 1 else end_s):
+            break
         clock.sleep_until(clock.now() + _AGAIN_S)
+    return False
 
 
 def _zero(output: VoltageOutput, failures: list[str]) -> None:

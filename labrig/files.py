@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -17,20 +18,26 @@ _WRONG_PATH = frozenset(
 )  # fmt: skip
 
 
+def check_free(path: Path, *, force: bool = False) -> None:
+    """Raise BadInputError where a file cannot be made there: before the work that it is for."""
+    if path.is_dir():
+        raise BadInputError(f"{path}: this is a folder; give the name of a file.")
+    if path.exists() and not force:
+        raise BadInputError(f"{path}: is already there; give --force to overwrite it.")
+    if not path.parent.is_dir():
+        raise BadInputError(f"{path.parent}: there is no such folder.")
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a file beside its place and rename it. Raise what `not_written` returns."""
-    _write(path, lambda part: part.write_text(text, encoding="utf-8"))
+    write_bytes(path, text.replace("\n", os.linesep).encode("utf-8"))
 
 
-def write_bytes(path: Path, data: bytes) -> None:
-    """Write a file beside its place and rename it. Raise what `not_written` returns."""
-    _write(path, lambda part: part.write_bytes(data))
-
-
-def _write(path: Path, write: Callable[[Path], object]) -> None:
+def write_bytes(path: Path, content: bytes) -> None:
+    """Write a file as `write_text` does."""
     part = path.with_name(path.name + ".part")
     try:
-        write(part)
+        part.write_bytes(content)
         part.replace(path)
     except OSError as error:
         discard(part)

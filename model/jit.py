@@ -5,6 +5,9 @@ It compiles a function again when the function's own file changes. It does not n
 function, a constant or a named tuple of another file changes, although it compiles that in. So
 `jit` deletes what was compiled from a file as soon as one of the files it depends on has changed.
 
+To compile takes half a minute the first time. The logger `labrig.compiling` is told so once, and
+only where nothing was kept before.
+
 `model`, `sim_hardware` and `labrig.vision` stand alone, so each has this module; a test holds them
 equal. Importing it imports numba, which takes the best part of a second.
 """
@@ -13,6 +16,7 @@ from __future__ import annotations
 
 import ast
 import hashlib
+import logging
 from collections.abc import Callable, Iterator
 from functools import cache, lru_cache
 from pathlib import Path
@@ -20,6 +24,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
+from numba.core import event
 
 Array = np.ndarray[Any, Any]
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -92,6 +97,24 @@ def _compiled(function: Function, fastmath: frozenset[str], *, nogil: bool = Tru
     return cast("Function", made)
 
 
+class _FirstCompilation(event.Listener):  # type: ignore[misc]  # numba has no types
+    """Says that something is compiled, where none of it was kept."""
+
+    told = False
+
+    def on_start(self, event: Any) -> None:
+        """Look whether this is the first compilation; called before each one."""
+        cache = event.data["dispatcher"].stats.cache_path  # None: it is not one of ours
+        if not self.told and cache is not None:
+            self.told = True
+            if not any(Path(cache).glob("*.nbc")):
+                logging.getLogger("labrig.compiling").info("compiling once")
+
+    def on_end(self, event: Any) -> None:
+        """See `on_start`; called after each one."""
+
+
+event.register("numba:compile", _FirstCompilation())
 _dropped = lru_cache(maxsize=None)(drop_stale)  # once for each file
 _bytes = lru_cache(maxsize=None)(Path.read_bytes)
 

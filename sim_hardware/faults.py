@@ -9,16 +9,13 @@ from drivers.interfaces import Clock
 from sim_hardware.camera import CameraFaults
 from sim_hardware.camera.faults import from_frame
 from sim_hardware.clock import VirtualClock
-from sim_hardware.ni import NiDeviceServer
+from sim_hardware.families.contract import SimulatedBoards, switch_of
 from sim_hardware.serial_devices import SerialFaults
 from sim_hardware.world import CellFault, FaultSettings, World
-from sim_hardware.world.settings import Signal
 
 _FOR_GOOD_S = 1e12
 _BEYOND_RANGE_V = 11.0
-_GONE, _RESERVED = -200324, -50103
 _ALL = from_frame(0)
-_RESERVING = ("TaskControl", "StartTask")
 # What of a `CameraFaults` each is.
 _CAMERA = {
     "camera_late": "late",
@@ -41,7 +38,7 @@ class FaultyRig:
 
     clock: Clock
     world: World
-    boards: NiDeviceServer
+    boards: SimulatedBoards
     camera: CameraFaults = field(default_factory=CameraFaults)
     serial: SerialFaults = field(default_factory=SerialFaults)
 
@@ -87,7 +84,7 @@ class FaultyRig:
                 lambda: setattr(self.serial, name, ()),
             )
         if what == "serial_unplugged":
-            return _attribute(self.serial, "unplugged", on=True, off=False)
+            return switch_of(self.serial, "unplugged", on=True, off=False)
         if what == "clock_jump":
             return lambda: self._jump(fault.amount_s), _nothing
         if what.startswith("cell_"):
@@ -103,37 +100,11 @@ class FaultyRig:
                 lambda: world.break_input("current", _BEYOND_RANGE_V),
                 lambda: world.break_input("current", None),
             )
-        return self._of_boards(fault)
-
-    def _of_boards(self, fault: FaultSettings) -> tuple[Callable[[], None], Callable[[], None]]:
-        def wired(signal: Signal) -> set[str]:
-            wiring = self.world.settings.wiring
-            return wiring.terminals(signal, self.boards.device_names)
-
-        switches: dict[str, tuple[str, object, object]] = {
-            "daq_refused": ("unavailable", True, False),
-            "daq_slow": ("delay_s", fault.amount_s, 0.0),
-            "daq_buffer_overflow": ("lose_after_reads", 0, None),
-            "daq_hung": ("hang", {"*"}, set()),
-            "daq_read_hung": ("hang", {"ReadAnalogF64"}, set()),
-            "daq_write_refused": ("refuse", {"WriteAnalogScalarF64": _GONE}, {}),
-            "daq_reserved": ("refuse", dict.fromkeys(_RESERVING, _RESERVED), {}),
-            "output_stuck": ("stuck_outputs", wired("drive"), set()),
-            "force_nan": ("nan", wired("force"), set()),
-            "drive_nan": ("nan", wired("readback"), set()),
-        }
-        name, on, off = switches[fault.what]
-        return _attribute(self.boards.faults, name, on=on, off=off)
+        return self.boards.fault(what, fault.amount_s)
 
     def _jump(self, seconds: float) -> None:
         if isinstance(self.clock, VirtualClock):  # the computer's clock cannot be made to
             self.clock.jump(seconds)
-
-
-def _attribute(
-    of: object, name: str, *, on: object, off: object
-) -> tuple[Callable[[], None], Callable[[], None]]:
-    return lambda: setattr(of, name, on), lambda: setattr(of, name, off)
 
 
 def _nothing() -> None:

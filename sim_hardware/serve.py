@@ -65,7 +65,12 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="serve")
     serve = commands.add_parser("serve", help="serve a simulated rig")
     add = serve.add_argument
-    add("--port", type=_port, default=0, help="of the NI gRPC Device Server (0: a free one)")
+    add(
+        "--port",
+        type=_port,
+        default=0,
+        help="of the boards: the NI gRPC Device Server, or the LabJack (0: a free one)",
+    )
     add("--camera-port", type=_port, default=0, help="of the camera's stream (0: a free one)")
     add("--world", type=Path, help="TOML file of the world (default: the shipped one)")
     add("--seed", type=int, help="instead of the world's")
@@ -77,6 +82,12 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         metavar="OUTPUT:INPUT",
         help="no world: a wire, such as ao0:ai0 (repeatable)",
+    )
+    add(
+        "--boards",
+        default="ni",
+        metavar="FAMILY",
+        help="the family of boards that the world has, such as labjack (default: ni)",
     )
     add(
         "--device",
@@ -130,6 +141,8 @@ def _check(options: argparse.Namespace) -> None:
     """Options that make no sense together."""
     if not options.wire:
         return
+    if options.boards != "ni":
+        raise ArgumentFaultError("--wire is for the boards of NI")
     for name in ("world", "configuration", "record", "camera_port", "serial"):
         if getattr(options, name):
             flag = "--" + name.replace("_", "-")
@@ -141,7 +154,9 @@ def _check(options: argparse.Namespace) -> None:
 def _start(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
     """Start everything; each thing's end is on the stack. The lines to print."""
     if options.wire:
-        return [_serve_boards(_boards_without_world(options, clock), options, stack)]
+        server = _boards_without_world(options, clock)
+        stack.callback(server.stop)
+        return [f"grpc=127.0.0.1:{server.listen(options.port)}"]
     return _serve_world(options, clock, stack)
 
 
@@ -163,15 +178,11 @@ def _devices(options: argparse.Namespace) -> dict[str, str] | None:
     return dict(options.device) if options.device else None
 
 
-def _serve_boards(server: NiDeviceServer, options: argparse.Namespace, stack: ExitStack) -> str:
-    stack.callback(server.stop)
-    return f"grpc=127.0.0.1:{server.listen(options.port)}"
-
-
 def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[str]:
     from sim_hardware.camera import CameraServer
+    from sim_hardware.families import FOLDER, BoardOptions
     from sim_hardware.faults import FaultyRig
-    from sim_hardware.rig_boards import boards_of
+    from sim_hardware.plugins import UnknownPartError
     from sim_hardware.world import World, WorldError, load_world
 
     try:
@@ -182,19 +193,20 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
             world.mount(options.configuration)
         if options.record:
             world.record_to(options.record)
-        boards = boards_of(
-            world,
-            clock,
-            _devices(options),
-            options.driver_version,
+        family = FOLDER.get(options.boards)
+        wanted = BoardOptions(
+            devices=_devices(options) or {},
+            driver_version=options.driver_version,
             strict_ownership=options.strict_ownership,
         )
-    except WorldError as fault:
+        boards = family.make(world, clock, wanted)
+    except (WorldError, UnknownPartError) as fault:
         raise ArgumentFaultError(str(fault)) from fault
     except OSError as fault:
         raise ArgumentFaultError(f"--record {options.record} cannot be written: {fault}") from fault
     faulty = FaultyRig(clock=clock, world=world, boards=boards)
-    lines = [_serve_boards(boards, options, stack)]
+    stack.callback(boards.stop)
+    lines = [f"{family.served_as}=127.0.0.1:{boards.listen(options.port)}"]
     try:
         camera = CameraServer(world, clock, options.camera_port, faults=faulty.camera)
     except OSError as fault:

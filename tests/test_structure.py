@@ -43,6 +43,7 @@ PLUGIN_FOLDERS = {
     "model/dynamics/models",
     "model/discrepancy/criticism/kinds",
     "model/discrepancy/data_checks/kinds",
+    "sim_hardware/families",
     "sim_hardware/ni/boards",
     "sim_hardware/serial_devices",
 }

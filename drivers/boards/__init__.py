@@ -8,6 +8,7 @@ from drivers.boards.contract import (
     BoardFinding,
     BoardInput,
     OutputRescue,
+    Starter,
 )
 
 __all__ = [
@@ -18,4 +19,5 @@ __all__ = [
     "BoardFinding",
     "BoardInput",
     "OutputRescue",
+    "Starter",
 ]

@@ -65,8 +65,12 @@ class BoardConnection(Protocol):
     def signal_input(self, inputs: Sequence[BoardInput]) -> SignalInput:
         """Return these inputs, wired differentially, as one acquisition; not open yet."""
 
-    def interlock(self, line: str) -> Interlock:
-        """Return the line that is toggled while a run is under way, not open yet."""
+    def interlock(self, line: str | None) -> Interlock:
+        """Return what must hear of the working loop while a run is under way, not open yet.
+
+        With `line`, an external interlock's. None, only where `own_watchdog` says that the boards
+        watch by themselves without one.
+        """
 
     def close(self) -> None:
         """Let go of the boards; what was made here is closed by then. May be called twice."""
@@ -102,6 +106,20 @@ def _no_check(_line: str) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Starter:
+    """Text of a rig.toml to start from: each part whole lines of TOML, with comments."""
+
+    table: str  # of the family
+    simulated_table: str  # the same for a rig that needs no hardware
+    interlock: str  # the table [interlock], commented out
+
+
+def _no_watchdog(_settings: Any, _line: str | None) -> str:
+    """Do nothing by itself."""
+    return ""
+
+
+@dataclass(frozen=True, kw_only=True)
 class BoardFamily:
     """A family of boards.
 
@@ -125,11 +143,16 @@ class BoardFamily:
     rescue: Callable[[Mapping[str, Any], Clock], OutputRescue] | None = None
     # Raise ValueError, with what a line must be, unless [interlock] line may be this family's.
     check_line: Callable[[str], None] = _no_check
+    # Say what a watchdog in the boards' hardware does when labrig is silent, from the settings and
+    # the interlock's line if any. Empty: there is none, and they hold their voltage.
+    own_watchdog: Callable[[Any, str | None], str] = _no_watchdog
+    # For `labrig init --board`; None: there is nothing to start from.
+    starter: Starter | None = None
 
 
 def faults(part: object) -> list[str]:
     """Return what is wrong with a family of boards, a sentence each."""
-    calls = ("connect", "inputs", "output_place", "rescue", "check_line")
+    calls = ("connect", "inputs", "output_place", "rescue", "check_line", "own_watchdog")
     return list(kind_faults(part, BoardFamily, calls, needed=("address", "sample_rate_hz")))
 
 

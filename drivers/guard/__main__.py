@@ -3,27 +3,21 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import signal
 import sys
 from collections.abc import Callable
-from dataclasses import asdict
-from pathlib import Path
 
 from drivers.boards import BOARD_FAMILIES, OutputRescue
+from drivers.guard.rescuer import Rescuer
 from drivers.guard.settings import ALIVE, FAILED, READY, REPORT, GuardSettings
 from drivers.guard.suspect import what_hangs
 from drivers.guard.watch import Ending, ParentWatchdog, messages_from, parent_watch
 from drivers.interfaces import DeviceError, RealClock
 from drivers.plugins import UnknownPartError
-from drivers.safe_shutdown import SafetyReport, attempt, report_of
+from drivers.safe_shutdown import SafetyReport, attempt
 
-_PERSIST_S = 8.0  # with boards that refuse, or do not answer; then it is reported
-_LONGEST_S = 30.0  # and tried on for so long: nobody else may be left who could
 _ANSWER_S = 1.0  # boards that let the output be made safe within this have answered
-_BETWEEN_TRIES_S = 0.2
-_PATIENCE_S = 3.0
 _SAFE_CODE, _FAILED_CODE, _UNKNOWN_CODE = 0, 3, 6
 
 
@@ -61,7 +55,14 @@ def main() -> int:
         answered = report.is_safe and took_s < _ANSWER_S
         return what_hangs(sign, settings.address, boards_answer=answered)
 
-    report = _Rescuer(settings, rescue, clock, end_the_program, why).act(ending)
+    rescuer = Rescuer(
+        settings,
+        rescue,
+        lambda: _rescue_of(settings, clock),
+        clock,
+        lambda facts: _send(REPORT, facts),
+    )
+    report = rescuer.act(end_the_program, why)
     return _SAFE_CODE if report.is_safe else _UNKNOWN_CODE
 
 
@@ -74,67 +75,6 @@ def _rescue_of(settings: GuardSettings, clock: RealClock) -> OutputRescue:
     if rescue is None:
         raise DeviceError(f"boards of the kind {settings.boards} cannot be made safe from outside")
     return rescue(settings.place, clock)
-
-
-class _Rescuer:
-    """Makes the output safe, on new connections until it is, and reports. Used once."""
-
-    def __init__(
-        self,
-        settings: GuardSettings,
-        rescue: OutputRescue,
-        clock: RealClock,
-        on_held: Callable[[], None],
-        why: Callable[[SafetyReport, float], str],
-    ) -> None:
-        self._settings = settings
-        self._rescue = rescue
-        self._clock = clock
-        self._on_held = on_held
-        self._why_of = why
-
-    def act(self, ending: Ending) -> SafetyReport:
-        """Nothing that the boards' code raises ends this early.
-
-        A program that has asked waits for the report; without one, the guard is the last that can
-        act, and goes on after it has reported that the output is not known to be safe.
-        """
-        clock, began_s = self._clock, self._clock.now()
-        report = self._once()
-        why = self._why_of(report, clock.now() - began_s)
-        reported = False
-        while not report.is_safe and clock.now() < began_s + _LONGEST_S:
-            if clock.now() > began_s + _PERSIST_S:
-                if ending is Ending.ASKED:
-                    break
-                if not reported:
-                    reported = True
-                    _leave(self._settings, why, report, more="; the guard keeps trying")
-            attempt([], self._rescue.close)
-            clock.sleep_until(clock.now() + _BETWEEN_TRIES_S)
-            attempt([], self._rescue.open)
-            report = self._once()
-        attempt([], self._rescue.close)
-        _leave(self._settings, why, report)
-        _send(REPORT, _facts(why, report))
-        return report
-
-    def _once(self) -> SafetyReport:
-        return report_of(lambda: self._rescue.make_safe(_PATIENCE_S, self._on_held))
-
-
-def _facts(why: str, report: SafetyReport) -> str:
-    return json.dumps({"why": why, **asdict(report)}, default=float)  # a number may be numpy's
-
-
-def _leave(settings: GuardSettings, why: str, report: SafetyReport, more: str = "") -> None:
-    """Say how it went where somebody may look who outlives the program."""
-    with contextlib.suppress(OSError):
-        sys.stderr.write(f"labrig's output guard: {why}; {report.text}{more}\n")
-        sys.stderr.flush()
-    if settings.report_path is not None:
-        with contextlib.suppress(OSError):
-            Path(settings.report_path).write_text(_facts(why, report), encoding="utf-8")
 
 
 def _first_line() -> str:
@@ -167,9 +107,8 @@ def _is_in_the_way(ending: Ending, lives: Callable[[], bool]) -> bool:
     """Whether the program still holds its tasks and will not let go by itself."""
     if ending is Ending.ASKED:
         return False
-    if sys.platform == "win32":  # where its number may have a new owner, once it has died
-        return ending is not Ending.GONE
-    return lives()
+    # On Windows its number may have a new owner, once it has died.
+    return ending is not Ending.GONE if sys.platform == "win32" else lives()
 
 
 def _kill(program_pid: int) -> None:

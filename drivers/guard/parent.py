@@ -31,12 +31,15 @@ from drivers.interfaces import DeviceError, DeviceTimeoutError, RealClock
 from drivers.safe_shutdown import Safety, SafetyReport
 
 START_S = 30.0  # a busy computer imports slowly
-ACT_S = 30.0
+ACT_S = 8.0  # the guard reports before that, and goes on where it has not succeeded
 _END_S = 5.0
 _UNHEARD_S = 1.0  # a guard that has not confirmed a beat for so long does not guard
 _BEAT_EVERY_S = 0.4 * HEARTBEAT_S
 _SIGN_EVERY_S = 0.1  # while the working loop does not beat
 _SIGN_AFTER_S = 3 * HEARTBEAT_S
+
+
+_LEFT_BEHIND: list[subprocess.Popen[bytes]] = []  # that go on trying when we have ended
 
 
 class Guard:
@@ -46,6 +49,7 @@ class Guard:
         self._process = process
         self._clock = RealClock()  # processes live in real time
         self._ready = threading.Event()
+        self._heard_out = threading.Event()  # it has reported, or ended
         self._failure: str | None = None
         self._report: SafetyReport | None = None
         self._energised = False
@@ -134,14 +138,13 @@ class Guard:
         """Let the guard make the output safe, by its own connection, and end. Never raises.
 
         For a program that could not do it itself. It must have closed what it can: with a local
-        driver the guard cannot write while this process holds the output.
+        driver the guard cannot write while this process holds the output. A guard that has not
+        succeeded by the time it reports goes on trying.
         """
         self._energised = False
         with suppress(DeviceError):
             self._send(ACT)
-        with suppress(subprocess.TimeoutExpired):
-            self._process.wait(timeout_s)
-            self._reader.join(_END_S)
+        self._heard_out.wait(timeout_s)
         self._end()
         if self._report is not None:
             return self._report
@@ -153,6 +156,8 @@ class Guard:
         While the sheet still counts as energised nobody has confirmed 0 V: then the guard is not
         let go: it is asked to act (see `report`).
         """
+        if self._process in _LEFT_BEHIND:
+            return
         if self._energised and self.alive:
             self.act()
             return
@@ -209,18 +214,26 @@ class Guard:
                 self._unconfirmed = 0
             elif word == REPORT:
                 self._why, self._report = json.loads(rest)["why"], report_from_json(rest)
+                self._heard_out.set()
             elif word == FAILED:
                 self._failure = rest
             if word in (READY, FAILED):
                 self._ready.set()
+        self._heard_out.set()
         if not self._ready.is_set():
             self._failure = self._failure or "it ended at once"
             self._ready.set()
 
     def _end(self) -> None:
-        """Close the pipes and wait; our own child, so it can be ended when it does not listen."""
+        """Close the pipes and wait; our own child, so it can be ended when it does not listen.
+
+        One that has reported an output that is not safe goes on trying, and outlives us.
+        """
         self._ended.set()
         _close(self._process.stdin)
+        if self._report is not None and not self._report.is_safe and self._process.poll() is None:
+            _LEFT_BEHIND.append(self._process)
+            return
         try:
             self._process.wait(_END_S)
         except subprocess.TimeoutExpired:

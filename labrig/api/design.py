@@ -208,4 +208,7 @@ def section_m(section: Section) -> tuple[float, float]:
         raise BadInputError(
             f"--section {section!r}: two positions in mm with a colon between, such as 0:30."
         ) from None
+    if not low_mm < high_mm:
+        said = section if isinstance(section, str) else f"{low_mm:g}:{high_mm:g}"
+        raise BadInputError(f"--section {said}: the first position must be below the second.")
     return low_mm / 1000, high_mm / 1000

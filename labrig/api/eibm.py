@@ -67,10 +67,12 @@ def _number(text: str) -> float | None:
 
 def _table(path: Path) -> Eibm:
     """Return places and values of a table."""
-    from labrig.session.tables.csv_rows import read_rows
     from labrig.session.tables.decimals import from_plain
+    from labrig.session.tables.table import read_table
+    from labrig.session.tables.text.meaning import ExpectedColumns
 
-    rows = list(read_rows(path, ("s_mm", "Me_Nm"), ()))
+    expected = ExpectedColumns(kind="eibm", required=("s_mm", "Me_Nm"), renamed=False)
+    rows = read_table(path, expected).rows()
     if not rows:
         raise BadInputError(f"{path}: there is no row; give s_mm and Me_Nm in each.")
     s_m = [row.get("s_mm", from_plain, "a number") / 1000 for row in rows]

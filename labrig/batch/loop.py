@@ -46,7 +46,7 @@ def worked(
     up what is not under way yet.
     """
     waiting: dict[Future[R], _Try[T]] = {}
-    rest = _Rest(iter(todo))
+    rest = _Remaining(iter(todo))
     try:
         while True:
             for one in rest.up_to(max(1, places()) - len(waiting)):
@@ -76,8 +76,11 @@ class _Try(Generic[T]):
     number: int  # from 1
 
 
-class _Rest(Generic[T]):
-    """What is to be done: what is tried again first."""
+class _Remaining(Generic[T]):
+    """What is to be done: what is tried again comes last.
+
+    What kills workers now may be over then: another program that takes the memory, say.
+    """
 
     def __init__(self, todo: Iterator[T]) -> None:
         self._todo = todo
@@ -88,14 +91,13 @@ class _Rest(Generic[T]):
 
     def up_to(self, count: int) -> Generator[_Try[T], None, None]:
         for _ in range(count):
-            if self._again:
-                yield self._again.popleft()
-                continue
             for task in self._todo:
                 yield _Try(task, 1)
                 break
             else:
-                return
+                if not self._again:
+                    return
+                yield self._again.popleft()
 
 
 def _submitted(executor: Executor, work: Callable[[T], R], task: T) -> Future[R]:

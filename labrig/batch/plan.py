@@ -32,7 +32,7 @@ class BatchPlan:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Wanted:
+class BatchOrder:
     """What a person asked for."""
 
     name: str
@@ -48,7 +48,7 @@ def folder_of(output: Path, name: str) -> Path:
     return output / name
 
 
-def plan(wanted: Wanted) -> BatchPlan:
+def plan(wanted: BatchOrder) -> BatchPlan:
     """Compare what is wanted with the rows that there are. Raises LabrigError."""
     folder = folder_of(wanted.output, wanted.name)
     options = options_key(wanted.name, wanted.task, version_of(wanted.name, wanted.task))
@@ -64,7 +64,7 @@ def plan(wanted: Wanted) -> BatchPlan:
                 todo.append(_piece(wanted, item, key, folder))
             elif row.outcome is PieceOutcome.DONE:
                 done += 1
-            elif wanted.retry_errors:
+            elif wanted.retry_errors or row.outcome is PieceOutcome.LOST:
                 todo.append(_piece(wanted, item, key, folder))
             else:
                 faulty += 1
@@ -98,7 +98,7 @@ def _holds(row: Row, key: str, source: BatchInput, contents: dict[Path, str]) ->
     return contents[source.path] == row.content
 
 
-def _piece(wanted: Wanted, item: BatchItem, key: str, folder: Path) -> Piece:
+def _piece(wanted: BatchOrder, item: BatchItem, key: str, folder: Path) -> Piece:
     return Piece(wanted.task, item, key, (folder / _EACH / _file_name(item)).absolute())
 
 

@@ -24,7 +24,7 @@ class PieceOutcome(StrEnum):
 
     DONE = "done"
     FAULT = "fault"  # the input, or the task, is at fault
-    LOST = "lost"  # its worker was killed, each time
+    LOST = "lost"  # its worker was killed, each time; the same command does it again
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,12 +13,13 @@ from typing import Any
 from labrig.batch.keys import content_of, stamp_of
 from labrig.batch.loop import ATTEMPTS, Ended, worked
 from labrig.batch.plan import ROWS, BatchPlan
+from labrig.batch.pool import WorkerLostError
 from labrig.batch.row_file import row_file
 from labrig.batch.rows import PieceOutcome, Row
 from labrig.batch.worker import Piece, PieceEnd, do
 
 
-@dataclass
+@dataclass(kw_only=True)
 class BatchProgress:
     """How far a batch is."""
 
@@ -49,7 +50,7 @@ def run_batch(
     attempts: int = ATTEMPTS,
 ) -> BatchProgress:
     """Do what is to be done. Raises LabrigError where rows cannot be kept, or no worker be had."""
-    progress = BatchProgress(len(plan.todo), began_s=time.monotonic())
+    progress = BatchProgress(wanted=len(plan.todo), began_s=time.monotonic())
     if not plan.todo:
         return progress
     with row_file(plan.folder / ROWS) as rows:
@@ -92,8 +93,8 @@ def _state(piece: Piece) -> dict[str, Any]:
 
 
 def _why_lost(error: BaseException | None, attempts: int) -> str:
-    times = "once" if attempts == 1 else f"{attempts} times"
-    return f"its worker was lost {times}; the last time: {error or type(error).__name__}."
+    why = str(error) if isinstance(error, WorkerLostError) else f"{type(error).__name__}: {error}"
+    return f"no worker gave an answer in {attempts} attempts; the last time: {why}."
 
 
 def _count(progress: BatchProgress, row: Row) -> None:

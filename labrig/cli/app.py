@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import keyword
+import platform
 import warnings
 from collections.abc import Iterable, Sequence
 from importlib import import_module
 from importlib.util import find_spec
+from typing import Annotated
 
 import typer
 from typer.core import TyperGroup
 
 from labrig.cli.command import Command, faults
+from labrig.cli.screen import say
+from labrig.version import version
 
 PACKAGE = "labrig.cli.commands"
 GROUP = "labrig.commands"
@@ -23,6 +27,8 @@ def app_for(arguments: Sequence[str]) -> TyperGroup:
     Where they begin with one of our commands, it alone is imported. Else all are, and those of
     other distributions are looked up.
     """
+    if arguments[:1] == ["--version"]:
+        return _app([])
     own = _own_command(arguments[0]) if arguments else None
     return _app(all_commands() if own is None else [own])
 
@@ -65,13 +71,13 @@ def _app(commands: Iterable[Command]) -> TyperGroup:
     app = typer.Typer(
         name="labrig",
         no_args_is_help=True,
-        add_completion=False,
+        context_settings={"help_option_names": ["--help", "-h"]},
         pretty_exceptions_enable=False,
         rich_markup_mode=None,
         help="Run, record and understand force and shape experiments on ionic-polymer actuator "
         "sheets.",
     )
-    app.callback()(_nothing_first)
+    app.callback()(_options)
     names = []
     for command in commands:
         command.add_to(app)
@@ -82,5 +88,16 @@ def _app(commands: Iterable[Command]) -> TyperGroup:
     return group
 
 
-def _nothing_first() -> None:
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        say(f"labrig {version()} (Python {platform.python_version()}, {platform.system()})")
+        raise typer.Exit
+
+
+def _options(
+    show_version: Annotated[
+        bool,
+        typer.Option("--version", is_eager=True, callback=_say_version, help="print the version"),
+    ] = False,
+) -> None:
     """Make the application a group, also where it has one command alone."""

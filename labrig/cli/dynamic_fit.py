@@ -78,6 +78,8 @@ def refuse_without_dynamic(request: DynamicRequest) -> None:
 
 
 def _check(request: DynamicRequest) -> None:
+    if not request.sessions:
+        raise BadInputError("--dynamic: give a session.")
     end = request.elongation_g_per_m
     if end is not None and not 0.0 < end < math.inf:
         raise BadInputError(f"--elongation-g-per-m {end:g}: a positive number is needed.")

@@ -15,7 +15,9 @@ from typer.exceptions import TyperException
 
 from labrig.cli.app import app_for
 from labrig.cli.screen import warn
-from labrig.cli.user_warnings import shown_as_sentences
+from labrig.cli.sentences.compiling import compiling_is_told
+from labrig.cli.sentences.usage_errors import usage_sentence
+from labrig.cli.sentences.user_warnings import shown_as_sentences
 from labrig.errors import ExitCode, LabrigError
 from labrig.files import family_of
 from labrig.own_packages import hidden
@@ -67,7 +69,7 @@ def _ignore_unraisable(_unraisable: object) -> None:
 
 def run(arguments: list[str]) -> int:
     """Run one command and return its exit code."""
-    with shown_as_sentences():
+    with shown_as_sentences(), compiling_is_told():
         return _run(arguments)
 
 
@@ -76,7 +78,10 @@ def _run(arguments: list[str]) -> int:
         app = app_for(arguments)
         result = app.main(arguments, prog_name="labrig", standalone_mode=False)
     except TyperException as error:
-        error.show()  # type: ignore[attr-defined]  # all of those that typer raises have it
+        if type(error).__name__ == "NoArgsIsHelpError":  # of a group: its help is its message
+            error.show()  # type: ignore[attr-defined]  # all of those that typer raises have it
+        else:
+            warn(f"labrig: {usage_sentence(error, arguments)}")
         return ExitCode.BAD_INPUT
     except (KeyboardInterrupt, typer.Abort):
         warn("labrig: stopped.")
@@ -101,7 +106,7 @@ def _report_fault(error: Exception) -> int:
     from model.measurements import ModelError
 
     if isinstance(error, ModelError):
-        warn(f"labrig: {error}")
+        warn(f"labrig: {str(error).rstrip('.')}.")
         return ExitCode.BAD_INPUT
     if isinstance(error, DeviceError):
         warn(f"labrig: {error}")

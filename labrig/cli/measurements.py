@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.cli.screen import progress, warn
+from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
     from model import Measurements
@@ -27,12 +29,42 @@ def of_sessions_or_tables(
     forces: Path | None,
     curves: Path | None,
     signals: Path | None,
+    *,
+    columns: list[str] | None = None,
+    values: list[str] | None = None,
 ) -> Measurements:
-    """Return the measurements of sessions, or of CSV tables with a sheet.toml."""
-    from labrig.api.diagnose import data_of
+    """Return the measurements of sessions, or of tables with a sheet.toml.
 
-    with progress("analyze") as advance:
-        return data_of(sessions or None, (sheet, forces, curves, signals), advance)
+    Says how a table was understood that is not written as labrig writes it.
+    """
+    tables = any(path is not None for path in (sheet, forces, curves, signals))
+    if sessions and (tables or columns or values):
+        raise BadInputError("give either a session or CSV tables, not both.")
+    if sessions:
+        return of_sessions(sessions)
+    if sheet is None or (forces is None and curves is None):
+        raise BadInputError(
+            "give a session, or CSV tables with --sheet and --forces, --curves or both."
+        )
+    from labrig.config import load_sheet
+    from labrig.session.tables import column_names, read_and_understood
+    from labrig.session.tables.preview import in_one_line, remarks
+
+    names = column_names(columns, values)
+    found = read_and_understood(load_sheet(sheet), forces, curves, signals, names=names)
+    for table in found.tables:
+        for text in (in_one_line(table), *remarks(table)):
+            if text:
+                warn(text)
+    for text in found.measurements.warnings:
+        warn(text)
+    return found.measurements
+
+
+def check_stiffness(stated_Nm2: float | None) -> None:
+    """Raise BadInputError for a stiffness that no sheet has."""
+    if stated_Nm2 is not None and not 0.0 < stated_Nm2 < math.inf:
+        raise BadInputError(f"--stiffness-Nm2 {stated_Nm2:g}: a number above 0 is needed.")
 
 
 def warn_of_suspicions(measurements: Measurements) -> tuple[Suspicion, ...]:

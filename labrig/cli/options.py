@@ -41,6 +41,22 @@ Sessions = Annotated[
     list[Path] | None,
     typer.Argument(help="a session; further ones of the same sheet are used together with it"),
 ]
+Columns = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--columns",
+        metavar="OURS=THEIRS",
+        help="the name of a column in the tables, such as force_mN=F; repeatable",
+    ),
+]
+Values = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--value",
+        metavar="OURS=VALUE",
+        help="a column that is the same in all lines, such as configuration=long; repeatable",
+    ),
+]
 SheetFile = Annotated[
     Path | None, typer.Option(help="sheet.toml, with CSV tables instead of a session")
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any, Protocol
@@ -16,6 +17,8 @@ from rich.table import Table
 _PLAIN_NUMBER = r"[-+\N{MINUS SIGN}]?[\d.]+"
 _NUMBER = re.compile(rf"-|{_PLAIN_NUMBER}( (±|to|of|x) {_PLAIN_NUMBER})?")
 
+_TELLING = 0.1  # share of a job that tells how long the rest takes
+_SHORT_S = 15.0
 # The terminal on which a bar is drawn now: only by this does a line not end up behind the bar.
 _with_a_bar: list[Console] = []
 
@@ -138,6 +141,7 @@ class _PlainProgress:
     def __init__(self, title: str) -> None:
         self._title = title
         self._tenth = -1
+        self._began_s = time.monotonic()
 
     def __call__(self, fraction: float, text: str, *, last: bool = False) -> None:
         tenth = int(fraction * 10 + 1e-9)
@@ -145,7 +149,20 @@ class _PlainProgress:
             warn(_line(self._title, fraction, text))
         elif tenth > self._tenth:
             self._tenth = tenth
-            warn(_line(self._title, tenth / 10, text))
+            left = time_left(time.monotonic() - self._began_s, fraction)
+            warn(_line(self._title, tenth / 10, text) + left)
+
+
+def time_left(taken_s: float, fraction: float) -> str:
+    """Return about how long a job still takes; empty where it is short or nobody can know."""
+    if fraction < _TELLING or fraction >= 1.0:
+        return ""
+    left_s = taken_s * (1.0 - fraction) / fraction
+    if left_s < _SHORT_S:
+        return ""
+    if left_s < 90.0:
+        return f" - about {10 * round(left_s / 10)} s left"
+    return f" - about {round(left_s / 60)} min left"
 
 
 def _line(title: str, fraction: float, text: str) -> str:

@@ -1,7 +1,7 @@
 """rig.toml, sheet.toml, protocol.toml, about.toml and calibrations as validated objects."""
 
 from labrig.config.about import About, load_about, parse_about, recorded_about
-from labrig.config.base import parse_json, parse_toml, read_text
+from labrig.config.base import parse_json, parse_toml, read_bytes, read_text
 from labrig.config.load_cell import load_load_cell, parse_load_cell, recorded_calibration
 from labrig.config.protocol import EXTRAS, PROTOCOLS, ProtocolConfig, load_protocol, parse_protocol
 from labrig.config.rig import ReplayConfig, RigConfig, load_output, load_rig, parse_rig
@@ -27,6 +27,7 @@ __all__ = [
     "parse_rig",
     "parse_sheet",
     "parse_toml",
+    "read_bytes",
     "read_text",
     "recorded_about",
     "recorded_calibration",

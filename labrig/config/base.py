@@ -69,25 +69,31 @@ Model = TypeVar("Model", bound=ClosedModel)
 
 
 def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
-    """Return the content of a text file; BadInputError says why there is none.
-
-    Only an ordinary file is opened: a pipe would be waited for, a device read without end.
-    """
+    """Return the content of a text file; BadInputError says why there is none."""
+    raw = read_bytes(path, most_bytes)
     try:
-        _check_kind(path, most_bytes)
-        with path.open("rb") as file:
-            text = file.read(most_bytes).decode("utf-8-sig")
-        return text.replace("\r\n", "\n").replace("\r", "\n")
-    except FileNotFoundError:
-        raise BadInputError(f"{path}: there is no such file.") from None
+        return raw.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
-        kind = kind_of_bytes(error.object[:8])
+        kind = kind_of_bytes(raw[:8])
         if kind:
             raise other_kind(path, kind, TEXT) from None
         raise BadInputError(
             f"{path}: not a text file in UTF-8 (byte {error.start} cannot be read); save it "
             "as UTF-8."
         ) from None
+
+
+def read_bytes(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
+    """Return the content of a file; BadInputError says why there is none.
+
+    Only an ordinary file is opened: a pipe would be waited for, a device read without end.
+    """
+    try:
+        _check_kind(path, most_bytes)
+        with path.open("rb") as file:
+            return file.read(most_bytes)
+    except FileNotFoundError:
+        raise BadInputError(f"{path}: there is no such file.") from None
     except OSError as error:
         raise BadInputError(f"{path}: cannot be read ({error.strerror}).") from None
     except ValueError as error:  # a path that cannot be one

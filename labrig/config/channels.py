@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field
 from labrig.config.base import ClosedModel
 from protocols.execution.channels import CURRENT, DRIVE, FORCE, Channel, column_of
 
-_RESERVED = frozenset({FORCE, CURRENT, DRIVE, "time"})  # of [ni], and the samples' time
+_RESERVED = frozenset({FORCE, CURRENT, DRIVE, "time"})  # of the boards, and the samples' time
 
 
 def _is_input(value: str) -> str:
@@ -58,7 +58,7 @@ def _have_names(channels: dict[str, ChannelConfig]) -> dict[str, ChannelConfig]:
         if not re.fullmatch(r"[a-z][a-z0-9_]{0,31}", name):
             raise ValueError(f"{name!r}: a channel's name has small letters, digits and _")
         if name in _RESERVED:
-            raise ValueError(f"{name!r} is the name of a channel of [ni]; choose another one")
+            raise ValueError(f"{name!r} is a channel that every rig has; choose another name")
         if channel.gain == 0:
             raise ValueError(f"{name}: gain = 0 would make every value the same")
     columns = [column_of(name, channel.unit) for name, channel in channels.items()]

@@ -13,7 +13,7 @@ from labrig.errors import BadInputError
 RIG, SHEET, PROTOCOL = "a rig.toml", "a sheet.toml", "a protocol.toml"
 MODEL, CONTROLLER, ABOUT = "a model file", "a controller.toml", "an about.toml"
 LOAD_CELL, OPTICS, SESSION = "a load_cell.toml", "an optics.json", "a session"
-EMPTY, IMAGE, TEXT = "an empty file", "an image", "a text file"
+EMPTY, IMAGE, TEXT, PDF = "an empty file", "an image", "a text file", "a PDF"
 FORCES, CURVES, SIGNALS = "a forces.csv", "a curves.csv", "a signals.csv"
 
 _BEGINNINGS = {
@@ -23,7 +23,7 @@ _BEGINNINGS = {
     b"BM": IMAGE,
     b"II*\x00": IMAGE,
     b"MM\x00*": IMAGE,
-    b"%PDF": "a PDF",
+    b"%PDF": PDF,
     b"PK\x03\x04": "a ZIP archive or an office document",
 }
 # Keys at top level of which one is enough, by kind.
@@ -99,6 +99,15 @@ def refuse_other_kind(text: str, name: str, wanted: str) -> None:
     kinds = kinds_of_text(text)
     if kinds and wanted not in kinds:
         raise other_kind(name, min(kinds), wanted)
+
+
+def refuse_to_replace(path: Path, wanted: str) -> None:
+    """Raise BadInputError where a file would be overwritten that is of another kind."""
+    if not path.is_file():
+        return
+    kind = kind_of_file(path)
+    if kind not in {wanted, EMPTY}:
+        raise BadInputError(f"{path}: this is {kind or 'another file'}; give another name with -o.")
 
 
 def other_kind(name: object, found: str, wanted: str) -> BadInputError:

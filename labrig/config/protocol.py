@@ -11,8 +11,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, create_model, field_validator, model_validator
 
 from drivers.plugins import PluginFolder
-from labrig.config.base import ClosedModel, parse_toml, read_text, validate
+from labrig.config.base import ClosedModel, parse_toml, validate
 from labrig.config.derived import SettingsModel, model_of
+from labrig.config.drive_table import read_protocol
 from labrig.config.file_kinds import PROTOCOL, refuse_other_kind
 from labrig.errors import BadInputError
 from protocols import Extra, Extras, Place, ProtocolKind, Schedule, ScheduleError, make_schedule
@@ -232,4 +233,4 @@ def parse_protocol(text: str, name: str) -> ProtocolConfig:
 
 def load_protocol(path: Path) -> ProtocolConfig:
     """Read protocol.toml."""
-    return parse_protocol(read_text(path), str(path))
+    return parse_protocol(read_protocol(path), str(path))

@@ -8,12 +8,13 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self, cast
 
-from pydantic import Field, ValidationError, create_model, model_validator
+from pydantic import AfterValidator, Field, ValidationError, create_model, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from drivers.boards import BOARD_FAMILIES, DEFAULT, BoardFamily, BoardInput
 from drivers.boards.contract import CURRENT, DRIVE, FORCE
 from drivers.force_sensors import FORCE_SENSORS
+from drivers.watch.wire import PORT as WATCH_PORT
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.config.channels import Channels, require_distinct
 from labrig.config.derived import SIMULATED, raising_value_errors
@@ -61,6 +62,29 @@ class InterlockConfig(ClosedModel):
     line: str = Field(description="digital output that is toggled while a run is under way")
 
 
+def _check_watch(value: str) -> str:
+    host, found, port = value.partition(":")
+    good = not found or (port.isdecimal() and 0 < int(port) < 65536)
+    if not host or not good:
+        raise ValueError("must be host or host:port, such as 192.0.2.7:31764")
+    return value
+
+
+class WatchConfig(ClosedModel):
+    """`labrig watch` on the computer that has the boards."""
+
+    address: Annotated[str, AfterValidator(_check_watch)] = Field(
+        description="host, or host:port, of `labrig watch`"
+    )
+    token: Path = Field(Path("watch.token"), description="copy of the file that it has made")
+
+    @property
+    def host_and_port(self) -> tuple[str, int]:
+        """Return where it listens."""
+        host, _, port = self.address.partition(":")
+        return host, int(port or WATCH_PORT)
+
+
 class LoadCellFile(ClosedModel):
     """Where the load cell's calibration is."""
 
@@ -97,6 +121,9 @@ class RigConfig(ClosedModel):
     )
     channels: Channels = Field({}, description="further inputs that are recorded, by name")
     interlock: InterlockConfig | None = None
+    watch: WatchConfig | None = Field(
+        None, description="who writes 0 V at the boards when this computer is gone"
+    )
     simulated: Simulated | None = None
     hooks: HooksConfig | None = Field(
         None, description="who is told when a session waits, has stopped or is done"
@@ -159,6 +186,16 @@ class RigConfig(ClosedModel):
         return cast("BoardsConfig", getattr(self, self.boards_kind))
 
     @property
+    def interlock_line(self) -> str | None:
+        """The line of the interlock; None: the rig has none."""
+        return None if self.interlock is None else self.interlock.line
+
+    @property
+    def own_watchdog(self) -> str:
+        """What a watchdog in the boards does when labrig is silent; empty: there is none."""
+        return self.family.own_watchdog(self.boards.settings(), self.interlock_line)
+
+    @property
     def is_simulated(self) -> bool:
         """Whether the boards are the ones simulated in this process, on the virtual clock."""
         return self.boards.address == SIMULATED
@@ -210,7 +247,15 @@ def parse_rig(text: str, name: str) -> RigConfig | ReplayConfig:
 
 
 # Tables that say nothing of the output. What else is unknown may be the boards, and is an error.
-NOT_THE_OUTPUT = ("camera", "channels", "current_sense", "force_sensor", "load_cell", "stage")
+NOT_THE_OUTPUT = (
+    "camera",
+    "channels",
+    "current_sense",
+    "force_sensor",
+    "load_cell",
+    "stage",
+    "watch",
+)
 
 
 def load_output(path: Path) -> RigConfig | ReplayConfig:
@@ -241,6 +286,8 @@ def load_rig(path: Path) -> RigConfig | ReplayConfig:
     }
     if rig.camera is not None:
         update["camera"] = rig.camera.model_copy(update={"optics": folder / rig.camera.optics})
+    if rig.watch is not None:
+        update["watch"] = rig.watch.model_copy(update={"token": folder / rig.watch.token})
     if rig.simulated is not None and rig.simulated.world is not None:
         update["simulated"] = rig.simulated.model_copy(
             update={"world": folder / rig.simulated.world}

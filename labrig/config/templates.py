@@ -6,6 +6,8 @@ import datetime as dt
 import re
 from pathlib import Path
 
+from drivers.boards import BOARD_FAMILIES, DEFAULT, Starter
+from drivers.plugins import UnknownPartError
 from labrig.errors import BadInputError
 from labrig.files import not_written, write_text
 
@@ -20,11 +22,13 @@ _COMMON = {
 NOT_CALIBRATED = dt.date(1970, 1, 1)
 
 
-def write_templates(folder: Path, *, simulated: bool) -> list[Path]:
+def write_templates(folder: Path, *, simulated: bool, board: str = DEFAULT) -> list[Path]:
     """Write the files into `folder`, which may hold others; none is ever overwritten.
 
     The calibrations are those of the simulated rig, and true of it; of another they are not.
+    `board` is the family of boards that rig.toml is written for.
     """
+    starter = _starter(board)
     if folder.exists() and not folder.is_dir():
         raise BadInputError(f"{folder}: this is a file, a folder is needed.")
     names = _COMMON | {"rig.toml": "rig_simulated.toml" if simulated else "rig.toml"}
@@ -37,10 +41,34 @@ def write_templates(folder: Path, *, simulated: bool) -> list[Path]:
         folder.mkdir(parents=True, exist_ok=True)
         for name, template in names.items():
             text = template_text(template)
+            if name == "rig.toml" and board != DEFAULT:
+                text = _for_boards(text, starter, simulated=simulated)
             write_text(folder / name, _as_of_today(text) if simulated else text)
     except OSError as error:
         raise not_written(folder, error) from None
     return [folder / name for name in sorted(names)]
+
+
+def _starter(board: str) -> Starter | None:
+    """Return what a family of boards brings to start from; the files have that of the default."""
+    try:
+        starter = BOARD_FAMILIES.get(board).starter
+    except UnknownPartError as error:
+        raise BadInputError(f"--board {board}: {error}.") from None
+    if starter is None and board != DEFAULT:
+        raise BadInputError(f"--board {board}: these boards bring no rig.toml to start from.")
+    return starter
+
+
+def _for_boards(text: str, starter: Starter | None, *, simulated: bool) -> str:
+    """Return rig.toml with the table of another family, and its interlock."""
+    if starter is None:
+        return text
+    table = starter.simulated_table if simulated else starter.table
+    text = re.sub(rf"^\[{DEFAULT}\]\n(?:.+\n)+", lambda _: table, text, flags=re.MULTILINE)
+    return re.sub(
+        r"^# \[interlock\].*\n# line.*\n", lambda _: starter.interlock, text, flags=re.MULTILINE
+    )
 
 
 def _as_of_today(text: str) -> str:

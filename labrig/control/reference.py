@@ -6,14 +6,15 @@ from pathlib import Path
 
 from labrig.control.controller_file import ControllerConfig
 from labrig.errors import BadInputError
-from labrig.session.tables.csv_rows import rows_of
 from labrig.session.tables.decimals import from_milli, from_plain
+from labrig.session.tables.table import table_of
+from labrig.session.tables.text.meaning import ExpectedColumns
 from protocols import ScheduleError
 from protocols.planning.controlled import controlled
 from protocols.planning.schedule import ForceStep, Schedule
 
 CONTROLLER, REFERENCE = "controller.toml", "reference.csv"  # names among a session's texts
-_COLUMNS = ("time_s", "force_mN")
+_COLUMNS = ExpectedColumns(kind="reference", required=("time_s", "force_mN"), renamed=False)
 _MOST_ROWS = 100_000
 
 
@@ -23,7 +24,7 @@ def parse_reference(text: str, name: str) -> tuple[tuple[ForceStep, ...], float]
     Raises BadInputError naming the line.
     """
     steps: list[ForceStep] = []
-    for row in rows_of(text, Path(name), _COLUMNS, ()):
+    for row in table_of(text, Path(name), _COLUMNS).rows():
         time_s = row.get("time_s", from_plain, "a number")
         if not steps and time_s != 0.0:
             raise row.fault(f"time_s = {time_s:g}: a reference begins at 0")

@@ -115,7 +115,7 @@ def _listen(rig: Rig, load_N: float, tell: Callable[[str], None]) -> float:
     if rig.load_cell.is_at_the_rail(volts):
         raise BadInputError(
             f"with {1e3 * load_N:g} mN the force input is at the end of its range; use less weight "
-            "or a larger [ni] ranges_V force, or look for a broken wire."
+            f"or a larger [{rig.config.boards_kind}] ranges_V force, or look for a broken wire."
         )
     mean_V = float(np.mean(volts))
     tell(f"{1e3 * load_N:8.2f} mN  {1e3 * mean_V:+.5f} mV")

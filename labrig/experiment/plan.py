@@ -21,6 +21,7 @@ from labrig.config import (
     read_text,
 )
 from labrig.config.about import FILE as ABOUT
+from labrig.config.drive_table import read_protocol
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.control.controller_file import (
     ControllerConfig,
@@ -108,6 +109,7 @@ def load_plan(
         paths |= {CONTROLLER: control.controller, REFERENCE: control.reference}
         load_controller(control.controller)  # its model file may have changed
     texts = {name: read_text(path) for name, path in paths.items()}
+    texts["protocol.toml"] = read_protocol(protocol)
     names = {name: str(path) for name, path in paths.items()}
     return make_plan(config, texts, names)
 

@@ -17,6 +17,7 @@ from labrig.config.templates import template_path
 from labrig.errors import BadInputError, NotReadyError
 from labrig.experiment.next_measurement.dynamic_needs import not_determined
 from labrig.experiment.plan import Plan, load_plan
+from labrig.experiment.precautions import precautions
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import DRIVE, FORCE, Rig, opened
 from labrig.plausibility import SetUp, calibration_age, set_up_checks
@@ -64,7 +65,7 @@ def _beside(rig: Path, name: str) -> Path:
 def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
     """Open the rig, check everything, close it. `folder` is where the session would go."""
     checks = [*calibrations(plan), *doubts(plan), _names(plan), *_schedule(plan)]
-    checks.append(disk_space([plan], folder))
+    checks += [disk_space([plan], folder), *precautions(plan)]
     try:
         with opened(rig):
             checks += open_rig_checks(rig, plan)

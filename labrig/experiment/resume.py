@@ -43,6 +43,11 @@ def resumed_plan(session: RecordedSession) -> Plan:
             f"{session.path}: a controlled session is not resumed; run it anew with its controller "
             "and reference."
         )
+    if "rig.toml" not in session.texts:
+        raise BadInputError(
+            f"{session.path}: holds no rig.toml; only a session that labrig has recorded can be "
+            "resumed."
+        )
     rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
     if not isinstance(rig, RigConfig):
         raise BadInputError(f"{session.path}: was recorded from a replay; there is no rig.")

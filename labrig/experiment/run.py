@@ -13,7 +13,8 @@ from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan
-from labrig.experiment.preflight import open_rig_checks, refuse_implausible
+from labrig.experiment.precautions import precautions
+from labrig.experiment.preflight import disk_space, open_rig_checks, refuse_implausible
 from labrig.experiment.resume import Resumption
 from labrig.experiment.rig.identities import recorded_devices
 from labrig.experiment.rig.parts_in_use import parts_in_use
@@ -24,7 +25,7 @@ from labrig.session import SessionWriter
 from labrig.session.format.devices import REPLAY_OF, any_simulated
 from protocols import SafetyLimits
 from protocols.execution.event_bus import EventBus
-from protocols.execution.events import Event, Outcome, OutputState, RunStarted
+from protocols.execution.events import Event, Outcome, OutputState, RunStarted, Warned
 from protocols.execution.rules import Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import Status
@@ -89,10 +90,11 @@ def run_session(
         with opened(rig, on_step), _ending_safely(rig) as shutdown:
             if check_first:
                 on_step("checking boards, load cell and camera")
-                _require_ready(rig, plan)
+                _require_ready(rig, plan, path)
             job = _Job(
                 rig=rig,
                 plan=plan,
+                warnings=tuple(_warnings(plan)) if check_first else (),
                 stop=stop,
                 hub=hub,
                 shutdown=shutdown,
@@ -127,6 +129,7 @@ class _Job:
 
     rig: Rig
     plan: Plan
+    warnings: tuple[str, ...]  # recorded with the session
     stop: StopRequest
     hub: EventBus
     shutdown: SafeShutdown
@@ -153,6 +156,8 @@ def _record(
             resumption.publish(writer.handle, rig.clock.now())
         if not rig.config.is_simulated:
             job.on_step("starting the output guard")
+        for text in job.warnings:
+            hub.emit(Warned(rig.clock.now(), text))
         with watched(rig, path) as watchdog:
             job.shutdown.watchdog = watchdog
             hub.add_required("the output guard", _run_counter(watchdog))
@@ -178,10 +183,21 @@ def _run_counter(watchdog: Watchdog) -> Callable[[Event], None]:
     return follow
 
 
-def _require_ready(rig: Rig, plan: Plan) -> None:
-    """Repeat the preflight: a device that was there an hour ago may have been unplugged."""
+def _warnings(plan: Plan) -> Iterator[str]:
+    """Yield what the operator should know of the computer before the first voltage."""
+    for check in precautions(plan):
+        if check.warning:
+            yield check.in_words
+
+
+def _require_ready(rig: Rig, plan: Plan, path: Path) -> None:
+    """Repeat the preflight: a device that was there an hour ago may have been unplugged.
+
+    And look at the disk on which the session will be, which only this run knows.
+    """
     try:
-        failed = [check for check in open_rig_checks(rig, plan) if not check.ok]
+        checks = [disk_space([plan], path.parent), *open_rig_checks(rig, plan)]
+        failed = [check for check in checks if not check.ok]
     except DeviceError as fault:
         raise NotReadyError(str(fault)) from fault
     if failed:

@@ -6,9 +6,13 @@ import atexit
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from drivers.safe_shutdown import DEVICE_S, SafetyReport, in_time, make_safe
+from drivers.safe_shutdown import SafetyReport, in_time, make_safe
 from labrig.experiment.rig.rig import DRIVE, Rig
 from labrig.experiment.watchdog import NoWatchdog, Watchdog
+
+# All of a shutdown with boards that do not answer ends within 10 s of their last answer: our own
+# devices have their time (`drivers.safe_shutdown`), the boards are let go of, the guard reports.
+_RELEASE_S = 0.3
 
 
 class SafeShutdown:
@@ -36,7 +40,7 @@ class SafeShutdown:
         rig = self._rig
         for release in (rig.output.abandon, rig.read_back.close, rig.boards.close):
             with suppress(Exception):  # of other distributions' boards, too: the guard is next
-                in_time(rig.clock, "releasing the boards", release, DEVICE_S)
+                in_time(rig.clock, "releasing the boards", release, _RELEASE_S)
         found = self.watchdog.act()
         if found is None:
             return own

@@ -31,7 +31,7 @@ def output_place(config: RigConfig) -> dict[str, Any]:
         config.boards.settings(),
         amplifier.limit_board_V,
         limits.safe_below_V,
-        None if config.interlock is None else config.interlock.line,
+        config.interlock_line,
     )
 
 

@@ -10,6 +10,7 @@ from typing import Protocol
 from drivers.guard import Guard, GuardSettings
 from drivers.interfaces import DeviceError, Interlock
 from drivers.safe_shutdown import SafetyReport
+from drivers.watch import WatchLink, read_token
 from labrig.errors import NotReadyError
 from labrig.experiment.rig.rig import Rig
 from labrig.experiment.safety import output_place
@@ -67,6 +68,36 @@ class InterlockWatchdog:
         self._interlock.beat()
 
 
+class FarWatchdog:
+    """Another watchdog, and the watch at the boards beside it."""
+
+    def __init__(self, watch: Watchdog, link: WatchLink) -> None:
+        self._watch = watch
+        self._link = link
+
+    def new_run(self) -> None:
+        """See `Watchdog.new_run`."""
+        self._watch.new_run()
+        self._link.new_run()
+
+    def beat(self) -> None:
+        """See `Watchdog.beat`."""
+        self._watch.beat()
+        self._link.beat()
+
+    def energised(self, on: bool) -> None:
+        """See `Watchdog.energised`. Both must hear of a voltage before it is written."""
+        self._watch.energised(on)
+        self._link.energised(on)
+
+    def act(self) -> SafetyReport | None:
+        """See `Watchdog.act`. The watch acts too, unless the guard has read 0 V back."""
+        report = self._watch.act()
+        if report is not None and report.is_safe:
+            self._link.energised(on=False)
+        return report
+
+
 @contextmanager
 def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
     """Start the watchdog of a run. Raise NotReadyError if it cannot; nothing is energised then.
@@ -74,7 +105,7 @@ def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
     If this program is killed, the guard leaves its report beside the session.
     """
     forget_guard_report(session)  # of an earlier one of this name
-    with _guard_of(rig, session) as watch:
+    with _guard_of(rig, session) as guard, _with_the_watch(rig, guard) as watch:
         if rig.interlock is None:
             yield watch
             return
@@ -90,6 +121,24 @@ def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
         finally:
             with suppress(Exception):  # without edges it drops, which is the safe side
                 rig.interlock.close()
+
+
+@contextmanager
+def _with_the_watch(rig: Rig, guard: Watchdog) -> Iterator[Watchdog]:
+    """Add the watch at the boards, where rig.toml names one."""
+    watch = None if rig.config.is_simulated else rig.config.watch
+    if watch is None:
+        yield guard
+        return
+    try:
+        token = read_token(watch.token)
+        link = WatchLink(*watch.host_and_port, token, output_place(rig.config))
+    except DeviceError as fault:
+        raise NotReadyError(str(fault)) from fault
+    try:
+        yield FarWatchdog(guard, link)
+    finally:
+        link.close()
 
 
 @contextmanager

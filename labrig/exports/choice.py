@@ -44,6 +44,8 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
     target = Path(folder)
     try:
         target.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadInputError(f"{target}: this is a file, a folder is needed.") from None
     except OSError as error:
         raise BadInputError(f"{target}: cannot be made ({error.strerror}).") from None
     try:

@@ -120,7 +120,14 @@ def _strip(width: int, text: str) -> Picture:
 
     strip = np.zeros((_CAPTION_PX, width), np.uint8)
     cv2.putText(
-        strip, text, (8, _CAPTION_PX - 9), cv2.FONT_HERSHEY_SIMPLEX, 0.5, 255, 1, cv2.LINE_AA
+        img=strip,
+        text=text,
+        org=(8, _CAPTION_PX - 9),
+        fontFace=cv2.FONT_HERSHEY_SIMPLEX,
+        fontScale=0.5,
+        color=255,
+        thickness=1,
+        lineType=cv2.LINE_AA,
     )
     return strip
 

@@ -6,7 +6,7 @@ What was found is kept in SQLite in the user's cache folder, by each file's time
 from labrig.library.conditions import ConditionMean, compare_means, condition_means
 from labrig.library.entry import CatalogueEntry, read_entry
 from labrig.library.index import Library
-from labrig.library.select import COLUMNS, FoundSessions, Selection
+from labrig.library.select import COLUMNS, FoundSessions, SessionQuery
 
 __all__ = [
     "COLUMNS",
@@ -14,7 +14,7 @@ __all__ = [
     "ConditionMean",
     "FoundSessions",
     "Library",
-    "Selection",
+    "SessionQuery",
     "compare_means",
     "condition_means",
     "read_entry",

@@ -16,7 +16,7 @@ from labrig.library.database import Database
 from labrig.library.entry import CatalogueEntry, read_entry
 from labrig.library.fits import ModelFits, looks_like_model, read_fits
 from labrig.library.records import choose_fits, entry_of_row, forget, put_entry, put_model
-from labrig.library.select import FoundSessions, Selection, select
+from labrig.library.select import FoundSessions, SessionQuery, select
 
 MOST_FILES = 1_000_000
 MOST_MODEL_BYTES = 1 << 20
@@ -70,13 +70,13 @@ class Library:
                 self._pending = self._refresh(budget_s, advance)
             return self._pending
 
-    def find(self, wanted: Selection) -> FoundSessions:
+    def find(self, wanted: SessionQuery) -> FoundSessions:
         """Return the sessions that fit, as they were at the last `refresh`, with their fits."""
         return self._asked(lambda connection: select(connection, wanted))
 
     def entries(self) -> list[CatalogueEntry]:
         """Return all sessions, in the order of their names."""
-        return list(self.find(Selection(sort="name", down=False)).entries)
+        return list(self.find(SessionQuery(sort="name", down=False)).entries)
 
     def entry(self, name: str) -> CatalogueEntry | None:
         """Return the session of this name, if it is known."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import json
 import sqlite3
 from collections.abc import Iterator, Sequence
@@ -13,12 +14,12 @@ from labrig.library.database import NUMBER_COLUMNS, TEXT_COLUMNS
 from labrig.library.entry import CatalogueEntry
 from labrig.library.records import entry_of_row
 
-_FEW = 5_000  # sessions that are sorted quickly
+_FEW = 10_000  # sessions that are sorted quickly
 COLUMNS = ("name", *TEXT_COLUMNS, *NUMBER_COLUMNS)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Selection:
+class SessionQuery:
     """What is asked for. What a session does not have comes last, whichever way it is sorted.
 
     `text` is looked for in name, protocol, sheet, reason and fault, in what is stated of people and
@@ -35,7 +36,9 @@ class Selection:
 
     def __post_init__(self) -> None:
         if self.sort not in COLUMNS:
-            raise BadInputError(f"{self.sort!r} is no column; there are {', '.join(COLUMNS)}.")
+            close = difflib.get_close_matches(self.sort, COLUMNS, n=1)
+            hint = f"did you mean {close[0]}" if close else "started, name and B_Nm2 are some"
+            raise BadInputError(f"--sort {self.sort}: there is no such column; {hint}.")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,7 +49,7 @@ class FoundSessions:
     total: int
 
 
-def select(connection: sqlite3.Connection, wanted: Selection) -> FoundSessions:
+def select(connection: sqlite3.Connection, wanted: SessionQuery) -> FoundSessions:
     """Return the page that is asked for."""
     fitting = _fitting(connection, wanted)
     if fitting is None:
@@ -58,26 +61,34 @@ def select(connection: sqlite3.Connection, wanted: Selection) -> FoundSessions:
     return FoundSessions(entries=tuple(entry_of_row(rows[one]) for one in page), total=total)
 
 
-def _fitting(connection: sqlite3.Connection, wanted: Selection) -> set[int] | None:
+def _fitting(connection: sqlite3.Connection, wanted: SessionQuery) -> set[int] | None:
     """Return the ids of sessions that fit; None where all do. Each table is gone through once."""
     asked = list[tuple[str, list[str]]]()
-    words = wanted.text.lower().split()
-    if words:
-        each = " AND ".join(["instr(words, ?)"] * len(words))
-        asked.append((f"SELECT id FROM texts WHERE {each}", words))  # noqa: S608 - of constants
     if wanted.outcome:
-        asked.append(("SELECT id FROM sessions WHERE outcome = ?", [wanted.outcome]))
+        asked.append(("sessions WHERE outcome = ?", [wanted.outcome]))
     if wanted.sheet:
-        asked.append(("SELECT id FROM sheets WHERE sheet = ?", [wanted.sheet]))
-    if not asked:
-        return None
-    return set.intersection(
-        *({number for (number,) in connection.execute(text, values)} for text, values in asked)
-    )
+        asked.append(("sheets WHERE sheet = ?", [wanted.sheet]))
+    words = wanted.text.lower().split()
+    if words:  # last, since it takes longest: among few sessions it is quick
+        asked.append((f"texts WHERE {' AND '.join(['instr(words, ?)'] * len(words))}", words))
+    found: list[int] | None = None
+    for where, values in asked:
+        among, few = "", found is not None and len(found) <= _FEW
+        if few:
+            among, values = (
+                " AND id IN (SELECT value FROM json_each(?))",
+                [*values, json.dumps(found)],
+            )
+        # As one text: to fetch a hundred thousand rows takes Python longer than to find them.
+        text = f"SELECT json_group_array(id) FROM {where}{among}"  # noqa: S608 - constants
+        (new,) = connection.execute(text, values).fetchone()
+        ids: list[int] = json.loads(new)
+        found = ids if few or found is None else list(set(found).intersection(ids))
+    return None if found is None else set(found)
 
 
 def _ordered(
-    connection: sqlite3.Connection, wanted: Selection, fitting: set[int] | None
+    connection: sqlite3.Connection, wanted: SessionQuery, fitting: set[int] | None
 ) -> Iterator[int]:
     """Yield ids from the first that is wanted on: those that have what is sorted by, then others.
 

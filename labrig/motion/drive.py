@@ -11,15 +11,17 @@ import numpy as np
 
 from labrig.config import load_protocol
 from labrig.errors import BadInputError
-from labrig.session.tables.csv_rows import CsvRow, read_rows
+from labrig.session.tables.csv_rows import CsvRow
 from labrig.session.tables.decimals import from_plain
+from labrig.session.tables.table import read_table
+from labrig.session.tables.text.meaning import ExpectedColumns
 from model.dynamics import HeldVoltage
 from protocols import Purpose, ReadingKind, ScheduleError
 from protocols.kinds.fields import LARGEST_VOLTAGE_V
 from protocols.planning.builder import StepsAndReadings
 from protocols.planning.schedule import PlannedRun
 
-_COLUMNS = ("time_s", "voltage_V")
+_COLUMNS = ExpectedColumns(kind="drive", required=("time_s", "voltage_V"), renamed=False)
 _MOST_ROWS = 1_000_000
 
 
@@ -50,7 +52,7 @@ def load_drive(path: Path, run: int | None) -> MotionDrive:
         return _of_protocol(path, run)
     if run is not None:
         raise BadInputError(f"--run {run}: {path} is a table of one run; leave --run out.")
-    return _of_rows(path, list(read_rows(path, _COLUMNS, ())))
+    return _of_rows(path, read_table(path, _COLUMNS).rows())
 
 
 def _of_protocol(path: Path, number: int | None) -> MotionDrive:

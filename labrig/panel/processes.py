@@ -87,9 +87,9 @@ def end_with_children(leader: int) -> None:
     if sys.platform == "win32":
         command = ["taskkill", "/F", "/T", "/PID", str(leader)]
         subprocess.run(command, capture_output=True, check=False)
-        return
-    with suppress(OSError):
-        os.killpg(leader, signal.SIGKILL)
+    else:
+        with suppress(OSError):
+            os.killpg(leader, signal.SIGKILL)
 
 
 def be_ended_first() -> None:

@@ -18,10 +18,11 @@ from labrig.session.reading.session import LoggedEvent, RecordedSession, open_se
 from labrig.session.recording.writer import SessionWriter, WriterError
 from labrig.session.repair.recover import RecoverReport, is_left_by_a_crash, recover
 from labrig.session.repair.verify import verify
-from labrig.session.tables import read_tables, write_tables
+from labrig.session.tables import ColumnNames, column_names, read_tables, write_tables
 from labrig.session.tables.exchange import export_session, import_session
 
 __all__ = [
+    "ColumnNames",
     "LoggedEvent",
     "Mark",
     "Note",
@@ -33,6 +34,7 @@ __all__ = [
     "add_mark",
     "add_note",
     "add_waiting",
+    "column_names",
     "compare_sessions",
     "drop_measurements",
     "export_session",

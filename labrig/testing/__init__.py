@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import section_faults as section_faults
     from labrig.testing.conformance import signal_faults as signal_faults
     from labrig.testing.conformance import simulated_board_faults as simulated_board_faults
+    from labrig.testing.conformance import simulated_family_faults as simulated_family_faults
     from labrig.testing.conformance import (
         simulated_serial_device_faults as simulated_serial_device_faults,
     )
@@ -76,6 +77,7 @@ _HOMES = {
         "section_faults",
         "signal_faults",
         "simulated_board_faults",
+        "simulated_family_faults",
         "simulated_serial_device_faults",
     ),
     "labrig.testing.fake_rig": ("FakeRig", "short_schedule"),

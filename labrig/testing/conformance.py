@@ -35,6 +35,7 @@ from model.effects.conformance import faults as effect_faults
 from model.locations.conformance import faults as location_faults
 from protocols.extras.conformance import faults as extra_faults
 from protocols.kinds.conformance import faults as protocol_faults
+from sim_hardware.families.contract import faults as simulated_family_faults
 from sim_hardware.ni.boards import faults as simulated_board_faults
 from sim_hardware.serial_devices.contract import faults as simulated_serial_device_faults
 
@@ -66,6 +67,7 @@ __all__ = [
     "section_faults",
     "signal_faults",
     "simulated_board_faults",
+    "simulated_family_faults",
     "simulated_serial_device_faults",
     "verdict_check_faults",
 ]

@@ -7,6 +7,7 @@ free or held by the rolls of the load cell. `Simulation` goes on from where it s
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import cos, sin
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -133,6 +134,12 @@ class Simulation:
         if setup is not None and released_from is not None:
             raise ModelError("only a free sheet can be released from a shape")
         self._found: Equilibria | None = None
+        # the rolls' polar angle, where they do not move
+        self._rests_rad = (
+            float(setup.angles(np.zeros(1))[0])
+            if setup is not None and not callable(setup.position_m)
+            else None
+        )
         self._begin(drive, released_from)
         on = self.body.space
         self._scheme = scheme(
@@ -279,17 +286,20 @@ class Simulation:
     def _places(self, times: FloatArray) -> FloatArray:
         """Return p_hat, (n, 2)."""
         places = np.zeros((len(times), 2))
-        if self.setup is not None:
-            rests = not callable(self.setup.position_m)
-            beta = self.setup.angles(times[:1] if rests else times)
-            places[:, 0] = self.setup.radius_m * np.cos(beta)
-            places[:, 1] = self.setup.radius_m * np.sin(beta)
+        if self._rests_rad is not None and self.setup is not None:
+            R, beta = self.setup.radius_m, self._rests_rad
+            places[:] = (R * cos(beta), R * sin(beta))
+        elif self.setup is not None:
+            angles = self.setup.angles(times)
+            places[:, 0] = self.setup.radius_m * np.cos(angles)
+            places[:, 1] = self.setup.radius_m * np.sin(angles)
         return places
 
-    def _polar(self, places: FloatArray) -> FloatArray:
+    def _polar(self, places: FloatArray) -> FloatArray | float:
         """Return the polar angles of the rolls; one where they rest."""
-        some = places if self.setup is not None and callable(self.setup.position_m) else places[:1]
-        return np.arctan2(some[:, 1], some[:, 0])
+        if self._rests_rad is not None:
+            return self._rests_rad
+        return np.arctan2(places[:, 1], places[:, 0])
 
     def _drive(
         self, drive: HeldVoltage | PrescribedMoment, ends: FloatArray, step_s: FloatArray

@@ -99,11 +99,11 @@ def packed(on: Space, mass: FloatArray, fluid: FloatArray) -> Packed:
 
 def coefficients(on: Space, quantity: Field) -> FloatArray:
     """Return the best approximation of a quantity along the sheet, (N,); not to be changed."""
-    return _coefficients(Panels(on), _Quantity(quantity))
+    return _coefficients(Panels(on), _FieldKey(quantity))
 
 
-class _Quantity:
-    """A quantity along the sheet as a key: a search asks about the same one again and again."""
+class _FieldKey:
+    """A field as a key: a search asks about the same one again and again."""
 
     __slots__ = ("_key", "field")
 
@@ -115,11 +115,11 @@ class _Quantity:
         return hash(self._key)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Quantity) and self._key == other._key
+        return isinstance(other, _FieldKey) and self._key == other._key
 
 
 @lru_cache(maxsize=64)
-def _coefficients(panels: Panels, of: _Quantity) -> FloatArray:
+def _coefficients(panels: Panels, of: _FieldKey) -> FloatArray:
     on, quantity = panels.on, of.field
     breaks = np.unique(np.concatenate([quantity.breaks_m, on.breaks_m[: on.flexible + 1]]))
     values = np.zeros(on.size)

@@ -121,6 +121,9 @@ def _observation(condition: Condition, sheet: SheetGeometry) -> Observation | No
     free = condition.position_m is None
     mean = float(np.mean(forces)) if len(forces) and not free else np.nan
     variance = float(np.var(forces, ddof=1)) if len(forces) > 1 and not free else np.nan
+    count = len(forces)
+    if count == 1 and not free and readings[0].sd_N is not None:  # a mean that says its scatter
+        variance, count = readings[0].sd_N ** 2, readings[0].mean_of
     run = (
         condition.configuration,
         condition.position_m if not free else np.inf,
@@ -135,7 +138,7 @@ def _observation(condition: Condition, sheet: SheetGeometry) -> Observation | No
         run=(run[0], float(run[1] or 0.0), run[2], run[3]),
         force_N=mean,
         force_variance_N2=variance,
-        readings=len(forces),
+        readings=count,
         curve=curve,
     )
 

@@ -113,8 +113,8 @@ def _check_forces(observed: Observed, part: BaseParameters, *, stated: bool) -> 
         _check_shapes(observed)
     elif forces < wanted:
         raise ModelError(
-            f"configuration '{name}': {forces} condition(s) with a force cannot fix"
-            f" {wanted} parameters (B, one EIBM for each driving voltage); measure more positions"
+            f"'{name}': B and an EIBM for each voltage need {wanted} forces, and there are"
+            f" {forces}; measure more positions"
         )
 
 

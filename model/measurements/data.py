@@ -121,6 +121,10 @@ class Reading(Displayed):
     frame_s: float | None = None  # middle of the exposure that shows `curve`, since the run began
     # of further channels at the sampling point, by name and unit: {"temperature_degC": 21.5}
     other_values: Mapping[str, float] = field(default_factory=dict)
+    # Of a mean that was written down in place of its readings: how many they were, and their
+    # standard deviation; None: not stated
+    mean_of: int = 1
+    sd_N: float | None = None
 
     def summary(self) -> Summary:
         """Return what was read, and why it does not count."""

@@ -110,8 +110,8 @@ class ChannelRows:
             if name not in names:
                 found = ", ".join(names) or "none"
                 raise DeviceError(
-                    f"the signal input has no channel {name!r}, only {found}; wire it in [ni] of "
-                    "rig.toml"
+                    f"the signal input has no channel {name!r}, only {found}; wire it in the "
+                    "boards' table of rig.toml"
                 )
         for name in names:
             if name not in known:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import select
+import sys
 import threading
 
 from sim_hardware.serial_devices.contract import SerialDevice
@@ -13,24 +14,29 @@ from sim_hardware.serial_devices.wire import SerialFaults, Wire
 _POLL_S = 0.005
 
 
+def _open() -> tuple[int, int, str]:
+    """Return both ends of a new line, and what a serial library opens it by."""
+    if sys.platform != "win32":
+        import pty
+        import tty
+
+        ours, theirs = pty.openpty()
+        tty.setraw(theirs)
+        os.set_blocking(ours, False)
+        return ours, theirs, os.ttyname(theirs)
+    raise OSError(
+        "simulated serial ports need pseudo-terminals, which this system does not have: "
+        "use `simulated` as the device's address instead"
+    )
+
+
 class PtyPort:
     """Serves a device at `path`, which any serial library opens, until `stop`."""
 
     def __init__(self, device: SerialDevice, faults: SerialFaults | None = None) -> None:
-        try:
-            import pty
-            import tty
-        except ImportError:
-            raise OSError(
-                "simulated serial ports need pseudo-terminals, which this system does not have: "
-                "use `simulated` as the device's address instead"
-            ) from None
         self._wire = Wire(device, faults)
         # This end of the line is kept open too: between two clients it must not look unplugged.
-        self._ours, self._theirs = pty.openpty()
-        tty.setraw(self._theirs)
-        os.set_blocking(self._ours, False)
-        self.path = os.ttyname(self._theirs)
+        self._ours, self._theirs, self.path = _open()
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._serve, name="serial-device", daemon=True)
         self._thread.start()

@@ -155,6 +155,16 @@ class World:
             self._relay.edge(when)
             self._write_row(when)
 
+    def level(self, line: str, *, high: bool, when: float) -> None:
+        """Pass on the level of a digital line that holds the relay by itself (such as EIO0)."""
+        if not self.settings.interlock.line or line != self.settings.interlock.line:
+            return
+        with self._lock:
+            self._history.advance(when)
+            self._relay.hold(on=high)
+            self._amplifier.supply(max(when, self._history.reached_s), on=high)
+            self._write_row(when)
+
     def _watch_supply(self, until_s: float) -> None:
         """Before anything is asked of a time: the relay may have opened by then."""
         dropped_s = self._relay.drop(until_s)

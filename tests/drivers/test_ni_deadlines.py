@@ -3,6 +3,7 @@ import threading
 import time
 from ctypes.util import find_library
 
+import grpc
 import pytest
 from nidaqmx._stubs import nidaqmx_pb2 as messages
 
@@ -64,3 +65,37 @@ def test_without_a_driver_the_local_address_tells_what_to_install():
 def test_a_connection_that_is_not_open_is_said_so():
     with pytest.raises(DeviceError, match="not open"):
         NiConnection("rig:31763").devices()
+
+
+def test_a_server_that_let_a_call_run_out_of_time_gets_less_until_it_answers():
+    given = []
+
+    class Call:
+        def __init__(self, code):
+            self._code = code
+
+        def add_done_callback(self, call):
+            call(self)
+
+        def code(self):
+            return self._code
+
+    answers = iter([grpc.StatusCode.DEADLINE_EXCEEDED] * 2 + [grpc.StatusCode.OK] * 2)
+
+    def continuation(details, _request):
+        given.append(details.timeout)
+        return Call(next(answers))
+
+    interceptor = ni_deadlines.DeadlineInterceptor()
+    details = ni_deadlines._CallDetails(
+        method="/nidaqmx_grpc.NiDAQmx/CreateTask",
+        timeout=None,
+        metadata=None,
+        credentials=None,
+        wait_for_ready=None,
+        compression=None,
+    )
+    for _ in range(4):
+        interceptor.intercept_unary_unary(continuation, details, object())
+    hurried = ni_deadlines.HURRIED_SLOW_S
+    assert given == [SLOW_S, hurried, hurried, SLOW_S]

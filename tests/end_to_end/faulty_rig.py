@@ -51,6 +51,7 @@ class FaultyRig:
     folder: Path
     capsys: pytest.CaptureFixture[str]
     writes: list[float]
+    board: str = "ni"
 
     def run(
         self,
@@ -64,7 +65,7 @@ class FaultyRig:
 
         `look`: into the session, too. `options`: more of the command's, once the files are there.
         """
-        folder = make_rig(self.folder / "rig", PROTOCOL, world)
+        folder = make_rig(self.folder / "rig", PROTOCOL, world, self.board)
         text = (folder / "rig.toml").read_text()
         for old, new in rig:
             assert old in text

@@ -11,8 +11,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from labrig.config.templates import template_text, write_templates
-from labrig.experiment.rig.networked_rig import served_rig
+from labrig.config.templates import write_templates
+from labrig.experiment.rig.networked_rig import SERVED_BOARDS, served_rig
 from tests.labrig.panel.page import TOO_BUSY, TRIES
 
 PROTOCOL = """
@@ -32,12 +32,13 @@ Row = dict[str, str]
 class ServedRig:
     """Its folder, its files, and the world's own record of what happened. Serves many runs."""
 
-    def __init__(self, folder: Path, addresses: dict[str, str]) -> None:
+    def __init__(self, folder: Path, addresses: dict[str, str], board: str = "ni") -> None:
         self.folder = folder
         self.addresses = addresses
-        write_templates(folder / "rig", simulated=True)
-        text = template_text("rig_simulated.toml")
-        text = text.replace('address = "simulated"', f'address = "{addresses["grpc"]}"')
+        write_templates(folder / "rig", simulated=True, board=board)
+        text = (folder / "rig" / "rig.toml").read_text()
+        boards = addresses[SERVED_BOARDS.get(board, board)]
+        text = text.replace('address = "simulated"', f'address = "{boards}"')
         text = text.replace('source = "simulated"', f'source = "{addresses["camera"]}"')
         text = text.replace('"manual"', f'"zaber"\nport = "{addresses["stage"]}"')
         (folder / "rig" / "rig.toml").write_text(text.split("[simulated]")[0])
@@ -124,13 +125,16 @@ class ServedRig:
 
 
 @contextmanager
-def serving(folder: Path, *options: str, world: str = "", more: str = "") -> Iterator[ServedRig]:
+def serving(
+    folder: Path, *options: str, world: str = "", more: str = "", board: str = "ni"
+) -> Iterator[ServedRig]:
     """Serve a rig until the block ends; `more` is added to its rig.toml."""
     if world:
         (folder / "faulty.toml").write_text(world)
         options = (*options, "--world", str(folder / "faulty.toml"))
+    options = (*options, "--boards", board)
     with served_rig(folder / "world.csv", "long", options) as addresses:
-        rig = ServedRig(folder, addresses)
+        rig = ServedRig(folder, addresses, board)
         with (folder / "rig" / "rig.toml").open("a") as file:
             file.write(more)
         try:

@@ -53,9 +53,9 @@ positions_mm = [10]
 """
 
 
-def make_rig(folder: Path, protocol: str = PROTOCOL, world: str = "") -> Path:
+def make_rig(folder: Path, protocol: str = PROTOCOL, world: str = "", board: str = "ni") -> Path:
     """A simulated rig's files in `folder`; `world` is the text of a world.toml of its own."""
-    write_templates(folder, simulated=True)
+    write_templates(folder, simulated=True, board=board)
     (folder / "protocol.toml").write_text(protocol)
     if world:
         (folder / "world.toml").write_text(world)

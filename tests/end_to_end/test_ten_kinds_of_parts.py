@@ -80,6 +80,8 @@ PARTS = [
             shown("howto/report.md", "Add a section")),
     Example("humidity", "labrig/panel/pages", "page_panels", "PAGE",
             shown("howto/panel.md", "Add a page")),
+    Example("readings_of_each", "labrig/batch/tasks", "batch_tasks", "TASK",
+            shown("howto/batch.md", "Add a task")),
     Example("count_readings", "labrig/cli/commands", "commands", "COMMAND",
             shown("howto/commands.md", "Add a command")),
 ]  # fmt: skip
@@ -220,12 +222,13 @@ def test_an_extractor_finds_a_curve(path, tmp_path):
     assert "strip: 30.0 mm" in said
 
 
-def test_a_section_and_a_command_use_an_analysed_session(path, tmp_path):
+def test_a_section_a_command_and_a_batch_task_use_an_analysed_session(path, tmp_path):
     session(tmp_path / "made.h5", measure("long", curves=False))
     labrig(path, tmp_path, "report", "made.h5", "-o", "report")
     assert "Every force" in next((tmp_path / "report").glob("*.html")).read_text("utf-8")
     assert int(labrig(path, tmp_path, "count-readings", "made.h5")) > 0
     assert "count-readings" in labrig(path, tmp_path, "--help")
+    assert "1 done" in labrig(path, tmp_path, "batch", "readings_of_each", "made.h5")
 
 
 def test_a_page_is_listed_by_the_panel(path, tmp_path):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import threading
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
@@ -9,8 +11,8 @@ from typing import Any, cast
 import pytest
 
 from drivers.guard import __main__ as guard
+from drivers.guard.rescuer import Rescuer
 from drivers.guard.settings import GuardSettings
-from drivers.guard.watch import Ending
 from drivers.interfaces import RealClock
 from drivers.safe_shutdown import Safety, SafetyReport
 from labrig.errors import NotReadyError, OutputUnknownError
@@ -114,9 +116,44 @@ class Rescue:
 def test_the_guard_tries_again_whatever_the_boards_code_raises(on: str) -> None:
     rescue = Rescue(breaks=1, breaks_on=on)
     settings = GuardSettings(boards="other", place={}, time_under_voltage_s=1.0)
-    rescuer = guard._Rescuer(settings, rescue, RealClock(), lambda: None, lambda *_: "it hangs")
-    assert rescuer.act(Ending.HUNG).is_safe
+    said: list[str] = []
+    rescuer = Rescuer(settings, rescue, lambda: rescue, RealClock(), said.append)
+    assert rescuer.act(lambda: None, lambda *_: "it hangs").is_safe
     assert rescue.tries == 2
+    assert [json.loads(each)["why"] for each in said] == ["it hangs"]
+
+
+def test_the_guard_reports_boards_that_hang_and_makes_them_safe_beside_the_attempt_that_does(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name, value in (("TELL_S", 0.05), ("REPORT_S", 0.2), ("HANGS_S", 0.3)):
+        monkeypatch.setattr(f"drivers.guard.rescuer.{name}", value)
+    never = threading.Event()
+
+    class Hung(Rescue):
+        def make_safe(self, _patience_s: float, _on_held: object) -> SafetyReport:
+            never.wait(20.0)
+            return SAFE
+
+    good = Rescue()
+    good.tries = 1
+    path = tmp_path / "guard.json"
+    settings = GuardSettings(boards="other", place={}, report_path=str(path))
+    said: list[str] = []
+
+    def send(facts: str) -> None:
+        said.append(facts)
+        path.unlink(missing_ok=True)  # the program has its report, and ends as it should
+
+    rescuer = Rescuer(settings, Hung(), lambda: good, RealClock(), send)
+    assert rescuer.act(lambda: None, lambda *_: "the boards hang").is_safe
+    never.set()
+    assert [json.loads(each)["state"] for each in said] == ["unknown", "safe"]
+    lines = capsys.readouterr().err.splitlines()
+    assert "NOT KNOWN TO BE SAFE yet: switch the amplifier off by hand" in lines[0]
+    assert lines[1].endswith("; the guard keeps trying")
+    assert "the output is safe" in lines[-1]
+    assert not path.exists()
 
 
 def test_the_guard_says_why_foreign_boards_cannot_be_guarded(

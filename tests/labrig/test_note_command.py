@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from labrig.cli.main import run
-from labrig.library import Library, Selection
+from labrig.library import Library, SessionQuery
 from labrig.report.page.write import write_report
 from labrig.session import SessionWriter, open_session, verify
 from tests.labrig.report_data import TEXTS, measure, session
@@ -131,9 +131,9 @@ def test_the_library_finds_a_session_by_people_sample_and_notes(path, words):
     note(path, "a bubble at the clamp")
     library = Library(path.parent)
     library.refresh()
-    (found,) = library.find(Selection(text=words)).entries
+    (found,) = library.find(SessionQuery(text=words)).entries
     assert (found.sample, found.operators, found.notes) == ("S-17", ("Ada Example",), 1)
-    assert not library.find(Selection(text="somebody else")).total
+    assert not library.find(SessionQuery(text="somebody else")).total
 
 
 def test_list_shows_the_sample(path, capsys):

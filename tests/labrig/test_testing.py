@@ -33,6 +33,7 @@ KINDS = [
     "protocol_faults",
     "section_faults",
     "simulated_board_faults",
+    "simulated_family_faults",
     "simulated_serial_device_faults",
     "verdict_check_faults",
 ]

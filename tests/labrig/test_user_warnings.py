@@ -7,7 +7,7 @@ import warnings
 import pytest
 
 from drivers.plugins import PluginWarning
-from labrig.cli.user_warnings import shown_as_sentences
+from labrig.cli.sentences.user_warnings import shown_as_sentences
 from labrig.errors import RenamedKeyWarning
 
 

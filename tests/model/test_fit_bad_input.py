@@ -104,7 +104,7 @@ def test_invalid_conditions_are_left_out_and_noted(measure):
 
 
 def test_fewer_conditions_than_parameters(data):
-    with pytest.raises(ModelError, match=r"cannot fix 3 parameters"):
+    with pytest.raises(ModelError, match=r"need 3 forces"):
         fit(replace(data, conditions=data.conditions[1:3]))
 
 

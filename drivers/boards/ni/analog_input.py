@@ -27,9 +27,10 @@ from drivers.interfaces import (
 )
 
 INPUT_TASK = "labrig-input"
+_THERE_S = 0.2  # for samples that are there already
 BUFFER_S = 10.0  # samples unread for longer are lost
 _MOST_S = 600.0  # of samples in one read: far beyond any buffer, and still in memory
-MARGIN_S = 2.0  # a read may take this much longer than its samples
+MARGIN_S = 1.0  # a read may take this much longer than its samples
 
 
 @dataclass(frozen=True)
@@ -115,7 +116,7 @@ class NiSignalInput:
         try:
             with self._errors(f"reading the inputs {self._wiring}"):
                 waiting = int(task.in_stream.avail_samp_per_chan)
-            volts = self._read(waiting)
+            volts = self._read(waiting, _THERE_S)
         except LostSamplesError as fault:
             raise LostSamplesError(f"{fault}; {self._how_many_lost(task)}") from fault
         block = SignalBlock(self._next_index, volts, self._clock.now())
@@ -134,7 +135,8 @@ class NiSignalInput:
         """See `SignalInput.measure`."""
         self.start()
         try:
-            volts = self._read(max(1, math.ceil(duration_s * self._rate_hz)))
+            samples = max(1, math.ceil(duration_s * self._rate_hz))
+            volts = self._read(samples, samples / self._rate_hz + MARGIN_S)
         except BaseException:
             with suppress(DeviceError):  # the failure to read is the one to report
                 self.stop()
@@ -200,8 +202,8 @@ class NiSignalInput:
                 f"sense where {self._asked_hz:g} Hz were asked for; restart the server or driver"
             )
 
-    def _read(self, samples: int) -> FloatArray:
-        """Exactly this many samples of each channel; waits until they have come."""
+    def _read(self, samples: int, wait_s: float) -> FloatArray:
+        """Exactly this many samples of each channel; waits so long until they have come."""
         if not 0 <= samples <= _MOST_S * self._rate_hz:
             raise DeviceError(
                 f"{self._wiring}: {samples} samples are said to wait, more than fit anywhere; "
@@ -211,9 +213,7 @@ class NiSignalInput:
         if samples == 0:
             return volts
         with self._errors(f"reading {samples} samples of {self._wiring}"):
-            read = self._reader.read_many_sample(
-                volts, samples, timeout=samples / self._rate_hz + MARGIN_S
-            )
+            read = self._reader.read_many_sample(volts, samples, timeout=wait_s)
         if read != samples:
             raise DeviceError(
                 f"{self._wiring}: {samples} samples were asked for, {read} came; restart the run"

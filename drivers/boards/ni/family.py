@@ -59,8 +59,10 @@ class NiBoards:
         channels = [InputChannel(*each, "differential") for each in inputs]
         return NiSignalInput(self.connection, self._clock, channels, rate_hz, name)
 
-    def interlock(self, line: str) -> NiInterlock:
+    def interlock(self, line: str | None) -> NiInterlock:
         """See `BoardConnection.interlock`."""
+        if line is None:
+            raise DeviceError("NI boards have no watchdog of their own: name the interlock's line")
         name = self.settings.task_names.interlock
         return NiInterlock(self.connection, self._clock, line, name)
 

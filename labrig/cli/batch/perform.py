@@ -43,7 +43,7 @@ class BatchRequest:
 def perform_batch(name: str, task: BatchTask, request: BatchRequest) -> None:
     """Find the inputs, do what is not done yet, write table and summary."""
     from labrig.batch.inputs import found_inputs
-    from labrig.batch.plan import Wanted, plan
+    from labrig.batch.plan import BatchOrder, plan
 
     if request.scheduler is not None and request.workers is not None:
         raise BadInputError("give either --workers or --scheduler: a cluster has its own workers.")
@@ -51,7 +51,7 @@ def perform_batch(name: str, task: BatchTask, request: BatchRequest) -> None:
         raise BadInputError(f"{request.output}: this is a file, a folder is needed.")
     task.check()
     found = found_inputs(request.patterns, task.takes, request.output.absolute().parent)
-    wanted = Wanted(
+    wanted = BatchOrder(
         name=name,
         task=task,
         inputs=found.inputs,

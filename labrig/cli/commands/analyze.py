@@ -18,7 +18,9 @@ def analyze(
         str | None, typer.Option(help="name of a curve extractor; default: the built-in one")
     ] = None,
 ) -> None:
-    """Measure forces and neutral curves, and keep them in the session.
+    """Measure a session's forces and neutral curves.
+
+    They are kept in the session.
 
     Measurements that it holds already are replaced; what was recorded is never changed.
     """

@@ -10,7 +10,9 @@ from labrig.cli.command import Command, CommandExample
 app = typer.Typer(
     cls=BatchGroup,
     no_args_is_help=True,
-    help="""Do the same for many sessions, tables or models, in several processes or on a cluster.
+    help="""Do the same for many sessions, tables or models.
+
+    It runs in several processes, or on a cluster.
 
     A line of rows.jsonl is kept for each as it ends; the same command goes on where it was broken
     off, and does again what has changed. What was found is also one table (CSV, and Parquet where

@@ -35,6 +35,7 @@ def load_cell(
 
     The output stays at 0 V. The calibration that is replaced is kept under its date.
     """
+    from labrig.config.file_kinds import LOAD_CELL, refuse_to_replace
     from labrig.experiment.load_cell_calibration import weigh, write_calibration
     from labrig.experiment.operator import ConsoleOperator, NoOperator
     from labrig.experiment.preflight import plan_of
@@ -46,6 +47,8 @@ def load_cell(
             "--weight-mN 0 --weight-mN 19.6 --weight-mN 49."
         )
     plan = plan_of(rig)
+    path = output or plan.rig.load_cell.calibration
+    refuse_to_replace(path, LOAD_CELL)
     operator = NoOperator(warn) if yes else ConsoleOperator(warn)
     found = weigh(wire(plan, operator), plan, [load / 1000 for load in weight_mN], warn)
     rows = [
@@ -58,7 +61,6 @@ def load_cell(
         f"sensitivity {made.sensitivity_V_per_N:.6f} ± {made.sensitivity_sigma_V_per_N:.6f} V/N, "
         f"offset {1e6 * made.offset_V:+.2f} ± {1e6 * made.offset_sigma_V:.2f} µV"
     )
-    path = output or plan.rig.load_cell.calibration
     write_calibration(made, path)
     say(f"wrote {path}")
 
@@ -91,9 +93,12 @@ def camera(
     Print the board with `labrig calibrate board`. One image of it, flat in the sheet's plane, is
     enough; three or more fix the lens better.
     """
+    from labrig.config.file_kinds import OPTICS, refuse_to_replace
     from labrig.vision import calibrate_camera, calibrate_ruler, read_image
     from labrig.vision.calibration.drawing import drawing_beside, write_calibration_image
 
+    refuse_to_replace(output, OPTICS)
+    drawing = drawing_beside(output)
     photographs = [read_image(path) for path in images]
     clamp = _point(clamp_px, "--clamp-px")
     along = None if along_px is None else _point(along_px, "--along-px")
@@ -109,7 +114,6 @@ def camera(
             along_px=along,
         )
     _report(found, output)
-    drawing = drawing_beside(output)
     write_calibration_image(drawing, photographs[0], found.optics)
     say(f"wrote {drawing}: check that its lines run along the board's")
 
@@ -122,8 +126,10 @@ def board(
     marker_mm: MarkerMm = 3.6,
 ) -> None:
     """Write the calibration board as a PDF of its true size, with a ruler to check the print."""
+    from labrig.config.file_kinds import PDF, refuse_to_replace
     from labrig.vision import write_board_pdf
 
+    refuse_to_replace(output, PDF)
     write_board_pdf(output, _board(columns, rows, square_mm, marker_mm))
     say(f"wrote {output}; print it at 100 % and measure the ruler on it")
 

@@ -24,7 +24,7 @@ def check(
     about: AboutFile = None,
     as_json: Json = False,
 ) -> None:
-    """Preflight: everything that rig.toml names is there, quiet, calibrated and at 0 V.
+    """Check the rig: devices, calibrations, quiet, output at 0 V.
 
     Nothing but 0 V is written. Ends with code 3 when a check fails.
     """

@@ -53,7 +53,9 @@ def control(
         Path, typer.Option("--file", "-o", help="where the controller is written")
     ] = Path("controller.toml"),
 ) -> None:
-    """Design a controller of the force about rest at 0 V, and say what it will do.
+    """Design a controller of the force, and say what it does.
+
+    It is linear, about rest at 0 V.
 
     `labrig run --controller` uses it. PI has the highest integral gain at which the sensitivity's
     peak Ms stays below 1.6; LQG keeps the same bound.

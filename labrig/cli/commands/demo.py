@@ -41,7 +41,9 @@ def demo(
         bool, typer.Option("--simulated-only", help="leave out the ten seconds on the real clock")
     ] = False,
 ) -> None:
-    """Run the paper's experiment on the simulated rig: record, analyse, fit, diagnose, report.
+    """Run the paper's whole experiment on a simulated rig.
+
+    It records, analyses, fits, diagnoses and reports.
 
     Then ten seconds on the real clock, the same drivers speaking TCP and serial to the simulated
     boards, camera and stage in another process. Last a sheet that moves: a release and some pulses

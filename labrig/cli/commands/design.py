@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -54,7 +55,9 @@ def design(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Answer the design questions of the paper's section 5 for a working section.
+    """Answer the paper's design questions for a section.
+
+    The working section of the arc is that of the paper's section 5.
 
     Best line and controller, largest difference of shapes, shortest sheet, largest forces, force in
     both directions, the sheet of least area with and without a rigid elongation, and the work along
@@ -65,8 +68,12 @@ def design(
     place.
     """
     from labrig.api.design import design as design_for
-    from labrig.api.design import map_of_elongation
+    from labrig.api.design import map_of_elongation, section_m
 
+    section_m(section)
+    _check({"--force-mN": force_mN, "--mass-g": mass_g, "--bandwidth-Hz": bandwidth_Hz}, lag_s)
+    if output is not None and output.exists() and not output.is_dir():
+        raise BadInputError(f"{output}: this is a file, a folder is needed.")
     known = StatedModel(model, eibm or (), stiffness_Nm2).model()
     answers = design_for(
         known, section, configuration=configuration or (), force_mN=force_mN,
@@ -104,6 +111,14 @@ def _show(answers: Design, maps: dict[str, ElongationMap], *, as_json: bool) -> 
             say(table.note)
             say()
     say_errors(answers.errors)
+
+
+def _check(positive: dict[str, float | None], lag_s: float) -> None:
+    for name, value in positive.items():
+        if value is not None and not 0.0 < value < math.inf:
+            raise BadInputError(f"{name} {value:g}: a number above 0 is needed.")
+    if not 0.0 <= lag_s < math.inf:
+        raise BadInputError(f"--lag-s {lag_s:g}: a number from 0 is needed.")
 
 
 def _draw(

@@ -9,8 +9,9 @@ import typer
 
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.diagnosis import print_diagnosis
-from labrig.cli.measurements import of_sessions_or_tables
+from labrig.cli.measurements import check_stiffness, of_sessions_or_tables
 from labrig.cli.options import (
+    Columns,
     CurvesFile,
     ForcesFile,
     Json,
@@ -20,9 +21,11 @@ from labrig.cli.options import (
     SignalsFile,
     Stiffness,
     Symmetric,
+    Values,
 )
 from labrig.cli.screen import print_json, progress, say, warn
 from labrig.errors import BadInputError
+from labrig.files import check_free
 
 
 def diagnose(
@@ -31,6 +34,8 @@ def diagnose(
     forces: ForcesFile = None,
     curves: CurvesFile = None,
     signals: SignalsFile = None,
+    columns: Columns = None,
+    values: Values = None,
     model: KnownModel = None,
     output: Annotated[
         Path | None,
@@ -57,18 +62,25 @@ def diagnose(
     stiffness_Nm2: Stiffness = None,
     as_json: Json = False,
 ) -> None:  # fmt: skip
-    """Find where simulation and measurement disagree, and which effects are not in the model.
+    """Find out which effects the model is missing, and where.
+
+    It compares simulation and measurement, and searches a catalogue of effects.
 
     The diagnosis is stored in the (first) session; labrig report shows it, too.
     """
     from labrig.api.diagnose import diagnosed_and_kept, options_for
     from model.effects import effect
 
-    if output is not None and output.exists() and not force:
-        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    if output is not None:
+        check_free(output, force=force)
+    if report is not None and report.exists() and not report.is_dir():
+        raise BadInputError(f"{report}: this is a file, a folder is needed.")
     for name in without or ():
         effect(name)  # at once: what follows may take minutes
-    measurements = of_sessions_or_tables(sessions, sheet, forces, curves, signals)
+    check_stiffness(stiffness_Nm2)
+    measurements = of_sessions_or_tables(
+        sessions, sheet, forces, curves, signals, columns=columns, values=values
+    )
     options = options_for(
         measurements, sessions or [], model=model, hold_out=hold_out or (), symmetric=symmetric,
         without=without or (), calibrate=calibrate, stiffness_Nm2=stiffness_Nm2,

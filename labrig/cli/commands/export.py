@@ -24,7 +24,10 @@ def export(
         ),
     ] = "csv",
 ) -> None:
-    """Write a session for other programs: as CSV tables, or --as another format."""
+    """Write a session for other programs.
+
+    As CSV tables with notes and photographs, or --as another format.
+    """
     from labrig.exports.choice import export as write
 
     for path in write(session, output, name):

@@ -19,11 +19,27 @@ from labrig.cli.dynamic_fit import (
     refuse_others,
     refuse_without_dynamic,
 )
-from labrig.cli.measurements import warn_of_suspicions
+from labrig.cli.measurements import (
+    check_stiffness,
+    of_sessions_or_tables,
+    warn_of_suspicions,
+)
 from labrig.cli.model_errors import errors_of, warn_of_misses
-from labrig.cli.options import FigureFormats, Json, Stiffness
+from labrig.cli.options import (
+    Columns,
+    CurvesFile,
+    FigureFormats,
+    ForcesFile,
+    Json,
+    Sessions,
+    SheetFile,
+    SignalsFile,
+    Stiffness,
+    Values,
+)
 from labrig.cli.screen import print_json, print_table, progress, say
 from labrig.errors import BadInputError
+from labrig.files import check_free
 
 if TYPE_CHECKING:
     from labrig.report.parts.table import Table
@@ -32,13 +48,13 @@ if TYPE_CHECKING:
 
 
 def fit(
-    sessions: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="SESSION",
-            help="a session; further ones of the same sheet are fitted together with it",
-        ),
-    ],
+    sessions: Sessions = None,
+    sheet: SheetFile = None,
+    forces: ForcesFile = None,
+    curves: CurvesFile = None,
+    signals: SignalsFile = None,
+    columns: Columns = None,
+    values: Values = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="the model file to write (TOML)")
     ] = None,
@@ -101,11 +117,15 @@ def fit(
     elongation_g_per_m: ElongationMass = None,
     as_json: Json = False,
 ) -> None:
-    """Identify bending stiffness and electrically induced bending moment of a session's sheets.
+    """Identify bending stiffness and EIBM of a session's sheets.
 
-    Sessions of the same sheet share them, unless --apart is given. The model file holds the model
-    with constant EIBM, or that with the EIBM along the sheet where the constant one misses the
-    data; --varying and --constant say which.
+    EIBM is the electrically induced bending moment.
+
+    Sessions of the same sheet share them, unless --apart is given. Tables of older measurements
+    need no session: --sheet with --forces, --curves or both (labrig import explains them).
+
+    The model file holds the model with constant EIBM, or that with the EIBM along the sheet where
+    the constant one misses the data; --varying and --constant say which.
 
     With --dynamic, from the runs as they were recorded, force, current and every frame over time:
     relaxed stiffness, mass, loss, electrodes and moment per volt, each with its 90 % interval, how
@@ -118,10 +138,14 @@ def fit(
     from labrig.report.figures.fit import make_folder, write_fit_figures
     from labrig.report.parts.style import known_formats
 
-    if output is not None and output.exists() and not force:
-        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    if output is not None:
+        check_free(output, force=force)
+    tables = {
+        "--sheet": sheet, "--forces": forces, "--curves": curves, "--signals": signals,
+        "--columns": columns, "--value": values,
+    }  # fmt: skip
     in_time = DynamicRequest(
-        sessions=sessions, configurations=configuration or [], positions_mm=position_mm or [],
+        sessions=sessions or [], configurations=configuration or [], positions_mm=position_mm or [],
         fluid=fluid.value, elongation_g_per_m=elongation_g_per_m,
     )  # fmt: skip
     if dynamic:
@@ -131,16 +155,24 @@ def fit(
             "--symmetric": symmetric, "--measured-curvature": measured_curvature,
             "--bootstrap": bootstrap, "--q": q != 1.0, "--stiffness-Nm2": stiffness_Nm2,
         }  # fmt: skip
-        refuse_others("fit", at_rest)
+        refuse_others("fit", tables | at_rest)
         fit_in_time(in_time, output, as_json=as_json)
         return
     refuse_without_dynamic(in_time)
+    check_stiffness(stiffness_Nm2)
     wanted = known_formats(formats)
     if figures is not None:
         make_folder(figures)
+    if not sessions and (apart or by_run):
+        raise BadInputError("--apart and --by-run compare sessions; give sessions with them.")
+    source: Measurements | list[Path] = sessions or []
+    if not sessions or any(tables.values()):
+        source = of_sessions_or_tables(
+            sessions, sheet, forces, curves, signals, columns=columns, values=values
+        )
     with progress("analyze") as advance:
         data = fitted_data(
-            sessions, configuration=configuration or (), hold_out=hold_out or (), apart=apart,
+            source, configuration=configuration or (), hold_out=hold_out or (), apart=apart,
             symmetric=symmetric, measured_curvature=measured_curvature, bootstrap=bootstrap, q=q,
             stiffness_Nm2=stiffness_Nm2, progress=advance,
         )  # fmt: skip

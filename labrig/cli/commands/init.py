@@ -16,11 +16,17 @@ def init(
     simulated: Annotated[
         bool, typer.Option("--simulated", help="a rig that needs no hardware")
     ] = False,
+    board: Annotated[
+        str, typer.Option("--board", help="the family of boards, such as ni or labjack")
+    ] = "ni",
 ) -> None:
-    """Write commented rig.toml, sheet.toml, protocol.toml and calibrations to start from."""
+    """Write commented configuration files to start from.
+
+    They are rig.toml, sheet.toml, protocol.toml, about.toml and calibrations.
+    """
     from labrig.config.templates import write_templates
 
-    for path in write_templates(folder, simulated=simulated):
+    for path in write_templates(folder, simulated=simulated, board=board):
         say(f"wrote {path}")
 
 
@@ -28,5 +34,8 @@ COMMAND = Command(
     "init",
     init,
     order=20,
-    examples=(CommandExample(line="labrig init my_rig --simulated"),),
+    examples=(
+        CommandExample(line="labrig init my_rig --simulated"),
+        CommandExample(line="labrig init my_labjack --board labjack"),
+    ),
 )

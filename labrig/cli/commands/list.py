@@ -38,16 +38,18 @@ def list_sessions(
     offset: Annotated[int, typer.Option(min=0, help="leave out the first so many")] = 0,
     as_json: Json = False,
 ) -> None:
-    """List the sessions of a folder: date, sheet, outcome, B, EIBM, figures of merit.
+    """List the sessions of a folder, and what was found.
+
+    Date, sheet, outcome, B, EIBM and figures of merit.
 
     Each file is read once, and again when it has changed. B and EIBM are from the newest model file
     in the folder that labrig fit -o wrote for the session; where there is none, from the newest one
     of labrig diagnose -o. The file and the kind of EIBM are named beside them.
     """
-    from labrig.library import Library, Selection
+    from labrig.library import Library, SessionQuery
 
     most = limit if limit is not None else (0 if as_json else _MOST_LINES)
-    wanted = Selection(
+    wanted = SessionQuery(
         sort=sort, down=not up, text=text, outcome=outcome, sheet=sheet, limit=most or None,
         offset=offset,
     )  # fmt: skip

@@ -22,7 +22,7 @@ def mark(
     who: Annotated[str, typer.Option(help="who marks; by default the user of this computer")] = "",
     undo: Annotated[bool, typer.Option("--undo", help="take a mark back")] = False,
 ) -> None:
-    """Mark a run or reading of a closed session invalid, with who, when and why.
+    """Mark a run or reading of a session invalid, and say why.
 
     Marks are kept beside what was recorded, which stays as it is; none is ever removed, --undo adds
     a line that takes one back. What was analysed before is out of date then.

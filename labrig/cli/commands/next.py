@@ -19,6 +19,7 @@ from labrig.cli.dynamic_fit import (
 from labrig.cli.dynamic_next import next_in_time
 from labrig.cli.measurements import of_sessions_or_tables
 from labrig.cli.options import (
+    Columns,
     CurvesFile,
     ForcesFile,
     Json,
@@ -27,10 +28,11 @@ from labrig.cli.options import (
     SheetFile,
     SignalsFile,
     Symmetric,
+    Values,
 )
 from labrig.cli.screen import print_json, say, warn
 from labrig.errors import BadInputError
-from labrig.files import write_text
+from labrig.files import check_free, write_text
 
 
 def next_measurement(
@@ -43,6 +45,8 @@ def next_measurement(
     forces: ForcesFile = None,
     curves: CurvesFile = None,
     signals: SignalsFile = None,
+    columns: Columns = None,
+    values: Values = None,
     model: KnownModel = None,
     symmetric: Symmetric = False,
     output: Annotated[
@@ -61,7 +65,9 @@ def next_measurement(
     elongation_g_per_m: ElongationMass = None,
     as_json: Json = False,
 ) -> None:
-    """Say which further measurement tells two effects apart, and write its protocol.
+    """Say which measurement tells two effects apart.
+
+    It writes the protocol of that measurement.
 
     Without --between, what the diagnosis of the (first) session proposes; a session that holds none
     is diagnosed first.
@@ -77,12 +83,13 @@ def next_measurement(
 
     if between is not None and between[0] == between[1]:
         raise BadInputError(f"--between names {between[0]} twice; name two different effects.")
-    if output is not None and output.exists() and not force:
-        raise BadInputError(f"{output}: is already there; give --force to overwrite it.")
+    if output is not None:
+        check_free(output, force=force)
     if dynamic:
         refuse_others("next", {
             "--between": between, "--sheet": sheet, "--forces": forces, "--curves": curves,
-            "--signals": signals, "--symmetric": symmetric, "--output": output,
+            "--signals": signals, "--columns": columns, "--value": values,
+            "--symmetric": symmetric, "--output": output,
         })  # fmt: skip
         if not sessions:
             raise BadInputError("--dynamic: give a session.")
@@ -92,7 +99,9 @@ def next_measurement(
         )  # fmt: skip
         next_in_time(request, model, as_json=as_json)
         return
-    measurements = of_sessions_or_tables(sessions, sheet, forces, curves, signals)
+    measurements = of_sessions_or_tables(
+        sessions, sheet, forces, curves, signals, columns=columns, values=values
+    )
     options = DiagnoseOptions(symmetric=symmetric, model=known_model(model))
     diagnosis = None
     if sessions and (between is None or (model is None and not symmetric)):

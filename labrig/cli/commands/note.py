@@ -22,7 +22,7 @@ def note(
         str, typer.Option("--who", help="by default the operator that the session states")
     ] = "",
 ) -> None:
-    """Add a note or a photograph to a session, during the run or after it.
+    """Add a note or a photograph to a session, running or not.
 
     Nothing of the recording is changed and no note is ever removed. During a run it is kept beside
     the file until that is closed, or recovered.

@@ -45,7 +45,9 @@ def panel(
         bool, typer.Option("--new-token", help="let no page in that knows an earlier address")
     ] = False,
 ) -> None:
-    """Serve the operator's page: run, watch, answer, stop, calibrate, replay, compare.
+    """Serve the operator's page in the browser.
+
+    Run, watch, answer, stop, calibrate, replay and compare there.
 
     Prints the address with its token. The run is a process of its own: neither closing the page
     nor ending the panel touches it. Without WHAT: rig.toml of this folder, or its sessions.

@@ -16,7 +16,9 @@ def pause(
     session: Annotated[Path, typer.Argument(help="the session file that is being written")],
     end: Annotated[bool, typer.Option("--end", help="let the session continue")] = False,
 ) -> None:
-    """Pause a running session after the present position, at 0 V; with --end let it continue.
+    """Pause a running session after this position, at 0 V.
+
+    With --end it continues.
 
     For another terminal than the one in which the session runs. The output is read back; the
     pause is recorded in the session's log. Ctrl-C and STOP end a paused session as any other.

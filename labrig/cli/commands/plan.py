@@ -23,7 +23,7 @@ def plan(
     ] = None,
     as_json: Json = False,
 ) -> None:
-    """Show the schedule: times, voltages, readings, total duration, time under voltage.
+    """Show the schedule: times, voltages, readings, durations.
 
     Says how long the sheet is at rest when free shapes are taken, and warns of what a dynamic fit
     ([extras] release, [analysis] dynamic) would not know from it, and of positions that can hardly

@@ -28,7 +28,9 @@ def queue(
         bool, typer.Option("--yes", help="take whatever is asked of the operator as done")
     ] = False,
 ) -> None:
-    """Run several protocols, one session each: NN-PROTOCOL.h5 in the folder.
+    """Run several protocols, one session each.
+
+    The sessions are NN-PROTOCOL.h5 in the folder.
 
     All are checked (files, limits, disk space) before the first begins. The queue stops on anything
     but a completed session, and ends with its exit code. [hooks] of rig.toml tell of each session

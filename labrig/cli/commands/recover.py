@@ -21,7 +21,9 @@ def recover(
         bool, typer.Option("--in-place", help="put it in the place of the original")
     ] = False,
 ) -> None:
-    """Make an ordinary file of a session whose program was killed or whose power failed.
+    """Make an ordinary file of a session that crashed.
+
+    The program was killed, or the power failed.
 
     The original is never altered without --in-place; the new file is NAME-recovered.h5 by default.
     """

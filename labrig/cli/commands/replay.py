@@ -17,7 +17,7 @@ def replay(
         Path | None, typer.Option("--output", "-o", help="record what is replayed, too")
     ] = None,
 ) -> None:
-    """Play a recorded session through the same drivers and scheduler that recorded it.
+    """Play a session through the drivers that recorded it.
 
     Its configuration comes from the session itself. The measurements are those of the original.
     """

@@ -23,7 +23,10 @@ def report(
     ] = None,
     formats: FigureFormats = None,
 ) -> None:
-    """Write tables, figures and one self-contained page about a session."""
+    """Write a page with tables and figures about a session.
+
+    The page is one file that needs nothing else.
+    """
     from labrig.report.page.write import write_report
     from labrig.report.parts.style import known_formats
 

@@ -45,7 +45,9 @@ def response(
     ),
     formats: FigureFormats = None,
 ) -> None:
-    """Compute the small-signal response about rest at 0 V: a step, a Bode plot, and CSV tables.
+    """Compute a step and a Bode plot about rest at 0 V.
+
+    The small-signal response is drawn, and written as CSV tables.
 
     Writes OUTPUT.png and .svg, OUTPUT_step.csv and OUTPUT_bode.csv into the folder.
     """

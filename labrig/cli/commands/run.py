@@ -83,8 +83,7 @@ def run(
         files = rig, protocol, sheet
         finish(resume_and_follow(resume, files, output, yes=yes, about=about))
         return
-    if output is None:
-        raise BadInputError("labrig run needs -o with the name of the session file to make.")
+    output = _free(output)
     config = load_rig(rig)
     if isinstance(config, ReplayConfig):
         if controller is not None:
@@ -99,6 +98,17 @@ def run(
         from labrig.cli.follow_up import follow_up
 
         follow_up(output, rig, sheet, yes=yes, about=about)
+
+
+def _free(output: Path | None) -> Path:
+    """Return where the session is made; raise BadInputError before anything is opened for it."""
+    if output is None:
+        raise BadInputError("labrig run needs -o with the name of the session file to make.")
+    if output.exists():
+        raise BadInputError(f"{output} exists already; choose another name with -o.")
+    if not output.parent.is_dir():
+        raise BadInputError(f"{output.parent}: there is no such folder.")
+    return output
 
 
 COMMAND = Command(

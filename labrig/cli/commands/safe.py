@@ -9,7 +9,7 @@ from labrig.errors import OutputUnknownError
 
 
 def safe(rig: RigFile) -> None:
-    """Write 0 V to the output and read it back, whatever has happened before.
+    """Write 0 V to the output, and read it back.
 
     Takes the boards from whoever still holds them. Ends with code 6 when the output is not known
     to be at 0 V: then switch the amplifier off by hand.

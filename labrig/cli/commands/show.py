@@ -23,7 +23,10 @@ def show(
     log: Annotated[bool, typer.Option("--log", help="the event log, line by line")] = False,
     as_json: Json = False,
 ) -> None:
-    """Show what a session holds: outcome, people, sample, runs, readings, losses, notes."""
+    """Show what a session holds.
+
+    Outcome, people, sample, runs, readings, losses and notes.
+    """
     from labrig.report.tables.about import about_tables, notes_table
     from labrig.report.tables.overview import overview
     from labrig.session import compare_sessions, open_session

@@ -64,7 +64,9 @@ def simulate(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="overwrite that file")] = False,
 ) -> None:
-    """Force and shape that a model predicts, for all combinations of what is given.
+    """Predict force and shape with a model.
+
+    All combinations of what is given are predicted.
 
     With --eibm, what it predicts for EIBMs of your own; --voltage may then be left out. With
     --eibm and --stiffness-Nm2, sheet.toml takes the model file's place.

@@ -9,7 +9,10 @@ from labrig.errors import BadInputError
 
 
 def verify(session: Recorded, as_json: Json = False) -> None:
-    """Check a session's structure, checksums and completeness. Ends with code 2 on a fault."""
+    """Check a session's structure, checksums and completeness.
+
+    Ends with code 2 on a fault.
+    """
     from labrig.session import verify as verify_session
 
     checks = verify_session(session)

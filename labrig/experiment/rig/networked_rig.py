@@ -20,6 +20,8 @@ _START_S = 60.0
 _END_S = 5.0
 
 
+# The name under which boards are served; of a family that is not here, its own.
+SERVED_BOARDS = {"ni": "grpc"}
 # The simulated serial device that answers as a kind of part does. Of a kind that is not here, the
 # device has the same name.
 SERIAL_DEVICES = {"zaber": "stage", "dpm3": "meter"}
@@ -28,7 +30,8 @@ _MOTOR = "zaber"  # moves the load cell where nobody can be asked to
 
 def at_addresses(rig: RigConfig, served: Mapping[str, str]) -> RigConfig:
     """Return the simulated rig with the addresses that `serve` has printed."""
-    tables: dict[str, dict[str, Any]] = {rig.boards_kind: {"address": served["grpc"]}}
+    boards = served[SERVED_BOARDS.get(rig.boards_kind, rig.boards_kind)]
+    tables: dict[str, dict[str, Any]] = {rig.boards_kind: {"address": boards}}
     if rig.camera is not None:
         tables["camera"] = {"source": served["camera"]}
     stage = rig.stage.kind if hasattr(rig.stage, "port") else _MOTOR

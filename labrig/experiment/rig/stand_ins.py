@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +13,11 @@ from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan
 from sim_hardware.camera import SimulatedCapture
 from sim_hardware.clock import VirtualClock
+from sim_hardware.families import FOLDER as FAMILIES
+from sim_hardware.families import BoardOptions, SimulatedBoards
 from sim_hardware.faults import FaultyRig
 from sim_hardware.operator import SimulatedOperator
 from sim_hardware.plugins import UnknownPartError
-from sim_hardware.rig_boards import boards_of
 from sim_hardware.serial_devices import FOLDER as SERIAL_DEVICES
 from sim_hardware.serial_devices import InMemorySerial
 from sim_hardware.world import World, WorldError, load_world
@@ -39,20 +40,28 @@ class StandIns:
         self.clock = VirtualClock()
         self._seed = settings.seed
         self._world = World(settings, self.clock)
-        try:
-            self._server = boards_of(self._world, self.clock)
-        except WorldError as error:
-            raise BadInputError(f"{_world_file(plan)}: {error}") from None
-        self._faulty = FaultyRig(clock=self.clock, world=self._world, boards=self._server)
+        self._boards = self._boards_of(plan)
+        self._faulty = FaultyRig(clock=self.clock, world=self._world, boards=self._boards)
         self._faulty.begin()
         self.operator: Operator = SimulatedOperator(self._world)
-        self._boards: dict[str, Callable[[], Any]] = {"ni": self._server.in_process_channel}
 
-    def boards(self, kind: str) -> Any:
-        """Return the transport of a family of boards."""
-        if kind not in self._boards:
-            raise _not_simulated(f"[{kind}]", self._boards)
-        return self._boards[kind]()
+    def _boards_of(self, plan: Plan) -> SimulatedBoards:
+        kind = plan.rig.boards_kind
+        try:
+            family = FAMILIES.get(kind)
+        except UnknownPartError:
+            there = ", ".join(sorted(FAMILIES.parts()))
+            raise BadInputError(
+                f"rig.toml: [{kind}] cannot be simulated; simulated are {there}."
+            ) from None
+        try:
+            return family.make(self._world, self.clock, BoardOptions())
+        except WorldError as error:
+            raise BadInputError(f"{_world_file(plan)}: {error}") from None
+
+    def boards(self) -> Any:
+        """Return the transport of the boards."""
+        return self._boards.transport()
 
     def serial(self, table: str, kind: str) -> Callable[..., Any]:
         """Return what opens the serial line of a part, as pyserial's `Serial`."""
@@ -76,12 +85,6 @@ class StandIns:
             self.clock,
             lambda _source: SimulatedCapture(self._world, self.clock, faults=self._faulty.camera),
         )
-
-
-def _not_simulated(where: str, there: Iterable[str]) -> BadInputError:
-    return BadInputError(
-        f"rig.toml: {where} cannot be simulated; simulated are {', '.join(sorted(there))}."
-    )
 
 
 def _world_file(plan: Plan) -> str:

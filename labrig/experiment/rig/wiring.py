@@ -109,14 +109,15 @@ def _wired(
     stand_ins: StandIns | None,
 ) -> Rig:
     config = plan.rig
-    transport = stand_ins.boards(config.boards_kind) if stand_ins else None
+    transport = stand_ins.boards() if stand_ins else None
     with _part(BOARD_FAMILIES, config.boards_kind):
         boards = config.family.connect(config.boards.settings(), clock, transport)
     asked = RecordedOperator(operator, clock, emit)
     with _part(BOARD_FAMILIES, config.boards_kind):
         output = sheet_drive(config, boards)
-        line = config.interlock
-        interlock = None if line is None else boards.interlock(line.line)
+        interlock = None
+        if config.interlock is not None or config.own_watchdog:
+            interlock = boards.interlock(config.interlock_line)
     return Rig(
         config=config,
         clock=clock,

@@ -28,6 +28,7 @@ from labrig.config import (
     read_text,
 )
 from labrig.config.about import FILE as ABOUT
+from labrig.config.parts import board_models
 from labrig.errors import BadInputError, LabrigError
 from labrig.vision import Optics
 from model import ModelError, SheetModel
@@ -118,7 +119,7 @@ def kind_of(text: str, suffix: str) -> str:
         return "optics" if "px_per_mm" in values else ""
     if "labrig_model" in values:
         return "model"
-    if values.keys() & {"ni", "replay", "amplifier"}:
+    if values.keys() & {*board_models(), "replay", "amplifier"}:
         return "rig"
     if values.keys() & {"places", *PROTOCOLS.parts()}:
         return "protocol"

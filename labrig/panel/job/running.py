@@ -91,9 +91,9 @@ def _on_its_clock(host: Host, plan: Plan) -> Iterator[Plan]:
     if why_not:
         raise NotReadyError(why_not)
     rig = plan.rig
-    options: list[str] = []
+    options = ["--boards", rig.boards_kind]
     if rig.simulated is not None and rig.simulated.world is not None:
-        options = ["--world", str(rig.simulated.world)]
+        options += ["--world", str(rig.simulated.world)]
     record = hidden_folder(Path(order.data)) / "world_record.csv"
     host.step("starting the simulated rig on the real clock")
     with served_rig(record, plan.schedule.runs[0].configuration, options) as served:

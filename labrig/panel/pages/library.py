@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 
-from labrig.library import CatalogueEntry, Selection
+from labrig.library import CatalogueEntry, SessionQuery
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
@@ -32,7 +32,7 @@ def listed(
     """Return the sessions that fit."""
     library = panel.library
     pending = library.refresh(REFRESH_S)
-    wanted = Selection(
+    wanted = SessionQuery(
         sort=sort, down=down, text=text, outcome=outcome, sheet=sheet, limit=limit, offset=offset
     )
     found = library.find(wanted)

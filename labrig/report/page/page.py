@@ -12,6 +12,7 @@ from labrig.report.page.summary import cards, remarks
 from labrig.report.parts.section import Drawn
 from labrig.report.parts.table import Table
 from labrig.report.sections.interface import SECTIONS
+from labrig.version import version
 
 FILES = "figures/ as PNG and SVG"
 
@@ -33,8 +34,6 @@ def render(findings: Findings, content: ReportContent, files: str = FILES) -> st
 
 def render_page(template: str, **values: object) -> str:
     """Return a page: title, cards, remarks, sections, and what its template needs."""
-    import importlib.metadata
-
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
@@ -47,8 +46,7 @@ def render_page(template: str, **values: object) -> str:
     environment.tests["table"] = lambda item: isinstance(item, Table)
     environment.tests["drawn"] = lambda item: isinstance(item, Drawn)
     environment.filters["minus"] = lambda text: _with_true_minus(str(text))
-    version = importlib.metadata.version("labrig")
-    return environment.get_template(template).render(version=version, **values)
+    return environment.get_template(template).render(version=version(), **values)
 
 
 def _with_true_minus(text: str) -> str:

@@ -149,12 +149,20 @@ def _reading_table(readings: Sequence[tuple[int, Reading]]) -> Array:
             "frame_s": [_or_nan(r.frame_s) for _, r in readings],
             "valid": [bool(r.valid) for _, r in readings],
             "why": [r.why for _, r in readings],
+            **_of_means([r for _, r in readings]),
             **{
                 f"{_CHANNEL}{name}": [r.other_values.get(name, np.nan) for _, r in readings]
                 for name in others
             },
         }
     )
+
+
+def _of_means(readings: Sequence[Reading]) -> dict[str, Sequence[Any]]:
+    """Return the columns of readings that are means of others, where there are any."""
+    if all(r.mean_of == 1 and r.sd_N is None for r in readings):
+        return {}
+    return {"mean_of": [r.mean_of for r in readings], "sd_N": [_or_nan(r.sd_N) for r in readings]}
 
 
 def _part_table(
@@ -259,6 +267,8 @@ def _conditions(
                 why=str(row["why"]),
                 curve=curves.get((at, len(readings[at]))),
                 other_values=_other_values(row),
+                mean_of=int(row["mean_of"]) if "mean_of" in (row.dtype.names or ()) else 1,
+                sd_N=_known(row["sd_N"]) if "sd_N" in (row.dtype.names or ()) else None,
             )
         )
     return tuple(

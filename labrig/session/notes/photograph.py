@@ -27,6 +27,8 @@ def photograph_note(content: bytes, *, who: str, text: str = "", file_name: str 
 def read_photograph_file(path: Path) -> bytes:
     """Return the content of a photograph's file. Raises BadInputError."""
     try:
+        if path.is_dir():
+            raise BadInputError(f"{path}: this is a folder, a photograph is needed.")
         if not path.is_file():
             raise BadInputError(f"{path}: there is no such file.")
         if path.stat().st_size > PHOTOGRAPH_BYTES_MAX:

@@ -18,6 +18,8 @@ FORCES_OPTIONAL: Final = (
     "why",
     *_WHICH,
     "tilt_deg",
+    "sd_mN",  # of the single readings, where force_mN is their mean
+    "mean_of",  # how many readings force_mN is the mean of
 )
 
 # Before the name of a further channel's values: channel_temperature_degC.

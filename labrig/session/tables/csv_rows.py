@@ -1,39 +1,133 @@
-"""A CSV file as rows that know their place, so that every fault is named with it."""
+"""A table of text cells, whose rows know their place, so that every fault is named with it."""
 
 from __future__ import annotations
 
-import csv
-import difflib
-import io
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TypeVar
 
-from labrig.config import read_text
-from labrig.config.file_kinds import CURVES, FORCES, SIGNALS, kinds_of_text, other_kind
+import numpy as np
+
+from drivers.interfaces import FloatArray
 from labrig.errors import BadInputError
 from labrig.session.tables.decimals import from_plain
+from labrig.session.tables.text.layout import Cells, TextLayout
+from labrig.session.tables.text.meaning import ColumnMeaning, How
 
-MOST_BYTES = 256 << 20  # days of samples
 _MOST_DIGITS = 9  # a session counts in 32 bits
-_MOST_OF_A_NAME = 40  # characters that are worth showing
-_TABLE = "a CSV table"
-_BEGIN = 1 << 16  # characters that tell which kind of file it is
-_WANTED = {"point": CURVES, "force_mN": FORCES, "drive_V": SIGNALS}  # by the column they need
 Value = TypeVar("Value")
 
 
-class CsvRow:
-    """One line of a file."""
+@dataclass(frozen=True, kw_only=True)
+class TextTable:
+    """The lines of a file that hold values, as text in our units and with decimal points."""
 
-    def __init__(self, file: Path, line: int, cells: Mapping[str, str]) -> None:
-        self.file = file
-        self.line = line
-        self._cells = cells
+    path: Path
+    kind: str
+    encoding: str
+    layout: TextLayout
+    decimal_comma: bool
+    meanings: tuple[ColumnMeaning, ...]
+    values: dict[str, str]  # columns that are the same in all lines
+    cells: list[Cells]
+    lines: list[int]  # numbers in the file, from 1
+
+    @cached_property
+    def columns(self) -> dict[str, int]:
+        """Where each of our columns is."""
+        return {one.means: one.index for one in self.meanings if one.means}
+
+    @property
+    def as_ours(self) -> bool:
+        """Whether the file is written as labrig writes it."""
+        named = all(one.how is How.NAMED for one in self.meanings)
+        plain = self.layout.plain and self.encoding == "UTF-8" and not self.decimal_comma
+        return named and plain and not self.values
+
+    def text(self, index: int, column: str) -> str:
+        """Return a cell; empty where there is none."""
+        at = self.columns.get(column)
+        return self.values.get(column, "") if at is None else self.cells[index][at]
+
+    def has(self, column: str) -> bool:
+        """Whether the file has a column, or one value of it for all lines."""
+        return column in self.columns or column in self.values
+
+    def after(self, prefix: str) -> list[str]:
+        """Return the columns whose names begin so."""
+        return [name for name in self.columns if name.startswith(prefix)]
+
+    def as_named(self, column: str) -> str:
+        """Return the name of a column, with the file's own where that is another."""
+        own = [one.name for one in self.meanings if one.means == column != one.name]
+        return f"{column} ({own[0]})" if own else column
+
+    def row(self, index: int) -> CsvRow:
+        """Return a line."""
+        return CsvRow(self, index)
+
+    def rows(self) -> list[CsvRow]:
+        """Return all lines."""
+        return [CsvRow(self, index) for index in range(len(self.lines))]
+
+    def numbers(
+        self, column: str, read: Callable[[str], float], *, milli: bool, needed: bool
+    ) -> FloatArray:
+        """Return a column in SI units, NaN where it may be empty and is.
+
+        `read` is how one cell is read, and says what is wrong with it: "12.5" with "e-3" behind it
+        is the same number as 12.5 shifted by three places, so most need not be read one by one.
+        """
+        at = self.columns.get(column)
+        if at is not None:
+            with suppress(ValueError):  # below it is told with its line
+                found = _numbers([row[at] for row in self.cells], read, "e-3" if milli else "")
+                if not (needed and np.isnan(found).any()):
+                    return found
+        elif not needed and not self.has(column):
+            return np.full(len(self.cells), math.nan)
+        if needed:
+            return np.array([row.get(column, read, "a number") for row in self.rows()])
+        return np.array([row.optional(column, read, "a number", math.nan) for row in self.rows()])
+
+    def blocks(self, columns: Sequence[str]) -> Iterator[tuple[int, int]]:
+        """Yield first and end of lines that follow each other with the same text in columns."""
+        at = [self.columns[name] for name in columns if name in self.columns]
+        first, before = 0, None
+        for index, row in enumerate(self.cells):
+            key = [row[k] for k in at]
+            if key != before:
+                if before is not None:
+                    yield first, index
+                first, before = index, key
+        if before is not None:
+            yield first, len(self.cells)
+
+
+class CsvRow:
+    """One line of a table."""
+
+    def __init__(self, table: TextTable, index: int) -> None:
+        self._table = table
+        self.index = index
+
+    @property
+    def file(self) -> Path:
+        """The file's name."""
+        return self._table.path
+
+    @property
+    def line(self) -> int:
+        """The line's number, from 1."""
+        return self._table.lines[self.index]
 
     def get(self, column: str, read: Callable[[str], Value], wanted: str) -> Value:
         """Return a value that must be there."""
-        text = self._cells.get(column, "")
+        text = self._table.text(self.index, column)
         if not text:
             raise self.fault(f"column {column} is empty; {wanted} is needed")
         return self._read(column, text, read, wanted)
@@ -42,19 +136,20 @@ class CsvRow:
         self, column: str, read: Callable[[str], Value], wanted: str, default: Value
     ) -> Value:
         """Return a value that may be missing or empty."""
-        text = self._cells.get(column, "")
+        text = self._table.text(self.index, column)
         return self._read(column, text, read, wanted) if text else default
 
     def has(self, column: str) -> bool:
         """Whether the file has a column."""
-        return column in self._cells
+        return self._table.has(column)
 
     def values_after(self, prefix: str) -> dict[str, float]:
         """Return the numbers in columns that begin with `prefix`, by the rest of their names."""
+        cells = {name: self._table.text(self.index, name) for name in self._table.after(prefix)}
         return {
             name.removeprefix(prefix): self._read(name, text, from_plain, "a number")
-            for name, text in self._cells.items()
-            if name.startswith(prefix) and text
+            for name, text in cells.items()
+            if text
         }
 
     def fault(self, text: str) -> BadInputError:
@@ -65,91 +160,20 @@ class CsvRow:
         try:
             return read(text)
         except ValueError:
-            raise self.fault(f"column {column}: {text!r} is not {wanted}") from None
+            asked = self._table.as_named(column)
+            raise self.fault(f"column {asked}: {text!r} is not {wanted}") from None
 
 
-def read_rows(
-    path: Path, required: Sequence[str], optional: Sequence[str], prefix: str | None = None
-) -> Iterator[CsvRow]:
-    """Yield the rows of a file with these columns, in any order, and those named by the prefix.
+def _numbers(texts: Sequence[str], read: Callable[[str], float], behind: str) -> FloatArray:
+    """Return numbers, NaN for an empty text. Raises ValueError for what is no finite number.
 
-    Accepts a byte order mark and any line ending; lines without a value are passed over.
+    12.5 mm is the number "12.5e-3" in m, to the last bit; `read` takes what is written otherwise.
     """
-    return rows_of(read_text(path, MOST_BYTES), path, required, optional, prefix)
-
-
-def rows_of(
-    text: str,
-    path: Path,
-    required: Sequence[str],
-    optional: Sequence[str],
-    prefix: str | None = None,
-) -> Iterator[CsvRow]:
-    """Yield the rows of a file's text; `path` is what errors call it. See `read_rows`."""
-    _refuse_other_kind(text, path, required)
-    reader = csv.reader(io.StringIO(text, newline=""), strict=True)
-    try:
-        header = [name.strip() for name in next(reader, [])]
-        _check_header(path, header, required, optional, prefix)
-        for cells in reader:
-            if not any(cell.strip() for cell in cells):
-                continue
-            if len(cells) != len(header):
-                raise BadInputError(
-                    f"{path}, line {reader.line_num}: {len(cells)} values for {len(header)} "
-                    "columns; a number must have a point, not a comma, for its decimals."
-                )
-            texts = {name: cell.strip() for name, cell in zip(header, cells, strict=True)}
-            yield CsvRow(path, reader.line_num, texts)
-    except csv.Error as error:
-        raise BadInputError(f"{path}, line {reader.line_num}: not valid CSV: {error}.") from None
-
-
-def _refuse_other_kind(text: str, path: Path, required: Sequence[str]) -> None:
-    """Raise BadInputError for a file that is surely no such table."""
-    measured = "configuration" in required  # else a table of its own, such as a reference
-    found = (kind for column, kind in _WANTED.items() if measured and column in required)
-    wanted = next(found, _TABLE)
-    kinds = kinds_of_text(text[:_BEGIN])
-    alike = set(_WANTED.values()) if wanted == _TABLE else {wanted}
-    if kinds and not kinds & alike:
-        raise other_kind(path, min(kinds), wanted)
-
-
-def _check_header(
-    path: Path,
-    header: Sequence[str],
-    required: Sequence[str],
-    optional: Sequence[str],
-    prefix: str | None,
-) -> None:
-    known = [*required, *optional]
-    if not header or header == [""]:
-        raise BadInputError(f"{path}: is empty; its first line must name the columns.")
-    if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
-        raise BadInputError(
-            f"{path}: its columns must be separated by commas (and numbers have a point "
-            "for their decimals)."
-        )
-    for name in header:
-        if name not in known and not (prefix and name.startswith(prefix) and name != prefix):
-            raise BadInputError(
-                f"{path}: column {_short(name)!r} is not known; {_hint(name, known)}."
-            )
-        if header.count(name) > 1:
-            raise BadInputError(f"{path}: column {name} is there twice.")
-    for name in required:
-        if name not in header:
-            raise BadInputError(f"{path}: column {name} is missing; it is required.")
-
-
-def _short(name: str) -> str:
-    return name if len(name) <= _MOST_OF_A_NAME else f"{name[:_MOST_OF_A_NAME]}..."
-
-
-def _hint(name: str, known: Sequence[str]) -> str:
-    close = difflib.get_close_matches(name[:_MOST_OF_A_NAME], known, n=1, cutoff=0.5)
-    return f"did you mean {close[0]}" if close else f"the columns are {', '.join(known)}"
+    with suppress(ValueError):
+        found = np.array([float(text + behind) if text else math.nan for text in texts])
+        if np.count_nonzero(~np.isfinite(found)) == texts.count(""):
+            return found
+    return np.array([read(text) if text else math.nan for text in texts])
 
 
 def integer(text: str) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import hashlib
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,13 +23,17 @@ from labrig.session.recording.create import fill_file
 from labrig.session.recording.disk import written_beside
 from labrig.session.recording.recorder import Recorder
 from labrig.session.tables.control_table import check_no_control, write_control
-from labrig.session.tables.read import read_tables
+from labrig.session.tables.csv_rows import TextTable
+from labrig.session.tables.preview import in_one_line
+from labrig.session.tables.read import read_and_understood
+from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames
 from labrig.session.tables.write import write_tables
 from model.measurements import Measurements
 from protocols.execution.events import Outcome
 from protocols.planning.schedule import Schedule
 
 _TABLES = ("forces.csv", "curves.csv", "signals.csv")
+Agree = Callable[[Sequence[TextTable]], None]
 IMPORTED = "import"  # the name of the protocol of a session that was not recorded
 
 
@@ -40,11 +45,15 @@ def import_session(
     curves: Path | None = None,
     signals: Path | None = None,
     about: Path | None = None,
+    names: ColumnNames = AS_NAMED,
+    agree: Agree | None = None,
 ) -> Measurements:
-    """Make a session of CSV files: measurements without anything raw.
+    """Make a session of tables: measurements without anything raw.
 
     Without `forces` it holds the curves alone. `about` is by default the about.toml in the folder
-    of forces.csv or curves.csv, where there is one.
+    of forces.csv or curves.csv, where there is one. `names` says what columns of other names mean.
+    `agree` is called with the tables as they were understood, before anything is written; it
+    raises an error where somebody does not agree.
 
     Raises BadInputError for a fault in a file (naming it, the line and the column) and when the
     output exists.
@@ -52,17 +61,21 @@ def import_session(
     output = Path(output)
     text = read_text(sheet)
     tables = dict(zip(_TABLES, (forces, curves, signals), strict=True))
-    read = read_tables(parse_sheet(text, str(sheet)), forces, curves, signals)
+    geometry = parse_sheet(text, str(sheet))
+    read = read_and_understood(geometry, forces, curves, signals, names=names)
     stated = _about_text(about, Path(forces or curves or sheet))
     sums = {name: _checksum(path) for name, path in tables.items() if path is not None}
-    measurements = replace(read, checksum=next(iter(sums.values())))
+    measurements = replace(read.measurements, checksum=next(iter(sums.values())))
     if output.exists():
         raise BadInputError(f"{output} exists already; choose another name with -o.")
     if not output.parent.is_dir():
         raise BadInputError(f"{output.parent}: there is no such folder.")
+    if agree is not None:
+        agree(read.tables)
     with written_beside(output) as beside:
-        names = [path.name for path in tables.values() if path is not None]
-        beside.write_bytes(_session(_setup(text, stated, sums), names, measurements))
+        files = [path.name for path in tables.values() if path is not None]
+        setup = _setup(text, stated, sums, read.tables)
+        beside.write_bytes(_session(setup, files, measurements))
     return measurements
 
 
@@ -104,11 +117,14 @@ def _about_text(about: Path | None, forces: Path) -> str:
     return text
 
 
-def _setup(sheet_text: str, about_text: str, sums: dict[str, str]) -> SessionSetup:
+def _setup(
+    sheet_text: str, about_text: str, sums: dict[str, str], tables: Sequence[TextTable]
+) -> SessionSetup:
+    understood = {one.path.name: in_one_line(one) for one in tables if not one.as_ours}
     return SessionSetup(
         schedule=Schedule(IMPORTED, (), IMPORTED_FRAME_RATE_HZ),
         texts={"sheet.toml": sheet_text} | ({ABOUT: about_text} if about_text else {}),
-        resolved={"imported_sha256": sums},
+        resolved={"imported_sha256": sums} | ({"imported_as": understood} if understood else {}),
         signals=(),
         rate_hz=0.0,
         frame_shape=None,

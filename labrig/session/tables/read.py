@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from pathlib import Path
-from typing import Literal, NamedTuple, cast
+from typing import Final, Literal, NamedTuple, cast
 
 import numpy as np
 
-from drivers.interfaces import FloatArray
 from labrig.errors import BadInputError
 from labrig.plausibility import unit_warnings
 from labrig.session.tables import columns
-from labrig.session.tables.csv_rows import CsvRow, integer, one_of, read_rows, truth
-from labrig.session.tables.curve_points import CurvePoints
+from labrig.session.tables.csv_rows import CsvRow, TextTable, integer, one_of, truth
+from labrig.session.tables.curve_points import CurvePoints, IntArray, numbers_of
 from labrig.session.tables.decimals import from_degrees, from_milli, from_plain, milli
-from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry, TimeSeries
+from labrig.session.tables.signals import SIGNAL_COLUMNS, configuration_of, series_of
+from labrig.session.tables.table import read_table
+from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames, ExpectedColumns, How
+from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry
 
 NUMBER = "a number"
 WHOLE = "a whole number from 0"
+FORCE_COLUMNS: Final = ExpectedColumns(
+    kind="forces", required=columns.FORCES, optional=columns.FORCES_OPTIONAL,
+    prefix=columns.CHANNEL, numbered="reading",
+)  # fmt: skip
+CURVE_COLUMNS: Final = ExpectedColumns(
+    kind="curves", required=columns.CURVES, optional=columns.CURVES_OPTIONAL, numbered="point"
+)
+# What the points of one curve have in common: lines in which it is the same are read together.
+_OF_A_CURVE = ("configuration", "position_mm", "voltage_V", "reading", "mounting", "approach",
+               "run", "tilt_deg")  # fmt: skip
 _UNSAID = (
     "{} does not say of which run some of its curves are: the first curve is taken for that of the"
     " first run. The column run or approach would say it."
@@ -65,54 +78,88 @@ class _Gathered:
     curves: dict[int | None, CurvePoints] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class ReadTables:
+    """The measurements in some tables, and the tables as they were understood."""
+
+    measurements: Measurements
+    tables: tuple[TextTable, ...]
+
+
 def read_tables(
     sheet: Mapping[str, SheetGeometry],
     forces: Path | str | None,
     curves: Path | str | None = None,
     signals: Path | str | None = None,
+    *,
+    names: ColumnNames = AS_NAMED,
 ) -> Measurements:
-    """Measurements from CSV files: forces, curves or both.
+    """Measurements from tables of forces, curves or both: CSV as labrig writes it, or others.
 
-    Raises BadInputError naming file, line and column.
+    `names` says what columns of other names mean. Raises BadInputError naming file, line and
+    column.
     """
-    forces, curves, signals = (None if p is None else Path(p) for p in (forces, curves, signals))
-    source = forces or curves
-    if source is None:
+    return read_and_understood(sheet, forces, curves, signals, names=names).measurements
+
+
+def read_and_understood(
+    sheet: Mapping[str, SheetGeometry],
+    forces: Path | str | None,
+    curves: Path | str | None = None,
+    signals: Path | str | None = None,
+    *,
+    names: ColumnNames = AS_NAMED,
+) -> ReadTables:
+    """Return what `read_tables` does, and how each table was understood."""
+    if forces is None and curves is None:
         raise BadInputError("there is neither a table of forces nor one of curves.")
+    wanted = ((forces, FORCE_COLUMNS), (curves, CURVE_COLUMNS), (signals, SIGNAL_COLUMNS))
+    asked = [(Path(path), expected) for path, expected in wanted if path is not None]
+    names = _of_one_sheet(names, sheet)
+    tables = {expected.kind: read_table(path, expected, names) for path, expected in asked}
+    _refuse_unused(names, list(tables.values()))
     gathered = _Conditions()
     if forces is not None:
-        for row in read_rows(forces, columns.FORCES, columns.FORCES_OPTIONAL, columns.CHANNEL):
+        for row in tables["forces"].rows():
             _add_force(gathered, row, sheet)
-    unsaid = False
-    if curves is not None:
-        for row in read_rows(curves, columns.CURVES, columns.CURVES_OPTIONAL):
-            unsaid |= _add_point(gathered, row, sheet)
+    unsaid = "curves" in tables and _add_curves(gathered, tables["curves"], sheet)
     if forces is not None and not any(each.readings for each in gathered.values()):
         raise BadInputError(f"{forces}: holds no readings.")
     without = _without_force(gathered) if forces is not None else ()
     found = Measurements(
         sheets=dict(sheet),
         conditions=tuple(_condition(key, each) for key, each in gathered.items()),
-        series=_series(signals, sheet) if signals is not None else (),
-        source=source.name,
+        series=series_of(tables["signals"], sheet) if signals is not None else (),
+        source=asked[0][0].name,
         warnings=(*without, *([_UNSAID.format(curves)] if unsaid else [])),
     )
-    return replace(found, warnings=(*found.warnings, *unit_warnings(found)))
+    found = replace(found, warnings=(*found.warnings, *unit_warnings(found)))
+    return ReadTables(found, tuple(tables.values()))
+
+
+def _of_one_sheet(names: ColumnNames, sheet: Mapping[str, SheetGeometry]) -> ColumnNames:
+    """Return the names, with the sheet's configuration where it has no other."""
+    return replace(names, only_sheet=next(iter(sheet)) if len(sheet) == 1 else "")
+
+
+def _refuse_unused(names: ColumnNames, tables: Sequence[TextTable]) -> None:
+    """Raise BadInputError for a column that is stated and that no table has."""
+    for ours, theirs in names.columns.items():
+        stated = [one for t in tables for one in t.meanings if one.how is How.STATED]
+        if not any(one.means == ours for one in stated):
+            there = ", ".join(dict.fromkeys(n for t in tables for n in t.layout.names if n))
+            raise BadInputError(
+                f"--columns {ours}={theirs}: {theirs!r} is no column of "
+                f"{' or '.join(str(t.path) for t in tables)}, which has {there}."
+            )
 
 
 # -------------------------------------------------------------------------------------- conditions
 
 
-def _configuration(row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> str:
-    name = row.get("configuration", str, "a table of sheet.toml")
-    if name not in sheet:
-        raise row.fault(f"configuration {name!r} is no table of the sheet, {', '.join(sheet)}")
-    return name
-
-
 def _key(row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> _Key:
     return _Key(
-        configuration=_configuration(row, sheet),
+        configuration=configuration_of(row, sheet),
         position_m=row.optional("position_mm", from_milli, NUMBER, None),
         voltage_V=row.get("voltage_V", from_plain, NUMBER) + 0.0,  # -0 V is 0 V
         mounting=row.optional("mounting", integer, WHOLE, 0),
@@ -131,7 +178,8 @@ def _gathered(gathered: _Conditions, key: _Key, row: CsvRow) -> _Gathered:
 
 def _add_force(gathered: _Conditions, row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> None:
     key = _key(row, sheet)
-    index = row.get("reading", integer, WHOLE)
+    counted = not row.has("reading")
+    index = row.index if counted else row.get("reading", integer, WHOLE)
     kind = row.optional("kind", one_of(*columns.KINDS), " or ".join(columns.KINDS), "kept")
     readings = _gathered(gathered, key, row).readings
     if index in readings:
@@ -146,20 +194,46 @@ def _add_force(gathered: _Conditions, row: CsvRow, sheet: Mapping[str, SheetGeom
         valid=row.optional("valid", truth, "true or false", default=True),
         why=row.optional("why", str, "a text", ""),
         other_values=row.values_after(columns.CHANNEL),
+        mean_of=row.optional("mean_of", _count, "a whole number from 1", 1),
+        sd_N=row.optional("sd_mN", _spread, "a number from 0", None),
     )
 
 
-def _add_point(gathered: _Conditions, row: CsvRow, sheet: Mapping[str, SheetGeometry]) -> bool:
-    """Take a curve's point; says whether its condition had to be taken from its order."""
-    reading = row.optional("reading", integer, WHOLE, None)
-    key, unsaid = _meant(gathered, row, sheet, reading)
-    found = _gathered(gathered, key, row)
-    if reading is not None and reading not in found.readings:
-        raise row.fault(
-            f"column reading: there is no force of reading {reading}; of curves without forces only"
-            " the one of the mean image is used, whose reading is left empty"
-        )
-    found.curves.setdefault(reading, CurvePoints()).add(row)
+def _count(text: str) -> int:
+    if not integer(text):
+        raise ValueError(text)
+    return integer(text)
+
+
+def _spread(text: str) -> float:
+    value = from_milli(text)
+    if value < 0.0:
+        raise ValueError(text)
+    return value
+
+
+def _add_curves(
+    gathered: _Conditions, table: TextTable, sheet: Mapping[str, SheetGeometry]
+) -> bool:
+    """Take all points; says whether the condition of some had to be taken from their order."""
+    points, numbers = CurvePoints.columns_of(table), numbers_of(table, _OF_A_CURVE)
+    unsaid = False
+    for block, end in table.blocks(_OF_A_CURVE):
+        # a number that comes again begins the next curve
+        again = np.flatnonzero(np.diff(numbers[block:end]) <= 0) + block + 1
+        for first, last in pairwise([block, *again.tolist(), end]):
+            row = table.row(first)
+            own = numbers[first:last]
+            reading = row.optional("reading", integer, WHOLE, None)
+            key, in_order = _meant(gathered, row, sheet, reading, own)
+            unsaid |= in_order
+            found = _gathered(gathered, key, row)
+            if reading is not None and reading not in found.readings:
+                raise row.fault(
+                    f"column reading: there is no force of reading {reading}; leave the reading "
+                    "of a mean curve empty"
+                )
+            found.curves.setdefault(reading, CurvePoints()).add(table, first, own, points)
     return unsaid
 
 
@@ -168,6 +242,7 @@ def _meant(
     row: CsvRow,
     sheet: Mapping[str, SheetGeometry],
     reading: int | None,
+    numbers: IntArray,
 ) -> tuple[_Key, bool]:
     """Return the condition that a curve belongs to, and whether only the order says so.
 
@@ -186,7 +261,7 @@ def _meant(
     fit.sort(key=lambda each: (each.run, each.approach == "down"))
     for each in fit:
         points = gathered[each].curves.get(reading)
-        if points is None or not points.holds(row):
+        if points is None or not points.holds(numbers):
             return each, len(fit) > 1
     return fit[-1] if fit else key, len(fit) > 1
 
@@ -213,64 +288,4 @@ def _condition(key: _Key, gathered: _Gathered) -> Condition:
         approach=cast("Literal['up', 'down', '']", key.approach),
         tilt_rad=gathered.tilt_rad,
         run=key.run,
-    )
-
-
-# ----------------------------------------------------------------------------------------- signals
-
-
-def _series(path: Path, sheet: Mapping[str, SheetGeometry]) -> tuple[TimeSeries, ...]:
-    """Return a time series for each run; times that start again begin the next run."""
-    rows: dict[tuple[str, float | None, int, int], list[tuple[float, ...]]] = {}
-    extras: dict[tuple[str, float | None, int, int], str] = {}
-    turns: dict[tuple[str, float | None, int], int] = {}
-    for row in read_rows(path, columns.SIGNALS, columns.SIGNALS_OPTIONAL):
-        position_m = row.optional("position_mm", from_milli, NUMBER, None)
-        mounting = row.optional("mounting", integer, WHOLE, 0)
-        place = (_configuration(row, sheet), position_m, mounting)
-        time_s = row.get("time_s", from_plain, NUMBER)
-        turn = row.optional("run", integer, WHOLE, turns.get(place, 0))
-        earlier = rows.get((*place, turn), [])
-        if not row.has("run") and len(earlier) > 1 and time_s <= earlier[0][0]:
-            turn += 1
-        turns[place] = turn
-        values = rows.setdefault((*place, turn), [])
-        extras[(*place, turn)] = row.optional("extra", str, "a text", "")
-        if values and time_s <= values[-1][0]:
-            raise row.fault("column time_s: times must rise within a position")
-        values.append(
-            (
-                time_s,
-                row.get("drive_V", from_plain, NUMBER),
-                row.optional("force_mN", from_milli, NUMBER, np.nan),
-                row.optional("current_mA", from_milli, NUMBER, np.nan),
-            )
-        )
-        if len(values) > 1 and _are_there(values[-1]) != _are_there(values[-2]):
-            raise row.fault("force_mN and current_mA must be there for all of a position, or none")
-    if not rows:
-        raise BadInputError(f"{path}: holds no samples.")
-    return tuple(
-        replace(_one_series(*key, np.array(values)), extra=extras[key])
-        for key, values in rows.items()
-    )
-
-
-def _are_there(values: tuple[float, ...]) -> list[bool]:
-    return [value == value for value in values]
-
-
-def _one_series(
-    configuration: str, position_m: float | None, mounting: int, run: int, values: FloatArray
-) -> TimeSeries:
-    time_s, drive_V, force_N, current_A = values.T.copy()
-    return TimeSeries(
-        configuration=configuration,
-        position_m=position_m,
-        time_s=time_s,
-        drive_V=drive_V,
-        force_N=None if np.isnan(force_N).any() else force_N,
-        current_A=None if np.isnan(current_A).any() else current_A,
-        mounting=mounting,
-        run=run,
     )

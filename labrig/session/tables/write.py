@@ -52,6 +52,8 @@ def write_curves(measurements: Measurements, path: Path) -> None:
 def _make(folder: Path) -> None:
     try:
         folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
     except OSError as error:
         raise BadInputError(f"{folder}: cannot be made ({error.strerror}).") from None
     for name in ("forces.csv", "curves.csv", "signals.csv"):
@@ -107,6 +109,8 @@ def _forces(measurements: Measurements) -> Iterator[Cells]:
                 "wetted_s": _maybe(reading.wetted_s),
                 "valid": "true" if reading.valid else "false",
                 "why": reading.why,
+                "sd_mN": "" if reading.sd_N is None else milli(reading.sd_N),
+                "mean_of": str(reading.mean_of) if reading.mean_of > 1 else "",
                 **{
                     f"{columns.CHANNEL}{name}": plain(value)
                     for name, value in reading.other_values.items()

@@ -43,10 +43,10 @@ def is_drawing(path: Path) -> bool:
 
 
 def drawing_beside(optics: Path) -> Path:
-    """Return where the drawing of a calibration goes; a photograph is never written over."""
+    """Return where the drawing of a calibration goes. Raise where a photograph is already."""
     place = optics.with_suffix(".png")
     if place.exists() and not is_drawing(place):
-        return optics.with_name(f"{optics.stem}_calibration.png")
+        raise BadInputError(f"{place}: this image would be overwritten; give -o another name.")
     return place
 
 

@@ -16,7 +16,7 @@ WEAK = 1.0  # standard deviation of a logarithm: of eta, shares and times
 WIDE = 3.0  # of all others: nothing but that they exist
 
 
-class _Quantity(NamedTuple):
+class _IdentifiedQuantity(NamedTuple):
     name: str
     value: float
     unit: str
@@ -33,7 +33,7 @@ class LogParameters:
     start: DynamicBeam
 
     @cached_property
-    def quantities(self) -> tuple[_Quantity, ...]:
+    def quantities(self) -> tuple[_IdentifiedQuantity, ...]:
         """Return the parameters in order."""
         beam = self.start
         if beam.electrodes is None:
@@ -41,20 +41,20 @@ class LogParameters:
         line, (up, down), m = beam.electrodes, beam.moment_per_volt_Nm, beam.material
         prony = [
             q for i, (share, time) in enumerate(zip(m.shares, m.times_s, strict=True), 1)
-            for q in (_Quantity(f"share_{i}", share, "1", WEAK),
-                      _Quantity(f"time_{i}", time, "s", WEAK))
+            for q in (_IdentifiedQuantity(f"share_{i}", share, "1", WEAK),
+                      _IdentifiedQuantity(f"time_{i}", time, "s", WEAK))
         ]  # fmt: skip
         every = (
-            _Quantity("B", m.B_Nm2, "N m^2", WIDE),
-            _Quantity("mass_per_length", beam.mass_per_length_kg_per_m, "kg/m", WIDE),
-            _Quantity("viscous_time", m.viscous_time_s, "s", WEAK),
+            _IdentifiedQuantity("B", m.B_Nm2, "N m^2", WIDE),
+            _IdentifiedQuantity("mass_per_length", beam.mass_per_length_kg_per_m, "kg/m", WIDE),
+            _IdentifiedQuantity("viscous_time", m.viscous_time_s, "s", WEAK),
             *prony,
-            _Quantity("electrode_resistance", line.electrode_ohm_per_m, "ohm/m", WIDE),
-            _Quantity("capacitance", line.capacitance_F_per_m, "F/m", WIDE),
-            _Quantity("bulk_resistance", line.bulk_ohm_m, "ohm m", WIDE),
-            _Quantity("leak", line.leak_S_per_m, "S/m", WIDE),
-            _Quantity("moment_per_positive_volt", up, "N m/V", WIDE),
-            _Quantity("moment_per_negative_volt", down, "N m/V", WIDE),
+            _IdentifiedQuantity("electrode_resistance", line.electrode_ohm_per_m, "ohm/m", WIDE),
+            _IdentifiedQuantity("capacitance", line.capacitance_F_per_m, "F/m", WIDE),
+            _IdentifiedQuantity("bulk_resistance", line.bulk_ohm_m, "ohm m", WIDE),
+            _IdentifiedQuantity("leak", line.leak_S_per_m, "S/m", WIDE),
+            _IdentifiedQuantity("moment_per_positive_volt", up, "N m/V", WIDE),
+            _IdentifiedQuantity("moment_per_negative_volt", down, "N m/V", WIDE),
         )
         return tuple(q for q in every if q.value != 0.0)
 

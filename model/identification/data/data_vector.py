@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -46,6 +47,13 @@ Index = npt.NDArray[np.int64]
 Which = npt.NDArray[np.bool_]
 
 
+class _OfMean(TypedDict, total=False):
+    """What `ConditionData` has of a force that is a mean."""
+
+    mean_of: int
+    spread_N: float | None
+
+
 @dataclass(frozen=True, kw_only=True)
 class ConditionData:
     """One condition."""
@@ -66,6 +74,10 @@ class ConditionData:
     tilt_rad: float = 0.0  # of the rig about the sheet's long axis
     zero: bool = False  # the load cell's own, with nothing to touch: no shape of the sheet
     session: int = 1  # its number among those analysed together
+    # of the one force that counts, where it was written down as a mean: readings in it, and their
+    # standard deviation, N; None: not stated
+    mean_of: int = 1
+    spread_N: float | None = None
 
     @property
     def free(self) -> bool:
@@ -224,7 +236,16 @@ def _seen(
         clock=timing.of(readings, at) if len(forces) else timing.of_no_reading(begun),
         counts=np.arange(len(forces)) >= len(early), curve=curve, own_curves=() if free else own,
         identical=identical, tilt_rad=condition.tilt_rad, session=condition.session,
+        **_of_a_mean(readings[len(early) :]),
     )  # fmt: skip
+
+
+def _of_a_mean(counting: list[Reading]) -> _OfMean:
+    """Return what is stated of a force that is the mean of readings nobody wrote down."""
+    if len(counting) != 1:
+        return {}
+    (one,) = counting
+    return {"mean_of": one.mean_of, "spread_N": one.sd_N}
 
 
 def _load_cell_zero(

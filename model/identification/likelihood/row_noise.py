@@ -84,8 +84,9 @@ def _kinds(
 ) -> Iterator[_Kind]:  # fmt: skip
     if len(part.trend_rows):
         # of independent readings: those of a mean are fewer times as noisy
-        weight = np.sum(part.trend**2, axis=1)
-        size, unsure = _reading_noise(part, reading_N)
+        in_mean = np.array([one.mean_of for one in look.seen])[part.trend_of]
+        weight = np.sum(part.trend**2, axis=1) / in_mean
+        size, unsure = _reading_noise(part, reading_N, look)
         yield _Kind(
             name=f"{name} reading", rows=part.trend_rows, weight=weight, size=size, unsure=unsure
         )
@@ -130,9 +131,14 @@ def _kinds(
         )
 
 
-def _reading_noise(part: RowBlock, reading_N: FloatArray) -> tuple[float, float]:
+def _reading_noise(part: RowBlock, reading_N: FloatArray, look: DataVector) -> tuple[float, float]:
     """Return the standard deviation of a reading about its trend in time, and of its logarithm."""
     total, degrees = 0.0, 0
+    for one in look.seen:
+        if one.spread_N is not None and one.spread_N > 0.0:
+            known = max(one.mean_of - 1, 1)
+            total += known * one.spread_N**2
+            degrees += known
     for k in np.unique(part.reading_of):
         own = (part.reading_of == k) & (part.share > 0.0)
         rows = part.trend[(part.trend_of == k) & ~part.is_early][:, own]

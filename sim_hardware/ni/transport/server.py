@@ -13,6 +13,7 @@ from sim_hardware.ni.tasks.engine import Engine
 from sim_hardware.ni.tasks.events import Stream
 from sim_hardware.ni.transport.service import Method, answer
 from sim_hardware.ni.transport.tcp_relay import ByteRelay
+from sim_hardware.port_taken import PortTakenError
 
 HOST = "127.0.0.1"
 # Every open event stream and every waiting read holds a worker; threads are made when needed.
@@ -22,10 +23,6 @@ _OPTIONS = (
     ("grpc.max_receive_message_length", -1),
     ("grpc.max_send_message_length", -1),
 )
-
-
-class PortTakenError(Exception):
-    """Another program listens on the port."""
 
 
 class TcpServer:

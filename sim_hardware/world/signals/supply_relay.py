@@ -1,4 +1,4 @@
-"""The interlock: a retriggerable one-shot that holds the relay in the amplifier's supply."""
+"""The interlock: what holds the relay in the amplifier's supply, edges or a level."""
 
 from __future__ import annotations
 
@@ -18,6 +18,10 @@ class SupplyRelay:
         """Close the relay, or hold it: an edge has come."""
         self.closed = True
         self._opens_s = max(self._opens_s, when + self._hold_s)
+
+    def hold(self, *, on: bool) -> None:
+        """Follow a line's level, where there is no one-shot before the relay."""
+        self.closed, self._opens_s = on, math.inf if on else -math.inf
 
     def drop(self, until_s: float) -> float | None:
         """Return when it opened, once, if it has by this time."""

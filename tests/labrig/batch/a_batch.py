@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from labrig.batch.inputs import found_inputs
-from labrig.batch.plan import Wanted, plan
+from labrig.batch.plan import BatchOrder, plan
 from labrig.batch.run import run_batch
 from labrig.batch.workers import local_workers
 from tests.labrig.batch.costless import Costless
@@ -15,7 +15,9 @@ from tests.labrig.batch.costless import Costless
 def planned(folder, task, **more):
     """The plan of a batch over the sessions of a folder; its output lies beside them."""
     found = found_inputs([str(folder)], task.takes, folder)
-    wanted = Wanted(name="costless", task=task, inputs=found.inputs, output=folder / "out", **more)
+    wanted = BatchOrder(
+        name="costless", task=task, inputs=found.inputs, output=folder / "out", **more
+    )
     return plan(wanted)
 
 

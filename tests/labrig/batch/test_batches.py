@@ -108,6 +108,8 @@ def test_a_piece_that_kills_its_worker_is_lost_and_all_others_are_done(folder):
         assert outcomes.pop(name) == (PieceOutcome.LOST, 3)
     assert len(outcomes) == 8
     assert set(outcomes.values()) == {(PieceOutcome.DONE, 1)}
+    again = planned(folder, Costless(count=5, deadly=2))  # what has killed them may be over
+    assert [piece.item.name for piece in again.todo] == ["a.h5 piece 2", "b.h5 piece 2"]
 
 
 def test_errors_are_left_alone_until_they_are_asked_for(folder):

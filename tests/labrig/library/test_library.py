@@ -14,7 +14,7 @@ from dataclasses import replace
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.library import CatalogueEntry, Library, Selection, index, read_entry
+from labrig.library import CatalogueEntry, Library, SessionQuery, index, read_entry
 from labrig.library.database import Database
 from labrig.library.records import put_entry
 from labrig.library.select import select
@@ -118,7 +118,7 @@ def test_a_cache_that_is_damaged_is_made_anew(folder, looked, damage):
         )
     again = Library(folder)
     again.refresh()
-    found = again.find(Selection(sort="name", down=False, text="h5"))
+    found = again.find(SessionQuery(sort="name", down=False, text="h5"))
     assert [entry.name for entry in found.entries] == ["a.h5", "b.h5", "below/c.h5", "broken.h5"]
     looked.clear()
     again.refresh()
@@ -291,7 +291,7 @@ def test_entries_are_filtered_and_sorted(asked, wanted, tmp_path):
 def selected(folder, entries, **asked):
     database = Database(folder)
     database.write(lambda connection: [put_entry(connection, entry) for entry in entries])
-    return database.read(lambda connection: select(connection, Selection(**asked))).entries
+    return database.read(lambda connection: select(connection, SessionQuery(**asked))).entries
 
 
 @pytest.mark.parametrize("down", [True, False])
@@ -312,7 +312,7 @@ def test_an_entry_comes_back_as_it_was(session, tmp_path):
 
 def test_an_unknown_column_is_named_with_those_that_are_known():
     with pytest.raises(BadInputError, match="scatter_mN"):
-        Selection(sort="colour")
+        SessionQuery(sort="colour")
 
 
 def test_the_command_lists_and_says_what_cannot_be_read(folder, capsys):

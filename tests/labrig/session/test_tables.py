@@ -270,12 +270,11 @@ def test_signals_that_begin_anew_are_of_the_next_run(tmp_path):
 
 HEAD = "configuration,position_mm,voltage_V,reading,force_mN"
 BAD_FORCES = {
-    "forces.csv: column 'Force_mN' is not known; did you mean force_mN": "configuration,Force_mN\n",
+    "forces.csv: column 'forse_mN' is not known; did you mean force_mN": "configuration,forse_mN\n",
     "forces.csv: column force_mN is missing": "configuration,position_mm,voltage_V,reading\n",
     "forces.csv: column reading is there twice": f"{HEAD},reading\n",
     "forces.csv: this is an empty file; a forces.csv is needed": "",
     "forces.csv: holds no readings": f"{HEAD}\n",
-    "separated by commas": FORCES.replace(",", ";"),
     "line 3: column force_mN: 'O.29' is not a number": FORCES.replace("0.29", "O.29"),
     "line 3: column force_mN: 'nan' is not a number": FORCES.replace("0.29", "nan"),
     "line 3: column force_mN: '1e999' is not a number": FORCES.replace("0.29", "1e999"),
@@ -291,7 +290,7 @@ BAD_FORCES = {
     "line 2: column valid: 'yes' is not true or false": f"{HEAD},valid\nlong,5,0,0,1,yes\n",
     "line 2: column approach: 'left' is not up or down": f"{HEAD},approach\nlong,5,0,0,1,left\n",
     "line 3: tilt_deg differs": f"{HEAD},tilt_deg\nlong,5,0,0,1,1\nlong,5,0,1,1,2\n",
-    "not a text file in UTF-8": b"\xff\xfe\x00c\x00o",
+    "not a text file (byte 2 cannot be read)": b"ab\xff\x01\x02",
     "line 2: not valid CSV": f'{HEAD}\nlong,5,0,0,"1',
 }
 
@@ -314,7 +313,8 @@ BAD_CURVES = {
         .replace("20,2\n", "20,2,1\n")
     ),
     "there is no force of reading 3": (
-        CURVES.replace("y_mm", "y_mm,reading").replace("0,0\n", "0,0,3\n")
+        CURVES.replace("y_mm\n", "y_mm,reading\n").replace("0,0\n", "0,0,3\n")
+        .replace("5\n", "5,3\n").replace(",2\n", ",2,3\n")
     ),
 }  # fmt: skip
 

@@ -303,16 +303,19 @@ def test_a_picture_named_as_a_frame_or_page_is_refused(folder, pair):
     extract_curves([folder], folder / "out", BatchOptions(find=answer))
 
 
-def test_the_picture_of_a_calibration_replaces_no_photograph(folder):
+def test_the_picture_of_a_calibration_replaces_no_photograph(folder, capsys):
     picture = folder / "strip.png"
     cv2.imwrite(str(picture), marked(200, 300) + 30)
     before = picture.read_bytes()
     ruler = ["--ruler-px", "20,20,220,20", "--ruler-mm", "25", "--clamp-px", "80,100"]
     made = ["-o", str(folder / "strip.json")]
-    for _ in range(2):
-        assert run(["calibrate", "camera", str(picture), *ruler, *made]) == 0
+    assert run(["calibrate", "camera", str(picture), *ruler, *made]) == 2
+    assert "strip.png: this image would be overwritten" in capsys.readouterr().err
     assert picture.read_bytes() == before
-    assert (folder / "strip_calibration.png").exists()
+    assert not (folder / "strip.json").exists()
+    made = ["-o", str(folder / "strip.optics.json")]
+    for _ in range(2):  # a drawing of its own is replaced
+        assert run(["calibrate", "camera", str(picture), *ruler, *made]) == 0
 
 
 def test_tables_are_whole_or_not_there(folder):

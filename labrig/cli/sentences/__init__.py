@@ -1,0 +1,1 @@
+"""What the user is told beside the output of a command."""

@@ -1,0 +1,1 @@
+"""What a table's text file looks like: its letters, separators, decimals and columns' names."""

@@ -1,0 +1,128 @@
+"""What the names of columns mean: the quantity, and how its unit differs from ours."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Final
+
+from labrig.session.tables import columns
+
+# Each unit: what it measures, and the power of ten to the SI unit.
+_UNITS: Final = {
+    "N": ("force", 0), "mN": ("force", -3), "uN": ("force", -6),
+    "m": ("length", 0), "cm": ("length", -2), "mm": ("length", -3), "um": ("length", -6),
+    "V": ("voltage", 0), "mV": ("voltage", -3), "kV": ("voltage", 3),
+    "s": ("time", 0), "ms": ("time", -3), "us": ("time", -6),
+    "A": ("current", 0), "mA": ("current", -3), "uA": ("current", -6),
+    "1/m": ("curvature", 0), "per_m": ("curvature", 0), "m-1": ("curvature", 0),
+    "1/mm": ("curvature", 3), "deg": ("angle", 0), "\N{DEGREE SIGN}": ("angle", 0),
+}  # fmt: skip
+_MICRO = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
+_BRACKETS = re.compile(r"(?P<name>.*?)[\s_]*[(\[<{]\s*(?P<unit>[^()\[\]<>{}]*?)\s*[)\]>}]\s*")
+_SLASH = re.compile(r"(?P<name>.*?)\s*/\s*(?P<unit>\S+)")
+_WORD = re.compile(r"(?P<name>.+?)(?:\s+in\s+|[\s_]+)(?P<unit>\S+)")
+
+# Names that others give to a column, lower case. They are offered, not taken.
+_OTHERS: Final = {
+    "configuration": "config sheet sample strip specimen konfiguration probe",
+    "position_mm": "p pos arc place angle ort",
+    "voltage_V": "u v volt volts spannung tension u sheet",
+    "reading": "no nr number trial repeat repetition measurement",
+    "force_mN": "f load kraft mean mean_force force_mean mittelwert",
+    "sd_mN": "std stdev stddev sigma s f_sd f_std force_sd force_std deviation",
+    "mean_of": "n count counts readings repeats",
+    "point": "i k index nr no",
+    "x_mm": "xs x_value x_data",
+    "y_mm": "ys y_value y_data",
+    "s_mm": "arc_length arclength",
+    "time_s": "t x_value zeit temps",
+    "drive_V": "u v voltage volt spannung",
+    "current_mA": "i strom",
+    "mounting": "mount set_up",
+    "tilt_deg": "tilt",
+}
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit as written: what it measures, and its power of ten."""
+
+    written: str
+    measures: str
+    exponent: int
+
+
+@dataclass(frozen=True)
+class SplitName:
+    """A column's name without its unit, and the unit where it has one that is known."""
+
+    base: str  # as written
+    unit: Unit | None
+    unknown: str = ""  # a unit in brackets that is not known
+
+    @property
+    def word(self) -> str:
+        """The name in lower case, its words joined."""
+        return re.sub(r"[\s_\-.]+", "_", self.base.strip().lower()).strip("_")
+
+
+def unit_of(text: str) -> Unit | None:
+    """Return the unit that a text is; None where it is none that is known."""
+    found = _UNITS.get(text.strip().translate(_MICRO).strip("[]() "))
+    return None if found is None else Unit(text.strip(), *found)
+
+
+def split_name(name: str) -> SplitName:
+    """Return a name and its unit: force [N], F/mN, x in mm, position_mm."""
+    bracketed = _BRACKETS.fullmatch(name)
+    if bracketed:
+        unit = unit_of(bracketed["unit"])
+        return SplitName(bracketed["name"], unit, "" if unit else bracketed["unit"])
+    for pattern in (_SLASH, _WORD):
+        found = pattern.fullmatch(name)
+        unit = unit_of(found["unit"]) if found else None
+        if found and unit is not None:
+            return SplitName(found["name"], unit)
+    if name.lower().endswith("_per_m"):
+        return SplitName(name[:-6], Unit("per_m", "curvature", 0))
+    return SplitName(name, None)
+
+
+def own_unit(column: str) -> Unit | None:
+    """Return the unit of one of our columns."""
+    return split_name(column).unit
+
+
+def is_meant(name: SplitName, column: str) -> bool:
+    """Whether a name is that of our column, written otherwise: Force [N] for force_mN."""
+    own = split_name(column)
+    if name.word != own.word or name.unknown:
+        return False
+    if own.unit is None:
+        return name.unit is None
+    return name.unit is not None and name.unit.measures == own.unit.measures
+
+
+def may_mean(name: SplitName, column: str) -> bool:
+    """Whether a name is one that others give to our column, and its unit fits."""
+    own = split_name(column)
+    if name.unknown or (
+        name.unit and (own.unit is None or name.unit.measures != own.unit.measures)
+    ):
+        return False
+    return name.word == own.word or name.word in _OTHERS.get(column, "").split()
+
+
+def shift(unit: Unit | None, column: str) -> int:
+    """Return the power of ten from a unit to that of our column; None is the same unit."""
+    own = own_unit(column)
+    return 0 if unit is None or own is None else unit.exponent - own.exponent
+
+
+KNOWN: Final = tuple(
+    dict.fromkeys(
+        (*columns.FORCES, *columns.FORCES_OPTIONAL, *columns.CURVES, *columns.CURVES_OPTIONAL,
+         *columns.SIGNALS, *columns.SIGNALS_OPTIONAL)
+    )
+)  # fmt: skip

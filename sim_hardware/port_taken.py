@@ -1,0 +1,5 @@
+"""A port that is not free."""
+
+
+class PortTakenError(Exception):
+    """Another program listens on the port."""

@@ -1,0 +1,118 @@
+"""--version, -h, completion, help that fits a terminal, and the lines that tell of waiting."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import logging
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from labrig.cli.app import all_commands
+from labrig.cli.main import run
+from labrig.cli.screen import time_left
+from labrig.cli.sentences.compiling import TOLD, compiling_is_told
+from labrig.version import NOT_INSTALLED, version
+
+COMMANDS = {command.name: command for command in all_commands()}
+
+
+def test_the_version_is_that_of_the_distribution(capsys):
+    assert run(["--version"]) == 0
+    said = capsys.readouterr().out
+    assert re.fullmatch(r"labrig \S+ \(Python 3\.\d+\.\d+\S*, \w+\)\n", said)
+    assert version() in said
+    assert version() == importlib.metadata.version("labrig")
+
+
+def test_sources_that_nobody_installed_have_a_version_too(monkeypatch):
+    def none(name):
+        raise importlib.metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(importlib.metadata, "version", none)
+    assert version() == NOT_INSTALLED
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_each_command_knows_the_short_form_of_help(name, capsys):
+    assert run([name, "-h"]) == 0
+    said = capsys.readouterr().out
+    assert f"Usage: labrig {name}" in said
+    assert "-h, --help" in said
+
+
+def test_the_first_sentences_fit_a_terminal(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    assert run(["-h"]) == 0
+    listed = capsys.readouterr().out.partition("Commands:")[2]
+    assert "..." not in listed
+    assert len(listed.strip().splitlines()) == len(COMMANDS)
+
+
+def completed(words: str) -> set[str]:
+    place = {"_LABRIG_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": "1"}
+    found = subprocess.run(
+        [sys.executable, "-m", "labrig"],
+        env=os.environ | place, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    return set(found.stdout.split())
+
+
+@pytest.mark.slow
+def test_a_shell_completes_commands():
+    assert completed("labrig di") == {"diagnose"}
+
+
+def test_what_is_compiled_first_is_told_once(capsys):
+    with compiling_is_told():
+        for _ in range(3):
+            logging.getLogger("labrig.compiling").info("compiling once")
+    logging.getLogger("labrig.compiling").info("nobody asks")
+    assert capsys.readouterr().err == f"{TOLD}\n"
+
+
+COMPILED = """
+import logging, os, sys
+sys.path.insert(0, os.environ["SOURCES"])
+from labrig.cli.sentences.compiling import compiling_is_told
+with compiling_is_told():
+    from model.jit import jit
+    import small
+    small.twice(1.0)
+"""
+
+
+@pytest.mark.slow
+def test_a_line_is_printed_where_nothing_compiled_was_kept_and_only_there(tmp_path):
+    sources = Path(__file__).resolve().parents[2]
+    (tmp_path / "small.py").write_text(
+        "from model.jit import jit\n\n\n@jit\ndef twice(x):\n    return 2 * x\n"
+    )
+    place = os.environ | {"SOURCES": str(sources), "PYTHONPATH": str(tmp_path)}
+    place |= {"NUMBA_CACHE_DIR": str(tmp_path / "kept")}
+    said = [
+        subprocess.run(
+            [sys.executable, "-c", COMPILED],
+            env=place, capture_output=True, text=True, check=True, cwd=tmp_path,
+        ).stderr
+        for _ in range(2)
+    ]  # fmt: skip
+    assert said == [f"{TOLD}\n", ""]
+
+
+@pytest.mark.parametrize(
+    ("taken_s", "fraction", "said"),
+    [
+        (60.0, 0.0, ""),
+        (1.0, 0.5, ""),
+        (20.0, 0.5, " - about 20 s left"),
+        (60.0, 0.1, " - about 9 min left"),
+        (60.0, 1.0, ""),
+    ],
+)
+def test_how_long_a_job_takes_is_estimated_once_it_can_be(taken_s, fraction, said):
+    assert time_left(taken_s, fraction) == said
