@@ -29,6 +29,7 @@ from labrig.config.parts import (
     PartConfig,
     board_models,
 )
+from labrig.config.publish import PublishConfig
 
 Positive = Annotated[float, Field(gt=0)]
 
@@ -127,6 +128,9 @@ class RigConfig(ClosedModel):
     simulated: Simulated | None = None
     hooks: HooksConfig | None = Field(
         None, description="who is told when a session waits, has stopped or is done"
+    )
+    publish: PublishConfig | None = Field(
+        None, description="where documents of a session go while it runs"
     )
 
     @model_validator(mode="before")
@@ -288,6 +292,8 @@ def load_rig(path: Path) -> RigConfig | ReplayConfig:
         update["camera"] = rig.camera.model_copy(update={"optics": folder / rig.camera.optics})
     if rig.watch is not None:
         update["watch"] = rig.watch.model_copy(update={"token": folder / rig.watch.token})
+    if rig.publish is not None:
+        update["publish"] = rig.publish.model_copy(update={"bluesky": folder / rig.publish.bluesky})
     if rig.simulated is not None and rig.simulated.world is not None:
         update["simulated"] = rig.simulated.model_copy(
             update={"world": folder / rig.simulated.world}

@@ -10,11 +10,18 @@ from pathlib import Path
 from drivers.interfaces import DeviceError, RealClock
 from drivers.real_time import EDGES, punctual
 from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
+from labrig.config.about import recorded_about
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan
 from labrig.experiment.precautions import precautions
 from labrig.experiment.preflight import disk_space, open_rig_checks, refuse_implausible
+from labrig.experiment.publish import (
+    BlueskyPublisher,
+    PublishedSession,
+    check_publish,
+    document_file,
+)
 from labrig.experiment.resume import Resumption
 from labrig.experiment.rig.identities import recorded_devices
 from labrig.experiment.rig.parts_in_use import parts_in_use
@@ -22,6 +29,7 @@ from labrig.experiment.rig.rig import DRIVE, Rig, Step, no_step, opened
 from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from labrig.experiment.watchdog import Watchdog, watched
 from labrig.session import SessionWriter
+from labrig.session.bluesky.streams import Document
 from labrig.session.format.devices import REPLAY_OF, any_simulated
 from protocols import SafetyLimits
 from protocols.execution.event_bus import EventBus
@@ -84,6 +92,7 @@ def run_session(
     the plan has a number that nobody can mean.
     """
     result: Result | None = None
+    check_publish(rig.config.publish)
     if check_first:
         refuse_implausible(plan)
     try:
@@ -152,6 +161,9 @@ def _record(
     pause.forget()
     hub.add_required("the session file", writer.handle)
     try:
+        if rig.config.publish is not None:
+            publish = document_file(rig.config.publish.bluesky)
+            hub.add_best_effort("the publisher", _publisher(writer, publish))
         if resumption is not None:
             resumption.publish(writer.handle, rig.clock.now())
         if not rig.config.is_simulated:
@@ -230,6 +242,22 @@ def _writer(job: _Job, path: Path) -> SessionWriter:
         devices=devices,
         parts=parts,
     )
+
+
+def _publisher(writer: SessionWriter, publish: Callable[[Document], None]) -> BlueskyPublisher:
+    """Return what publishes the session while it runs."""
+    setup = writer.setup
+    session = PublishedSession(
+        identifier=setup.identifier,
+        path=writer.path,
+        protocol=setup.schedule.protocol,
+        about=recorded_about(setup.texts),
+        versions=dict(setup.versions),
+        simulated=setup.simulated,
+        channels=setup.signals,
+        rate_hz=setup.rate_hz,
+    )
+    return BlueskyPublisher(session, publish)
 
 
 def _confirm_zero(rig: Rig) -> SafetyReport:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from labrig.exports._documents import documents
 from labrig.exports._files import new_file
 from labrig.session import open_session
+from labrig.session.bluesky.documents import documents
 from labrig.session.recording.disk import written_beside
 
 

@@ -108,6 +108,11 @@ class SessionWriter:
         self._thread.start()
 
     @property
+    def setup(self) -> SessionSetup:
+        """What the file was made from."""
+        return self._setup
+
+    @property
     def identifier(self) -> str:
         """The session's own identifier."""
         return self._setup.identifier

@@ -1,0 +1,1 @@
+"""A session, closed or under way, as documents of the Bluesky event model."""
