@@ -10,8 +10,8 @@ from pathlib import Path
 from drivers.interfaces import Operator
 from labrig.api.data import AnyPath, path_of, tell
 from labrig.errors import BadInputError, ExitCode
-from labrig.experiment.hook_watch import hooks_of
-from labrig.experiment.hooks import Hooks, NotifyingOperator
+from labrig.experiment.notices.hook_watch import hooks_of
+from labrig.experiment.notices.hooks import Hooks, NotifyingOperator
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.preflight import calibrations, doubts, refuse_implausible

@@ -15,7 +15,7 @@ from labrig.api.run import recorded, session_hooks, tell_of_doubts
 from labrig.cli.screen import Advance, progress, say, warn
 from labrig.config import read_text
 from labrig.config.about import FILE as ABOUT
-from labrig.experiment.hooks import NotifyingOperator
+from labrig.experiment.notices.hooks import NotifyingOperator
 from labrig.experiment.operator import ConsoleOperator, NoOperator
 from labrig.experiment.plan import ControlFiles, Plan, load_plan
 from labrig.experiment.replay import replay_plan, replay_rig

@@ -12,16 +12,16 @@ from drivers.real_time import EDGES, punctual
 from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
 from labrig.config.about import recorded_about
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
-from labrig.experiment.pause import PauseFile
-from labrig.experiment.plan import Plan
-from labrig.experiment.precautions import precautions
-from labrig.experiment.preflight import disk_space, open_rig_checks, refuse_implausible
-from labrig.experiment.publish import (
+from labrig.experiment.notices.publish import (
     BlueskyPublisher,
     PublishedSession,
     check_publish,
     document_file,
 )
+from labrig.experiment.pause import PauseFile
+from labrig.experiment.plan import Plan
+from labrig.experiment.precautions import precautions
+from labrig.experiment.preflight import disk_space, open_rig_checks, refuse_implausible
 from labrig.experiment.resume import Resumption
 from labrig.experiment.rig.identities import recorded_devices
 from labrig.experiment.rig.parts_in_use import parts_in_use

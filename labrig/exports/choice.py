@@ -9,6 +9,7 @@ from drivers.plugins import PluginFolder, UnknownPartError
 from labrig.errors import BadInputError
 from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
+from labrig.session import open_session
 
 DEFAULT: Final = "csv"
 FORMATS: Final[PluginFolder[ExportFormat]] = PluginFolder(
@@ -41,6 +42,8 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
         chosen = FORMATS.get(name)
     except UnknownPartError as error:
         raise BadInputError(f"--as: {error}.") from None
+    with open_session(session):  # a file of another kind leaves no empty folder
+        pass
     target = Path(folder)
     try:
         target.mkdir(parents=True, exist_ok=True)

@@ -55,7 +55,7 @@ def test_a_missing_package_is_refused_before_anything_is_opened(tmp_path, capsys
 
 
 def test_a_publisher_that_fails_leaves_the_session_whole(tmp_path, monkeypatch):
-    from labrig.experiment.publish import BlueskyPublisher
+    from labrig.experiment.notices.publish import BlueskyPublisher
 
     def broken(self, event):
         raise OSError("the share is gone")

@@ -18,8 +18,8 @@ from drivers.interfaces import Prompt
 from labrig.config import parse_rig
 from labrig.config.hooks import HooksConfig
 from labrig.errors import BadInputError
-from labrig.experiment.hook_watch import hooks_of
-from labrig.experiment.hooks import Hooks, Notice, NotifyingOperator
+from labrig.experiment.notices.hook_watch import hooks_of
+from labrig.experiment.notices.hooks import Hooks, Notice, NotifyingOperator
 from labrig.experiment.resume import resumed_plan
 from labrig.session import open_session
 from tests.end_to_end.real_rig import children
@@ -152,7 +152,7 @@ def test_a_command_that_hangs_does_not_outlive_the_program(tmp_path, log):
 
 @pytest.mark.slow
 def test_what_stands_by_for_a_program_that_is_killed_while_starting_it_ends_without_a_word():
-    module = [sys.executable, "-m", "labrig.experiment.hook_watch"]
+    module = [sys.executable, "-m", "labrig.experiment.notices.hook_watch"]
     done = subprocess.run(module, input=b"", capture_output=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (0, b"")
 

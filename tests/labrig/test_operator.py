@@ -11,7 +11,7 @@ from dataclasses import replace
 import pytest
 
 from drivers.interfaces import Prompt
-from labrig.experiment.hooks import Hooks, NotifyingOperator
+from labrig.experiment.notices.hooks import Hooks, NotifyingOperator
 from labrig.experiment.operator import ConsoleOperator, TypedLines
 from protocols.execution.events import OperatorAnswered
 from protocols.execution.operator import EXPIRES_S, REPEAT, RecordedOperator

@@ -10,8 +10,8 @@ from pathlib import Path
 from labrig.config import RigConfig, load_rig
 from labrig.config.hooks import HooksConfig
 from labrig.errors import BadInputError, ExitCode, NotReadyError
-from labrig.experiment.hook_watch import hooks_of
-from labrig.experiment.hooks import Hooks, NotifyingOperator
+from labrig.experiment.notices.hook_watch import hooks_of
+from labrig.experiment.notices.hooks import Hooks, NotifyingOperator
 from labrig.experiment.pause import PauseFile
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.resume import Resumption, resumed_plan

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig.config.hooks import HooksConfig
-from labrig.experiment.hooks import Hooks, Log
+from labrig.experiment.notices.hooks import Hooks, Log
 from labrig.session.reading.guard_report import guard_report_path, read_guard_report
 
 _GUARD_S = 12.0  # the guard has reported by then, if it ever does
@@ -113,7 +113,7 @@ def _spawn() -> subprocess.Popen[bytes]:
     root = str(Path(__file__).resolve().parents[2])
     path = os.pathsep.join(filter(None, [root, os.environ.get("PYTHONPATH")]))
     return subprocess.Popen(
-        [sys.executable, "-P", "-m", "labrig.experiment.hook_watch"],
+        [sys.executable, "-P", "-m", "labrig.experiment.notices.hook_watch"],
         stdin=subprocess.PIPE,
         stdout=subprocess.DEVNULL,
         env={**os.environ, "PYTHONPATH": path},
