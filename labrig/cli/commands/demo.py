@@ -64,7 +64,7 @@ def demo(
     _heading("3. Frames to neutral curves, signals to forces")
     analyze(session)
     _heading("4. Bending stiffness and electrically induced bending moment")
-    fit([session], model)
+    fit([session], output=model)
     _heading("5. Effects that are not in the model with constant EIBM")
     diagnose([session], output=folder / "model+.toml", report=folder / "diagnosis")
     _heading("6. The report")
