@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from labrig.session import open_session, recover, verify
+from labrig.session.format import layout
 from labrig.session.recording.journal import journal_path
 from protocols.execution.events import Outcome, OutputState
 from tests.end_to_end.faulty_rig import FaultyRig, spied_writes
@@ -26,7 +27,9 @@ AMPLIFIER = 10.0
 LIMIT_V = 2.0
 BOARD_STEP_V = 20 / 2**16  # of the PCI-6703
 FOR_GOOD, FOR_A_MOMENT = "from_s = 0.5", "from_s = 0.5\nuntil_s = 0.8"
-FOR_A_WHILE = "from_s = 0.5\nuntil_s = 6.0"  # longer than a call may take
+FOR_A_WHILE = (
+    "from_s = 0.5\nuntil_s = 3.0"  # longer than a call may take
+)
 POSITION_MM = 10.0
 
 
@@ -99,7 +102,7 @@ def test_a_controlled_session_follows_its_reference_and_records_every_period(
     with open_session(left.path) as session:
         run = session.runs[0]
         rows, force_N = run.control, run.signal_V("force")
-        assert session.version == 4
+        assert session.version == layout.FORMAT
         assert len(rows) == 399
         assert session.texts["reference.csv"].startswith("time_s,force_mN")
         assert len(force_N) > 4000
