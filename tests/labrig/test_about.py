@@ -125,7 +125,7 @@ def test_a_session_holds_people_and_sample_as_nexus_has_them(recorded):
     with h5py.File(recorded) as file:
         entry = file["session"]
         user, sample = entry["user_1"], entry["sample"]
-        assert (user.attrs["NX_class"], sample.attrs["NX_class"]) == (b"NXuser", b"NXsample")
+        assert (user.attrs["NX_class"], sample.attrs["NX_class"]) == ("NXuser", "NXsample")
         assert entry["title"][()] == b"Blocked force of aged sheets"
         assert entry["license"][()] == b"CC-BY-4.0"
         assert user["ORCID"][()] == b"0000-0002-1825-0097"

@@ -119,7 +119,7 @@ def test_a_model_that_misses_its_own_data_is_warned_of(
     ("section", "said"),
     [
         ("0-12", "two positions in mm"),
-        ("12:0", "beginning below"),
+        ("12:0", "first position must be below the second"),
         ("0:160", "beyond half the circle"),
     ],
 )
