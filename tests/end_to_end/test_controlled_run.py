@@ -27,9 +27,7 @@ AMPLIFIER = 10.0
 LIMIT_V = 2.0
 BOARD_STEP_V = 20 / 2**16  # of the PCI-6703
 FOR_GOOD, FOR_A_MOMENT = "from_s = 0.5", "from_s = 0.5\nuntil_s = 0.8"
-FOR_A_WHILE = (
-    "from_s = 0.5\nuntil_s = 3.0"  # longer than a call may take
-)
+FOR_A_WHILE = "from_s = 0.5\nuntil_s = 3.0"  # longer than a call may take
 POSITION_MM = 10.0
 
 

@@ -89,7 +89,10 @@ def test_a_session_with_further_channels_is_replayed(recorded: Path, tmp_path: P
             '[channels.t]\ninput = "PCI6034E/ai2"\nquantity = "x"\nunit = "N"\n',
             r"PCI6034E/ai2 is the input of both drive and t",
         ),
-        ('[channels.force]\ninput = "D/ai3"\nquantity = "x"\nunit = "N"\n', "'force' is a channel that every rig has"),
+        (
+            '[channels.force]\ninput = "D/ai3"\nquantity = "x"\nunit = "N"\n',
+            "'force' is a channel that every rig has",
+        ),
         (
             '[channels.t]\ninput = "D ai3"\nquantity = "x"\nunit = "N"\n',
             "words of the boards",

@@ -23,14 +23,14 @@ _SAYS = "file write failed: errno = 28, error message = 'No space left on device
 
 @pytest.fixture
 def full(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Half of each text reaches the disk."""
-    whole = Path.write_text
+    """Half of each file reaches the disk."""
+    whole = Path.write_bytes
 
-    def half(path: Path, text: str, **how: Any) -> int:
-        whole(path, text[: len(text) // 2], **how)
+    def half(path: Path, content: bytes) -> int:
+        whole(path, content[: len(content) // 2])
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
-    monkeypatch.setattr(Path, "write_text", half)
+    monkeypatch.setattr(Path, "write_bytes", half)
 
 
 @pytest.fixture(autouse=True)

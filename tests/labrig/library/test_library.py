@@ -311,7 +311,7 @@ def test_an_entry_comes_back_as_it_was(session, tmp_path):
 
 
 def test_an_unknown_column_is_named_with_those_that_are_known():
-    with pytest.raises(BadInputError, match="scatter_mN"):
+    with pytest.raises(BadInputError, match="started, name and B_Nm2"):
         SessionQuery(sort="colour")
 
 
