@@ -138,7 +138,7 @@ def test_a_meter_is_too_slow_for_a_controller(folder: Path) -> None:
         ("", "this is an empty file; a CSV table is needed"),
         ("time_s,force_mN\n", "two rows at least"),
         ("time_s,force_mN\n0,0\n", "two rows at least"),
-        ("time_s,force_N\n0,0\n1,0\n", "column 'force_N' is not known"),
+        ("time_s,force_lb\n0,0\n1,0\n", "force_lb"),
         ("time_s,force_mN\n0,a\n1,0\n", "line 2: column force_mN: 'a' is not a number"),
         ("time_s,force_mN\n0,nan\n1,0\n", "line 2: column force_mN: 'nan' is not a number"),
         ("time_s,force_mN\n1,0\n2,0\n", "line 2: time_s = 1: a reference begins at 0"),

@@ -179,7 +179,7 @@ def test_simulate_takes_every_configuration_when_none_is_named(model_path, capsy
         (["--position-mm", "5", "--voltage", "3"], "+3 V is outside"),
         (
             ["--position-mm", "5", "--voltage", "2", "--session", "2"],
-            "--session 2: model.toml has nothing that differs between sessions.",
+            "--session 2: the model has nothing that differs between sessions.",
         ),
         (
             ["--position-mm", "5", "--voltage", "2", "--configuration", "wide"],

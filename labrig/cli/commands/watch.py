@@ -30,7 +30,9 @@ def watch(
         ),
     ] = None,
 ) -> None:
-    """Watch over the output from the computer that has the boards, until Ctrl-C.
+    """Write 0 V at the boards when the operator's computer dies.
+
+    It runs on the computer that has the boards, until Ctrl-C.
 
     `labrig run` on the operator's computer sends a heartbeat here ([watch] in its rig.toml). When
     that stops while the sheet is energised - the computer is down, the cable is cut, every labrig

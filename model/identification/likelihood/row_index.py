@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from model.effects.interface import AcquisitionTimes
 from model.identification.data.acquisition_times import RunKey
@@ -23,8 +23,17 @@ from model.identification.data.pulses import SAMPLE_S, WINDOW_S
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.measurements import FloatArray
 
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
 WITHIN = np.array([-0.35, 0.0, 0.35])  # of a part of a pulse: for the mean over it
 MOST_SWAYS = 3  # trends over the readings of how far out a curve is
+
+
+def _sparse(rows: FloatArray) -> csr_array:
+    from scipy.sparse import csr_array  # slow to import
+
+    return csr_array(rows)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,12 +67,12 @@ class RowBlock:
     @cached_property
     def trends_by(self) -> csr_array:
         """The same as `trend`, of whose numbers nearly all are 0."""
-        return csr_array(self.trend)
+        return _sparse(self.trend)
 
     @cached_property
     def sways_by(self) -> csr_array:
         """The same as `sway`."""
-        return csr_array(self.sway)
+        return _sparse(self.sway)
 
     def mean(self, values: FloatArray) -> FloatArray:
         """Mean over the readings that count: (n,) to (K,)."""
