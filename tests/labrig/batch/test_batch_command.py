@@ -112,8 +112,8 @@ def test_the_same_command_goes_on_and_a_dry_run_does_nothing(data, capsys):
         (["analyze", "DATA", "--extractor", "magic"], "magic"),
         (["verify", "DATA", "-o", "DATA/notes.txt"], "a folder is needed"),
         (["verify", "DATA", "--scheduler", "tcp://h:1", "--workers", "2"], "give either"),
-        (["verify"], "Missing"),
-        (["sing", "DATA"], "No such command"),
+        (["verify"], "is missing"),
+        (["sing", "DATA"], "there is no command 'sing'"),
     ],
 )
 def test_what_cannot_be_done_is_one_sentence(data, capsys, arguments, said):
