@@ -328,7 +328,7 @@ class FrameTrigger(Protocol):
         """Take the line; nothing is triggered. Raises DeviceNotFoundError, DeviceError."""
 
     def fire(self) -> TriggerPulse:
-        """Begin one exposure; blocks for two round trips, 50 ms at most. Raises DeviceError."""
+        """Begin one exposure; may block as long as a write of the voltage. Raises DeviceError."""
 
     def close(self) -> None:
         """Let go of the line. May be called twice."""

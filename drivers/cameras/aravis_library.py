@@ -154,7 +154,8 @@ class Aravis:
 
     def fix_socket_buffer(self, stream: Any) -> None:
         """Give a GigE stream a socket buffer of 4 MB (the system may allow less)."""
-        for name, value in (("socket-buffer", _FIXED_BUFFER), ("socket-buffer-size", _SOCKET_BYTES)):
+        wanted = {"socket-buffer": _FIXED_BUFFER, "socket-buffer-size": _SOCKET_BYTES}
+        for name, value in wanted.items():
             held = _Value()
             self._gobject.g_value_init.restype = _P
             self._gobject.g_value_init(c.byref(held), c.c_size_t(_G_TYPE_INT))

@@ -20,6 +20,7 @@ from drivers.interfaces import (
     Camera,
     Clock,
     DeviceIdentity,
+    TriggerPulse,
 )
 from drivers.kinds import kind_faults
 from drivers.plugins import PluginFolder
@@ -113,6 +114,23 @@ class CameraSettings:
             frame_rate_hz=self.frame_rate_hz,
             trigger=self.trigger,
         )
+
+
+class SoftwareTrigger:
+    """The camera's own command as a `FrameTrigger`; whoever has the camera opens and closes it."""
+
+    def __init__(self, camera: Camera) -> None:
+        self._camera = camera
+
+    def open(self) -> None:
+        """See `FrameTrigger.open`."""
+
+    def fire(self) -> TriggerPulse:
+        """See `FrameTrigger.fire`."""
+        return self._camera.fire()
+
+    def close(self) -> None:
+        """See `FrameTrigger.close`."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -115,9 +115,7 @@ class GenicamSetter:
         for name, value in wanted.items():
             if name in corner or name in ("Width", "Height"):
                 self._set("region", [name], value)
-        found = {
-            name: int(features.number(name)) if features.has(name) else 0 for name in wanted
-        }
+        found = {name: int(features.number(name)) if features.has(name) else 0 for name in wanted}
         if found != wanted:
             got = [found[name] for name in ("OffsetX", "OffsetY", "Width", "Height")]
             raise DeviceError(

@@ -73,7 +73,7 @@ class PixelFormat:
             return np.stack(pair, axis=1).ravel()[:pixels]
         bits = np.unpackbits(raw, bitorder="little")[: pixels * self.bits]
         weights = (1 << np.arange(self.bits)).astype(np.uint16)
-        return (bits.reshape(pixels, self.bits) * weights).sum(axis=1, dtype=np.uint16)
+        return np.asarray((bits.reshape(pixels, self.bits) * weights).sum(axis=1), np.uint16)
 
 
 def pixel_format(name: str) -> PixelFormat | None:

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from drivers.interfaces import DeviceError, DeviceTimeoutError
 
 _PATIENCE_S = 0.04
+_CALL, _END = "call", "end"
 
 
 class PromptCall:
@@ -20,7 +21,7 @@ class PromptCall:
     def __init__(self, call: Callable[[], None], what: str) -> None:
         self._call = call
         self._what = what
-        self._asked: queue.Queue[bool] = queue.Queue(maxsize=1)
+        self._orders: queue.Queue[str] = queue.Queue(maxsize=1)
         self._answers: queue.Queue[str] = queue.Queue()
         self._awaited = False
         threading.Thread(target=self._work, name=what, daemon=True).start()
@@ -29,14 +30,14 @@ class PromptCall:
         """Make the call. Raises DeviceError, DeviceTimeoutError after 40 ms."""
         if self._awaited:
             self._await(0.0)
-        self._asked.put(True)
+        self._orders.put(_CALL)
         self._awaited = True
         self._await(_PATIENCE_S)
 
     def end(self) -> None:
         """End the thread, as soon as its last call has come back."""
         try:
-            self._asked.put(False, timeout=_PATIENCE_S)
+            self._orders.put(_END, timeout=_PATIENCE_S)
         except queue.Full:
             return  # it hangs in the library, and is a daemon
 
@@ -53,7 +54,7 @@ class PromptCall:
             raise DeviceError(fault)
 
     def _work(self) -> None:
-        while self._asked.get():
+        while self._orders.get() == _CALL:
             try:
                 self._call()
             except Exception as fault:  # noqa: BLE001 - a thread has nobody to raise to

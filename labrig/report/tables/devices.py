@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from labrig.report.parts.table import Table
-from labrig.session.format.devices import NOT_KNOWN, RecordedDevice
+from labrig.session.format.devices import NOT_KNOWN, RecordedDevice, acquisition_in_words
 
 _STATES = {True: "yes", False: "no", None: NOT_KNOWN}
 
@@ -21,6 +21,7 @@ def device_row(device: RecordedDevice) -> dict[str, Any]:
         "serial": identity.serial,
         "driver": identity.driver,
         "simulated": identity.is_simulated,
+        "settings": acquisition_in_words(device.acquisition),
         "calibration": None if calibration is None else calibration.name,
         "calibrated": None if calibration is None else calibration.date,
         "calibration_sha256": None if calibration is None else calibration.sha256,
@@ -29,11 +30,12 @@ def device_row(device: RecordedDevice) -> dict[str, Any]:
 
 def devices_as_table(rows: tuple[dict[str, Any], ...]) -> Table:
     """Return the table of the command line and the report."""
+    settings = [f" The {row['part']}: {row['settings']}." for row in rows if row["settings"]]
     return Table(
         title="Devices",
         columns=("part", "name", "product", "serial", "driver", "simulated", "calibrated"),
         rows=tuple(_cells(row) for row in rows),
-        note=f"What a device did not report is {NOT_KNOWN}.",
+        note=f"What a device did not report is {NOT_KNOWN}.{''.join(settings)}",
     )
 
 
