@@ -331,16 +331,16 @@ exposure_s = 0.005
 # gain = 6.0                       # in the camera's unit, dB on most
 # pixel_format = "Mono8"           # Mono8 to Mono16, plain or packed, or BayerRG8 and its like
 region = [0, 0, 640, 480]          # left, top, width, height in pixels
-# trigger = "hardware"             # the boards begin each exposure: needs a wire
-# trigger_line = "TRIGGER_LINE"    # of the boards
-# trigger_input = "Line0"          # of the camera
+# trigger = "hardware"             # the boards begin each exposure, by a wire from ...
+# trigger_line = "LINE"            # ... this line of the boards ...
+# trigger_input = "Line0"          # ... to this input of the camera
 """,
     simulated_starter="""\
 kind = "aravis"
 source = "simulated"
 optics = "optics.json"
 exposure_s = 0.005                 # of a frame
-# trigger = "hardware"             # the boards begin each exposure: needs a wire
-# trigger_line = "TRIGGER_LINE"    # of the boards
+# trigger = "hardware"             # the boards begin each exposure, by a wire from ...
+# trigger_line = "LINE"            # ... this line of the boards
 """,
 )

@@ -12,17 +12,25 @@ class FrameCounter:
         self.incomplete = 0
         self.missed = 0
         self._last: int | None = None
+        self._without_number = 0  # since the last one with a number
 
     def count(self, number: int, *, whole: bool) -> None:
-        """Count a frame that came, whole or not, in the order of numbers."""
+        """Count a frame that came, whole or not, by its number."""
         if not whole:
             self.incomplete += 1
         step = 1 if self._last is None else self._step(number, self._last)
         if step > 0:
-            self.missed += step - 1
+            self.missed += max(step - 1 - self._without_number, 0)
+            self._without_number = 0
             self._last = number
         elif self.missed:  # it was overtaken, and is not missed after all
             self.missed -= 1
+
+    def count_incomplete(self) -> None:
+        """Count an incomplete frame of which nobody says the number."""
+        self.incomplete += 1
+        if self._last is not None:
+            self._without_number += 1
 
     @staticmethod
     def _step(number: int, last: int) -> int:

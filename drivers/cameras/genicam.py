@@ -84,7 +84,12 @@ class GenicamSetter:
     def _choose_if_there(self, name: str, value: str) -> None:
         features = self._features
         if features.has(name) and value in features.choices(name):
-            features.set_choice(name, value)
+            self._choose(name, value)
+
+    def _choose(self, name: str, value: str) -> None:
+        """Set an enumeration, unless it is so already: some cannot be written at all."""
+        if self._features.choice(name) != value:
+            self._features.set_choice(name, value)
 
     def _lacks(self, key: str) -> DeviceError:
         return DeviceError(
@@ -114,7 +119,7 @@ class GenicamSetter:
         wanted = {"Width": width, "Height": height, "OffsetX": left, "OffsetY": top}
         for name, value in wanted.items():
             if name in corner or name in ("Width", "Height"):
-                self._set("region", [name], value)
+                self._set(f"region's {name}", [name], value)
         found = {name: int(features.number(name)) if features.has(name) else 0 for name in wanted}
         if found != wanted:
             got = [found[name] for name in ("OffsetX", "OffsetY", "Width", "Height")]
@@ -136,7 +141,7 @@ class GenicamSetter:
             raise DeviceError(
                 f"the camera {self._camera} has no [camera] pixel_format {name}; it has {there}"
             )
-        features.set_choice(_PIXEL_FORMAT, name)
+        self._choose(_PIXEL_FORMAT, name)
 
     def _set_rate(self, wanted_hz: float | None, rate_hz: float) -> None:
         """Set the rate; one that only the protocol asks for is left where it cannot be set."""
@@ -155,11 +160,11 @@ class GenicamSetter:
             raise self._lacks("trigger")
         if features.has("TriggerSelector"):
             for selector in features.choices("TriggerSelector"):
-                features.set_choice("TriggerSelector", selector)
-                features.set_choice("TriggerMode", "Off")
+                self._choose("TriggerSelector", selector)
+                self._choose("TriggerMode", "Off")
             self._choose_if_there("TriggerSelector", "FrameStart")
         if trigger == FREE:
-            features.set_choice("TriggerMode", "Off")
+            self._choose("TriggerMode", "Off")
             return
         source = "Software" if trigger == SOFTWARE else line
         offered = list(features.choices("TriggerSource"))
@@ -169,9 +174,9 @@ class GenicamSetter:
                 f"the camera {self._camera} has no trigger source {source} ([camera] {key}); it "
                 f"has {', '.join(offered)}"
             )
-        features.set_choice("TriggerSource", source)
+        self._choose("TriggerSource", source)
         self._choose_if_there("TriggerActivation", "RisingEdge")
-        features.set_choice("TriggerMode", "On")
+        self._choose("TriggerMode", "On")
 
 
 def read_back(features: Features) -> AcquisitionSettings:

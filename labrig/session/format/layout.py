@@ -36,9 +36,10 @@ supplement, its attribute `sha256`, covers everything in the group.
 Before version 6 there were no device_number and trigger_time of a frame, and no counts of frames
 that came incomplete or never came. Before version 5 text attributes had fixed lengths,
 `acquisition` was a scalar, the default of the entry was run_000, and there were no columns of all
-readings. Version 3 has no controlled runs. Version 2 has checksums of the content of datasets only and no devices. In version 1 `signals` holds
-names and ranges only, and the values of a reading are always force_N, drive_V and current_A; since
-version 2 they are those of the session's channels, a column each.
+readings. Version 3 has no controlled runs. Version 2 has checksums of the content of datasets only
+and no devices. In version 1 `signals` holds names and ranges only, and the values of a reading are
+always force_N, drive_V and current_A; since version 2 they are those of the session's channels, a
+column each.
 Datasets have fixed-length types only and grow by appended rows; nothing in them depends on when
 they were flushed. Anything else in a file is refused when it is opened. The attribute
 `column_units` of a table holds the unit of each column, empty where there is none.
