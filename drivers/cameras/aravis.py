@@ -275,7 +275,7 @@ class AravisCapture:
         if not self._stream:
             raise DeviceError(f"{doing} failed: it gives no stream; check that nothing else has it")
         if is_network:
-            lib.fix_socket_buffer(self._stream)
+            lib.set_network_stream(self._stream)
         payload = lib.call(doing, "camera_get_payload", camera)
         for _ in range(_BUFFERS):
             lib.stream_push_buffer(self._stream, lib.buffer_new_allocate(payload))
@@ -285,6 +285,8 @@ class AravisCapture:
     def _give_back(self) -> None:
         if self._buffer is not None:
             buffer, self._buffer = self._buffer, None
+            # Where the packet is lost that has the number, a buffer keeps its last frame's.
+            self._lib.buffer_set_frame_id(buffer, 0)
             self._lib.stream_push_buffer(self._stream, buffer)
 
 

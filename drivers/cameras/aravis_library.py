@@ -18,6 +18,7 @@ SUCCESS = 0  # status of a whole buffer
 NO_PACKET_SOCKET = 1  # stream option: packets by the socket of any program, not a raw one
 _FIXED_BUFFER = 0
 _SOCKET_BYTES = 4 << 20
+_RETENTION_US = 200_000  # how long the missing part of a frame is waited for
 _G_TYPE_INT = 6 << 2
 _P, _S, _I, _D = c.c_void_p, c.c_char_p, c.c_int, c.c_double
 
@@ -53,6 +54,7 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "buffer_get_status": (_I, [_P]),
     "buffer_get_data": (_P, [_P, c.POINTER(c.c_size_t)]),
     "buffer_get_frame_id": (c.c_uint64, [_P]),
+    "buffer_set_frame_id": (None, [_P, c.c_uint64]),
     "buffer_get_timestamp": (c.c_uint64, [_P]),
     "buffer_get_system_timestamp": (c.c_uint64, [_P]),
     "buffer_get_image_width": (_I, [_P]),
@@ -152,9 +154,13 @@ class Aravis:
         if thing:
             self._unref(thing)
 
-    def fix_socket_buffer(self, stream: Any) -> None:
-        """Give a GigE stream a socket buffer of 4 MB (the system may allow less)."""
-        wanted = {"socket-buffer": _FIXED_BUFFER, "socket-buffer-size": _SOCKET_BYTES}
+    def set_network_stream(self, stream: Any) -> None:
+        """Give a GigE stream a socket buffer of 4 MB (the system may allow less), and patience."""
+        wanted = {
+            "socket-buffer": _FIXED_BUFFER,
+            "socket-buffer-size": _SOCKET_BYTES,
+            "frame-retention": _RETENTION_US,
+        }
         for name, value in wanted.items():
             held = _Value()
             self._gobject.g_value_init.restype = _P

@@ -29,6 +29,7 @@ from drivers.interfaces import (
 
 OPEN_TIMEOUT_S = 5.0
 READ_TIMEOUT_S = 2.0
+_LOOKS = 3
 # OpenCV's numbers for the properties used, so that a capture of another make needs no OpenCV.
 POS_MSEC, WIDTH, HEIGHT, FPS = 0, 3, 4, 5
 POS_FRAMES, CONVERT_RGB, BUFFER_SIZE, READ_TIMEOUT_MSEC = 1, 16, 38, 54
@@ -71,9 +72,17 @@ class OpenedCapture:
         """Begin an exposure by the camera's own command."""
         self._capture.fire()
 
-    def age_s(self) -> float:
-        """Return how long ago the frame last grabbed arrived, where the capture knows."""
-        return float(self._capture.age_s()) if hasattr(self._capture, "age_s") else 0.0
+    def came_s(self, clock: Clock) -> float:
+        """Return the clock time at which the frame last grabbed came: now, or before."""
+        if not hasattr(self._capture, "age_s"):
+            return clock.now()
+        found: list[tuple[float, float]] = []
+        for _ in range(_LOOKS):  # this thread may stand still between the two clocks
+            before_s = clock.now()
+            age_s = float(self._capture.age_s())
+            after_s = clock.now()
+            found.append((after_s - before_s, (before_s + after_s) / 2 - age_s))
+        return min(found)[1]
 
     def device_number(self) -> int | None:
         """Return the camera's own number of the frame last grabbed, where it gives one."""

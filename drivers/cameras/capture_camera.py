@@ -30,6 +30,7 @@ from drivers.interfaces import (
 
 STALL_S = 2.0  # a camera that is silent for so long has stopped delivering
 _JOIN_S = 5.0
+_STEP_S = 1e-6  # between two frames at least, however coarse their times are
 
 
 class CaptureCamera:
@@ -181,6 +182,7 @@ class CaptureCamera:
 
     def _grab_until_closed(self, opened: OpenedCapture) -> None:
         pace = opened.pace(self._clock)
+        came_s = float("-inf")
         while not self._closing.is_set():
             pace()
             if not opened.grab():
@@ -189,5 +191,6 @@ class CaptureCamera:
                 self._fault = "no further frame came (unplugged, or the stream has ended)"
                 return
             self._alive_s = self._clock.now()
+            came_s = max(opened.came_s(self._clock), came_s + _STEP_S)
             if self._running:
-                self._take.on_frame(opened, self._alive_s - opened.age_s())
+                self._take.on_frame(opened, came_s)

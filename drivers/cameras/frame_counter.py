@@ -15,7 +15,13 @@ class FrameCounter:
         self._without_number = 0  # since the last one with a number
 
     def count(self, number: int, *, whole: bool) -> None:
-        """Count a frame that came, whole or not, by its number."""
+        """Count a frame that came, whole or not, by its number.
+
+        Where the part is missing that has the number, it is 0.
+        """
+        if not whole and number == 0:
+            self.count_incomplete()
+            return
         if not whole:
             self.incomplete += 1
         step = 1 if self._last is None else self._step(number, self._last)
@@ -34,7 +40,7 @@ class FrameCounter:
 
     @staticmethod
     def _step(number: int, last: int) -> int:
-        """Return how many frames further a number is; short numbers begin again at 1."""
+        """Return how many frames further a number is; short numbers begin again at 1, or at 0."""
         if number < last < _SHORT and last - number > _SHORT // 2:
-            return number + _SHORT - 1 - last
+            return max(number, 1) + _SHORT - 1 - last
         return number - last
