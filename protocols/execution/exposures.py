@@ -14,6 +14,7 @@ from drivers.interfaces import Clock, DeviceTimeoutError, Frame, FrameTrigger, T
 
 MOST_UNANSWERED = 5  # triggers one after another that bring no frame: the camera has failed
 _PATIENCE_S = 1.0  # for the frame of a trigger
+_FIRST_S = 0.25  # for the first frame of a sequence
 _NEAR = 0.6  # of a period: a trigger of the sequence so close before a sampling point is left out
 
 
@@ -42,9 +43,13 @@ class Exposures:
     def next_s(self) -> float:
         """Clock time of the next trigger; infinity while none is due."""
         wanted_s = self._due_s[0] if self._due_s else float("inf")
-        if self._every_s is None or wanted_s - self._sequence_s < _NEAR * self._every_s:
+        sequence_s = self._sequence_s
+        if self._offset_s is None and self._fired and not self._fired[-1].answered:
+            # One at a time, until a frame has told the camera's clock.
+            sequence_s = max(sequence_s, self._fired[-1].pulse.after_s + _FIRST_S)
+        if self._every_s is None or wanted_s - sequence_s < _NEAR * self._every_s:
             return wanted_s
-        return min(wanted_s, self._sequence_s)
+        return min(wanted_s, sequence_s)
 
     @property
     def unanswered(self) -> int:
