@@ -232,6 +232,4 @@ def _is_pipeline(source: str) -> bool:
     """Whether a source is a GStreamer pipeline that this OpenCV cannot read."""
     import cv2
 
-    registry = cv2.videoio_registry
-    backends = {registry.getBackendName(backend) for backend in registry.getBackends()}
-    return "!" in source and "GSTREAMER" not in backends
+    return "!" in source and not cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER)

@@ -231,13 +231,10 @@ def _means(values: np.ndarray, parts: int) -> list[float]:
 
 def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
     """Yield what a camera's images show: their size, their rate, and that they are not blank."""
-    identity = next(iter(identities_of(camera)), None)
-    yield Check(
-        name="camera",
-        ok=True,
-        found=_described(camera, identity),
-        wanted="any",
-    )
+    yield Check(name="camera", ok=True, found=_who(camera), wanted="any")
+    settings = acquisition_in_words(acquisition_of(camera))
+    if settings:
+        yield Check(name="camera settings", ok=True, found=settings, wanted="as read back")
     rows, columns = camera.frame_shape
     wanted_size = plan.optics.image_size if plan.optics else None
     yield Check(
@@ -304,12 +301,11 @@ def _let_expose(rig: Rig, began_s: float, target_hz: float) -> None:
     rig.clock.sleep_until(began_s + _WATCH_S + (0.0 if rig.trigger is None else _ANSWER_S))
 
 
-def _described(camera: Camera, identity: DeviceIdentity | None) -> str:
-    """Return what an open camera says of itself and of its settings."""
-    known = [identity.maker, identity.product, identity.serial] if identity else []
-    name = " ".join(text for text in known if text) or NOT_KNOWN
-    settings = acquisition_in_words(acquisition_of(camera))
-    return f"{name}: {settings}" if settings else name
+def _who(camera: Camera) -> str:
+    """Return what an open camera says that it is."""
+    known = next(iter(identities_of(camera)), DeviceIdentity())
+    said = " ".join(text for text in (known.maker, known.product, known.serial) if text)
+    return said or known.name or NOT_KNOWN
 
 
 def _in_time(rate_hz: float, target_hz: float) -> bool:
