@@ -41,14 +41,13 @@ def _check_trigger(value: str) -> None:
         raise ValueError(f"must be one of {FREE}, {SOFTWARE}, {HARDWARE}")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class CameraSettings:
     """The keys of [camera] that every kind has; a kind with more keys derives from it."""
 
     source: int | str = field(metadata={"description": "what to open, such as 0 or iidc:GUID"})
     exposure_s: float | None = field(
         default=None,
-        kw_only=True,
         metadata={
             "gt": 0,
             "le": 1.0,
@@ -58,11 +57,10 @@ class CameraSettings:
         },
     )
     gain: float | None = field(
-        default=None, kw_only=True, metadata={"description": "in the camera's own unit, dB on most"}
+        default=None, metadata={"description": "in the camera's own unit, dB on most"}
     )
     pixel_format: str | None = field(
         default=None,
-        kw_only=True,
         metadata={
             "check": check_pixel_format,
             "description": "Mono8 to Mono16, plain or packed, or BayerRG8 and its like; all "
@@ -71,7 +69,6 @@ class CameraSettings:
     )
     region: tuple[int, int, int, int] | None = field(
         default=None,
-        kw_only=True,
         metadata={
             "check": _check_region,
             "items": {"ge": 0, "le": 16384},
@@ -81,7 +78,6 @@ class CameraSettings:
     )
     frame_rate_hz: float | None = field(
         default=None,
-        kw_only=True,
         metadata={
             "gt": 0,
             "le": 2000,
@@ -91,7 +87,6 @@ class CameraSettings:
     )
     trigger: str = field(
         default=FREE,
-        kw_only=True,
         metadata={
             "check": _check_trigger,
             "description": "free: the camera runs by itself; software: a command begins each "
@@ -100,7 +95,6 @@ class CameraSettings:
     )
     trigger_input: str = field(
         default="Line0",
-        kw_only=True,
         metadata={"description": "input of the camera that a hardware trigger is wired to"},
     )
 

@@ -10,7 +10,6 @@ from drivers.interfaces import Frame, SampleClock, SignalBlock
 from protocols.execution.channels import DRIVE_V
 from protocols.execution.devices import Devices
 from protocols.execution.events import FramesArrived, ReadingTaken, VoltageSet
-from protocols.execution.exposures import Exposures
 from protocols.execution.filters import symmetric_mean, window
 from protocols.execution.lateness import lateness_s, written_s
 from protocols.execution.rules import (
@@ -21,6 +20,7 @@ from protocols.execution.rules import (
     late_edge,
     wrong_drive,
 )
+from protocols.execution.runs.exposures import Exposures
 from protocols.execution.samples import SampleBuffer
 from protocols.planning.schedule import PlannedReading, PlannedRun
 

@@ -58,7 +58,7 @@ def received(fake: FakeCamera, seconds: float, rate_hz: float = 25.0) -> Receive
     from drivers.interfaces import RealClock
 
     clock = RealClock()
-    settings = CameraSettings(SOURCE, region=(0, 0, 640, 480))
+    settings = CameraSettings(source=SOURCE, region=(0, 0, 640, 480))
     capture = AravisCapture(settings, clock, rate_hz)
     whole: list[int] = []
     lost = (0, 0)

@@ -37,7 +37,7 @@ def fake(
 
 
 def made(rate_hz: float = RATE_HZ, **settings: object) -> Camera:
-    return CAMERAS.get("aravis").make(CameraSettings(SOURCE, **settings), CLOCK, rate_hz)
+    return CAMERAS.get("aravis").make(CameraSettings(source=SOURCE, **settings), CLOCK, rate_hz)
 
 
 @contextmanager
@@ -99,7 +99,7 @@ def test_what_it_cannot_be_set_to_is_refused_in_a_sentence(
 
 
 def test_a_camera_that_is_not_there_is_told_with_those_that_are(fake: FakeCamera) -> None:
-    camera = CAMERAS.get("aravis").make(CameraSettings("aravis:nobody"), CLOCK, RATE_HZ)
+    camera = CAMERAS.get("aravis").make(CameraSettings(source="aravis:nobody"), CLOCK, RATE_HZ)
     with pytest.raises(DeviceNotFoundError, match=r"aravis:nobody.*found: aravis:Aravis-Fake-GV01"):
         camera.open()
 

@@ -24,7 +24,7 @@ KIND = CAMERAS.get("gentl")
 
 def made(source: str = SOURCE, **settings: object) -> Camera:
     wanted = {"producer": str(PRODUCER), **settings}
-    return KIND.make(KIND.settings(source, **wanted), CLOCK, 100.0)
+    return KIND.make(KIND.settings(source=source, **wanted), CLOCK, 100.0)
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from drivers.interfaces import (
 )
 from labrig.testing.fake_rig import FakeCamera, FakeRig, short_schedule
 from protocols.execution.events import Outcome, ReadingTaken, RunStopped, SessionStopped, VoltageSet
-from protocols.execution.exposures import Exposures
+from protocols.execution.runs.exposures import Exposures
 
 EXPOSURE_S = 0.008
 ROUND_TRIP_S = 0.0004

@@ -21,9 +21,9 @@ from protocols.execution.events import (
     SignalsArrived,
     VoltageSet,
 )
-from protocols.execution.exposures import Exposures
 from protocols.execution.readings import ReadingMaker
 from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
+from protocols.execution.runs.exposures import Exposures
 from protocols.execution.runs.loop import Loop, Stopped
 from protocols.execution.states import RunState
 from protocols.execution.stop import StopLevel
