@@ -13,10 +13,10 @@ _SIMULATED = {True: "yes", False: "no", None: "not known"}
 
 
 def devices(as_json: Json = False) -> None:
-    """List the cameras that can be found, with the source of each for rig.toml.
+    """List the cameras that can be found.
 
-    Cameras on the network, on USB 3 and behind GenTL producers are found; those of OpenCV and
-    FireWire are not.
+    Each with its source for rig.toml. Cameras on the network, on USB 3 and behind GenTL producers
+    are found; those of OpenCV and FireWire are not.
     """
     from drivers.cameras import CAMERAS
     from drivers.interfaces import DeviceError, DeviceIdentity
