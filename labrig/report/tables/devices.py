@@ -30,13 +30,20 @@ def device_row(device: RecordedDevice) -> dict[str, Any]:
 
 def devices_as_table(rows: tuple[dict[str, Any], ...]) -> Table:
     """Return the table of the command line and the report."""
-    settings = [f" The {row['part']}: {row['settings']}." for row in rows if row["settings"]]
     return Table(
         title="Devices",
         columns=("part", "name", "product", "serial", "driver", "simulated", "calibrated"),
         rows=tuple(_cells(row) for row in rows),
-        note=f"What a device did not report is {NOT_KNOWN}.{''.join(settings)}",
+        note=f"What a device did not report is {NOT_KNOWN}.",
     )
+
+
+def settings_as_table(rows: tuple[dict[str, Any], ...]) -> Table | None:
+    """Return what cameras had set, as read back from them; None: none said it."""
+    cells = tuple((row["name"] or row["kind"], row["settings"]) for row in rows if row["settings"])
+    if not cells:
+        return None
+    return Table(title="Camera settings", columns=("camera", "as read back"), rows=cells)
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:
