@@ -15,13 +15,21 @@ from typing import Any
 
 import numpy as np
 
-from drivers.cameras.aravis_library import NO_PACKET_SOCKET, SUCCESS, Aravis, load, text
+from drivers.cameras.aravis_library import (
+    NO_PACKET_SOCKET,
+    SOCKET_BYTES,
+    SUCCESS,
+    Aravis,
+    load,
+    text,
+)
 from drivers.cameras.capture import POS_MSEC, READ_TIMEOUT_S
 from drivers.cameras.capture_camera import CaptureCamera
 from drivers.cameras.contract import ALL_SETTINGS, CameraKind, CameraSettings
 from drivers.cameras.frame_counter import FrameCounter
 from drivers.cameras.genicam import GenicamSetter, format_of, read_back
 from drivers.cameras.prompt_call import PromptCall
+from drivers.cameras.socket_buffers import enlarged
 from drivers.identity import says_simulated
 from drivers.interfaces import (
     FREE,
@@ -271,7 +279,8 @@ class AravisCapture:
         if is_network:
             lib.camera_gv_set_stream_options(camera, NO_PACKET_SOCKET)
             lib.call(doing, "camera_gv_auto_packet_size", camera)
-        self._stream = lib.call(doing, "camera_create_stream", camera, None, None)
+        with enlarged(SOCKET_BYTES):
+            self._stream = lib.call(doing, "camera_create_stream", camera, None, None)
         if not self._stream:
             raise DeviceError(f"{doing} failed: it gives no stream; check that nothing else has it")
         if is_network:

@@ -17,7 +17,7 @@ from drivers.interfaces import DeviceError, DeviceNotFoundError
 SUCCESS = 0  # status of a whole buffer
 NO_PACKET_SOCKET = 1  # stream option: packets by the socket of any program, not a raw one
 _FIXED_BUFFER = 0
-_SOCKET_BYTES = 4 << 20
+SOCKET_BYTES = 4 << 20
 _RETENTION_US = 200_000  # how long the missing part of a frame is waited for
 _G_TYPE_INT = 6 << 2
 _P, _S, _I, _D = c.c_void_p, c.c_char_p, c.c_int, c.c_double
@@ -158,7 +158,7 @@ class Aravis:
         """Give a GigE stream a socket buffer of 4 MB (the system may allow less), and patience."""
         wanted = {
             "socket-buffer": _FIXED_BUFFER,
-            "socket-buffer-size": _SOCKET_BYTES,
+            "socket-buffer-size": SOCKET_BYTES,
             "frame-retention": _RETENTION_US,
         }
         for name, value in wanted.items():
