@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
-from labrig.vision.checks.acceptance import check_curve
 from labrig.vision.checks.sheet_end import SheetEnd
+from labrig.vision.checks.verdict import check_curve
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.curve.background_lines import BackgroundLine, hidden_by
 from labrig.vision.curve.shape import CurveShape, make_shape
