@@ -132,6 +132,6 @@ def _blamed(verdict: Verdict) -> Verdict:
     """Return the refusal with the wire named first, as its probable cause."""
     message = (
         "search failed: a wire, or something else that is straight, lies along the best path; take "
-        f"it away, or mask it in the image. Without it: {verdict.why}"
+        f"it away, or mask it (--mask). Without it: {verdict.why}"
     )
     return replace(verdict, why=message)

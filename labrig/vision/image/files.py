@@ -32,24 +32,27 @@ class _Strip(ClosedModel):
     thickness_mm: float | None = Field(None, gt=0, le=10)
 
 
-def load_strip(path: Path, configuration: str | None = None) -> StripGeometry:
+def load_strip(path: Path, configuration: str | None = None, strip: str = "") -> StripGeometry:
     """Return the strip of a sheet.toml, which may be as little as `free_length_mm = 50`.
 
-    Where it states no thickness, the image decides.
+    Where it states no thickness, the image decides. `strip`: the name of one of several strips;
+    it takes the table of that name where there is one.
     """
     text = read_text(path)
     refuse_other_kind(text, str(path), SHEET)
     data = parse_toml(text, str(path))
     data.pop("arc", None)
+    if strip and isinstance(data.get(strip), dict):
+        configuration = strip
     table = data if "free_length_mm" in data else _chosen(data, configuration, path)
     known = {key: value for key, value in table.items() if key in _Strip.model_fields}
     unused = [key for key in table if key not in Sheet.model_fields]
-    strip = validate(_Strip, known | {key: table[key] for key in unused}, str(path))
-    free_m, elongation_m = strip.free_length_mm / 1000, strip.elongation_mm / 1000
-    if strip.thickness_mm is None:
+    stated = validate(_Strip, known | {key: table[key] for key in unused}, str(path))
+    free_m, elongation_m = stated.free_length_mm / 1000, stated.elongation_mm / 1000
+    if stated.thickness_mm is None:
         guess_m = min(StripGeometry.thickness_m, 0.1 * free_m)
         return StripGeometry(free_m, elongation_m, guess_m, thickness_known=False)
-    return StripGeometry(free_m, elongation_m, strip.thickness_mm / 1000)
+    return StripGeometry(free_m, elongation_m, stated.thickness_mm / 1000)
 
 
 def _chosen(data: dict[str, Any], configuration: str | None, path: Path) -> dict[str, Any]:
@@ -90,7 +93,9 @@ def curve_json(curve: NeutralCurve) -> dict[str, Any]:
 
 def labelled_json(label: PictureLabel, curve: NeutralCurve) -> dict[str, Any]:
     """Return the same with the picture's name, frame and time."""
-    about = {"image": label.name, "frame": label.frame, "time_s": label.time_s}
+    about: dict[str, Any] = {"image": label.name, "frame": label.frame, "time_s": label.time_s}
+    if label.strip:
+        about["strip"] = label.strip
     return about | curve_json(curve)
 
 

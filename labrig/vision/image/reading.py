@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +24,20 @@ Pixels = npt.NDArray[Any]
 
 @dataclass(frozen=True, kw_only=True)
 class PictureLabel:
-    """What a picture is called: FILE, FILE:PAGE or FILE_FRAME."""
+    """What a picture is called: FILE, FILE:PAGE or FILE_FRAME; with several strips also :STRIP."""
 
     name: str
     file_stem: str  # of the files that are written for it
     frame: int | None = None  # of a video, from 0; of a TIFF with several pages the page, from 1
     time_s: float | None = None  # from the video's begin, as the video states it
+    strip: str = ""  # which one of several strips
+
+    def of_strip(self, strip: str) -> PictureLabel:
+        """Return the label of one of several strips; of the only one, without a name, the same."""
+        if not strip:
+            return self
+        stem = f"{self.file_stem}_{strip}"
+        return replace(self, name=f"{self.name}:{strip}", file_stem=stem, strip=strip)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -22,7 +22,7 @@ class HiddenShare(CurveCheck):
 CHECK = HiddenShare(
     name="hidden_share",
     looks_at="the share of the curve that nothing known hides",
-    refusal="check of hidden parts failed: rolls or wires hide all but {in_view:.0%} of the best "
-    "path; take away what hides the sheet.",
+    refusal="check of hidden parts failed: rolls, wires or the mask hide all but {in_view:.0%} of "
+    "the best path; take away what hides the sheet.",
     order=20,
 )

@@ -27,7 +27,7 @@ CHECK = LyingAlong(
     name="lying_along",
     looks_at="the uncertainty of the curve without the cells beside which something lies",
     refusal="check of the width failed: something lies along the sheet and cannot be separated "
-    "from it, such as a wire; take it away, or mask it in the image.",
+    "from it, such as a wire; take it away, or mask it (--mask).",
     warning="something lies along the sheet, such as a wire; it was left out there",
     stage=CheckStage.UNCERTAINTY,
     order=310,

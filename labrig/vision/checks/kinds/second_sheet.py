@@ -24,7 +24,7 @@ CHECK = SecondSheet(
     name="second_sheet",
     looks_at="the contrast of a second path from the clamp over that of the first",
     refusal="check of the surroundings failed: two sheets leave the clamp side by side, and "
-    "nothing shows which is meant; take one away, or mask it in the image.",
+    "nothing shows which is meant; take one away, or mask it (--mask).",
     warning="something like the sheet, {share:.0%} as strong, lies beside it, such as its "
     "reflection; the stronger of the two was followed",
     stage=CheckStage.CHOSEN,
