@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from labrig.cli.command import Command, CommandExample
+from labrig.cli.curves.session import session_curves
 from labrig.cli.screen import print_json_line, say, warn
-from labrig.cli.session_curves import session_curves
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def curves(
     `strips` in optics.json) each has its own curve; it takes the table of its name in sheet.toml.
     --method runs one curve extractor against another; -o FILE.csv keeps the comparison.
     """
-    from labrig.cli.curve_options import masks_of, strips_of
+    from labrig.cli.curves.options import masks_of, strips_of
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
 
@@ -130,7 +130,7 @@ def _compare(
     output: Path | None,
     extra: tuple[object, ...],
 ) -> None:
-    from labrig.cli.curve_methods import compare_methods, list_methods
+    from labrig.cli.curves.methods import compare_methods, list_methods
 
     if any(extra):
         raise BadInputError(
