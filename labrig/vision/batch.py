@@ -12,9 +12,10 @@ from labrig.vision.calibration.optics import Optics, SheetAppearance, StripPlace
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extraction.extract import neutral_curve
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, missing, own_file
-from labrig.vision.image.files import load_strip, write_json, write_overlay
+from labrig.vision.image.files import load_strip, write_json
 from labrig.vision.image.image import in_levels
 from labrig.vision.image.mask import Polygons
+from labrig.vision.image.overlay import write_overlay
 from labrig.vision.image.reading import (
     IMAGE_SUFFIXES,
     VIDEO_SUFFIXES,
@@ -27,6 +28,7 @@ from labrig.vision.image.reading import (
     whole_file,
     whole_stem,
 )
+from labrig.vision.image.review import Decision, load_review
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
 from labrig.vision.tracking.tracker import Tracker
 
@@ -121,7 +123,8 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[Pictur
         )
     _refuse_twins(files)
     _refuse_common_faults(files, options)
-    return (named for path in files for named in _curves_of(path, options))
+    decided = {folder: load_review(folder) for folder in {path.parent for path in files}}
+    return (named for path in files for named in _curves_of(path, options, decided[path.parent]))
 
 
 def _files(sources: Sequence[Path]) -> Iterator[Path]:
@@ -194,7 +197,9 @@ def _check_sheet(sheet: Path, files: list[Path], options: BatchOptions) -> None:
         load_strip(sheet, options.configuration, name)
 
 
-def _curves_of(path: Path, options: BatchOptions) -> Iterator[PictureCurve]:
+def _curves_of(
+    path: Path, options: BatchOptions, decided: Mapping[str, Decision]
+) -> Iterator[PictureCurve]:
     try:
         known = _known(path, options)
         finders = {
@@ -202,8 +207,13 @@ def _curves_of(path: Path, options: BatchOptions) -> Iterator[PictureCurve]:
             for name, (optics, strip) in known.items()
         }
         for picture in pictures_in(path, options.every):
+            decision = decided.get(picture.label.name)
             for name, find in finders.items():
-                yield picture.label.of_strip(name), picture.image, _found(picture, find)
+                if decision is not None and decision.decision == "refused":
+                    curve = NeutralCurve(ok=False, why=decision.why_refused)
+                else:
+                    curve = _found(picture, find)
+                yield picture.label.of_strip(name), picture.image, curve
     except BadInputError as error:
         yield whole_file(path), None, NeutralCurve(ok=False, why=str(error))
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from labrig.cli.command import Command, CommandExample
+from labrig.cli.curves.page import serve_page
 from labrig.cli.curves.session import session_curves
 from labrig.cli.screen import print_json_line, say, warn
 from labrig.errors import BadInputError
@@ -72,6 +73,12 @@ def curves(
             "along the clamped strip); may be repeated"
         ),
     ] = None,
+    page: Annotated[
+        Path | None,
+        typer.Option(help="serve a page for the photographs of this folder: click, look, decide"),
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="of the page; 0: any")] = 8730,
+    open_it: Annotated[bool, typer.Option("--open", help="open the page in the browser")] = False,
 ) -> None:
     """Find the neutral curve of a clamped strip in images.
 
@@ -83,7 +90,17 @@ def curves(
     --mask says what of the images is not used. With several strips in a picture (--strip, or
     `strips` in optics.json) each has its own curve; it takes the table of its name in sheet.toml.
     --method runs one curve extractor against another; -o FILE.csv keeps the comparison.
+    --page serves a page for a folder: click clamp, direction, ruler and mask for one photograph or
+    for all, look at every curve, accept or refuse. What is clicked stays beside the photographs.
     """
+    if page is not None:
+        if any((sources, optics, sheet, batch, output, summary, overlay, method, mask, strip)):
+            raise BadInputError(
+                "--page FOLDER takes no images and no other files: what is known of the "
+                "photographs lies beside them, or is clicked on the page."
+            )
+        serve_page(page, port, open_it=open_it)
+        return
     from labrig.cli.curves.options import masks_of, strips_of
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance

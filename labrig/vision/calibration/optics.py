@@ -135,9 +135,10 @@ class Optics(ClosedModel):
         """
         if not self.strips:
             return {"": self}
-        return {name: self._at(place) for name, place in self.strips.items()}
+        return {name: self.at(place) for name, place in self.strips.items()}
 
-    def _at(self, place: StripPlace) -> Self:
+    def at(self, place: StripPlace) -> Self:
+        """Return what is known for a strip that is clamped at this place."""
         changed: dict[str, object] = {"clamp_px": place.clamp_px, "strips": None}
         ends = (place.clamp_px, place.along_px or place.clamp_px)
         if self.homography is not None:

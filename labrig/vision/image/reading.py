@@ -69,6 +69,25 @@ def whole_stem(file_stem: str) -> str:
     return re.sub(r"_(\d{6,}|page\d{4,})$", "", file_stem)
 
 
+def labels_in(path: Path) -> list[PictureLabel]:
+    """Return what the pictures of an image file are called; none is decoded.
+
+    Raises BadInputError where it cannot be read.
+    """
+    if path.suffix.lower() not in TIFF_SUFFIXES:
+        return [whole_file(path)]
+    pages = len(_tiff_directories(_bytes(path)))
+    if pages <= 1:
+        return [whole_file(path)]
+    return [_page_label(path, page) for page in range(1, pages + 1)]
+
+
+def _page_label(path: Path, page: int) -> PictureLabel:
+    return PictureLabel(
+        name=f"{path.stem}:{page}", file_stem=f"{path.stem}_page{page:04d}", frame=page
+    )
+
+
 def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
     """Return the pictures of a file; of frames and pages the first of each `every`.
 
@@ -83,9 +102,7 @@ def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
         yield Picture(label=whole_file(path), image=_decoded(data, path))
         return
     for page in range(1, len(directories) + 1, every):
-        label = PictureLabel(
-            name=f"{path.stem}:{page}", file_stem=f"{path.stem}_page{page:04d}", frame=page
-        )
+        label = _page_label(path, page)
         # with its first directory that of the page, a file is read whatever its other pages hold
         place = np.frombuffer(directories[page - 1], dtype=np.uint8)
         begin = len(place)  # 4, or 8 in a large TIFF: there the header names the first directory
