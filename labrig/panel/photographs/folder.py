@@ -60,8 +60,8 @@ class PhotographFolder:
         )
         self._busy: Path | None = None  # what is measured now
         self._closed = False
-        self._thread = threading.Thread(target=self._work, name="photographs", daemon=True)
-        self._thread.start()
+        self.thread = threading.Thread(target=self._work, name="photographs", daemon=True)
+        self.thread.start()
 
     def close(self) -> None:
         """End the measuring after the photograph that it is at."""
