@@ -28,7 +28,7 @@ from labrig.vision.image.reading import (
     whole_file,
     whole_stem,
 )
-from labrig.vision.image.review import Decision, load_review
+from labrig.vision.image.review import PictureDecision, load_review
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
 from labrig.vision.tracking.tracker import Tracker
 
@@ -198,7 +198,7 @@ def _check_sheet(sheet: Path, files: list[Path], options: BatchOptions) -> None:
 
 
 def _curves_of(
-    path: Path, options: BatchOptions, decided: Mapping[str, Decision]
+    path: Path, options: BatchOptions, decided: Mapping[str, PictureDecision]
 ) -> Iterator[PictureCurve]:
     try:
         known = _known(path, options)

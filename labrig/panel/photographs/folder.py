@@ -35,7 +35,7 @@ from labrig.vision.image.reading import (
     pictures_in,
     whole_file,
 )
-from labrig.vision.image.review import Decision, load_review, save_review
+from labrig.vision.image.review import PictureDecision, load_review, save_review
 from labrig.vision.image.tables import write_points, write_summary
 
 Choice = Literal["accepted", "refused", "none"]
@@ -337,9 +337,9 @@ def _sheet_words(sheet: Path | None) -> str:
     return f"{sheet.name}: {1e3 * strip.free_length_m:g} mm{more}{thick}"
 
 
-def _decision(path: Path, choice: Choice, who: str, note: str) -> Decision | None:
+def _decision(path: Path, choice: Choice, who: str, note: str) -> PictureDecision | None:
     if choice == "none":
         return None
     date = dt.datetime.now(dt.UTC).isoformat(timespec="seconds")
     known = digest_of(path) if choice == "accepted" else ""
-    return Decision(decision=choice, who=who, date=date, note=note, known=known)
+    return PictureDecision(decision=choice, who=who, date=date, note=note, known=known)

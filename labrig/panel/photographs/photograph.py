@@ -12,7 +12,7 @@ from labrig.panel.live.event_stream import Message
 from labrig.vision import NeutralCurve
 from labrig.vision.image.overlay import jpeg_bytes, picture_with
 from labrig.vision.image.reading import PictureLabel
-from labrig.vision.image.review import Decision
+from labrig.vision.image.review import PictureDecision
 from labrig.vision.image.tables import LabelledCurve
 
 THUMBNAIL_PX = 320  # long side
@@ -31,7 +31,7 @@ class Photograph:
     size: tuple[int, int] | None = None  # columns, rows
     thumbnail: bytes = b""
     revision: int = 0
-    decision: Decision | None = None
+    decision: PictureDecision | None = None
     own: bool = False  # whether it has an optics.json or sheet.toml of its own
 
     @property

@@ -15,7 +15,7 @@ from labrig.files import write_text
 REVIEW_FILE = "curves_review.json"
 
 
-class Decision(ClosedModel):
+class PictureDecision(ClosedModel):
     """One picture's curve, accepted or refused by a person."""
 
     decision: Literal["accepted", "refused"]
@@ -35,10 +35,10 @@ class Decision(ClosedModel):
 class Review(ClosedModel):
     """curves_review.json: decisions by the pictures' names."""
 
-    pictures: dict[str, Decision] = Field(default_factory=dict)
+    pictures: dict[str, PictureDecision] = Field(default_factory=dict)
 
 
-def load_review(folder: Path) -> dict[str, Decision]:
+def load_review(folder: Path) -> dict[str, PictureDecision]:
     """Return what was decided about a folder's pictures, by name. Raises BadInputError."""
     path = folder / REVIEW_FILE
     if not path.exists():
@@ -46,7 +46,7 @@ def load_review(folder: Path) -> dict[str, Decision]:
     return dict(validate(Review, parse_json(read_text(path), str(path)), str(path)).pictures)
 
 
-def save_review(folder: Path, decisions: Mapping[str, Decision]) -> None:
+def save_review(folder: Path, decisions: Mapping[str, PictureDecision]) -> None:
     """Write curves_review.json, whole or not at all."""
     pictures = {
         name: decision.model_dump(exclude_defaults=True)
