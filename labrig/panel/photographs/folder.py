@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime as dt
-import math
 import threading
 from collections import deque
 from collections.abc import Iterator
@@ -16,13 +15,13 @@ from labrig.panel.errors import MissingError
 from labrig.panel.live.event_stream import Message
 from labrig.panel.photographs.known import (
     Clicked,
+    along_px,
     changed_optics,
     digest_of,
     known_optics,
     write_known,
 )
 from labrig.panel.photographs.photograph import Found, Photograph
-from labrig.vision import Optics
 from labrig.vision.batch import BatchOptions, curves_of
 from labrig.vision.calibration.drawing import is_drawing
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
@@ -40,7 +39,6 @@ from labrig.vision.image.tables import write_points, write_summary
 
 Choice = Literal["accepted", "refused", "none"]
 RESULTS = "curves"  # folder of the tables
-ALONG_M = 0.005  # from the clamp to the place that shows its direction
 
 
 class PhotographFolder:
@@ -117,7 +115,7 @@ class PhotographFolder:
         except BadInputError as error:
             return {"known": None, "known_fault": str(error), "sheet": ""}
         strips = {
-            name: {"clamp_px": of.clamp_px, "along_px": _along(of)} for name, of in places.items()
+            name: {"clamp_px": of.clamp_px, "along_px": along_px(of)} for name, of in places.items()
         }
         sheet = beside(one.path, SHEET_FILE, None)
         known = None
@@ -301,15 +299,6 @@ def _listed(folder: Path) -> Iterator[Photograph]:
                 labels = [whole_file(path)]
             for label in labels:
                 yield Photograph(label=label, path=path)
-
-
-def _along(optics: Optics) -> tuple[float, float]:
-    """Return a pixel further along the clamped strip."""
-    x, y = optics.clamp_m()
-    angle = optics.clamp_angle_rad
-    ahead = (x + ALONG_M * math.cos(angle), y + ALONG_M * math.sin(angle))
-    u, v = optics.world_to_pixel([ahead])[0]
-    return float(u), float(v)
 
 
 def _what_is_missing(path: Path) -> str:

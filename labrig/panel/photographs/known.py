@@ -15,6 +15,8 @@ from labrig.vision.calibration.optics import Point, StripPlace
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
 
 CLICK_SIGMA_PX = 2.0  # of a place that was clicked
+UNMOVED_PX = 0.05  # nearer to the known place than that it was not clicked anew
+ALONG_M = 0.005  # from the clamp to the place that shows its direction
 METHOD = "clicked on the page"
 Polygon = tuple[Point, ...]
 
@@ -41,15 +43,37 @@ def changed_optics(base: Optics | None, size: tuple[int, int], clicked: Clicked)
     for place in clicked.strips.values():
         _check_inside(place, size)
     optics = _scaled(base, size, clicked, first)
+    changed: dict[str, object] = {"image_size": size, "mask_px": clicked.mask_px or None}
+    if base is not None and _as_before(base, clicked.strips):
+        return optics.model_copy(update=changed)
     sigma = CLICK_SIGMA_PX / _apart_px(first) if first.along_px else optics.clamp_angle_sigma_rad
-    changed: dict[str, object] = {
-        "image_size": size,
+    changed |= {
         "clamp_sigma_px": max(CLICK_SIGMA_PX, optics.clamp_sigma_px),
         "clamp_angle_sigma_rad": max(optics.clamp_angle_sigma_rad, math.sqrt(2) * sigma),
-        "mask_px": clicked.mask_px or None,
         "strips": clicked.strips if "" not in clicked.strips else None,
     }
     return optics.at(first).model_copy(update=changed)
+
+
+def _as_before(base: Optics, strips: dict[str, StripPlace]) -> bool:
+    """Return whether clamps and directions are those that were known, perhaps from a board."""
+    before = base.by_strip()
+    return before.keys() == strips.keys() and all(
+        math.dist(place.clamp_px, before[name].clamp_px) < UNMOVED_PX
+        and (
+            place.along_px is None or math.dist(place.along_px, along_px(before[name])) < UNMOVED_PX
+        )
+        for name, place in strips.items()
+    )
+
+
+def along_px(optics: Optics) -> Point:
+    """Return a pixel further along the clamped strip, which shows its direction."""
+    x, y = optics.clamp_m()
+    angle = optics.clamp_angle_rad
+    ahead = (x + ALONG_M * math.cos(angle), y + ALONG_M * math.sin(angle))
+    u, v = optics.world_to_pixel([ahead])[0]
+    return float(u), float(v)
 
 
 def _scaled(

@@ -118,11 +118,19 @@ def test_a_file_of_the_users_own_is_kept_and_only_changed_where_something_was_cl
     drawn_strips.write(tmp_path, BENT_UP.image, "a", polarity="bright", px_per_mm_sigma=0.01)
     before = (tmp_path / "optics.json").read_text()
     opened = PhotographFolder(tmp_path)
-    opened.set_known("a", Clicked(strips={"": PLACE}), for_all=True)
+    place = opened.details("a")["known"]["strips"][""]
+    mask = ((1.0, 1.0), (9.0, 1.0), (9.0, 9.0))
+    same = Clicked(strips={"": StripPlace(**place)}, mask_px=(mask,))
+    opened.set_known("a", same, for_all=True)
     known = json.loads((tmp_path / "optics.json").read_text())
     assert (known["polarity"], known["px_per_mm_sigma"]) == ("bright", 0.01)
     (kept,) = tmp_path.glob("optics.json.*.bak")
     assert json.loads(kept.read_text()) == json.loads(before)
+    # the clamp and its direction are as they were known: a mask makes them no worse
+    assert known.get("clamp_sigma_px", 1.0) == BENT_UP.optics.clamp_sigma_px
+    moved = StripPlace(clamp_px=(CLAMP[0] + 1, CLAMP[1]), along_px=PLACE.along_px)
+    opened.set_known("a", Clicked(strips={"": moved}), for_all=True)
+    assert json.loads((tmp_path / "optics.json").read_text())["clamp_sigma_px"] == 2.0
     opened.close()
 
 

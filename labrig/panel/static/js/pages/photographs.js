@@ -160,7 +160,7 @@ class Photographs {
         this.loadedPicture = name;
         this.canvas.setPicture(bitmap, details.size ?? [bitmap.width, bitmap.height]);
         this.form.take(details);
-      } else if (details.state !== "waiting") this.form.take(details);
+      } else if (details.state !== "waiting" && !this.form.dirty) this.form.take(details);
       this.showDetails();
     } catch (error) {
       setText(this.why, error.message);
@@ -218,7 +218,7 @@ class Photographs {
 
   async sendKnown(body, forAll) {
     const done = await post("/api/photographs/known", { ...body, name: this.current, for_all: forAll });
-    this.form.rulerPx = [];
+    Object.assign(this.form, { rulerPx: [], dirty: false });
     setText(this.done, `Wrote ${done.written.join(" and ")}; ${done.measured_again} to be measured again.`);
     await this.poll();
   }

@@ -52,7 +52,7 @@ export class KnownForm {
   }
 
   clear() {
-    Object.assign(this, { places: { "": {} }, rulerPx: [], masks: [], open: [] });
+    Object.assign(this, { places: { "": {} }, rulerPx: [], masks: [], open: [], dirty: false });
   }
 
   /** Take what the server knows of a photograph; what was typed stays. */
@@ -81,6 +81,7 @@ export class KnownForm {
   }
 
   clicked(px) {
+    this.dirty = true; // what was clicked is kept until it is sent, or another photograph is opened
     const place = (this.places[this.strip] ??= {});
     if (this.tool === "clamp") {
       place.clamp_px = px;
@@ -96,12 +97,14 @@ export class KnownForm {
 
   closeMask() {
     if (this.open.length < 3) return setText(this.hint, "A mask needs at least three corners.");
+    this.dirty = true;
     this.masks.push(this.open);
     this.open = [];
     this.changed();
   }
 
   removeMask() {
+    this.dirty = true;
     if (this.open.length) this.open = [];
     else this.masks.pop();
     this.changed();
@@ -115,6 +118,7 @@ export class KnownForm {
 
   addStrip() {
     const letters = "abcdefghijklmnopqrstuvwxyz";
+    this.dirty = true;
     if ("" in this.places) {
       this.places = { a: this.places[""] };
     }
