@@ -86,9 +86,17 @@ class PhotographFolder:
     def details(self, name: str) -> Message:
         """Return a photograph with its curves and what is known of it."""
         one = self._named(name)
+        size = list(self._size_of(one))
         with self._lock:
             message = one.message() | {"curves": one.curve_messages()}
-        return message | self._known(one)
+        return message | {"size": size} | self._known(one)
+
+    def _size_of(self, one: Photograph) -> tuple[int, int]:
+        """Return columns and rows, also before it was measured: clicks are counted in these."""
+        if one.size is not None:
+            return one.size
+        rows, columns = self.image(one.name).shape[:2]
+        return columns, rows
 
     def thumbnail(self, name: str) -> bytes:
         """Return its small picture as JPEG. Raises MissingError before it was read."""
@@ -133,10 +141,7 @@ class PhotographFolder:
     def set_known(self, name: str, clicked: Clicked, *, for_all: bool) -> Message:
         """Write what was clicked beside the photographs, and measure again what it concerns."""
         one = self._named(name)
-        size = one.size
-        if size is None:
-            image = self.image(name)
-            size = (image.shape[1], image.shape[0])
+        size = self._size_of(one)
         base = known_optics(one.path, common=for_all) or known_optics(one.path)
         optics = changed_optics(base, size, clicked)
         if beside(one.path, SHEET_FILE, None) is None and not clicked.lengths_mm:

@@ -69,6 +69,13 @@ def test_what_is_clicked_once_serves_all_and_the_command_line(photographs, capsy
     )
 
 
+def test_the_size_that_clicks_are_counted_in_is_known_before_a_photograph_is_measured(tmp_path):
+    cv2.imwrite(str(tmp_path / "large.png"), np.full((1500, 3000), 90, np.uint8))
+    opened = PhotographFolder(tmp_path)
+    opened.close()  # so that nothing is measured
+    assert opened.details("large")["size"] == [3000, 1500]
+
+
 def test_a_correction_of_one_photograph_is_its_own_and_leaves_the_others(photographs):
     photographs.set_known("a", clicked(), for_all=True)
     before = measured(photographs)

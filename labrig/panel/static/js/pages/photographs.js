@@ -158,7 +158,7 @@ class Photographs {
         const bitmap = await createImageBitmap(await answer.blob());
         if (turn !== this.turn || this.gone) return bitmap.close();
         this.loadedPicture = name;
-        this.canvas.setPicture(bitmap, details.size ?? [bitmap.width, bitmap.height]);
+        this.canvas.setPicture(bitmap, details.size);
         this.form.take(details);
       } else if (details.state !== "waiting" && !this.form.dirty) this.form.take(details);
       this.showDetails();
