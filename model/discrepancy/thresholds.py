@@ -133,6 +133,12 @@ ALARMING_SCATTER_RATIO = 6.0
 LEAST_TIMED_RATIO, LEAST_GROUP_RATIO, LEAST_RIGID_RATIO = 0.1, 0.5, 0.67
 STRUCTURE_SIGMA = 4.0
 
+# Probability that nobody noticed an amplitude, below which it is reported, and below which the name
+# is rejected.
+OVERLOOKED_TOLD, LEAST_OVERLOOKED = 0.9, 0.01
+# Log Bayes factor within which a rival of the same location may be what a name says.
+NEIGHBOUR_EVIDENCE_LN = 6.0
+
 # -- What the data can show (moves: 'invisible', and which effects count as indistinguishable)
 
 # Standard deviations at which an effect is found in four of five sessions.
