@@ -29,9 +29,10 @@ class Amplitude(VerdictCheck):
                 if overlooked >= OVERLOOKED_TOLD:
                     continue
                 impossible = overlooked < LEAST_OVERLOOKED
+                share = "" if impossible else f" ({100.0 * overlooked:.0f} % overlook that)"
                 yield Failure(
                     consequence="unknown" if impossible else "noticed",
-                    sentence=parameter.beyond_limit(value),
+                    sentence=f"{parameter.beyond_limit(value)}{share}",
                     effects=(one.effect.name,),
                     overlooked=overlooked,
                 )
