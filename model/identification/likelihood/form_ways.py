@@ -246,13 +246,19 @@ def cosine(j: int, t: FloatArray) -> FloatArray:
 def _weighed(forward: ForwardModel, c: int, step: Perturbation, wave: FloatArray) -> Perturbation:
     """Return a step times a factor (K,) for each condition."""
     part = forward.part(c)
-    of, bin_of = part.reading_of, part.bin_of
-    return Perturbation(
-        beam=step.beam * wave[:, None], eibm=step.eibm * wave[of],
-        stiffness=step.stiffness * wave[of], force_N=step.force_N * wave[of],
-        bin_eibm=step.bin_eibm * wave[bin_of], bin_stiffness=step.bin_stiffness * wave[bin_of],
-        points_m=step.points_m * wave[:, None], frame_eibm=step.frame_eibm * wave[of],
-    )  # fmt: skip
+    by_reading, by_bin, by_row = wave[part.reading_of], wave[part.bin_of], wave[:, None]
+    factors = {
+        "beam": by_row, "eibm": by_reading, "stiffness": by_reading, "force_N": by_reading,
+        "bin_eibm": by_bin, "bin_stiffness": by_bin, "points_m": by_row, "frame_eibm": by_reading,
+    }  # fmt: skip
+    none = forward.no_step(c)
+    # nothing stays the same nothing, so that it costs nothing
+    changed = {
+        name: getattr(step, name) * factor
+        for name, factor in factors.items()
+        if getattr(step, name) is not getattr(none, name)
+    }
+    return replace(none, **changed)
 
 
 def unit(values: FloatArray) -> FloatArray:
