@@ -68,6 +68,9 @@ OUTLIER_ROUNDS = 2
 RESCORED_CANDIDATES = 8
 # Log Bayes factor from which on an effect, or an outlier, is among them.
 RESCORED_EVIDENCE_LN, RESCORED_OUTLIER_LN = -0.5, 3.0
+# Share of the best evidence, from so much (ln) on, below which the noise is not estimated beside a
+# candidate: it is too weak for any verdict.
+HOPELESS_SHARE, CLEAR_EVIDENCE_LN = 0.3, 30.0
 # Other starting values of an effect, about as good, that are fitted, too.
 OTHER_SHAPES = 2
 # Candidates that are fitted: those within this share, or this much, of the best evidence (ln).
