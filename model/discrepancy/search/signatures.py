@@ -99,7 +99,7 @@ def detection_limits(
             away = size.prior_scale * DETECTION_SIGMA / length
             result[name] = DetectionLimit(
                 parameter=size.name, value=size.neutral + away, unit=size.unit,
-                over_prior_scale=DETECTION_SIGMA / length,
+                ratio=DETECTION_SIGMA / length,
             )  # fmt: skip
     return result
 

@@ -325,7 +325,7 @@ class DetectionLimit:
     parameter: str
     value: float
     unit: str
-    over_prior_scale: float
+    ratio: float  # over the prior scale
 
     def to_json(self) -> dict[str, Any]:
         """Return its object in a diagnosis."""
