@@ -113,17 +113,27 @@ def test_only_an_amplitude_that_nobody_can_overlook_rejects_a_name(angle_rad, co
 
 
 def test_offsets_of_opposite_sign_are_no_meniscus():
+    """The sheets are measured one after the other: what differs is a zero that has changed."""
     apart = Foreign(
         force_N=lambda force, at, volts, gamma, name: (
             (1.5e-4 if name == "long" else -1e-4) + 0.0 * force
         )
     )
     found = diagnose(foreign_session(apart, 2))
-    assert found.verdict == "unknown_effect"
-    assert found.unknown is not None
-    assert found.unknown.location == "load_cell"
-    failed = [one.name for one in found.checks if not one.passed]
-    assert "signs" in failed
+    assert [one.name for one in found.effects] == ["force_drift"]
+    assert found.effects[0].parameters["force_mN"].value < 0.0
+    assert "surface_tension" not in found.effects[0].confusable_with
+
+
+@pytest.mark.parametrize(("short_mN", "failures"), [(-0.1, 1), (0.1, 0), (-0.01, 0)])
+def test_a_meniscus_that_pulls_both_ways_fails_the_check_of_signs(short_mN, failures):
+    one = Found(
+        effect=effect("surface_tension"),
+        values={"long": {"force_mN": 0.15}, "short": {"force_mN": short_mN}},
+        sigma={"long": {"force_mN": 0.01}, "short": {"force_mN": 0.01}},
+    )
+    found = list(verdict_checks()["signs"].failures(SimpleNamespace(found=[one])))
+    assert len(found) == failures
 
 
 def test_an_effect_that_another_name_stands_in_for_is_unknown():
