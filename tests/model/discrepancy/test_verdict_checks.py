@@ -62,7 +62,13 @@ def test_where_nothing_is_named_nothing_is_checked():
     assert diagnosed().checks == ()
 
 
-@pytest.mark.parametrize("name", FOREIGN)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.thorough) if "curvature" in name else name
+        for name in FOREIGN
+    ],
+)
 def test_what_no_catalogue_has_gets_no_name_with_certainty(name):
     found = foreign(name)
     assert found.verdict == "unknown_effect"
@@ -77,7 +83,7 @@ def test_a_failed_check_is_named_in_the_sentence_and_in_the_json():
     assert "Check 'quantity_structure' failed: the amplitude of clamp angle" in found.sentence
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_an_amplitude_that_people_notice_keeps_its_name_without_certainty():
     hidden = case("load_cell_misalignment", "turned", 0.7, seed=5)
     found = diagnose(hidden_session(hidden).measurements)
