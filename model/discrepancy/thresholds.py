@@ -68,6 +68,9 @@ OUTLIER_ROUNDS = 2
 RESCORED_CANDIDATES = 8
 # Log Bayes factor from which on an effect, or an outlier, is among them.
 RESCORED_EVIDENCE_LN, RESCORED_OUTLIER_LN = -0.5, 3.0
+# Share of the best evidence, from so much (ln) on, below which the noise is not estimated beside a
+# candidate: it is too weak for any verdict.
+HOPELESS_SHARE, CLEAR_EVIDENCE_LN = 0.3, 30.0
 # Other starting values of an effect, about as good, that are fitted, too.
 OTHER_SHAPES = 2
 # Candidates that are fitted: those within this share, or this much, of the best evidence (ln).
@@ -132,6 +135,12 @@ ALARMING_SCATTER_RATIO = 6.0
 # 0.22, 0.52 and 0.9 at least. Its distance from that in standard deviations.
 LEAST_TIMED_RATIO, LEAST_GROUP_RATIO, LEAST_RIGID_RATIO = 0.1, 0.5, 0.67
 STRUCTURE_SIGMA = 4.0
+
+# Probability that nobody noticed an amplitude, below which it is reported, and below which the name
+# is rejected.
+OVERLOOKED_TOLD, LEAST_OVERLOOKED = 0.9, 0.01
+# Log Bayes factor within which a rival of the same location may be what a name says.
+NEIGHBOUR_EVIDENCE_LN = 6.0
 
 # -- What the data can show (moves: 'invisible', and which effects count as indistinguishable)
 

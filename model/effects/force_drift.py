@@ -61,6 +61,6 @@ EFFECT = ForceDrift(
         SETTLES,
         TARED_AT,
     ),
-    form_error_along=("time",),
+    form_error_along=("session",),
     of_the_rig=True,
 )

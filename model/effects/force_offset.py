@@ -41,5 +41,6 @@ EFFECT = ForceOffset(
             high=20.0,
         ),
     ),
-    form_error_along=("time",),
+    form_error_along=(),  # it has none: what wanders is a drift
+    of_the_rig=True,
 )

@@ -43,7 +43,14 @@ __all__ = [
     "Values",
 ]
 
-Along = Literal["s", "curvature", "position", "voltage", "time", "place", "run"]
+# "time": within a pulse, along a run and over the session; "session" and "wetted": only over the
+# session, and only since the sheet was wetted, alike in all runs
+Along = Literal[
+    "s", "curvature", "position", "voltage", "time", "session", "wetted", "place", "run"
+]
+
+
+NOTICED_POWER = 6.0  # of an amplitude over its limit: half the limit is noticed by one in 65
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,13 +70,19 @@ class EffectParameter:
     expected_sign: float = 0.0  # the sign that it has as a rule; the other one is a surprise
     one_sign: bool = False  # where each configuration has its own, all have the same sign
     estimated: bool = False  # though not the first: a further size, refined like that
-    # |value| that nobody in a laboratory overlooks, and what is seen beyond it, a sentence with
-    # {value} in the parameter's unit or {degrees}; None: there is no such limit
+    # |value| that every other laboratory would notice, and what is noticed, a sentence with {value}
+    # in the parameter's unit or {degrees}; None: there is no such limit
     instrument_limit: float | None = None
     beyond: str = ""
 
+    def overlooked(self, value: float) -> float:
+        """Return the probability that nobody in the laboratory noticed a value, without an edge."""
+        if self.instrument_limit is None:
+            return 1.0
+        return float(1.0 / (1.0 + (abs(value) / self.instrument_limit) ** NOTICED_POWER))
+
     def beyond_limit(self, value: float) -> str:
-        """Return what a value beyond the instrument limit would mean."""
+        """Return what somebody would have noticed."""
         return self.beyond.format(
             value=f"{abs(value):.2g}", degrees=f"{np.degrees(abs(value)):.0f}"
         )

@@ -68,6 +68,6 @@ EFFECT = SurfaceTension(
             starting_values=(0.0, 15.0, 60.0),
         ),
     ),
-    form_error_along=("position", "voltage", "time"),
+    form_error_along=("position", "voltage", "wetted"),
     by_configuration=True,
 )

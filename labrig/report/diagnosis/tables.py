@@ -94,9 +94,10 @@ def visibility(found: Diagnosis) -> list[str]:
     seen = len(names) - len([n for n in names if n in found.invisible])
     said = []
     if names:
-        said.append(f"{seen} of {len(names)} effects would be seen in these data at a usual size.")
+        said.append(f"{seen} of {len(names)} effects would be seen in these data if large.")
     return said + [
-        f"Indistinguishable in these data at a usual size: {listed([title(n) for n in one])}."
+        "Indistinguishable in these data, at the size found or when just seen:"
+        f" {listed([title(n) for n in one])}."
         for one in found.classes
     ]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from labrig.report.diagnosis import parameters, tables
+from labrig.report.diagnosis.limits import limits_table
 from labrig.report.parts.section import Drawn, Item, Section
 from model.discrepancy.verdict.result import Diagnosis
 
@@ -40,7 +41,9 @@ def sections_of(found: Diagnosis, drawn: Mapping[str, Drawn]) -> list[Section]:
             title="Candidates",
         ),
         Section(
-            _present(tables.invisible_table(found), *figures("diagnosis-signatures")),
+            _present(
+                tables.invisible_table(found), limits_table(found), *figures("diagnosis-signatures")
+            ),
             tuple(tables.limits_sentences(found)),
             title="Identifiability",
         ),

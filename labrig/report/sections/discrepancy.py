@@ -5,6 +5,7 @@ from __future__ import annotations
 from labrig.report.data.findings import Findings
 from labrig.report.diagnosis import checks, parameters, tables
 from labrig.report.diagnosis.figures import FIGURES, draw_diagnosis
+from labrig.report.diagnosis.limits import limits_table
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.section import Folded, Item, Section
 from labrig.report.sections.interface import ReportSection
@@ -21,7 +22,7 @@ def make(findings: Findings, figures: FigureFolder) -> Section | str:
     drawn = draw_diagnosis(found, figures)
     folded = (
         checks.check_table(found), tables.where_table(found), tables.ranking_table(found),
-        tables.invisible_table(found),
+        tables.invisible_table(found), limits_table(found),
     )  # fmt: skip
     items: tuple[Item | None, ...] = (
         parameters.parameter_table(found),

@@ -125,7 +125,8 @@ class ComparedAnswers:
         return Alternative(one.name, attributes)
 
     def _failed(self, name: str) -> float:
-        own = [f for f in self.criticism.failures if not f.effects or name in f.effects]
+        against = [f for f in self.criticism.failures if f.consequence not in ("noticed", "alike")]
+        own = [f for f in against if not f.effects or name in f.effects]
         return float(min(len(own), MOST_FAILURES))
 
     def _unknown(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from model.discrepancy.answers.calibrated_answers import Judged, is_name
 from model.discrepancy.answers.choice_set import UNKNOWN
+from model.discrepancy.thresholds import OVERLOOKED_TOLD
 from model.discrepancy.verdict.decision import Decision
 from model.discrepancy.verdict.result import Unknown
 
@@ -28,9 +29,14 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     judged = answer_about(name, decision)
     names = dict.fromkeys([name, *judged.names, *decision.criticism.rivals(name)])
     others = [one for one in judged.answers if not is_name(one)]
-    others += [UNKNOWN] if decision.criticism.doubted([name]) else []
+    overlooked = decision.criticism.overlooked(name)
+    doubtful = decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
+    others += [UNKNOWN] if doubtful else []
     or_else = tuple(dict.fromkeys(others))
     chances = {one: judged.probabilities.get(one, 0.0) for one in (*names, *or_else)}
+    if overlooked < 1.0:  # what somebody should have noticed is something else
+        chances[UNKNOWN] = chances.get(UNKNOWN, 0.0) + (1.0 - overlooked) * chances[name]
+        chances[name] *= overlooked
     return ReportedSet(
         confidence=min(sum(chances[one] for one in names), 1.0),
         confusable_with=tuple(one for one in names if one != name),

@@ -6,10 +6,13 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 # unknown: the names are wrong, or something is not in the model that has no name
+# noticed: people see such an amplitude as a rule, so the name is less probable; unknown is in its
+#   set
 # doubt: so it is, unless the answers, which count failed checks, are sure of the name all the same
 # one_of: rivals are as good, the class is the answer
+# alike: nothing in the data tells rivals apart; that speaks against none of them
 # cannot_tell: the data do not allow a verdict
-Consequence = Literal["unknown", "doubt", "one_of", "cannot_tell"]
+Consequence = Literal["unknown", "noticed", "doubt", "one_of", "alike", "cannot_tell"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,7 +22,8 @@ class Failure:
     consequence: Consequence
     sentence: str  # what contradicts what, without its full stop
     effects: tuple[str, ...] = ()  # names that it concerns; none: all of them together
-    rivals: tuple[str, ...] = ()  # of `one_of`: names that are as good
+    rivals: tuple[str, ...] = ()  # of `one_of` and `alike`: names that are as good
+    overlooked: float = 1.0  # of `noticed`: the probability that nobody noticed
 
 
 @dataclass(frozen=True, kw_only=True)

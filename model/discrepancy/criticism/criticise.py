@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+import numpy as np
+
 from model.discrepancy.criticism.catalogue import verdict_checks
 from model.discrepancy.criticism.check_result import CheckResult, Consequence, Failure
 from model.discrepancy.criticism.named_model import NamedModel
@@ -40,9 +42,15 @@ class Criticism:
         every = (one.sentence for one in self.failures if one.consequence == "cannot_tell")
         return next(every, "")
 
+    def overlooked(self, name: str) -> float:
+        """Return the probability that nobody noticed what this name says."""
+        own = (one.overlooked for one in self.failures if name in one.effects)
+        return float(np.prod(list(own)))
+
     def rivals(self, name: str) -> tuple[str, ...]:
         """Return names that explain as much as this one."""
-        own = [f for f in self.failures if f.consequence == "one_of" and name in f.effects]
+        some = (f for f in self.failures if f.consequence in ("one_of", "alike"))
+        own = [f for f in some if name in f.effects]
         return tuple(rival for one in own for rival in one.rivals)
 
     @property

@@ -21,8 +21,10 @@ from model.discrepancy.search.evidence import (
 from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.outliers import outlier_candidates
 from model.discrepancy.thresholds import (
+    CLEAR_EVIDENCE_LN,
     CURVATURE_SHARE,
     EQUAL_EVIDENCE_LN,
+    HOPELESS_SHARE,
     OTHER_SHAPES,
     RESCORED_CANDIDATES,
     RESCORED_EVIDENCE_LN,
@@ -72,14 +74,18 @@ def rank(
     scores = _by_name(fitted, every, fitted.solution)
     best = {name: found[0] for name, found in scores.items()}
     usual = best_scores(fitted, every, usual_scatter(fitted))
-    hidden = [n for n in usual if not n.startswith("outlier:")][:RESCORED_CANDIDATES]
-    result, tried = [], 0
+    # not even with the usual scatter does the rest explain anything
+    worth = [n for n, s in usual.items() if s.log_bayes > RESCORED_EVIDENCE_LN]
+    hidden = [n for n in worth if not n.startswith("outlier:")][:RESCORED_CANDIDATES]
+    result, tried, top = [], 0, 0.0
     for name, one in {**best, **{n: usual[n] for n in hidden if n not in best}}.items():
         outlier = one.candidate.location == "outlier"
         promising = tried < RESCORED_CANDIDATES and one.log_bayes > (
             RESCORED_OUTLIER_LN if outlier else RESCORED_EVIDENCE_LN
         )
-        if not promising and name not in hidden:
+        most = max(one.log_bayes, usual[name].log_bayes) if name in usual else one.log_bayes
+        hopeless = top > CLEAR_EVIDENCE_LN and most < HOPELESS_SHARE * top
+        if hopeless or (not promising and name not in hidden):
             result.append(RankedCandidate(score=one, gain=one.log_bayes))
             continue
         tried += promising and not outlier
@@ -88,6 +94,7 @@ def rank(
             looks.append(usual[name])
         both = [(*rescored(fitted, look), look) for look in looks]
         gain, solution, chosen = max(both, key=lambda item: item[0])
+        top = max(top, gain)
         shapes = _other_shapes(chosen, scores.get(name, []))
         among = _among(fitted, [c for c in every if c.name == name], solution)
         among += surprise(chosen)

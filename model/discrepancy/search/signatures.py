@@ -6,17 +6,19 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from model.discrepancy.search.evidence import Candidate, Projected
+from model.discrepancy.search.evidence import SIZES, Candidate, Projected
 from model.discrepancy.thresholds import (
     COMPARISON_SIGMA,
     DETECTION_SIGMA,
     LARGE_AMPLITUDE,
     SEPARATION_SIGMA,
 )
-from model.discrepancy.verdict.result import Signatures
+from model.discrepancy.verdict.result import DetectionLimit, Signatures
 from model.effects.interface import Effect
+from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location
+from model.measurements import FloatArray
 
 TINY = 1e-9
 
@@ -51,8 +53,9 @@ def signatures(
     n = len(pool)
     distance = np.zeros((n, n))
     for i, one in enumerate(pool):
+        largest = LARGE_AMPLITUDE if one.effect is None else largest_amplitude(one.effect)
         size = abs(amplitude.get(one.name, 0.0)) * length[i] or min(
-            COMPARISON_SIGMA, LARGE_AMPLITUDE * length[i]
+            COMPARISON_SIGMA, largest * length[i]
         )
         for j in range(n):
             if i != j:
@@ -61,15 +64,55 @@ def signatures(
     return Signatures(tuple(c.name for c in pool), length, distance, cosine)
 
 
+def lengths_beside(
+    known: MixedModelFit, pool: Sequence[Candidate], log_sigma: FloatArray
+) -> FloatArray:
+    """Return lengths in sigmas beside the effects of a model, their forms tolerated."""
+    forward = known.problem.forward
+    weighed = Projected.of(forward, known.linear, weigh(known.linear.data, log_sigma))
+    A, _ = weighed.normal(forward, np.stack([c.columns[:, 0] for c in pool], axis=1))
+    return np.sqrt(np.maximum(np.diag(A), 0.0))
+
+
+def largest_amplitude(effect: Effect) -> float:
+    """Return the largest amplitude that a laboratory may have, over the prior scale.
+
+    A prior scale is a guess, and a laboratory may exceed it many times: bounds and instrument
+    limits count, and what the search tries at most.
+    """
+    size = effect.amplitude
+    if size.starting_values or size.log:
+        return LARGE_AMPLITUDE
+    reach = max(size.high - size.neutral, size.neutral - size.low)
+    limit = np.inf if size.instrument_limit is None else size.instrument_limit
+    return float(min(min(reach, limit) / size.prior_scale, max(SIZES)))
+
+
+def detection_limits(
+    lengths: Mapping[str, float], effects: Mapping[str, Effect]
+) -> dict[str, DetectionLimit]:
+    """Return from which amplitude on each effect would be seen; none of those without a scale."""
+    result = {}
+    for name, length in lengths.items():
+        size = effects[name].amplitude if name in effects else None
+        if size is not None and not (size.starting_values or size.log) and length > TINY:
+            away = size.prior_scale * DETECTION_SIGMA / length
+            result[name] = DetectionLimit(
+                parameter=size.name, value=size.neutral + away, unit=size.unit,
+                ratio=DETECTION_SIGMA / length,
+            )  # fmt: skip
+    return result
+
+
 def invisible(
     fitted: MixedModelFit, found: Signatures, effects: Mapping[str, Effect]
 ) -> dict[str, str]:
-    """Return effects that these data cannot show at any likely size, with data that could."""
+    """Return effects that these data cannot show at any size, with data that could."""
     result = {}
     streams = _streams(fitted)
     for name, length in zip(found.names, found.detectability, strict=True):
         effect = effects.get(name)
-        if effect is None or length * LARGE_AMPLITUDE >= DETECTION_SIGMA:
+        if effect is None or length * largest_amplitude(effect) >= DETECTION_SIGMA:
             continue
         needs = effect.isolates
         if location(effect.location).in_time and not streams:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -130,7 +131,7 @@ class Judgement:
         asked = dict(zip(names, answers, strict=False))
         wrong = {name for name, one in asked.items() if one.of_names < LEAST_PROBABILITY}
         wrong |= {
-            name for name in criticism.doubted(names)
+            name for name in (*criticism.doubted(names), *pieces(found.named))
             if asked[name].probabilities.get(name, 0.0) < PROBABLE_ALL_THE_SAME
         }  # fmt: skip
         rejected = [n for n in names if n in {*wrong, *criticism.rejected(names)}]
@@ -203,6 +204,15 @@ class Judgement:
         if rest is None or rest.share < UNEXPLAINED_SHARE:
             return False
         return rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN
+
+
+def pieces(named: Sequence[Choice]) -> list[str]:
+    """Return names that share their location with another one.
+
+    Several effects of one place may together imitate something that acts there.
+    """
+    count = Counter(one.effect.location for one in named)
+    return [one.effect.name for one in named if count[one.effect.location] > 1]
 
 
 def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -22,7 +23,14 @@ from model.discrepancy.search.evidence import Candidate, candidates
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.outliers import condition_name
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.search.signatures import classes, forms, invisible, signatures
+from model.discrepancy.search.signatures import (
+    classes,
+    detection_limits,
+    forms,
+    invisible,
+    lengths_beside,
+    signatures,
+)
 from model.discrepancy.thresholds import (
     COMPARISON_SIGMA,
     CROSS_VALIDATED_NAMES,
@@ -73,6 +81,8 @@ from model.identification.likelihood.random_effects import ASSUMED
 from model.locations import origins as origins_of_locations
 from model.measurements import Measurements, ModelError
 
+Said = TypeVar("Said")
+
 
 def _scatter(final: MixedModelFit) -> dict[str, float]:
     """From one set-up to the next, by name."""
@@ -110,7 +120,11 @@ class Finding:
         seen = self._signatures(pool, decision)
         named = tuple(_named(c, decision) for c in decision.named)
         unknown = decision.unknown and with_alternatives(decision.unknown, decision)
-        unseen = _not_reported(invisible(base, seen, {e.name: e for e in self.effects}), named)
+        beside, effects = self._beside(pool, decision), {e.name: e for e in self.effects}
+        lengths = np.array([beside[name] for name in seen.names])
+        unseen = _not_reported(
+            invisible(base, replace(seen, detectability=lengths), effects), named
+        )
         promises = self._promises()
         doubt = self._doubt(decision)
         verdict = self._verdict(named, unknown, doubt)
@@ -132,6 +146,7 @@ class Finding:
             ),
             effects=named,
             invisible=unseen,
+            limits=_not_reported(detection_limits(beside, effects), named),
             unknown=unknown,
             where=places(base, noise),
             fitted=fitted,
@@ -182,6 +197,12 @@ class Finding:
         chosen = (t.chosen for t in self.outcome.turns if t.chosen is not None)
         sizes = {c.name: c.score.amplitude for c in chosen}
         return signatures(replace(base, solution=solution), forms(pool, {}), sizes)
+
+    def _beside(self, pool: Sequence[Candidate], decision: Decision) -> dict[str, float]:
+        """Return the length of each effect's signature beside the effects that are named."""
+        some = forms(pool, {})
+        lengths = lengths_beside(decision.known, some, decision.final.solution.log_sigma)
+        return dict(zip((c.name for c in some), lengths.tolist(), strict=True))
 
     def _doubt(self, decision: Decision) -> str:
         """Return why these data cannot tell, where nothing is found; empty: they can."""
@@ -296,10 +317,10 @@ class Finding:
         )
 
 
-def _not_reported(unseen: Mapping[str, str], named: Sequence[Named]) -> dict[str, str]:
-    """Return effects that no usual size would show, without those seen all the same."""
+def _not_reported(some: Mapping[str, Said], named: Sequence[Named]) -> dict[str, Said]:
+    """Return what is said of effects, without those that are reported."""
     reported = {name for one in named for name in (one.name, *one.confusable_with)}
-    return {name: needs for name, needs in unseen.items() if name not in reported}
+    return {name: told for name, told in some.items() if name not in reported}
 
 
 def _named(one: Choice, decision: Decision) -> Named:

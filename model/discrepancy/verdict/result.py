@@ -318,6 +318,20 @@ class Signatures:
     cosine: FloatArray  # (n, n)
 
 
+@dataclass(frozen=True, kw_only=True)
+class DetectionLimit:
+    """The amplitude from which on an effect would be seen beside what is named."""
+
+    parameter: str
+    value: float
+    unit: str
+    ratio: float  # over the prior scale
+
+    def to_json(self) -> dict[str, Any]:
+        """Return its object in a diagnosis."""
+        return {"parameter": self.parameter, "value": _number(self.value), "unit": self.unit}
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Diagnosis(Displayed):
     """Everything that was found."""
@@ -351,6 +365,7 @@ class Diagnosis(Displayed):
     floor: Gap | None = None  # prediction error that noise and scatter alone cause
     promises: tuple[Promise, ...] = ()  # of proposals that were measured
     checks: tuple[CheckResult, ...] = ()  # what the verdict checks said of the names
+    limits: Mapping[str, DetectionLimit] = field(default_factory=dict)  # of effects not named
     choice_sets: tuple[ChoiceSet, ...] = ()  # the answers that were compared, for benchmarks
     # by configuration: what the dynamics of the model that was given explain
     dynamics: Mapping[str, DynamicsTaken] = field(default_factory=dict)
@@ -414,6 +429,7 @@ class Diagnosis(Displayed):
             "verdict": self.verdict,
             "effects": [e.to_json() for e in self.effects],
             "invisible": list(self.invisible),
+            "detection_limits": {name: one.to_json() for name, one in self.limits.items()},
             "unknown": None if self.unknown is None else self.unknown.to_json(),
             "where": [w.to_json() for w in self.where],
             "gap": {"fitted": self.fitted.to_json(), "held_out": self.held_out.to_json()},

@@ -13,7 +13,7 @@ from functools import partial
 
 import numpy as np
 
-from model.effects.interface import ContactSolution, Effect
+from model.effects.interface import Along, ContactSolution, Effect
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import ModelState
 from model.locations.quantities import Perturbation
@@ -75,8 +75,8 @@ def deviations(
             for wave in (driven, np.where(driven == 0.0, -1.0, 0.5)):
                 terms = partial(_at_voltages, scene.voltage_V, wave, at_zero=at_zero)
                 yield Way(_weighed(forward, c, step, wave), SIGN, terms)
-        elif along == "time":
-            yield from _in_time(forward, c, step)
+        elif along in _SLOW:
+            yield from _in_time(forward, c, step, along)
         elif along == "run":
             yield from _from_run_to_run(forward, c, step)
         elif along == "place":
@@ -184,8 +184,8 @@ def _along_sheet(
         yield Way(replace(forward.no_step(c), beam=beam), FORM * share, span.wave(j))
 
 
-def _in_time(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
-    """Within a pulse as a factor; over run and session something added, since drifts cross zero."""
+def _in_pulses(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
+    """Yield factors within a pulse."""
     part = forward.part(c)
     at, in_bin = part.clock.pulse_s, part.bin_clock.pulse_s
     driven = part.clock.voltage_V != 0.0
@@ -198,29 +198,39 @@ def _in_time(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
             bin_stiffness=step.bin_stiffness * bins, frame_eibm=step.frame_eibm * wave,
         )  # fmt: skip
         yield Way(way, 0.6 * FORM / j, _Span("pulse", 0.0, PULSE_S, "voltage").wave(j))
-    if not len(at):  # shapes alone: none of them is dated
+
+
+def _in_time(forward: ForwardModel, c: int, step: Perturbation, along: Along) -> Ways:
+    """Yield changes within a pulse; over run or session something is added: drifts cross zero."""
+    if along == "time":
+        yield from _in_pulses(forward, c, step)
+    part = forward.part(c)
+    driven = part.clock.voltage_V != 0.0
+    if not len(part.clock.pulse_s):  # shapes alone: none of them is dated
         return
     size = [0.5 * float(np.ptp(v)) for v in (step.eibm, step.stiffness, step.force_N)]
-    for along, times in _SLOW:
+    for over, times in _SLOW[along]:
         values = getattr(part.clock, times)
         t = unit(values)
         if np.ptp(t) == 0.0 or not (any(size) or np.any(step.force_N)):
             continue
-        force = step.force_N if along == "run" else size[2]
-        span = _Span(along, *_ends(values))
+        force = step.force_N if over == "run" else size[2]
+        span = _Span(over, *_ends(values))
         for j in (1, 2, 3):
             wave = cosine(j, t)
             way = replace(
                 forward.no_step(c), eibm=size[0] * wave * driven, stiffness=size[1] * wave,
                 force_N=force * wave,
             )  # fmt: skip
-            yield Way(way, 0.6 * FORM / j, partial(_slowly, span, j, size))
+            yield Way(way, 0.6 * FORM / j, partial(_slow_terms, span, j, size))
 
 
-_SLOW: tuple[tuple[Coordinate, str], ...] = (("session", "session"), ("run", "run_s"))
+_SESSION: tuple[Coordinate, str] = ("session", "session")
+_RUN: tuple[Coordinate, str] = ("run", "run_s")  # it begins as its sheet is wetted
+_SLOW = {"time": (_SESSION, _RUN), "session": (_SESSION,), "wetted": (_RUN,)}
 
 
-def _slowly(span: _Span, j: int, size: list[float]) -> tuple[Profile, ...]:
+def _slow_terms(span: _Span, j: int, size: list[float]) -> tuple[Profile, ...]:
     """Return the terms of a wave over run or session; over the run a force has a factor."""
     parts: list[tuple[Adds, float]] = [("EIBM", size[0]), ("stiffness", size[1])]
     parts.append(("force", size[2]) if span.along == "session" else ("", 1.0))
@@ -236,13 +246,19 @@ def cosine(j: int, t: FloatArray) -> FloatArray:
 def _weighed(forward: ForwardModel, c: int, step: Perturbation, wave: FloatArray) -> Perturbation:
     """Return a step times a factor (K,) for each condition."""
     part = forward.part(c)
-    of, bin_of = part.reading_of, part.bin_of
-    return Perturbation(
-        beam=step.beam * wave[:, None], eibm=step.eibm * wave[of],
-        stiffness=step.stiffness * wave[of], force_N=step.force_N * wave[of],
-        bin_eibm=step.bin_eibm * wave[bin_of], bin_stiffness=step.bin_stiffness * wave[bin_of],
-        points_m=step.points_m * wave[:, None], frame_eibm=step.frame_eibm * wave[of],
-    )  # fmt: skip
+    by_reading, by_bin, by_row = wave[part.reading_of], wave[part.bin_of], wave[:, None]
+    factors = {
+        "beam": by_row, "eibm": by_reading, "stiffness": by_reading, "force_N": by_reading,
+        "bin_eibm": by_bin, "bin_stiffness": by_bin, "points_m": by_row, "frame_eibm": by_reading,
+    }  # fmt: skip
+    none = forward.no_step(c)
+    # nothing stays the same nothing, so that it costs nothing
+    changed = {
+        name: getattr(step, name) * factor
+        for name, factor in factors.items()
+        if getattr(step, name) is not getattr(none, name)
+    }
+    return replace(none, **changed)
 
 
 def unit(values: FloatArray) -> FloatArray:

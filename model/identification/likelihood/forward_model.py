@@ -245,27 +245,33 @@ class ForwardModel:
         return replace(step, bin_eibm=-later / (1.0 - at_sample))
 
     def rows_of(self, c: int, state: ModelState, step: Perturbation) -> FloatArray:
-        """Return a step in all rows (N,)."""
+        """Return a step in all rows (N,); what is as in `no_step` costs nothing."""
         part, scene, y = self.part(c), self.scenes[c], np.zeros(self.layout.size)
-        of, answers = part.reading_of, state.answers
+        of, answers, none = part.reading_of, state.answers, self.no_step(c)
         by_stiffness = state.by_stiffness
-        readings = state.by_eibm[of] * step.eibm
-        bends = step.beam is not self.no_step(c).beam
-        if bends:
-            readings += np.einsum("kq,kq->k", answers.force, step.beam)[of]
-        readings += by_stiffness[of] * step.stiffness + step.force_N
-        y[part.trend_rows] = part.trends_by @ readings
-        bent = step.eibm + step.frame_eibm - step.stiffness * (part.clock.voltage_V != 0.0)
-        y[part.sway_rows] = part.sways_by @ (bent * state.reach_m[of])
-        modes = state.modes_by_eibm * part.mean(bent)[:, None]
-        if bends:
+        timed = not all(
+            getattr(step, name) is getattr(none, name)
+            for name in ("eibm", "stiffness", "frame_eibm")
+        )
+        modes, readings = np.zeros_like(state.modes_by_eibm), step.force_N
+        if timed:
+            readings = readings + state.by_eibm[of] * step.eibm + by_stiffness[of] * step.stiffness
+            bent = step.eibm + step.frame_eibm - step.stiffness * (part.clock.voltage_V != 0.0)
+            y[part.sway_rows] = part.sways_by @ (bent * state.reach_m[of])
+            modes = state.modes_by_eibm * part.mean(bent)[:, None]
+        if step.beam is not none.beam:
+            readings = readings + np.einsum("kq,kq->k", answers.force, step.beam)[of]
             modes += (answers.modes @ step.beam[:, :, None])[:, :, 0]
-        if np.any(step.points_m):
+        if readings is not none.force_N:
+            y[part.trend_rows] = part.trends_by @ readings
+        if step.points_m is not none.points_m:
             modes += np.einsum("kms,ks->km", scene.project, step.points_m)
         has = scene.has_curve
         y[part.mode_rows[has]] = modes[has]
-        b = part.bin_of
-        y[part.bin_rows] = state.by_eibm[b] * step.bin_eibm + by_stiffness[b] * step.bin_stiffness
+        if step.bin_eibm is not none.bin_eibm or step.bin_stiffness is not none.bin_stiffness:
+            b = part.bin_of
+            within = by_stiffness[b] * step.bin_stiffness
+            y[part.bin_rows] = state.by_eibm[b] * step.bin_eibm + within
         return y
 
 

@@ -36,6 +36,7 @@ def decided(
     rivals: tuple[str, ...] = (),
     *,
     doubted: bool = False,
+    overlooked: float = 1.0,
 ):
     """A decision for gravity, with the judged answers to that question."""
     base = base_fit()
@@ -52,6 +53,11 @@ def decided(
     )
     if doubted:
         failures += (Failure(consequence="doubt", sentence="", effects=("gravity",)),)
+    if overlooked < 1.0:
+        noticed = Failure(
+            consequence="noticed", sentence="", effects=("gravity",), overlooked=overlooked
+        )
+        failures += (noticed,)
     return SimpleNamespace(
         written=one, known=one, named=[choice], criticism=Criticism(failures=failures),
         choice_sets=(ChoiceSet("gravity", ()),), answers=(Judged(probabilities, answers),),
@@ -89,9 +95,22 @@ def test_a_name_that_acts_otherwise_in_a_part_of_the_data_may_be_something_unkno
     assert one.probabilities == {"gravity": 0.95, "unknown": 0.04}
 
 
+def test_what_people_notice_is_less_probable_and_may_be_something_unknown(reported):
+    one = reported({"gravity": 0.95, "unknown": 0.04}, ("gravity",), overlooked=0.4)
+    assert one.or_else == ("unknown",)
+    assert one.confidence == pytest.approx(0.38)
+    assert one.probabilities == pytest.approx({"gravity": 0.38, "unknown": 0.61})
+
+
 @pytest.mark.parametrize(
     ("consequence", "probability", "kept"),
-    [("doubt", 0.95, True), ("doubt", 0.7, False), ("unknown", 0.99, False)],
+    [
+        ("doubt", 0.95, True),
+        ("doubt", 0.7, False),
+        ("unknown", 0.99, False),
+        ("noticed", 0.7, True),
+        ("alike", 0.7, True),
+    ],
 )
 def test_answers_that_are_sure_of_a_name_outweigh_a_doubt_but_no_impossible_amplitude(
     monkeypatch, consequence, probability, kept

@@ -21,7 +21,14 @@ from model.discrepancy.search.outliers import (
     without,
 )
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.search.signatures import classes, forms, invisible, signatures
+from model.discrepancy.search.signatures import (
+    classes,
+    detection_limits,
+    forms,
+    invisible,
+    largest_amplitude,
+    signatures,
+)
 from model.discrepancy.thresholds import (
     EVIDENCE_TEMPERATURE,
     FALSE_NAME_RATE,
@@ -176,6 +183,17 @@ def test_a_slip_of_one_reading_s_force_is_left_out_and_nothing_else():
 # -------------------------------------------------------------------------- signatures
 
 
+def test_detection_limits_say_from_which_amplitude_on_an_effect_is_seen():
+    lengths = {"force_offset": 0.4, "charging_lag": 2.0, "gravity": 0.0}
+    limits = detection_limits(lengths, catalogue())
+    assert list(limits) == ["force_offset"]  # a lag has no scale, and no amplitude shows gravity
+    assert limits["force_offset"].to_json() == {
+        "parameter": "force_mN",
+        "value": pytest.approx(0.5),
+        "unit": "mN",
+    }  # 4 / 0.4 * 0.05 mN
+
+
 @pytest.fixture(scope="module")
 def seen():
     base = base_fit()
@@ -202,17 +220,17 @@ def test_what_the_base_model_has_already_cannot_be_seen(seen):
     assert signatures(base, alike, {}).detectability[0] < 0.3 * np.median(found.detectability)
     told = invisible(base, found, catalogue())
     assert set(told) == {n for n, d in zip(found.names, found.detectability, strict=True)
-                         if 3.0 * d < 4.0}  # fmt: skip
+                         if largest_amplitude(effect(n)) * d < 4.0}  # fmt: skip
     assert all(told.values())
 
 
-def test_what_is_invisible_says_from_which_size_on_it_would_be_seen(seen):
-    """Its plausible size is a guess, and a laboratory may have many times as much."""
+def test_an_effect_is_invisible_where_no_amplitude_of_a_laboratory_would_show_it(seen):
+    """A prior scale is a guess, and a laboratory may have many times as much."""
     base, _, found = seen
-    faint = replace(found, detectability=np.full(len(found.names), 0.4))
+    faint = replace(found, detectability=np.full(len(found.names), 0.25))
     told = invisible(base, faint, catalogue())
-    assert told["force_offset"].endswith("Here it is seen from 0.5 mN on.")  # 4 / 0.4 * 0.05 mN
-    assert told["load_cell_misalignment"].endswith("Here it is seen from 0.5 rad on.")
+    assert "force_offset" not in told  # 4 / 0.25 * 0.05 mN = 0.8 mN
+    assert told["load_cell_misalignment"].endswith("Here it is seen from 0.8 rad on.")
     gone = replace(found, detectability=np.full(len(found.names), 1e-4))
     told = invisible(base, gone, catalogue())
     assert told["force_offset"].endswith("Here it is not seen at any size that it can have.")

@@ -211,6 +211,20 @@ def test_what_the_rig_does_it_does_to_every_configuration_alike():
             assert abs(cosine) < 0.99, name
 
 
+@pytest.mark.parametrize(
+    ("name", "within"),
+    [("force_offset", ()), ("force_drift", ("session",)), ("surface_tension", ("run",))],
+)
+def test_a_zero_wanders_over_the_session_alone_and_a_meniscus_dries_in_each_run(name, within):
+    one, forward, states, steps = steps_of(name)
+    contact = states[0].solved.contact
+    some = list(deviations(one, forward, 0, steps[0], contact))
+    terms = [term for way in some for term in way.terms()]
+    timed = {term.along for term in terms} & {"pulse", "session", "run"}
+    assert timed == set(within)
+    assert bool(some) is (name != "force_offset")
+
+
 def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
     base = base_fit()
     found = [(c.name, c.part) for c in unknowns(base) if c.location in ("position", "eibm")]

@@ -24,7 +24,8 @@ from model.effects import title
 from model.effects.interface import Along, Effect
 
 LEAST_WHOLE = 0.2  # of the named amplitude, that is in a group without doubt
-IN_TIME, ALONG_THE_SHEET = frozenset({"time", "run"}), frozenset({"s", "curvature", "place"})
+IN_TIME = frozenset({"time", "session", "wetted", "run"})
+ALONG_THE_SHEET = frozenset({"s", "curvature", "place"})
 
 
 def contradicted(
@@ -73,7 +74,9 @@ def _apart(
 
 def least_ratio(effect: Effect, along: Along | None) -> float:
     """Return the smallest ratio of amplitudes in two groups that the effect's form allows."""
-    if in_time(effect):  # readings, runs and sheets are at other times
+    # readings, runs and sheets are at other times; the voltages take turns in each run
+    slow = "session" in effect.form_error_along
+    if in_time(effect) and not (slow and along == "voltage"):
         return LEAST_TIMED_RATIO
     rigid = has_one_weight(effect) and along not in effect.form_error_along
     return LEAST_RIGID_RATIO if rigid else LEAST_GROUP_RATIO
