@@ -26,7 +26,9 @@ USUAL_DENSITY = 2300.0  # kg/m3, of the wet sheet with its electrodes
 USUAL_CURVATURE_PER_V = 20.0  # 1/m, Me/B of a volt
 USUAL_LOSS = Viscoelasticity(B_Nm2=1.0, shares=(0.1, 0.1), times_s=(0.03, 0.3), viscous_time_s=3e-4)
 LEAST_SWING_M = 3e-4
-COARSE = Resolution(step_s=2e-3, degrees=(6, 2), free_degrees=6, line_terms=8)
+COARSE = Resolution(
+    step_s=2e-3, after_edges=1, degrees=(6, 2), free_degrees=6, line_terms=8
+)  # fmt: skip
 FIRST_MODE = 1.8751040687119612
 FORCE_EVERY = 5  # samples
 
