@@ -303,12 +303,6 @@ def require_fit(
             f"{name}: was made for another rig (its gain, limit, sample rate or load cell differ); "
             "make the controller anew."
         )
-    if controller.limits.voltage_V > rig.limits.sheet_voltage_V:
-        raise BadInputError(
-            f"{name}: [limits] voltage_V = {controller.limits.voltage_V:g} is beyond the rig's "
-            f"sheet_voltage_V = {rig.limits.sheet_voltage_V:g}; make the controller with "
-            f"--limit-V {rig.limits.sheet_voltage_V:g}."
-        )
     if rig.raw_force_unit == "N":
         raise BadInputError(
             f"{name}: a controller needs the load cell on the boards; [force_sensor] kind = "

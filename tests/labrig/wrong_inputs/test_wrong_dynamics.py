@@ -56,9 +56,6 @@ DRIVES = {
 # what is changed in a file: its name, an old text, a new one -> what a controlled run is told
 RUNS = {
     ("model.toml", "", "# another fit\n"): "was made from another model.toml",
-    ("rig.toml", "sheet_voltage_V = 2.5", "sheet_voltage_V = 1.5"): (
-        "[limits] voltage_V = 2 is beyond the rig's sheet_voltage_V = 1.5"
-    ),
     ("rig.toml", "sample_rate_hz = 1000.0", "sample_rate_hz = 100.0"): "the rig samples at 100 Hz",
     ("sheet.toml", "free_length_mm = 50", "free_length_mm = 49"): "was made for another sheet",
     ("controller.toml", "\nrate_hz = 200.0", "\nrate_hz = 50.0"): "is sampled at 200 Hz",
@@ -138,6 +135,17 @@ def test_a_controlled_run_that_cannot_be_is_refused_before_any_voltage(
     (here / file).write_text(text.replace(old, new, 1) if old else text + new)
     writes = spied_writes(monkeypatch)
     assert RUNS[change] in refused(RUN, capsys)
+    assert not any(writes)
+
+
+def test_a_drive_beyond_the_rigs_limit_is_refused_before_any_voltage(
+    here: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = (here / "rig.toml").read_text()
+    (here / "rig.toml").write_text(rig.replace("sheet_voltage_V = 2.5", "sheet_voltage_V = 1.5"))
+    writes = spied_writes(monkeypatch)
+    said = refused("run rig.toml protocol.toml sheet.toml --yes -o s.h5", capsys)
+    assert "2 V at the sheet is beyond the limit of ±1.5 V ([limits] sheet_voltage_V)" in said
     assert not any(writes)
 
 
