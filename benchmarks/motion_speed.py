@@ -14,6 +14,7 @@ import benchmarks._one_thread  # noqa: F401  (before numpy)
 import json
 import subprocess
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -41,18 +42,25 @@ DRIVE = HeldVoltage(
 )
 LONG_S = 13.0
 SETUP = ContactSetup(radius_m=R, position_m=0.0)
+ROUGH = Resolution(tolerance_per_s2=1.0, keep=50)
+FEW = replace(ROUGH, degrees=(6, 2))
+EVEN = {"after_edges": 1}
 CASES = {
-    "8+3, 1 ms": Resolution(tolerance_per_s2=1.0, keep=50),
-    "6+2, 1 ms": Resolution(degrees=(6, 2), tolerance_per_s2=1.0, keep=50),
-    "6+2, 0.5 ms": Resolution(degrees=(6, 2), step_s=5e-4, tolerance_per_s2=1.0, keep=50),
-    "8+3, 0.5 ms": Resolution(step_s=5e-4, tolerance_per_s2=1.0, keep=50),
+    "8+3, 1 ms": ROUGH,
+    "6+2, 1 ms": FEW,
+    "8+3, 1 ms, edges too": replace(ROUGH, **EVEN),
+    "6+2, 1 ms, edges too": replace(FEW, **EVEN),
+    "6+2, 0.5 ms": replace(FEW, step_s=5e-4, **EVEN),
+    "8+3, 0.5 ms": replace(ROUGH, step_s=5e-4, **EVEN),
 }
 # scipy's methods and the tolerances they are asked for
 SOLVERS = (
     ("LSODA", 1e-2), ("BDF", 1e-2), ("Radau", 1e-2), ("LSODA", 1e-4), ("BDF", 1e-4),
     ("Radau", 1e-4), ("DOP853", 1e-4),
 )  # fmt: skip
-CONVERGED = Resolution(degrees=(12, 6), step_s=1e-4, tolerance_per_s2=1e-3, line_terms=16)
+CONVERGED = Resolution(
+    after_edges=1, degrees=(12, 6), step_s=1e-4, tolerance_per_s2=1e-3, line_terms=16
+)
 
 
 def session() -> tuple[Table, dict[str, Any]]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from labrig.analysis.motion.dynamic_fit import DynamicFit
     from labrig.analysis.motion.record import MotionRecord
 
+POOR_CURVE_M = 1e-4  # the curves of pictures are ten times better
 MOST_POSITIONS = 3  # in contact, unless they are named: each adds seconds
 GRAM = 1e-3
 
@@ -104,6 +105,11 @@ def fit_in_time(request: DynamicRequest, output: Path | None, *, as_json: bool) 
         say(noise_sentence(fit))
         if not fit.found.converged:
             warn(f"{fit.sheet.configuration}: the search did not end; take its intervals as rough.")
+        if fit.noise.curve_m > POOR_CURVE_M:
+            warn(
+                f"{fit.sheet.configuration}: the curves are {1e3 * fit.noise.curve_m:.2f} mm off"
+                " the fitted sheet, more than pictures explain; do not trust its mass and loss."
+            )
         say()
     if output is not None:
         say(f"wrote {output}")

@@ -114,7 +114,7 @@ class LineModes:
         out[0] = start
         if not len(step_s):
             return out
-        edges = (np.flatnonzero(np.diff(source_V)) + 1).tolist()
+        edges = (np.flatnonzero(source_V[1:] != source_V[:-1]) + 1).tolist()
         for first, last in pairwise([0, *edges, len(step_s)]):
             rest = final * source_V[first]
             decay = np.exp(-np.cumsum(step_s[first:last])[:, None] * rate)

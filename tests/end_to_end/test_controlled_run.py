@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from labrig.control.controller_file import parse_controller
+from labrig.report.figures.controlled import ControlledRun
 from labrig.session import open_session, recover, verify
 from labrig.session.format import layout
 from labrig.session.recording.journal import journal_path
@@ -128,6 +130,24 @@ def test_a_controlled_session_is_exported_but_neither_replayed_nor_resumed(rig: 
     assert "not replayed" in rig.capsys.readouterr().err
     assert labrig("run", "--resume", left.path) == 2
     assert "a controlled session is not resumed" in rig.capsys.readouterr().err
+
+
+def test_a_controlled_session_is_reported_beside_the_linear_model(rig: FaultyRig) -> None:
+    left = rig.run(options=control)
+    folder = left.path.parent / "report"
+    assert labrig("report", left.path, "-o", folder, "--format", "svg") == 0
+    page = (folder / "index.html").read_text()
+    assert "Force under control" in page
+    assert "is left out" not in "".join(rig.capsys.readouterr())
+    assert (folder / "figures" / "controlled-1.svg").exists()
+    with open_session(left.path) as session:
+        law = parse_controller(session.texts["controller.toml"], "controller.toml")
+        found = ControlledRun.of(session.runs[0], law, limit_V=2.5)
+    settled = (found.time_s > 1.4) & (found.time_s < 1.99)
+    for force_N in (found.force_N, found.linear_N):
+        assert force_N[settled].mean() == pytest.approx(0.5e-3, abs=2e-5)
+    assert found.limit_V == LIMIT_V
+    assert found.limited(found.voltage_V) < 0.1
 
 
 def left_zeros(rig: FaultyRig) -> int:

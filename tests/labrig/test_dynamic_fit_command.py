@@ -161,7 +161,7 @@ def test_options_that_cannot_be_followed_are_refused_in_a_sentence(path, capsys,
 
 def test_a_session_without_a_current_is_refused(tmp_path, capsys):
     silent = session(tmp_path / "silent.h5", measure("long"))
-    assert "no current was recorded" in refusal(capsys, "fit", silent, "--dynamic")
+    assert "no current of the sheet was recorded" in refusal(capsys, "fit", silent, "--dynamic")
 
 
 def test_what_only_the_user_knows_is_asked_for(path):

@@ -26,7 +26,10 @@ USUAL_DENSITY = 2300.0  # kg/m3, of the wet sheet with its electrodes
 USUAL_CURVATURE_PER_V = 20.0  # 1/m, Me/B of a volt
 USUAL_LOSS = Viscoelasticity(B_Nm2=1.0, shares=(0.1, 0.1), times_s=(0.03, 0.3), viscous_time_s=3e-4)
 LEAST_SWING_M = 3e-4
-COARSE = Resolution(step_s=2e-3, degrees=(6, 2), free_degrees=6, line_terms=8)
+SLOWEST_SWING_HZ, FASTEST_SWING_HZ = 0.3, 15.0
+COARSE = Resolution(
+    step_s=2e-3, after_edges=1, degrees=(6, 2), free_degrees=6, line_terms=8
+)  # fmt: skip
 FIRST_MODE = 1.8751040687119612
 FORCE_EVERY = 5  # samples
 
@@ -140,7 +143,7 @@ def _scaled_to_force(beam: DynamicBeam, runs: Sequence[RecordedRun]) -> DynamicB
 
 def _with_mass(beam: DynamicBeam, free: Sequence[RecordedRun]) -> DynamicBeam:
     """Return the sheet with the mass that its swing after the last edge shows."""
-    found = [hz for hz in map(_swing_hz, free) if hz is not None]
+    found = [hz for hz in map(swing_hz, free) if hz is not None]
     if not found or beam.elongation.length_m > 0.0:
         return beam
     omega = 2.0 * np.pi * float(np.median(found))
@@ -150,7 +153,7 @@ def _with_mass(beam: DynamicBeam, free: Sequence[RecordedRun]) -> DynamicBeam:
     return replace(beam, mass_per_length_kg_per_m=float(mass)) if mass > 0.0 else beam
 
 
-def _swing_hz(run: RecordedRun) -> float | None:
+def swing_hz(run: RecordedRun) -> float | None:
     """Return the frequency at which the free end swings; None where it does not."""
     if run.y_m is None or run.x_m is None:
         return None
@@ -159,7 +162,9 @@ def _swing_hz(run: RecordedRun) -> float | None:
     time_s, y_m = run.plan.frame_s[after], run.y_m[after, -1]
     if len(time_s) < 8:
         return None
-    frequencies = np.geomspace(0.3, 15.0, 300)
+    # beyond half the frame rate a faster swing looks like a slower one
+    fastest = min(FASTEST_SWING_HZ, 0.45 / float(np.median(np.diff(time_s))))
+    frequencies = np.geomspace(SLOWEST_SWING_HZ, max(fastest, 2.0 * SLOWEST_SWING_HZ), 300)
     cost = [_left(time_s, y_m, hz) for hz in frequencies]
     best = int(np.argmin(cost))
     swing = np.sqrt(max(0.0, _left(time_s, y_m, 0.0) - cost[best]) / len(time_s))

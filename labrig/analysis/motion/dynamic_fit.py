@@ -139,8 +139,9 @@ def dynamic_fit(
     source = ", ".join(record.source for record in records)
     if not any(run.plan.current for run in runs):
         raise BadInputError(
-            f"{source}: no current was recorded, without which nothing that follows a voltage can"
-            " be told apart: wire its channel and state [current_sense] shunt_ohm in rig.toml."
+            f"{source}: no current of the sheet was recorded, without which nothing that follows a"
+            " voltage can be told apart: wire its channel and state [current_sense] shunt_ohm in"
+            " rig.toml."
         )
     begun = begin or beginning(first.sheet, runs, stated)
     try:

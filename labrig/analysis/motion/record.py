@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,7 @@ from drivers.interfaces import FloatArray
 from labrig.analysis.analyze import AnalysisInputs, inputs_of, shunt_ohm
 from labrig.analysis.motion.frames import FrameCurves, frame_curves
 from labrig.analysis.motion.signals import MotionSignals, is_whole, motion_signals
+from labrig.analysis.motion.silent_current import follows_the_voltage
 from labrig.analysis.motion.way import LoadCellWay
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN
@@ -132,6 +133,7 @@ class _RunReader:
         self._shunt_ohm = shunt_ohm(session)
         camera = session.resolved.get("rig", {}).get("camera") or {}
         self._exposure_s = float(camera.get("exposure_s") or 0.0)
+        self._silent = False  # a current that does not follow the voltage
         self.notes: list[str] = []  # frames without a curve
 
     def read(self, run: RunRecord, advance: Callable[[float], None]) -> Iterator[RecordedRun]:
@@ -141,6 +143,7 @@ class _RunReader:
         signals = motion_signals(
             self._session, run, self._given.calibration, self._shunt_ohm, begin_s=begin_s
         )
+        signals = self._with_current(signals)
         setup, still = self._contact(run, begin_s, signals.time_s)
         curves = None
         if self._frames and self._given.optics is not None and run.frame_count:
@@ -157,6 +160,14 @@ class _RunReader:
             )
         if setup is not None or signals.current_A is not None or curves is not None:
             yield _recorded(name, planned.configuration, signals, setup, still, curves)
+
+    def _with_current(self, signals: MotionSignals) -> MotionSignals:
+        """Return the signals, without a current that an open input shows."""
+        shown = signals.current_A
+        if shown is None or follows_the_voltage(signals.drive, signals.time_s, shown):
+            return signals
+        self._silent = True
+        return replace(signals, current_A=None)
 
     def _begin_s(self, run: RunRecord) -> float:
         """Return when the run is taken to begin, s since its time 0."""
@@ -183,7 +194,12 @@ class _RunReader:
 
     def missing(self, runs: Sequence[RecordedRun]) -> Iterator[str]:
         """Yield what a fit would want, a sentence each."""
-        if not any(run.plan.current for run in runs):
+        if self._silent:
+            yield (
+                "The current does not follow the voltage, so it is not used: check the wires of the"
+                " shunt and [ni] current in rig.toml."
+            )
+        elif not any(run.plan.current for run in runs):
             yield (
                 "No current was recorded, so the electrodes are not determined: wire the current"
                 " channel and state [current_sense] shunt_ohm in rig.toml."
@@ -203,7 +219,8 @@ class _RunReader:
         if rates and max(rates) < LEAST_FRAME_RATE_HZ:
             yield (
                 f"{max(rates):.3g} frames/s are slow for a free sheet, which swings at 3 to 7 Hz:"
-                f" ask for [camera] frame_rate_hz = {LEAST_FRAME_RATE_HZ:g} or more."
+                f" set the camera and protocol.toml's"
+                f" [camera] frame_rate_hz to {LEAST_FRAME_RATE_HZ:g} or more."
             )
         if free and not self._exposure_s:
             yield (

@@ -30,7 +30,7 @@ from model.sheet.sheet_model import Along, SheetModel
 
 STEP = 0.05  # relative, of stiffness and EIBM
 EDGE_S = 1e-3  # how well the edges' times are known against those of frames and readings
-COARSE = Resolution(step_s=2.5e-3, degrees=(6, 2), free_degrees=8)
+COARSE = Resolution(step_s=2.5e-3, after_edges=1, degrees=(6, 2), free_degrees=8)
 INSTANT_S = 1e-6  # in which the EIBM of the corrected data follows the voltage
 
 

@@ -15,14 +15,15 @@ from model.dynamics.motion import SAME_TIME, Resolution, SheetMotion, Simulation
 from model.measurements import FloatArray, ModelError
 
 DIFFERENCE = 1e-3  # of a logarithm
-FINE = Resolution(step_s=5e-4)  # a step of 1 ms is off by as much as 25 frames of a release say
+# a step of 1 ms is off by as much as 25 frames of a release say
+FINE = Resolution(step_s=5e-4, after_edges=1)
 COARSE_STEP_S, COARSE_DEGREES = 2e-3, (6, 2)
 
 
 def coarser(fine: Resolution) -> Resolution:
     """Return a resolution good enough for derivatives, and to come near."""
     return replace(
-        fine, step_s=max(fine.step_s, COARSE_STEP_S),
+        fine, step_s=max(fine.step_s, COARSE_STEP_S), after_edges=1,
         degrees=tuple(min(pair) for pair in zip(fine.degrees, COARSE_DEGREES, strict=False)),
         free_degrees=min(fine.free_degrees, COARSE_DEGREES[0]),
     )  # fmt: skip

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.thresholds import MOST_PRIOR, MOST_SIGMA
-from model.measurements import FloatArray
+from model.dynamics.identification.thresholds import (
+    INTERVAL_SIGMAS,
+    MOST_PRIOR,
+    MOST_SIGMA,
+    UNCERTAIN_SIGMA,
+)
+from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter
 
 
@@ -32,13 +38,15 @@ class DynamicParameter:
 
 
 def judged(
-    parameters: LogParameters, theta: FloatArray, data: FloatArray, scale: float = 1.0
-) -> tuple[tuple[DynamicParameter, ...], FloatArray]:
+    parameters: LogParameters, theta: FloatArray, data: FloatArray, scale: float = 1.0,
+    guard: float = 1.0,
+) -> tuple[tuple[DynamicParameter, ...], FloatArray]:  # fmt: skip
     """Return the parameters with uncertainty, and the covariance (p, p) of their logarithms.
 
     data: J'J of the whitened residuals. scale: the variance of these, where they are larger than
-    the noise explains. With H = J'J/scale + P the covariance H^-1 is the sum of what the data
-    contribute, H^-1 (J'J/scale) H^-1, and the priors, H^-1 P H^-1.
+    the noise explains. guard: the part of the limits within which a parameter is determined. With
+    H = J'J/scale + P the covariance H^-1 is the sum of what the data contribute,
+    H^-1 (J'J/scale) H^-1, and the priors, H^-1 P H^-1.
     """
     prior = np.diag(parameters.precision)
     covariance = np.linalg.inv(data / scale + prior)
@@ -48,7 +56,7 @@ def judged(
     judged = tuple(
         DynamicParameter(
             name=q.name, log_sigma=float(s), prior_share=float(p),
-            determined=bool(p < MOST_PRIOR and s < MOST_SIGMA),
+            determined=bool(p < guard * MOST_PRIOR and s < guard * MOST_SIGMA),
             parameter=Parameter(
                 value=values[q.name], sigma=float(s * abs(values[q.name])), unit=q.unit,
                 positive=values[q.name] > 0.0,
@@ -57,3 +65,28 @@ def judged(
         for q, s, p in zip(parameters.quantities, sigma, share, strict=True)
     )  # fmt: skip
     return judged, np.asarray(covariance, dtype=float)
+
+
+def surely(
+    found: tuple[DynamicParameter, ...], covariance: FloatArray, theta: FloatArray,
+    there: Callable[[FloatArray], tuple[DynamicParameter, ...]],
+) -> tuple[DynamicParameter, ...]:  # fmt: skip
+    """Return the parameters; determined is what is so at the ends of uncertain intervals too.
+
+    A share that was found too large tells its time too well: with a smaller share, just as likely,
+    the same data would not. there: what is found at other logarithms; it may raise ModelError.
+    """
+    for k, one in enumerate(found):
+        if not one.determined or one.log_sigma < UNCERTAIN_SIGMA:
+            continue
+        along = INTERVAL_SIGMAS * covariance[:, k] / one.log_sigma
+        for end in (theta - along, theta + along):
+            try:
+                others = there(end)
+            except ModelError:  # no sheet, or one that leaves the rolls
+                continue
+            found = tuple(
+                replace(p, determined=p.determined and q.determined)
+                for p, q in zip(found, others, strict=True)
+            )
+    return found

@@ -20,6 +20,8 @@ from model.dynamics.identification import (
 from model.dynamics.identification.noise import Whitening
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.thresholds import MOST_PRIOR
+from model.dynamics.identification.uncertainty import judged, surely
 from model.dynamics.load_cell import LoadCellFilter
 from tests.model.dynamics.cases import L, R, driven
 
@@ -137,6 +139,28 @@ def test_drift_and_hum_widen_the_intervals(more):
         assert sigma > white[name] * (1.0 - 1e-6), name
     # the hum is far from all that the sheet does
     assert wider["B"] > white["B"] * (1.0 + 1e-4 if "hum" in more else 1.1)
+
+
+def test_determined_is_what_is_so_at_the_ends_of_uncertain_intervals_too():
+    parameters = LogParameters(SHEET)
+    names = [one.name for one in parameters.quantities]
+    share, time = names.index("share_1"), names.index("time_1")
+    theta = parameters.theta
+
+    def at(where, guard=1.0):
+        """A share known to 30 %; its time is told by the share's square."""
+        told = np.full(len(names), 1e4)
+        told[share] = 10.0
+        told[time] = 6.0 * np.exp(2.0 * (where[share] - theta[share]))
+        return judged(parameters, where, np.diag(told), guard=guard)
+
+    found, covariance = at(theta)
+    assert all(one.determined for one in found)
+    sure = surely(found, covariance, theta, lambda where: at(where)[0])
+    assert [one.name for one in sure if not one.determined] == ["time_1"]
+    # the guard keeps away from the limits themselves
+    assert found[time].prior_share > 0.5 * MOST_PRIOR
+    assert not at(theta, guard=0.5)[0][time].determined
 
 
 def test_worse_residuals_than_the_noise_explains_widen_the_intervals():
