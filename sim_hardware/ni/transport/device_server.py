@@ -37,12 +37,14 @@ class NiDeviceServer:
         *,
         strict_ownership: bool = False,
         seed: int | None = 0,
+        clock_error_ppm: float = 0.0,
     ) -> None:
         """`devices` maps names to product types (None: those of the shipped world).
 
         ValueError for a name that is none, or a product type that is not simulated.
 
         `seed` is that of the converters' noise; None: they have none (a recording has its own).
+        `clock_error_ppm`: how much faster the boards' oscillators are than `clock`.
         """
         self.faults = Faults()
         self._strict = strict_ownership
@@ -56,6 +58,7 @@ class NiDeviceServer:
             faults=self.faults,
             seed=seed,
             strict_ownership=strict_ownership,
+            clock_error_ppm=clock_error_ppm,
         )
         self._methods = methods()
         self._tcp: TcpServer | None = None
