@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from drivers.interfaces import DeviceError, SampleClock, TimedVoltage, VoltageWrite
+from protocols.execution.events import ActionTaken
 from protocols.execution.runs.loop import Loop
 from protocols.planning.schedule import PlannedRun
 
@@ -75,4 +76,6 @@ def load_timed(loop: Loop, run: PlannedRun) -> TimedRun | None:
     apart = all(a.index < b.index for a, b in pairwise(course))
     if not apart or course[-1].volts != 0.0:
         return None
+    what = f"gave run {run.index + 1} to the board, which puts it out by the clock of its inputs"
+    loop.emit(ActionTaken(loop.clock.now(), "labrig", what))
     return TimedRun(loop, first, course, loop.output.load(course, rate_hz))
