@@ -10,12 +10,14 @@ import math
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.signals.adc import Converter, FloatArray
+from sim_hardware.ni.signals.test_signals import LimitSine
 from sim_hardware.ni.signals.timebase import Timebase
 from sim_hardware.ni.signals.timing import InputPlan
 from sim_hardware.ni.tasks.channels import AnalogInputChannel
@@ -28,10 +30,17 @@ OVERWRITE, DO_NOT_OVERWRITE = 10252, 10159
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples as codes, one row for each channel."""
+    """Samples as codes, one row for each channel; of digital channels, as words."""
 
-    codes: npt.NDArray[np.int16]
+    codes: npt.NDArray[np.integer]
     volts: FloatArray
+
+
+class SampleSource(Protocol):
+    """What samples a task's channels."""
+
+    def sample(self, times_s: FloatArray, convert_s: float, latest_s: float) -> Samples:
+        """Return samples at `times_s`, none after `latest_s`."""
 
 
 class Sampler:
@@ -42,8 +51,11 @@ class Sampler:
         rig: AnalogSide,
         channels: Sequence[AnalogInputChannel],
         converters: Sequence[Converter],
+        shown: Sequence[LimitSine | None],
     ) -> None:
+        """`shown`: for each channel what it shows in place of the rig's volts, if anything."""
         self._rig = rig
+        self._shown = tuple(shown)
         self._channels = tuple(channels)
         self._converters = tuple(converters)
 
@@ -75,6 +87,9 @@ class Sampler:
             answer = np.empty(times.shape)
             answer[order] = self._rig.read(device, physical, times[order])
             raw[places] = answer.reshape(len(places), -1)
+        for row, sine in enumerate(self._shown):
+            if sine is not None:
+                raw[row] = sine.volts(when[row])
         return raw
 
 
@@ -93,7 +108,7 @@ class Acquisition:
     def __init__(
         self,
         plan: InputPlan,
-        sampler: Sampler,
+        sampler: SampleSource,
         channels: int,
         timebase: Timebase,
         reads: ReadPosition,

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
-from sim_hardware.ni.boards.contract import AnalogInputs, AnalogOutputs
+from sim_hardware.ni.boards.contract import AnalogInputs, AnalogOutputs, DigitalPort
 from sim_hardware.ni.errors import Code, StatusError
 
 
@@ -70,6 +70,18 @@ def plan_input(timing: TaskTiming, side: AnalogInputs, channels: int) -> InputPl
     return InputPlan(
         rate_hz=rate_hz,
         convert_s=convert_s,
+        total=timing.samples if timing.mode is SampleMode.FINITE else None,
+        buffer=timing.buffer_size(),
+    )
+
+
+def plan_lines(timing: TaskTiming, port: DigitalPort) -> InputPlan:
+    """Check a sample clock against a port whose lines the board can time."""
+    _check_mode(timing)
+    base_hz = port.timebase_hz
+    return InputPlan(
+        rate_hz=_coerced(timing.rate_hz, base_hz, base_hz / 2**32, port.max_rate_hz),
+        convert_s=0.0,
         total=timing.samples if timing.mode is SampleMode.FINITE else None,
         buffer=timing.buffer_size(),
     )

@@ -6,7 +6,8 @@ Calls come from many threads; each holds `lock` while it works and lets go of it
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 
 from drivers.interfaces import Clock
 from sim_hardware.clock import VirtualClock
@@ -18,7 +19,10 @@ from sim_hardware.ni.signals.acquisition import Acquisition, Sampler
 from sim_hardware.ni.signals.adc import Converter
 from sim_hardware.ni.signals.digital_lines import Lines
 from sim_hardware.ni.signals.generation import Generation
+from sim_hardware.ni.signals.line_sampler import LineSampler
+from sim_hardware.ni.signals.test_signals import LimitSine
 from sim_hardware.ni.signals.timing import InputPlan, OutputPlan
+from sim_hardware.ni.tasks.channels import AnalogInputChannel
 from sim_hardware.ni.tasks.clocks import TaskClocks
 from sim_hardware.ni.tasks.event_threads import start_event_threads
 from sim_hardware.ni.tasks.playback import Playback
@@ -45,8 +49,15 @@ class Engine:
         seed: int | None,
         strict_ownership: bool,
         clock_error_ppm: float = 0.0,
+        is_wired: Callable[[str, str], bool] | None = None,
     ) -> None:
-        """`clock_error_ppm`: how much faster the boards' oscillators are than `clock`."""
+        """`clock_error_ppm`: how much faster the boards' oscillators are than `clock`.
+
+        With `is_wired` (device, channel), inputs that are not wired show test signals.
+        """
+        self._is_wired = is_wired
+        # What the clock's 0 is in UTC; a virtual clock has no date.
+        self.epoch_s = None if isinstance(clock, VirtualClock) else time.time() - clock.now()
         self.lock = threading.Lock()
         self._rig = rig
         self.clock = clock
@@ -108,7 +119,8 @@ class Engine:
         """Make what acquires or puts out; its clock does not run yet."""
         plan = task.verify()
         if isinstance(plan, InputPlan):
-            sampler, base = self._sampler(task), self.clocks.timebase(plan.rate_hz)
+            base = self.clocks.timebase(plan.rate_hz)
+            sampler = self._sampler(task) if task.inputs else self.line_sampler(task)
             task.acquisition = Acquisition(plan, sampler, len(task.channels), base, task.reads)
         elif isinstance(plan, OutputPlan):
             if task.output.written == 0:
@@ -180,7 +192,19 @@ class Engine:
             Converter(channel.side, channel.verified_range(), self._seed_of(task, row))
             for row, channel in enumerate(task.inputs)
         ]
-        return Sampler(self._rig, task.inputs, converters)
+        shown = [self._test_signal(channel) for channel in task.inputs]
+        return Sampler(self._rig, task.inputs, converters, shown)
+
+    def _test_signal(self, channel: AnalogInputChannel) -> LimitSine | None:
+        """Return what an input shows to which nothing is wired, if it shows anything."""
+        if self._is_wired is None or self._is_wired(channel.device.name, channel.physical):
+            return None
+        return LimitSine(channel.low_V, channel.high_V)
+
+    def line_sampler(self, task: Task, first: int = 0) -> LineSampler:
+        """Return the sampler of a task's digital channels, from its sample `first` on."""
+        lines = [[f"{c.device.name}/{line}" for line in c.lines] for c in task.digital]
+        return LineSampler(self.lines, lines, counts=self._is_wired is not None, first=first)
 
     def _seed_of(self, task: Task, row: int) -> tuple[int, ...] | None:
         """Of the noise of one channel in one acquisition."""

@@ -17,6 +17,7 @@ from sim_hardware.ni.signals.timing import (
     TaskTiming,
     TimingType,
     plan_input,
+    plan_lines,
     plan_output,
 )
 from sim_hardware.ni.tasks.channels import (
@@ -62,6 +63,7 @@ class Task:
     channels_to_read: str = ""
     started_by_read: bool = False
     held: bool = False  # the client has reserved it: a stop then leaves it reserved
+    counted: int = 0  # samples of its lines that were read on demand
     starts: int = 0  # seeds the noise of each acquisition
     reads: ReadPosition = field(default_factory=ReadPosition)
     output: OutputBuffer = field(default_factory=OutputBuffer)
@@ -157,8 +159,11 @@ class Task:
             return plan_input(self.timing, self.inputs[0].side, len(self.inputs))
         if self.outputs and all(output.side.clocked for output in self.outputs):
             return plan_output(self.timing, self.outputs[0].side)
-        if all(channel.buffered for channel in self.digital) and self.digital:
-            raise NotSimulatedError("the simulated lines are read and written on demand only")
+        if self.digital and all(channel.buffered for channel in self.digital):
+            first = self.digital[0]
+            if first.output:
+                raise NotSimulatedError("the simulated lines are written on demand only")
+            return plan_lines(self.timing, first.device.port_of(first.lines[0]))
         raise StatusError(
             Code.INVALID_VALUE,
             f"Property: DAQmx_SampTimingType\nRequested: Sample Clock\n{board.product_type} has "
