@@ -82,6 +82,9 @@ class TimedBoardOutput(Protocol):
     def is_done(self) -> bool:
         """See `TimedOutput.is_done`."""
 
+    def write(self, board_V: float) -> BoardWrite:
+        """See `BoardOutput.write`; ends a run that was loaded."""
+
 
 class SheetDrive:
     """The voltage at the sheet: a board's output through an amplifier.

@@ -73,9 +73,8 @@ class GuardedOutput:
         self.is_loaded = False  # a write ends it
         write = self._output.write(sheet_V)
         self.state = OutputState.ARMED if sheet_V == 0.0 else OutputState.ENERGISED
-        if sheet_V == 0.0 and self._on_guard:
-            self._on_guard = False
-            self._on_energised(False)  # noqa: FBT003 - as above
+        if sheet_V == 0.0:
+            self._end_guarding()
         return write
 
     @property
@@ -84,17 +83,18 @@ class GuardedOutput:
         return isinstance(self._output, TimedOutput) and self._output.is_timed
 
     def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
-        """Give the board a run; see `TimedOutput.load`. Guarding begins before, and ends with 0 V.
+        """Give the board a run; see `TimedOutput.load`.
 
         From the input's start on the board acts without us, so that a hang must be noticed at any
-        time, and not only while there is a voltage.
+        time, and not only while there is a voltage: guarding begins here. It begins when all is
+        loaded: that may take longer than a guard waits for a beat.
         """
         assert isinstance(self._output, TimedOutput)  # noqa: S101 - see `is_timed`
-        self._begin_guarding()
         self.state = OutputState.UNKNOWN  # should it raise
         board_V = self._output.load(course, rate_hz)
         self.is_loaded = True
         self.state = OutputState.ARMED
+        self._begin_guarding()
         return board_V
 
     def reached(self, sheet_V: float) -> None:
@@ -102,15 +102,26 @@ class GuardedOutput:
         self.state = OutputState.ARMED if sheet_V == 0.0 else OutputState.ENERGISED
 
     def is_done(self) -> bool:
-        """Return whether the board has put out its run. Raises DeviceError when it has failed."""
+        """Return whether the board has put out its run, up to the last 0 V: guarding ends then.
+
+        Raises DeviceError when it has failed.
+        """
         assert isinstance(self._output, TimedOutput)  # noqa: S101 - see `is_timed`
-        return self._output.is_done()
+        done = self._output.is_done()
+        if done:
+            self._end_guarding()
+        return done
 
     def _begin_guarding(self) -> None:
         if not self._on_guard:
             self.energised_once = True
             self._on_guard = True
             self._on_energised(True)  # noqa: FBT003 - the hook has this one meaning
+
+    def _end_guarding(self) -> None:
+        if self._on_guard:
+            self._on_guard = False
+            self._on_energised(False)  # noqa: FBT003 - as above
 
     def zero(self) -> VoltageWrite | None:
         """Write 0 V at once; never raises. None: it could not be written, and is still to be."""

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
+from drivers.boards.conformance import timed_output_faults
 from drivers.boards.ni.analog_input import InputChannel
 from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.rescue import OutputPlace, shut_down
@@ -60,6 +61,13 @@ def loaded(rig: NiRig):
     signals.open()
     output.load(PULSES, RATE_HZ)
     return output, signals
+
+
+def test_it_keeps_its_contract(rig: NiRig) -> None:
+    output, signals = rig.output(trigger=START), rig.signals(RATE_HZ)
+    output.open()
+    signals.open()
+    assert timed_output_faults(output, signals, 0.25, rig.clock) == []
 
 
 def test_each_edge_is_the_sample_that_was_asked_for(rig: NiRig) -> None:

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.signals.adc import Converter, FloatArray
-from sim_hardware.ni.signals.test_signals import LimitSine
+from sim_hardware.ni.signals.shown_signals import LimitSine
 from sim_hardware.ni.signals.timebase import Timebase
 from sim_hardware.ni.signals.timing import InputPlan
 from sim_hardware.ni.tasks.channels import AnalogInputChannel

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from sim_hardware.ni.signals.acquisition import Samples
 from sim_hardware.ni.signals.adc import FloatArray
 from sim_hardware.ni.signals.digital_lines import Lines
-from sim_hardware.ni.signals.test_signals import count_of
+from sim_hardware.ni.signals.shown_signals import count_of
 
 Words = npt.NDArray[np.uint32]
 

@@ -20,7 +20,7 @@ from sim_hardware.ni.signals.adc import Converter
 from sim_hardware.ni.signals.digital_lines import Lines
 from sim_hardware.ni.signals.generation import Generation
 from sim_hardware.ni.signals.line_sampler import LineSampler
-from sim_hardware.ni.signals.test_signals import LimitSine
+from sim_hardware.ni.signals.shown_signals import LimitSine
 from sim_hardware.ni.signals.timing import InputPlan, OutputPlan
 from sim_hardware.ni.tasks.channels import AnalogInputChannel
 from sim_hardware.ni.tasks.clocks import TaskClocks
