@@ -15,7 +15,7 @@ from protocols.execution.events import (
 from protocols.execution.readings import ReadingMaker
 from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
 from protocols.execution.runs.loop import Loop, Stopped
-from protocols.execution.runs.timed_run import TimedRun, load_timed
+from protocols.execution.runs.timed_run import BoardTimedRun, load_timed
 from protocols.execution.states import RunState
 from protocols.execution.stop import StopLevel
 from protocols.planning.schedule import PlannedMove, PlannedRun
@@ -50,7 +50,7 @@ class RunLoop:
         self._rows = loop.devices.rows()
         self._feedback = feedback
         self._control: ControlLoop | None = None
-        self._timed: TimedRun | None = None
+        self._timed: BoardTimedRun | None = None
         self._maker: ReadingMaker | None = None
         self._zero_s = 0.0  # clock time of the run's time 0
         self._next_service_s = 0.0
@@ -142,7 +142,7 @@ class RunLoop:
             return self._timed.write(index)
         return self._loop.output.write(voltage_V)
 
-    def _await_end(self, timed: TimedRun, maker: ReadingMaker) -> None:
+    def _await_end(self, timed: BoardTimedRun, maker: ReadingMaker) -> None:
         """Wait until the board has put out its run, and write 0 V."""
         loop = self._loop
         while not timed.confirm_end():

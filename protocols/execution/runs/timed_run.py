@@ -14,7 +14,7 @@ LATE_S = 0.5  # after its end by our clock, the board has put out its run
 _DRIFT = 1e-3  # relative: far beyond what two clocks differ
 
 
-class TimedRun:
+class BoardTimedRun:
     """The steps of a run as samples of its acquisition."""
 
     def __init__(
@@ -57,7 +57,7 @@ class TimedRun:
         return False
 
 
-def load_timed(loop: Loop, run: PlannedRun) -> TimedRun | None:
+def load_timed(loop: Loop, run: PlannedRun) -> BoardTimedRun | None:
     """Give the board a run, where it can time it; None: each edge is to be written in its time.
 
     A controller and a move during the run decide later what is written. A run that takes longer
@@ -78,4 +78,4 @@ def load_timed(loop: Loop, run: PlannedRun) -> TimedRun | None:
         return None
     what = f"gave run {run.index + 1} to the board, which puts it out by the clock of its inputs"
     loop.emit(ActionTaken(loop.clock.now(), "labrig", what))
-    return TimedRun(loop, first, course, loop.output.load(course, rate_hz))
+    return BoardTimedRun(loop, first, course, loop.output.load(course, rate_hz))

@@ -90,8 +90,6 @@ class DigitalPort:
     inputs: bool = True
     outputs: bool = True
     buffered: bool = False  # the board can time its lines; False: static
-    max_rate_hz: float = 10e6  # where it can
-    timebase_hz: float = 100e6
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
-from sim_hardware.ni.boards.contract import AnalogInputs, AnalogOutputs, DigitalPort
+from sim_hardware.ni.boards.contract import AnalogInputs, AnalogOutputs
 from sim_hardware.ni.errors import Code, StatusError
 
 
@@ -26,6 +26,7 @@ class SampleMode(IntEnum):
 
 
 RISING, FALLING = 10280, 10171
+LINES_TIMEBASE_HZ, LINES_MAX_RATE_HZ = 100e6, 10e6
 
 
 @dataclass(kw_only=True)
@@ -75,12 +76,12 @@ def plan_input(timing: TaskTiming, side: AnalogInputs, channels: int) -> InputPl
     )
 
 
-def plan_lines(timing: TaskTiming, port: DigitalPort) -> InputPlan:
-    """Check a sample clock against a port whose lines the board can time."""
+def plan_lines(timing: TaskTiming) -> InputPlan:
+    """Check a sample clock for lines that the board can time: X Series boards have such ports."""
     _check_mode(timing)
-    base_hz = port.timebase_hz
+    least_hz = LINES_TIMEBASE_HZ / 2**32
     return InputPlan(
-        rate_hz=_coerced(timing.rate_hz, base_hz, base_hz / 2**32, port.max_rate_hz),
+        rate_hz=_coerced(timing.rate_hz, LINES_TIMEBASE_HZ, least_hz, LINES_MAX_RATE_HZ),
         convert_s=0.0,
         total=timing.samples if timing.mode is SampleMode.FINITE else None,
         buffer=timing.buffer_size(),

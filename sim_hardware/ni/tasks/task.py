@@ -160,10 +160,9 @@ class Task:
         if self.outputs and all(output.side.clocked for output in self.outputs):
             return plan_output(self.timing, self.outputs[0].side)
         if self.digital and all(channel.buffered for channel in self.digital):
-            first = self.digital[0]
-            if first.output:
+            if self.digital[0].output:
                 raise NotSimulatedError("the simulated lines are written on demand only")
-            return plan_lines(self.timing, first.device.port_of(first.lines[0]))
+            return plan_lines(self.timing)
         raise StatusError(
             Code.INVALID_VALUE,
             f"Property: DAQmx_SampTimingType\nRequested: Sample Clock\n{board.product_type} has "
