@@ -9,6 +9,7 @@ import nidaqmx
 import numpy as np
 import pytest
 from nidaqmx.constants import AcquisitionType, OverwriteMode, ReadRelativeTo, RegenerationMode
+from nitypes.waveform import AnalogWaveform
 
 RATE_HZ = 1000.0
 RAMP_V = np.arange(50) / 10  # 0 to 4.9 V, a step each sample
@@ -177,3 +178,10 @@ def test_events_of_an_output_come_with_its_samples(make_ni: Callable[..., Any]) 
     ni.pass_time(0.3)
     assert counts == [25] * 4
     assert ends == [0]
+
+
+def test_waveforms_are_written_a_channel_each(board: Any) -> None:
+    output = generation(board, 50)
+    output.write(AnalogWaveform.from_array_1d(RAMP_V), auto_start=True)
+    board.pass_time(0.0305)
+    assert board.input("M/ai0").read() == pytest.approx(RAMP_V[30], abs=5e-3)

@@ -66,6 +66,17 @@ def write_analog_scalar_f64(engine: Engine, request: Message, call: Call) -> Mes
     return pb.WriteAnalogScalarF64Response()
 
 
+def write_analog_waveforms(engine: Engine, request: Message, call: Call) -> Message:
+    """Write a waveform to each channel; its interval does not count, the task has a clock."""
+    task = _output_task(engine, request, call)
+    lengths = {len(waveform.y_data) for waveform in request.waveforms}
+    samples = lengths.pop() if len(lengths) == 1 else 0  # of different lengths: refused below
+    flat = np.array([value for waveform in request.waveforms for value in waveform.y_data])
+    values = rows_of(flat, task, samples, by_channel=True)
+    written = _write(engine, task, values, request, call)
+    return pb.WriteAnalogWaveformsResponse(samps_per_chan_written=written)
+
+
 def rows_of(flat: FloatArray, task: Task, samples: int, *, by_channel: bool) -> FloatArray:
     """Return the data as (channels, samples); -200524 when there are too few or too many."""
     channels = len(task.channels)
@@ -123,4 +134,5 @@ HANDLERS = {
     "CreateAOVoltageChan": create_ao_voltage_chan,
     "WriteAnalogF64": write_analog_f64,
     "WriteAnalogScalarF64": write_analog_scalar_f64,
+    "WriteAnalogWaveforms": write_analog_waveforms,
 }

@@ -188,11 +188,16 @@ class Engine:
     def _sampler(self, task: Task) -> Sampler:
         """Return the sampler of a task's inputs."""
         task.starts += 1
+        shown = [self._test_signal(channel) for channel in task.inputs]
         converters = [
-            Converter(channel.side, channel.verified_range(), self._seed_of(task, row))
+            # What is shown stays between the channel's limits, and so has no noise.
+            Converter(
+                channel.side,
+                channel.verified_range(),
+                self._seed_of(task, row) if shown[row] is None else None,
+            )
             for row, channel in enumerate(task.inputs)
         ]
-        shown = [self._test_signal(channel) for channel in task.inputs]
         return Sampler(self._rig, task.inputs, converters, shown)
 
     def _test_signal(self, channel: AnalogInputChannel) -> LimitSine | None:
