@@ -11,6 +11,7 @@ from typing import Self
 
 import grpc
 import nidaqmx
+import pytest
 from nidaqmx.system import System
 
 DEVICES = ("Dev1=PCIe-6363", "Dev2=USB-6211")
@@ -40,8 +41,9 @@ class SimulatedServer:
         """It serves until the suite has ended."""
 
 
-def pytest_configure() -> None:
-    """Put the server where the suite starts NI's, before the suite's modules are collected."""
+@pytest.hookimpl(tryfirst=True)
+def pytest_load_initial_conftests() -> None:
+    """Put the server where the suite starts NI's, before the suite's modules are imported."""
     server = SimulatedServer()
     vars(import_module("tests._grpc_utils"))["GrpcServerProcess"] = lambda: server
     # Three modules ask the local driver for its version while they are imported.
