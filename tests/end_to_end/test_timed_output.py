@@ -32,6 +32,7 @@ MODEL = "PCIe-6363"
 WIRED = (("PCI6703/", "Dev1/"), ("PCI6034E/", "Dev1/"))
 ON_DEMAND = (("[ni]", "[ni]\ntimed_output = false"),)
 DONE, FAILED, UNKNOWN = 0, 5, 6
+THOROUGH = pytest.mark.thorough
 LIMIT_V = 0.25
 LAG_SAMPLES = 1  # of the simulated amplifier: its time constant is 1 ms
 
@@ -118,13 +119,35 @@ def rig(
     [
         ("output_underflow", "from_s = 0.5", FAILED, "NI-DAQmx -200621"),
         ("daq_slow", "from_s = 0.5", DONE, "completed"),
-        ("daq_refused", "from_s = 0.5\nuntil_s = 0.8", FAILED, "no connection"),
+        pytest.param(
+            "daq_refused", "from_s = 0.5\nuntil_s = 0.8", FAILED, "no connection", marks=THOROUGH
+        ),
         ("daq_hung", "from_s = 0.5\nuntil_s = 6.0", FAILED, "did not answer"),
         ("daq_hung", "from_s = 0.5", UNKNOWN, "switch the amplifier off by hand"),
-        ("daq_write_refused", "from_s = 0.5", UNKNOWN, "switch the amplifier off by hand"),
-        ("daq_buffer_overflow", "from_s = 0.5\nuntil_s = 0.8", FAILED, "samples were overwritten"),
-        ("output_stuck", "from_s = 0.5", UNKNOWN, "the drive voltage reads"),
-        ("force_nan", "from_s = 0.5", FAILED, "the force input delivers no numbers"),
+        pytest.param(
+            "daq_write_refused",
+            "from_s = 0.5",
+            UNKNOWN,
+            "switch the amplifier off by hand",
+            marks=THOROUGH,
+        ),
+        pytest.param(
+            "daq_buffer_overflow",
+            "from_s = 0.5\nuntil_s = 0.8",
+            FAILED,
+            "samples were overwritten",
+            marks=THOROUGH,
+        ),
+        pytest.param(
+            "output_stuck", "from_s = 0.5", UNKNOWN, "the drive voltage reads", marks=THOROUGH
+        ),
+        pytest.param(
+            "force_nan",
+            "from_s = 0.5",
+            FAILED,
+            "the force input delivers no numbers",
+            marks=THOROUGH,
+        ),
     ],
 )
 def test_a_fault_of_the_board_ends_at_0_V_or_is_said_not_to(
