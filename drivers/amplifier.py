@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
-from drivers.interfaces import LimitError, VoltageWrite
+from drivers.interfaces import DeviceError, LimitError, TimedVoltage, VoltageWrite
 
 # A sheet voltage exactly at the limit must pass the board's limit after division by the gain:
 # room for rounding, and a thousand times less than the board's resolution.
@@ -67,8 +68,29 @@ class BoardOutput(Protocol):
         """Let go without a write: somebody else is going to write 0 V. Never raises."""
 
 
+@runtime_checkable
+class TimedBoardOutput(Protocol):
+    """A `BoardOutput` that may put out a whole run by the clock of its board's inputs."""
+
+    @property
+    def is_timed(self) -> bool:
+        """See `TimedOutput.is_timed`."""
+
+    def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> None:
+        """See `TimedOutput.load`, in board volts."""
+
+    def is_done(self) -> bool:
+        """See `TimedOutput.is_done`."""
+
+    def write(self, board_V: float) -> BoardWrite:
+        """See `BoardOutput.write`; ends a run that was loaded."""
+
+
 class SheetDrive:
-    """The voltage at the sheet: a board's output through an amplifier. A `VoltageOutput`."""
+    """The voltage at the sheet: a board's output through an amplifier.
+
+    A `VoltageOutput`, and a `TimedOutput` where the board's output is a `TimedBoardOutput`.
+    """
 
     def __init__(self, output: BoardOutput, amplifier: Amplifier) -> None:
         self._output = output
@@ -88,6 +110,28 @@ class SheetDrive:
         board_V = self._amplifier.board_V(sheet_V)
         done = self._output.write(board_V)
         return VoltageWrite(sheet_V, board_V, done.before_s, done.after_s)
+
+    @property
+    def is_timed(self) -> bool:
+        """See `TimedOutput.is_timed`."""
+        return isinstance(self._output, TimedBoardOutput) and self._output.is_timed
+
+    def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
+        """See `TimedOutput.load`."""
+        output = self._timed()
+        board_V = [self._amplifier.board_V(each.volts) for each in course]
+        places = zip(course, board_V, strict=True)
+        output.load([TimedVoltage(each.index, volts) for each, volts in places], rate_hz)
+        return board_V
+
+    def is_done(self) -> bool:
+        """See `TimedOutput.is_done`."""
+        return self._timed().is_done()
+
+    def _timed(self) -> TimedBoardOutput:
+        if isinstance(self._output, TimedBoardOutput):
+            return self._output
+        raise DeviceError("this output's board writes on demand only: it cannot be given a run")
 
     def close(self) -> None:
         """See `VoltageOutput.close`."""

@@ -3,7 +3,8 @@
 A conformance function puts a device through its contract (see `drivers.interfaces`) and returns
 what it found wrong, a sentence each; none for a good one. It never raises. Real, simulated and fake
 devices pass the same functions: `camera_faults`, `positioner_faults`, `force_sensor_faults`,
-`output_faults`, `signal_faults`, `interlock_faults` and `rescue_faults`, each in its folder.
+`output_faults`, `timed_output_faults`, `signal_faults`, `interlock_faults` and `rescue_faults`,
+each in its folder.
 """
 
 from __future__ import annotations

@@ -172,6 +172,39 @@ class VoltageOutput(Protocol):
         """Let go without a write: somebody else is going to write 0 V. Never raises."""
 
 
+@dataclass(frozen=True)
+class TimedVoltage:
+    """From sample `index` of an acquisition on, `volts` are at an output."""
+
+    index: int
+    volts: float
+
+
+@runtime_checkable
+class TimedOutput(Protocol):
+    """A `VoltageOutput` that may put out a whole run by the clock of the signal input."""
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether its board can; known once it is open."""
+
+    def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
+        """Give the board the voltages of a run; return those at the board, in the same order.
+
+        Sample 0 is that of the next start of the signal input, which starts the run. Before its
+        first voltage the output is at 0 V, and so it is from the last one on, which must be 0 V:
+        whatever becomes of this program, the board's buffer ends there and is not put out again.
+        `write` ends the run at once. Raises LimitError (nothing was sent), DeviceError (at 0 V).
+        """
+
+    def is_done(self) -> bool:
+        """Return whether the board has put out all of it; one round trip.
+
+        Raises DeviceError when it has ended before its time: the output may be at any voltage of
+        the run, and 0 V is still to be written.
+        """
+
+
 @runtime_checkable
 class Interlock(Protocol):
     """A signal that the working loop keeps up, for an external interlock.

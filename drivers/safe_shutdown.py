@@ -9,6 +9,7 @@ import itertools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, SignalInp
 READ_BACK_S = 0.02
 PATIENCE_S = 1.0  # a device that fails is tried again for so long
 DEVICE_S = 1.5  # a device that does not answer keeps the next one waiting for so long at most
+LAST_S = 1.0  # of a last pass: kept for the read-back
 NOT_SAFE = "THE OUTPUT IS NOT KNOWN TO BE SAFE"
 _AGAIN_S = 0.05
 _FAILED = " failed: "  # between what was tried and why not, in most errors' texts
@@ -63,6 +65,7 @@ def make_safe(
     clock: Clock,
     drive_channel: str,
     safe_below_V: float,
+    until_s: float | None = None,
 ) -> SafetyReport:
     """Write 0 V, then read `drive_channel` until it is below `safe_below_V`. Never raises.
 
@@ -70,6 +73,9 @@ def make_safe(
     `PATIENCE_S`, and left alone when it has not answered in `DEVICE_S`. Devices that are not open
     are opened. Both stay open: closing them is the caller's. The acquisition is stopped, whatever
     was running.
+
+    `until_s`: a clock time at which all of it ends instead. 0 V is tried until `LAST_S` before it.
+    For the last pass, after which nobody else tries.
     """
     failures: list[str] = []
     seen: list[float] = []
@@ -82,8 +88,14 @@ def make_safe(
             mean_when_low(lambda: float(np.mean(signals.measure(READ_BACK_S)[row])), safe_below_V)
         )
 
-    written = _insist(failures, clock, "writing 0 V", lambda: _zero(output, failures))
-    _insist(failures, clock, "reading the drive voltage back", read_back)
+    def ends(reserve_s: float) -> tuple[float, float]:
+        if until_s is not None:
+            return until_s - reserve_s, until_s - reserve_s
+        return clock.now() + PATIENCE_S, clock.now() + DEVICE_S
+
+    zero = partial(_zero, output, failures)
+    written = _insist(failures, clock, "writing 0 V", zero, ends(LAST_S))
+    _insist(failures, clock, "reading the drive voltage back", read_back, ends(0.0))
     return judge(written, seen[-1] if seen else None, safe_below_V, failures)
 
 
@@ -167,12 +179,20 @@ def mean_when_low(measure: Callable[[], float], safe_below_V: float) -> float:
     return value
 
 
-def _insist(failures: list[str], clock: Clock, what: str, action: Callable[[], object]) -> bool:
-    """Try again while there is patience, and once at least, all of it within the device's time."""
-    until_s = clock.now() + PATIENCE_S
-    end_s = clock.now() + DEVICE_S
+def _insist(
+    failures: list[str],
+    clock: Clock,
+    what: str,
+    action: Callable[[], object],
+    ends_s: tuple[float, float],
+) -> bool:
+    """Try again until the first of two clock times; the attempts end at the second.
+
+    The first attempt has its time, whatever the first says.
+    """
+    until_s, end_s = ends_s
     for tries in itertools.count(1):
-        left_s = end_s - clock.now()
+        left_s = max(0.0, end_s - clock.now())
         if attempt(failures, lambda: in_time(clock, what, action, left_s)):  # noqa: B023 - at once
             return True
         if clock.now() + _AGAIN_S >= (until_s if tries > 1 else end_s):

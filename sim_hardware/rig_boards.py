@@ -33,6 +33,7 @@ def boards_of(
             driver_version,
             strict_ownership=strict_ownership,
             seed=world.settings.seed,
+            clock_error_ppm=world.settings.board_clock_ppm,
         )
     except ValueError as fault:
         raise WorldError(f"[boards] {fault}") from None

@@ -97,6 +97,12 @@ def _parser() -> argparse.ArgumentParser:
         help="a board, such as PCI6703=PCI-6703 (repeatable; replaces the default boards)",
     )
     add(
+        "--test-signals",
+        action="store_true",
+        help="with --wire: inputs without a wire show what NI's own simulated devices do, "
+        "a sine between the channel's limits; lines that nobody writes count",
+    )
+    add(
         "--serial",
         action="append",
         metavar="KIND",
@@ -140,6 +146,8 @@ def _device(text: str) -> tuple[str, str]:
 def _check(options: argparse.Namespace) -> None:
     """Options that make no sense together."""
     if not options.wire:
+        if options.test_signals:
+            raise ArgumentFaultError("--test-signals is for boards without a world: with --wire")
         return
     if options.boards != "ni":
         raise ArgumentFaultError("--wire is for the boards of NI")
@@ -162,13 +170,15 @@ def _start(options: argparse.Namespace, clock: Clock, stack: ExitStack) -> list[
 
 def _boards_without_world(options: argparse.Namespace, clock: Clock) -> NiDeviceServer:
     try:
+        wires = LoopbackWires(options.wire)
         return NiDeviceServer(
-            LoopbackWires(options.wire),
+            wires,
             clock,
             _devices(options),
             options.driver_version,
             strict_ownership=options.strict_ownership,
             seed=options.seed or 0,
+            is_wired=wires.is_wired if options.test_signals else None,
         )
     except ValueError as fault:
         raise ArgumentFaultError(str(fault)) from fault

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from drivers.amplifier import BoardOutput, BoardWrite
+from drivers.amplifier import BoardOutput, BoardWrite, TimedBoardOutput
 from drivers.boards.contract import (
     CURRENT,
     DRIVE,
@@ -20,7 +20,7 @@ from drivers.boards.contract import (
     OutputRescue,
 )
 from drivers.conformance import Checks
-from drivers.interfaces import Clock, Interlock, LimitError, SignalInput
+from drivers.interfaces import Clock, Interlock, LimitError, SignalInput, TimedVoltage
 from drivers.safe_shutdown import SafetyReport
 
 OPEN_S = 10.0
@@ -94,6 +94,37 @@ def _write(checks: Checks, output: BoardOutput, volts: float) -> None:
         checks.require(in_order, "a write's times are not between its call and its return")
     else:
         checks.require(done is None, f"write returned {done!r}, not a BoardWrite")
+
+
+def timed_output_faults(
+    output: TimedBoardOutput, signals: SignalInput, limit_V: float, clock: Clock
+) -> list[str]:
+    """Return what an output does against `TimedBoardOutput`; it and the inputs are open.
+
+    It is driven to its limit for 0.1 s. Nothing may be connected to it that stands less.
+    """
+    checks = Checks(clock)
+    if not checks.require(output.is_timed, "is_timed is False"):
+        return checks.faults
+    rate_hz, tenth = signals.rate_hz, math.ceil(0.1 * signals.rate_hz)
+    run = (TimedVoltage(tenth, limit_V), TimedVoltage(2 * tenth, 0.0))
+    beyond = (TimedVoltage(tenth, 1.01 * limit_V), run[1])
+    checks.refuse("load beyond the limit", lambda: output.load(beyond, rate_hz), LimitError)
+    checks.refuse("load that does not end at 0 V", lambda: output.load(run[:1], rate_hz))
+    checks.refuse("is_done without a run", output.is_done)
+    checks.call("load", lambda: output.load(run, rate_hz), DEVICE_S)
+    if checks.faults:
+        return checks.faults
+    for start, done in ((None, False), (signals.start, True)):
+        if start is not None:
+            checks.call("start of the inputs", start, DEVICE_S)
+        checks.wait(0.5)
+        found = checks.call("is_done", output.is_done)
+        checks.require(found is done, f"is_done is {found} where {done} was due")
+    checks.call("write that ends the run", lambda: output.write(0.0), DEVICE_S)
+    checks.refuse("is_done after it", output.is_done)
+    checks.call("stop of the inputs", signals.stop, DEVICE_S)
+    return checks.faults
 
 
 def signal_faults(signals: SignalInput, clock: Clock) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 
 from drivers.safe_shutdown import SafetyReport, in_time, make_safe
 from labrig.experiment.rig.rig import DRIVE, Rig
@@ -12,7 +13,9 @@ from labrig.experiment.watchdog import NoWatchdog, Watchdog
 
 # All of a shutdown with boards that do not answer ends within 10 s of their last answer: our own
 # devices have their time (`drivers.safe_shutdown`), the boards are let go of, the guard reports.
+# Where no guard can act, our own devices are tried again until the end of that time.
 _RELEASE_S = 0.3
+_ALL_S = 8.0  # that they do not answer is found within 1.5 s
 
 
 class SafeShutdown:
@@ -25,18 +28,26 @@ class SafeShutdown:
 
     def make_safe(self) -> SafetyReport:
         """Write 0 V and read it back; return what is known of the output. Never raises."""
-        rig = self._rig
-        below_V = rig.config.limits.safe_below_V
-        report = make_safe(rig.output, rig.read_back, rig.clock, DRIVE, below_V)
+        end_s = self._rig.clock.now() + _ALL_S
+        report = self._by_our_devices()
         if not report.is_safe:
-            report = self._by_the_watchdog(report)
+            nobody = isinstance(self.watchdog, NoWatchdog)
+            report = self._at_last(report, end_s) if nobody else self._by_the_watchdog(report)
         self.report = report
         return report
 
+    def _by_our_devices(self, until_s: float | None = None) -> SafetyReport:
+        rig = self._rig
+        below_V = rig.config.limits.safe_below_V
+        return make_safe(rig.output, rig.read_back, rig.clock, DRIVE, below_V, until_s)
+
+    def _at_last(self, own: SafetyReport, until_s: float) -> SafetyReport:
+        """Try our own devices until the deadline: nobody else is there who would."""
+        found = self._by_our_devices(until_s)
+        return replace(found, failures=tuple(dict.fromkeys((*own.failures, *found.failures))))
+
     def _by_the_watchdog(self, own: SafetyReport) -> SafetyReport:
         """Have the guard do it on its own connection, after ours has released the boards."""
-        if isinstance(self.watchdog, NoWatchdog):
-            return own
         rig = self._rig
         for release in (rig.output.abandon, rig.read_back.close, rig.boards.close):
             with suppress(Exception):  # of other distributions' boards, too: the guard is next

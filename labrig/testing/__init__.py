@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import (
         simulated_serial_device_faults as simulated_serial_device_faults,
     )
+    from labrig.testing.conformance import timed_output_faults as timed_output_faults
     from labrig.testing.conformance import verdict_check_faults as verdict_check_faults
     from labrig.testing.fake_rig import FakeRig as FakeRig
     from labrig.testing.fake_rig import short_schedule as short_schedule
@@ -75,6 +76,7 @@ _HOMES = {
         "positioner_kind_faults",
         "protocol_faults",
         "rescue_faults",
+        "timed_output_faults",
         "section_content_faults",
         "section_faults",
         "signal_faults",

@@ -13,6 +13,7 @@ from drivers.boards.conformance import (
     output_faults,
     rescue_faults,
     signal_faults,
+    timed_output_faults,
 )
 from drivers.boards.contract import faults as board_kind_faults
 from drivers.cameras.conformance import camera_faults
@@ -71,5 +72,6 @@ __all__ = [
     "simulated_board_faults",
     "simulated_family_faults",
     "simulated_serial_device_faults",
+    "timed_output_faults",
     "verdict_check_faults",
 ]

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Protocol
 
-from drivers.interfaces import Clock, VoltageOutput, VoltageWrite
+from drivers.interfaces import (
+    Clock,
+    TimedOutput,
+    TimedVoltage,
+    VoltageOutput,
+    VoltageWrite,
+)
 from protocols.execution.events import Event, OutputChanged, OutputState
 
 
@@ -48,6 +54,7 @@ class GuardedOutput:
         self._reported: OutputState | None = None
         self.state = OutputState.UNKNOWN
         self.energised_once = False
+        self.is_loaded = False  # the board has a run, and puts it out by itself
 
     @property
     def at_zero(self) -> bool:
@@ -60,17 +67,61 @@ class GuardedOutput:
         Guarding ends here and not with the report, which may take long: a guard that hears no
         beat meanwhile would take this program for dead.
         """
-        if sheet_V != 0.0 and not self._on_guard:
+        if sheet_V != 0.0:
+            self._begin_guarding()
+        self.state = OutputState.UNKNOWN  # should the write raise
+        self.is_loaded = False  # a write ends it
+        write = self._output.write(sheet_V)
+        self.state = OutputState.ARMED if sheet_V == 0.0 else OutputState.ENERGISED
+        if sheet_V == 0.0:
+            self._end_guarding()
+        return write
+
+    @property
+    def is_timed(self) -> bool:
+        """Whether a whole run can be loaded into the board."""
+        return isinstance(self._output, TimedOutput) and self._output.is_timed
+
+    def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
+        """Give the board a run; see `TimedOutput.load`.
+
+        From the input's start on the board acts without us, so that a hang must be noticed at any
+        time, and not only while there is a voltage: guarding begins here. It begins when all is
+        loaded: that may take longer than a guard waits for a beat.
+        """
+        assert isinstance(self._output, TimedOutput)  # noqa: S101 - see `is_timed`
+        self.state = OutputState.UNKNOWN  # should it raise
+        board_V = self._output.load(course, rate_hz)
+        self.is_loaded = True
+        self.state = OutputState.ARMED
+        self._begin_guarding()
+        return board_V
+
+    def reached(self, sheet_V: float) -> None:
+        """Note that the board has come to a voltage of the run it was given."""
+        self.state = OutputState.ARMED if sheet_V == 0.0 else OutputState.ENERGISED
+
+    def is_done(self) -> bool:
+        """Return whether the board has put out its run, up to the last 0 V: guarding ends then.
+
+        Raises DeviceError when it has failed.
+        """
+        assert isinstance(self._output, TimedOutput)  # noqa: S101 - see `is_timed`
+        done = self._output.is_done()
+        if done:
+            self._end_guarding()
+        return done
+
+    def _begin_guarding(self) -> None:
+        if not self._on_guard:
             self.energised_once = True
             self._on_guard = True
             self._on_energised(True)  # noqa: FBT003 - the hook has this one meaning
-        self.state = OutputState.UNKNOWN  # should the write raise
-        write = self._output.write(sheet_V)
-        self.state = OutputState.ARMED if sheet_V == 0.0 else OutputState.ENERGISED
-        if sheet_V == 0.0 and self._on_guard:
+
+    def _end_guarding(self) -> None:
+        if self._on_guard:
             self._on_guard = False
             self._on_energised(False)  # noqa: FBT003 - as above
-        return write
 
     def zero(self) -> VoltageWrite | None:
         """Write 0 V at once; never raises. None: it could not be written, and is still to be."""

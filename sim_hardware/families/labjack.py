@@ -45,6 +45,8 @@ class LabJackOfWorld:
             return lambda: self._mark(b"\0\0\0\7"), lambda: self._mark(bytes(4))
         if what in _INPUTS:
             return switch_of(faults, "dead_inputs", on={self._input(_INPUTS[what])}, off=set())
+        if what == "output_underflow":
+            raise WorldError(f"[[faults]] {what}: a LabJack's output has no buffer")
         name, on, off = {
             "daq_refused": ("unavailable", True, False),
             "daq_slow": ("delay_s", amount_s, 0.0),

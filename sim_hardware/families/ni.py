@@ -52,6 +52,7 @@ class NiBoardsOfWorld:
             "daq_write_refused": ("refuse", {"WriteAnalogScalarF64": _GONE}, {}),
             "daq_reserved": ("refuse", dict.fromkeys(_RESERVING, _RESERVED), {}),
             "output_stuck": ("stuck_outputs", wired("drive"), set()),
+            "output_underflow": ("underflow", True, False),
             "force_nan": ("nan", wired("force"), set()),
             "drive_nan": ("nan", wired("readback"), set()),
         }

@@ -19,6 +19,14 @@ class Code(IntEnum):
     BUFFER_ON_DEMAND = -200217
     NO_SUCH_DEVICE = -200220
     ARRAY_TOO_SMALL = -200229
+    INVALID_TERMINAL = -200254
+    FIFO_UNDERFLOW = -200621
+    GENERATION_UNDERFLOW = -200290
+    NEGATIVE_READ_SAMPLE = -200277
+    NEGATIVE_WRITE_SAMPLE = -200287
+    NO_LONGER_WRITEABLE = -200289
+    NO_ROOM_YET = -200292
+    OUTPUT_BUFFER_EMPTY = -200462
     OVERWRITTEN = -200279
     NEVER_AVAILABLE = -200278
     NOT_YET_AVAILABLE = -200284
@@ -65,6 +73,17 @@ TEXTS: dict[int, str] = {
     "on-demand timing.",
     Code.NO_SUCH_DEVICE: "Device identifier is invalid.",
     Code.ARRAY_TOO_SMALL: "Buffer is too small to fit read data.",
+    Code.INVALID_TERMINAL: "Terminal for the device is invalid.",
+    Code.FIFO_UNDERFLOW: "Onboard device memory underflow: the generation was stopped because the "
+    "samples did not reach the device fast enough.",
+    Code.GENERATION_UNDERFLOW: "The generation has stopped to prevent the regeneration of old "
+    "samples: no new samples were written in time.",
+    Code.NEGATIVE_READ_SAMPLE: "Attempted to read a sample preceding the first one acquired.",
+    Code.NEGATIVE_WRITE_SAMPLE: "Attempted to write to a position before the first sample.",
+    Code.NO_LONGER_WRITEABLE: "Requested samples can no longer be written: they have been "
+    "generated already.",
+    Code.NO_ROOM_YET: "Some or all of the samples to write could not be written to the buffer yet.",
+    Code.OUTPUT_BUFFER_EMPTY: "Generation cannot be started, because the output buffer is empty.",
     Code.OVERWRITTEN: "The application is not able to keep up with the hardware acquisition: the "
     "samples asked for are no longer in the buffer.",
     Code.NEVER_AVAILABLE: "The samples asked for will never be acquired: the task has stopped.",

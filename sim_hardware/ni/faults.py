@@ -14,6 +14,7 @@ class Faults:
     unavailable: bool = False  # the server does not answer
     refuse: dict[str, int] = field(default_factory=dict)  # call: the status code it fails with
     lose_after_reads: int | None = None  # so many more reads, and samples are lost (-200279)
+    underflow: bool = False  # clocked outputs get no samples any more, and keep their volts
     nan: set[str] = field(default_factory=set)  # inputs that read NaN, such as PCI6034E/ai0
     stuck_outputs: set[str] = field(default_factory=set)  # confirm a write, and keep their volts
 

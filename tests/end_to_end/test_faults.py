@@ -16,7 +16,7 @@ pytestmark = pytest.mark.slow
 BEFORE, FAILED, UNKNOWN, DONE = 3, 5, 6, 0
 LIMIT_V = 0.25
 FOR_GOOD, FOR_A_MOMENT = "from_s = 0.5", "from_s = 0.5\nuntil_s = 0.8"
-FOR_A_WHILE = "from_s = 0.5\nuntil_s = 3.0"  # longer than a call may take
+FOR_A_WHILE = "from_s = 0.5\nuntil_s = 6.0"  # longer than a call may take
 OVER_A_PULSE = "from_s = 0.5\nuntil_s = 1.5"
 FROM_THE_BEGINNING = 'from_s = 0.0\nsince = "beginning"'
 ZABER = (('kind = "manual"', 'kind = "zaber"\nport = "simulated"'),)

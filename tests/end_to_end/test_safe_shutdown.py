@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from drivers.interfaces import DeviceError
+from drivers.interfaces import DeviceError, DeviceTimeoutError
 from drivers.safe_shutdown import Safety, SafetyReport
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.preflight import plan_of
 from labrig.experiment.rig.rig import Rig, opened
 from labrig.experiment.rig.wiring import wire
-from labrig.experiment.safe_shutdown import safe_shutdown
+from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from tests.end_to_end.small_rig import make_rig
 
 SCRIPT = """
@@ -96,6 +96,29 @@ def test_an_exception_makes_safe_before_it_goes_on(rig: Rig) -> None:
     assert shutdown.report is not None
     assert shutdown.report.is_safe
     assert abs(sheet_V(rig)) < 0.05
+
+
+@pytest.mark.parametrize(("hangs_s", "state"), [(5.0, Safety.SAFE), (1e6, Safety.UNKNOWN)])
+def test_without_a_guard_zero_is_tried_until_the_deadline_of_the_shutdown(
+    rig: Rig, hangs_s: float, state: Safety, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock, board = rig.clock, rig.output._output
+    write, answers_s = board.write, clock.now() + hangs_s
+
+    def hung(board_V: float) -> object:
+        clock.sleep_until(min(answers_s, clock.now() + 1.2))  # the deadline of one call
+        if clock.now() < answers_s:
+            raise DeviceTimeoutError("the server did not answer")
+        return write(board_V)
+
+    rig.output.write(2.0)
+    monkeypatch.setattr(board, "write", hung)
+    began_s = clock.now()
+    report = SafeShutdown(rig).make_safe()
+    assert report.state is state
+    assert clock.now() - began_s < 8.5  # and 1.5 s for the first call that was not answered
+    assert (abs(sheet_V(rig)) < 0.05) is (state is Safety.SAFE)
+    monkeypatch.undo()
 
 
 def test_a_run_that_was_made_safe_is_not_made_safe_again(rig: Rig) -> None:

@@ -71,7 +71,7 @@ def rate_of_zero(ni: Any) -> None:
 
 def a_clock_from_elsewhere(ni: Any) -> None:
     task = ni.input()
-    task.timing.cfg_samp_clk_timing(1000, source="/PCI6034E/PFI7")
+    task.timing.cfg_samp_clk_timing(1000, source="/PCI6034E/nowhere")
     task.start()
 
 
@@ -224,7 +224,7 @@ CASES: list[tuple[Callable[[Any], None], int]] = [
     (rate_above_the_board, -200077),
     (rate_above_the_board_for_two_channels, -200077),
     (rate_of_zero, -200077),
-    (a_clock_from_elsewhere, -200077),
+    (a_clock_from_elsewhere, -200254),
     (a_finite_acquisition_of_one_sample, -200077),
     (conversions_too_slow_for_the_rate, -200081),
     (no_such_device, -200220),
@@ -299,7 +299,7 @@ def test_a_failed_read_tells_how_many_samples_it_got(ni: Any) -> None:
 @pytest.mark.parametrize(
     "ask",
     [
-        lambda ni: ni.input().triggers.start_trigger.cfg_dig_edge_start_trig("/PCI6034E/PFI0"),
+        lambda ni: ni.input().triggers.reference_trigger.cfg_dig_edge_ref_trig("/M/PFI0", 9),
         lambda ni: ni.task().ai_channels.add_ai_thrmcpl_chan("PCI6034E/ai0"),
         lambda ni: ni.task().ci_channels.add_ci_count_edges_chan("PCI6034E/ctr0"),
         lambda ni: ni.system.devices["PCI6034E"].ai_current_rngs,
@@ -315,8 +315,9 @@ def test_what_is_not_simulated_is_not_made_up(ni: Any, ask: Callable[[Any], Any]
     assert fault.value.rpc_code.name == "UNIMPLEMENTED"
 
 
-def test_a_clocked_output_is_not_made_up(ni: Any) -> None:
-    task = ni.output("X/ao0")
+def test_lines_that_a_clock_writes_are_not_made_up(ni: Any) -> None:
+    task = ni.task()
+    task.do_channels.add_do_chan("X/port0/line0")
     task.timing.cfg_samp_clk_timing(1000)
     with pytest.raises(RpcError) as fault:
         task.start()

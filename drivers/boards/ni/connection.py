@@ -117,6 +117,11 @@ class NiConnection:
                 for device in self._system().devices
             )
 
+    def has_output_clock(self, name: str) -> bool:
+        """Return whether a board's analog outputs have a sample clock."""
+        with self.errors("asking whether the outputs have a clock"):
+            return bool(self._system().devices[name].ao_samp_clk_supported)
+
     def create_task(self, name: str) -> Any:
         """Make a nidaqmx.Task; DeviceReservedError when somebody holds one of that name.
 

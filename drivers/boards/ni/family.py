@@ -51,8 +51,14 @@ class NiBoards:
     def voltage_output(self, limit_V: float) -> NiVoltageOutput:
         """See `BoardConnection.voltage_output`."""
         names = self.settings.task_names
-        channel = self.settings.drive
-        return NiVoltageOutput(self.connection, self._clock, channel, limit_V, names.output)
+        return NiVoltageOutput(
+            self.connection,
+            self._clock,
+            self.settings.drive,
+            limit_V,
+            names.output,
+            trigger=_start_of_inputs(self.settings),
+        )
 
     def signal_input(self, inputs: Sequence[BoardInput]) -> NiSignalInput:
         """See `BoardConnection.signal_input`."""
@@ -74,6 +80,13 @@ class NiBoards:
     def close(self) -> None:
         """See `BoardConnection.close`."""
         self.connection.close()
+
+
+def _start_of_inputs(settings: NiSettings) -> str | None:
+    """Return the terminal of the inputs' start; None unless the output is on the same board."""
+    drive, force = (channel.partition("/")[0] for channel in (settings.drive, settings.force))
+    same = drive.lower() == force.lower()
+    return f"/{force}/ai/StartTrigger" if settings.timed_output and same else None
 
 
 def _finding(name: str, channel: str, types: Mapping[str, str]) -> BoardFinding:

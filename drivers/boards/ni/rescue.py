@@ -18,6 +18,7 @@ from drivers.boards.ni.analog_input import INPUT_TASK, InputChannel, NiSignalInp
 from drivers.boards.ni.analog_output import OUTPUT_TASK, NiVoltageOutput, write_now
 from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.errors import DeviceReservedError
+from drivers.boards.ni.timed_run import is_clocked
 from drivers.interfaces import Clock
 from drivers.safe_shutdown import READ_BACK_S, SafetyReport, attempt, judge, mean_when_low
 
@@ -83,6 +84,9 @@ def shut_down(
 ) -> SafetyReport:
     """Free the named tasks, write 0 V, read it back, let go. Never raises.
 
+    An output that a board puts out by its clock is stopped first, and keeps its voltage until it
+    is opened here, some milliseconds later.
+
     `patience_s`: how long to wait for a device that somebody still holds. What can be attached to
     is freed again: a server that hung may have answered too late the first time. A task that
     belongs to its process, as with a local driver, cannot be attached to: it holds its device until
@@ -99,7 +103,7 @@ def shut_down(
         return found[0] if found else None
 
     def free_output() -> bool | None:
-        return free(place.output_task, "writing 0 V through", lambda task: write_now(task, 0.0))
+        return free(place.output_task, "writing 0 V through", _end_output)
 
     def free_input() -> bool | None:
         return free(place.input_task, "stopping", lambda task: task.stop())
@@ -134,6 +138,14 @@ def shut_down(
     seen_V = _read_back(signals, place.safe_below_V, failures) if can_read else None
     attempt(failures, output.close)
     return judge(written, seen_V, place.safe_below_V, failures)
+
+
+def _end_output(task: Any) -> None:
+    """Write 0 V through a task. One that puts out by a clock is only stopped: see `shut_down`."""
+    if is_clocked(task):
+        task.stop()
+    else:
+        write_now(task, 0.0)
 
 
 def _free(

@@ -81,5 +81,11 @@ class NiSettings:
         default=1000.0,
         metadata={"ge": 100.0, "le": 66_000.0, "unit": "1/s", "description": "of each channel"},
     )
+    timed_output: bool = field(
+        default=True,
+        metadata={
+            "description": "edges by the clock of the inputs, where one board has both and can"
+        },
+    )
     task_names: TaskNames = field(default=TaskNames(), metadata={"description": "of the NI tasks"})
     ranges_V: InputRanges = field(default=InputRanges(), metadata={"description": "of the inputs"})

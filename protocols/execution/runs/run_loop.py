@@ -25,6 +25,7 @@ from protocols.execution.readings import ReadingMaker
 from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
 from protocols.execution.runs.exposures import Exposures
 from protocols.execution.runs.loop import Loop, Stopped
+from protocols.execution.runs.timed_run import BoardTimedRun, load_timed
 from protocols.execution.states import RunState
 from protocols.execution.stop import StopLevel
 from protocols.planning.schedule import PlannedMove, PlannedRun
@@ -59,6 +60,7 @@ class RunLoop:
         self._rows = loop.devices.rows()
         self._feedback = feedback
         self._control: ControlLoop | None = None
+        self._timed: BoardTimedRun | None = None
         self._maker: ReadingMaker | None = None
         self._zero_s = 0.0  # clock time of the run's time 0
         self._next_service_s = 0.0
@@ -94,9 +96,13 @@ class RunLoop:
                 self._exposures = self._triggered(devices.camera, devices.trigger)
             if self._keep_all_frames or devices.trigger is not None:
                 devices.camera.want_all()
+        self._timed = load_timed(loop, self._run)
         sample_clock = devices.signals.start()
         now_s = loop.clock.now()
         self._zero_s = now_s + loop.timing.lead_in_s
+        if self._timed is not None:
+            self._zero_s = self._timed.begin(sample_clock)
+            loop.beat()
         self._next_service_s = self._last_sample_s = now_s
         wetted_s = None if self._wetted_at_s is None else self._zero_s - self._wetted_at_s
         self._maker = ReadingMaker(
@@ -139,7 +145,9 @@ class RunLoop:
                 return self._cut_short(maker)
             if index == 0:
                 self._loop.enter(RunState.RUNNING)
-            self._follow_up(index, due_s, self._loop.output.write(step.voltage_V))
+            self._follow_up(index, due_s, self._edge(index, step.voltage_V))
+        if self._timed is not None:
+            self._await_end(self._timed, maker)
         end_s = self._zero_s + self._run.duration_s
         if self._run.move is not None:
             arrived_s = self._arrived_s(self._run.move, maker)
@@ -147,6 +155,18 @@ class RunLoop:
                 return self._cut_short(maker)
             end_s += arrived_s - (self._zero_s + self._run.move.time_s)
         return self._until(end_s, maker) or self._cut_short(maker)
+
+    def _edge(self, index: int, voltage_V: float) -> VoltageWrite:
+        """Write a step's voltage, or note that the board has put it out."""
+        if self._timed is not None:
+            return self._timed.write(index)
+        return self._loop.output.write(voltage_V)
+
+    def _await_end(self, timed: BoardTimedRun, maker: ReadingMaker) -> None:
+        """Wait until the board has put out its run, and write 0 V."""
+        loop = self._loop
+        while not timed.confirm_end():
+            self._until(loop.clock.now() + loop.timing.service_s, maker, patient=True)
 
     def _arrived_s(self, move: PlannedMove, maker: ReadingMaker) -> float | None:
         """Have the load cell moved and service the devices meanwhile; None: the run is to end.
@@ -267,6 +287,8 @@ class RunLoop:
         if self._control is not None and self._exposures and self._exposures.next_s <= began_s:
             self._fire()  # a controller's periods come first: up to a service late
         self._take_samples(maker, began_s)
+        if self._timed is not None and loop.output.is_loaded:
+            loop.output.is_done()  # raises where the board has ended the run before its time
         if devices.camera is not None:
             maker.add_frames(devices.camera.frames())
         for event in maker.complete(began_s):

@@ -54,7 +54,7 @@ def _same(values: list[Any]) -> Any:
 
 
 def _limit(
-    cls: type[Any], get: Callable[[Any], Any], field: str, default: float
+    cls: type[Any], get: Callable[[Any], Any], field: str, default: float | None
 ) -> Attribute[Selection]:
     def put(_: Engine, selection: Selection, value: Any) -> None:
         _change(selection, cls, field, value)
@@ -102,8 +102,12 @@ CHANNEL: Table[Selection] = {
     pb.CHANNEL_ATTRIBUTE_CHAN_IS_GLOBAL: _of("Bool", _ANY, lambda _: False),
     pb.CHANNEL_ATTRIBUTE_AI_MAX: _limit(_AI, lambda c: c.verified_range(), "high_V", 5.0),
     pb.CHANNEL_ATTRIBUTE_AI_MIN: _limit(_AI, lambda c: -c.verified_range(), "low_V", -5.0),
-    pb.CHANNEL_ATTRIBUTE_AI_RNG_HIGH: _of("Double", _AI, lambda c: c.verified_range()),
-    pb.CHANNEL_ATTRIBUTE_AI_RNG_LOW: _of("Double", _AI, lambda c: -c.verified_range()),
+    pb.CHANNEL_ATTRIBUTE_AI_RNG_HIGH: _limit(
+        _AI, lambda c: c.verified_range(), "range_high_V", None
+    ),
+    pb.CHANNEL_ATTRIBUTE_AI_RNG_LOW: _limit(
+        _AI, lambda c: -c.verified_range(), "range_low_V", None
+    ),
     pb.CHANNEL_ATTRIBUTE_AI_TERM_CFG: Attribute(
         "Int32",
         _of("Int32", _AI, lambda c: c.terminals).get,

@@ -1,4 +1,4 @@
-"""Attributes of a task: itself, its timing, its reading, its writing and its buffer."""
+"""Attributes of a task: itself, its timing, its reading and its input buffer."""
 
 from __future__ import annotations
 
@@ -8,17 +8,24 @@ from typing import Any
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
 from sim_hardware.ni.attributes.common import Attribute, Table, attribute_handlers
+from sim_hardware.ni.attributes.output import OUTPUT_BUFFER
 from sim_hardware.ni.calls.tasks import sample_mode, task_of
 from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.names import join_list
-from sim_hardware.ni.signals.timing import InputPlan, SampleMode, TaskTiming, TimingType
+from sim_hardware.ni.signals.acquisition import (
+    CURRENT_READ_POSITION,
+    DO_NOT_OVERWRITE,
+    FIRST_SAMPLE,
+    MOST_RECENT_SAMPLE,
+    OVERWRITE,
+    ReadPosition,
+)
+from sim_hardware.ni.signals.timing import SampleMode, TaskTiming, TimingType
 from sim_hardware.ni.tasks.channels import AnalogInputChannel
 from sim_hardware.ni.tasks.engine import Engine
 from sim_hardware.ni.tasks.task import Task
 
 _DEFAULT_NUMBER_TO_READ = 0x31E8  # clients ask for it; the protocol has no name for it
-_DO_NOT_OVERWRITE = 10159  # constants.OverwriteMode.DO_NOT_OVERWRITE_UNREAD_SAMPLES
-_CURRENT_READ_POSITION = 10425  # constants.ReadRelativeTo.CURRENT_READ_POSITION
 
 
 def _plain(kind: str, get: Callable[[Task], Any]) -> Attribute[Task]:
@@ -32,12 +39,12 @@ TASK: Table[Task] = {
     pb.TASK_ATTRIBUTE_NUM_CHANS: _plain("UInt32", lambda t: len(t.channels)),
     pb.TASK_ATTRIBUTE_NUM_DEVICES: _plain("UInt32", lambda t: len(t.device_names)),
     pb.TASK_ATTRIBUTE_COMPLETE: Attribute(
-        "Bool", lambda e, t: t.acquisition is None or t.acquisition.is_done(e.now())
+        "Bool", lambda e, t: t.timed is None or t.timed.is_done(e.now())
     ),
 }
 
 
-def _planned(kind: str, get: Callable[[InputPlan], Any], field: str) -> Attribute[Task]:
+def _planned(kind: str, get: Callable[[Any], Any], field: str) -> Attribute[Task]:
     """Make a timing value that the board coerces: reading it verifies the task."""
 
     def ask(_: Engine, task: Task) -> Any:
@@ -86,7 +93,9 @@ def _timing_type(raw: int) -> TimingType:
 TIMING: Table[Task] = {
     pb.TIMING_ATTRIBUTE_SAMP_CLK_RATE: _planned("Double", lambda plan: plan.rate_hz, "rate_hz"),
     pb.TIMING_ATTRIBUTE_AI_CONV_RATE: _planned(
-        "Double", lambda plan: 1.0 / plan.convert_s if plan.convert_s else None, "convert_rate_hz"
+        "Double",
+        lambda plan: 1.0 / plan.convert_s if getattr(plan, "convert_s", 0.0) else None,
+        "convert_rate_hz",
     ),
     pb.TIMING_ATTRIBUTE_SAMP_CLK_MAX_RATE: Attribute("Double", lambda _, t: _max_rate(t)),
     pb.TIMING_ATTRIBUTE_SAMP_TIMING_TYPE: _noted("Int32", "kind", _timing_type),
@@ -95,14 +104,21 @@ TIMING: Table[Task] = {
     pb.TIMING_ATTRIBUTE_SAMP_CLK_ACTIVE_EDGE: _noted("Int32", "edge"),
     pb.TIMING_ATTRIBUTE_SAMP_CLK_SRC: Attribute(
         "String",
-        lambda _, t: t.timing.source or f"/{t.channels[0].device.name}/ai/SampleClockTimebase",
+        lambda _, t: t.timing.source or _timebase_of(t),
         lambda _, t, value: _change(t, "source", value),
         lambda _, t: _change(t, "source", ""),
     ),
 }
 
 
+def _timebase_of(task: Task) -> str:
+    side = "ao" if task.outputs else "ai"
+    return f"/{task.channels[0].device.name}/{side}/SampleClockTimebase"
+
+
 def _max_rate(task: Task) -> float | None:
+    if task.outputs:
+        return task.outputs[0].side.max_rate_hz
     if not task.inputs:
         return None
     return task.inputs[0].side.max_rate(len(task.inputs))
@@ -147,6 +163,22 @@ def _selected(task: Task) -> int:
     return len(list(task.select(task.channels_to_read))) if task.channels else 0
 
 
+def _of_reads(field: str, allowed: tuple[int, ...] = ()) -> Attribute[Task]:
+    """Make a setting of where a read begins; -200077 for a value that it cannot have."""
+
+    def put(_: Engine, task: Task, value: Any) -> None:
+        if allowed and value not in allowed:
+            raise StatusError(Code.INVALID_VALUE, f"Property: {field}\nRequested: {value}")
+        setattr(task.reads, field, value)
+
+    return Attribute(
+        "Int32",
+        lambda _, task: getattr(task.reads, field),
+        put,
+        lambda _, task: setattr(task.reads, field, getattr(ReadPosition(), field)),
+    )
+
+
 def _most_lines(task: Task) -> int:
     return max((len(channel.lines) for channel in task.digital), default=0)
 
@@ -173,14 +205,11 @@ READ: Table[Task] = {
         "UInt64", lambda t: t.acquisition.position if t.acquisition else 0
     ),
     _DEFAULT_NUMBER_TO_READ: Attribute("UInt32", _default_count),
-    pb.READ_ATTRIBUTE_OVERWRITE: _plain("Int32", lambda _: _DO_NOT_OVERWRITE),
-    pb.READ_ATTRIBUTE_RELATIVE_TO: _plain("Int32", lambda _: _CURRENT_READ_POSITION),
-    pb.READ_ATTRIBUTE_OFFSET: _plain("Int32", lambda _: 0),
-}
-
-WRITE: Table[Task] = {
-    pb.WRITE_ATTRIBUTE_NUM_CHANS: _plain("UInt32", lambda t: len(t.channels)),
-    pb.WRITE_ATTRIBUTE_DIGITAL_LINES_BYTES_PER_CHAN: _plain("UInt32", _most_lines),
+    pb.READ_ATTRIBUTE_OVERWRITE: _of_reads("overwrite", (OVERWRITE, DO_NOT_OVERWRITE)),
+    pb.READ_ATTRIBUTE_RELATIVE_TO: _of_reads(
+        "relative_to", (FIRST_SAMPLE, CURRENT_READ_POSITION, MOST_RECENT_SAMPLE)
+    ),
+    pb.READ_ATTRIBUTE_OFFSET: _of_reads("offset"),
 }
 
 BUFFER: Table[Task] = {
@@ -202,6 +231,5 @@ HANDLERS = (
     attribute_handlers("Task", TASK, task_of)
     | attribute_handlers("Timing", TIMING, task_of)
     | attribute_handlers("Read", READ, task_of)
-    | attribute_handlers("Write", WRITE, task_of)
-    | attribute_handlers("Buffer", BUFFER, task_of)
+    | attribute_handlers("Buffer", {**BUFFER, **OUTPUT_BUFFER}, task_of)
 )

@@ -71,6 +71,8 @@ class AnalogOutputs:
     ranges_V: tuple[float, ...]  # either sign, smallest first
     clocked: bool  # False: static, a write takes effect when the computer makes it
     max_rate_hz: float | None = None  # of one channel's updates; None where not clocked
+    timebase_hz: float = 20e6  # the sample clock is this divided by an integer
+    fifo_samples: int = 0  # that the board holds itself
     resolution_bits: int = 16
     # False: a device reset sets 0 V (M, X and C Series); E, S and AO Series keep their voltage
     keeps_voltage_on_reset: bool = True

@@ -24,6 +24,8 @@ BOARD = BoardModel(
         ranges_V=(5.0, 10.0),
         clocked=True,
         max_rate_hz=100e6 / 35,
+        timebase_hz=100e6,
+        fifo_samples=8191,
         keeps_voltage_on_reset=False,
     ),
     ports=(DigitalPort(32, buffered=True), DigitalPort(8), DigitalPort(8)),

@@ -24,6 +24,7 @@ BOARD = BoardModel(
         ranges_V=(10.0,),
         clocked=True,
         max_rate_hz=250e3,
+        fifo_samples=8191,
         keeps_voltage_on_reset=False,
     ),
     ports=(DigitalPort(4, outputs=False), DigitalPort(4, inputs=False)),

@@ -85,7 +85,7 @@ def read_analog_scalar_f64(engine: Engine, request: Message, call: Call) -> Mess
 def read_binary_i16(engine: Engine, request: Message, call: Call) -> Message:
     """Codes of the converter."""
     got = _read(engine, request, call)
-    values = _laid_out(got.samples.codes, request, request.array_size_in_samps)
+    values = _laid_out(got.samples.codes.astype(np.int16), request, request.array_size_in_samps)
     return pb.ReadBinaryI16Response(
         status=got.status, samps_per_chan_read=got.count, read_array=values.tolist()
     )

@@ -1,4 +1,7 @@
-"""Calls that make and write analog outputs. A write takes effect at once."""
+"""Calls that make and write analog outputs.
+
+On demand a write takes effect at once; with a sample clock it fills the buffer.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,13 @@ import numpy as np
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
 from sim_hardware.ni.calls.analog_input import names_for, refuse_scales
+from sim_hardware.ni.calls.buffered_output import write_buffered
 from sim_hardware.ni.calls.tasks import task_of
 from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.names import split_some
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.signals.adc import FloatArray
+from sim_hardware.ni.signals.timing import TimingType
 from sim_hardware.ni.tasks.channels import AnalogOutputChannel, ChannelType
 from sim_hardware.ni.tasks.engine import Engine
 from sim_hardware.ni.tasks.task import Task
@@ -49,16 +54,27 @@ def write_analog_f64(engine: Engine, request: Message, call: Call) -> Message:
     values = rows_of(
         np.array(request.write_array), task, request.num_samps_per_chan, by_channel=by_channel
     )
-    _write(engine, task, values, auto_start=request.auto_start)
-    return pb.WriteAnalogF64Response(samps_per_chan_written=request.num_samps_per_chan)
+    written = _write(engine, task, values, request, call)
+    return pb.WriteAnalogF64Response(samps_per_chan_written=written)
 
 
 def write_analog_scalar_f64(engine: Engine, request: Message, call: Call) -> Message:
     """Write one value to one channel."""
     task = _output_task(engine, request, call)
     values = rows_of(np.array([request.value]), task, 1, by_channel=True)
-    _write(engine, task, values, auto_start=request.auto_start)
+    _write(engine, task, values, request, call)
     return pb.WriteAnalogScalarF64Response()
+
+
+def write_analog_waveforms(engine: Engine, request: Message, call: Call) -> Message:
+    """Write a waveform to each channel; its interval does not count, the task has a clock."""
+    task = _output_task(engine, request, call)
+    lengths = {len(waveform.y_data) for waveform in request.waveforms}
+    samples = lengths.pop() if len(lengths) == 1 else 0  # of different lengths: refused below
+    flat = np.array([value for waveform in request.waveforms for value in waveform.y_data])
+    values = rows_of(flat, task, samples, by_channel=True)
+    written = _write(engine, task, values, request, call)
+    return pb.WriteAnalogWaveformsResponse(samps_per_chan_written=written)
 
 
 def rows_of(flat: FloatArray, task: Task, samples: int, *, by_channel: bool) -> FloatArray:
@@ -81,12 +97,15 @@ def _output_task(engine: Engine, request: Message, call: Call) -> Task:
     return task
 
 
-def _write(engine: Engine, task: Task, values: FloatArray, *, auto_start: bool) -> None:
-    started = not task.running
-    if started and not auto_start:
-        raise StatusError(Code.NOT_STARTED, task=task.name, samples_written=0)
+def _write(engine: Engine, task: Task, values: FloatArray, request: Message, call: Call) -> int:
+    """Write (channels, samples); return how many samples of each channel."""
     for channel, row in zip(task.outputs, values, strict=True):
         _check_limits(channel, row, task)
+    if task.timing.kind is TimingType.SAMPLE_CLOCK:
+        return write_buffered(engine, task, values, request, call)
+    started = not task.running
+    if started and not request.auto_start:
+        raise StatusError(Code.NOT_STARTED, task=task.name, samples_written=0)
     if started:
         engine.start(task)
     for column in values.T:
@@ -95,6 +114,7 @@ def _write(engine: Engine, task: Task, values: FloatArray, *, auto_start: bool) 
             engine.write_volts(channel.device.name, channel.physical, volts)
     if started:
         engine.stop(task)
+    return int(values.shape[1])
 
 
 def _check_limits(channel: AnalogOutputChannel, row: FloatArray, task: Task) -> None:
@@ -114,4 +134,5 @@ HANDLERS = {
     "CreateAOVoltageChan": create_ao_voltage_chan,
     "WriteAnalogF64": write_analog_f64,
     "WriteAnalogScalarF64": write_analog_scalar_f64,
+    "WriteAnalogWaveforms": write_analog_waveforms,
 }

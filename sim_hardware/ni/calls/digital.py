@@ -1,4 +1,4 @@
-"""Calls for static digital lines: each line keeps its level until it is written again."""
+"""Calls for digital lines: each keeps its level until it is written again."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ import numpy.typing as npt
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
 from sim_hardware.ni.calls.analog_input import names_for
+from sim_hardware.ni.calls.reading import ReadSamples, read_words
 from sim_hardware.ni.calls.tasks import task_of
 from sim_hardware.ni.devices import Device, DeviceRegistry
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
 from sim_hardware.ni.names import split_device, split_some
 from sim_hardware.ni.rpc import Call, Message, raw_enum
-from sim_hardware.ni.signals.timing import TimingType
 from sim_hardware.ni.tasks.channels import DigitalChannel
 from sim_hardware.ni.tasks.engine import Engine
 from sim_hardware.ni.tasks.task import Task
@@ -49,7 +49,14 @@ def _add(engine: Engine, request: Message, call: Call, assigned: str, *, output:
         lines = [line for _, group in groups for line in group]
         first, *others = split_some(request.lines)
         name = assigned or (f"{first}..." if others else first)  # as the driver names it
-        task.add(DigitalChannel(name=name, device=device, lines=tuple(lines), output=output))
+        ports = [
+            bool(_PORT.match(split_device(each)[1].lower())) for each in split_some(request.lines)
+        ]
+        task.add(
+            DigitalChannel(
+                name=name, device=device, lines=tuple(lines), output=output, by_port=all(ports)
+            )
+        )
         return
     if any(len(group) > 1 for _, group in groups):
         raise StatusError(Code.PORT_PER_LINE, f"Lines: {request.lines}", task.name)
@@ -149,71 +156,61 @@ def _write(engine: Engine, task: Task, words: Words, request: Message) -> None:
 
 def read_digital_lines(engine: Engine, request: Message, call: Call) -> Message:
     """One byte for each line."""
-    task, words = _read(engine, request, call)
+    task, got = _read(engine, request, call)
     width = max(len(channel.lines) for channel in task.digital)
-    bits = (words[..., None] >> np.arange(width, dtype=np.uint32) & 1).astype(np.uint8)
+    bits = bits_of(_words(got), width)
     data = _flat(bits, request).tobytes()
     if len(data) > request.array_size_in_bytes:
         raise StatusError(Code.ARRAY_TOO_SMALL, task=task.name, samples_read=0)
     return pb.ReadDigitalLinesResponse(
+        status=got.status,
         read_array=data.ljust(request.array_size_in_bytes, b"\0"),
-        samps_per_chan_read=words.shape[1],
+        samps_per_chan_read=got.count,
         num_bytes_per_samp=width,
     )
 
 
-def read_digital_u32(engine: Engine, request: Message, call: Call) -> Message:
-    """One bit for each line."""
-    task, words = _read(engine, request, call)
-    flat = _flat(words, request)
-    if flat.size > request.array_size_in_samps:
-        raise StatusError(Code.ARRAY_TOO_SMALL, task=task.name, samples_read=0)
-    padded = np.zeros(request.array_size_in_samps, np.uint32)
-    padded[: flat.size] = flat
-    return pb.ReadDigitalU32Response(read_array=padded.tolist(), samps_per_chan_read=words.shape[1])
+def _word_reader(bits: str) -> Handler:
+    """Make the answer of one word for each sample; U8 goes as bytes, the others as numbers."""
+
+    def read(engine: Engine, request: Message, call: Call) -> Message:
+        task, got = _read(engine, request, call)
+        flat = _flat(_words(got), request)
+        if flat.size > request.array_size_in_samps:
+            raise StatusError(Code.ARRAY_TOO_SMALL, task=task.name, samples_read=0)
+        padded = np.zeros(request.array_size_in_samps, np.uint32)
+        padded[: flat.size] = flat
+        array = padded.astype(np.uint8).tobytes() if bits == "U8" else padded.tolist()
+        response = getattr(pb, f"ReadDigital{bits}Response")
+        return response(status=got.status, read_array=array, samps_per_chan_read=got.count)
+
+    return read
 
 
 def read_digital_scalar_u32(engine: Engine, request: Message, call: Call) -> Message:
     """One sample of one channel."""
-    task = _read_task(engine, request, call)
-    return pb.ReadDigitalScalarU32Response(value=int(_levels(engine, task)[0]))
-
-
-def _read_task(engine: Engine, request: Message, call: Call) -> Task:
     task = task_of(engine, request, call)
-    if not task.digital:
-        raise StatusError(Code.READ_NOT_INPUT, task=task.name, samples_read=0)
-    if not task.running and not task.auto_start:
-        raise StatusError(Code.NOT_STARTED, task=task.name, samples_read=0)
-    if task.timing.kind is not TimingType.ON_DEMAND:
-        task.verify()  # the lines are static: this refuses
-        raise NotSimulatedError("the simulated lines are read on demand only")
-    return task
+    got = read_words(engine, task, 1, request.timeout, call)
+    if got.status:
+        raise StatusError(got.status, task=task.name)
+    return pb.ReadDigitalScalarU32Response(value=int(_words(got)[0, 0]))
 
 
-def _read(engine: Engine, request: Message, call: Call) -> tuple[Task, Words]:
-    """Levels now, as many times as samples are asked for (-1 means one)."""
-    task = _read_task(engine, request, call)
-    if request.num_samps_per_chan < -1:
-        raise StatusError(Code.SAMPLE_COUNT, task=task.name, samples_read=0)
-    samples = max(1, request.num_samps_per_chan)
-    return task, np.repeat(_levels(engine, task)[:, None], samples, axis=1)
+def bits_of(words: Words, width: int) -> npt.NDArray[np.uint8]:
+    """Return the level of each line: (..., width)."""
+    bits: npt.NDArray[np.uint8] = (
+        words[..., None] >> np.arange(width, dtype=np.uint32) & 1
+    ).astype(np.uint8)
+    return bits
 
 
-def _levels(engine: Engine, task: Task) -> Words:
-    started = not task.running
-    if started:
-        engine.start(task)
-    words = [
-        sum(
-            engine.lines.level(f"{channel.device.name}/{line}") << bit
-            for bit, line in enumerate(channel.lines)
-        )
-        for channel in task.digital
-    ]
-    if started:
-        engine.stop(task)
-    return np.array(words, np.uint32)
+def _words(got: ReadSamples) -> Words:
+    return got.samples.codes.astype(np.uint32)
+
+
+def _read(engine: Engine, request: Message, call: Call) -> tuple[Task, ReadSamples]:
+    task = task_of(engine, request, call)
+    return task, read_words(engine, task, request.num_samps_per_chan, request.timeout, call)
 
 
 def _flat(rows: npt.NDArray[np.generic], request: Message) -> npt.NDArray[np.generic]:
@@ -232,6 +229,8 @@ HANDLERS: dict[str, Handler] = {
     "WriteDigitalU16": _word_writer("U16"),
     "WriteDigitalU32": _word_writer("U32"),
     "ReadDigitalLines": read_digital_lines,
-    "ReadDigitalU32": read_digital_u32,
+    "ReadDigitalU8": _word_reader("U8"),
+    "ReadDigitalU16": _word_reader("U16"),
+    "ReadDigitalU32": _word_reader("U32"),
     "ReadDigitalScalarU32": read_digital_scalar_u32,
 }

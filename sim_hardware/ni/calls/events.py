@@ -5,10 +5,13 @@ from __future__ import annotations
 from nidaqmx._stubs import nidaqmx_pb2 as pb
 
 from sim_hardware.ni.calls.tasks import task_of
-from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
+from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.event_threads import ACQUIRED_INTO_BUFFER
+from sim_hardware.ni.tasks.event_threads import (
+    ACQUIRED_INTO_BUFFER,
+    TRANSFERRED_FROM_BUFFER,
+)
 from sim_hardware.ni.tasks.events import EveryNSamples, Stream
 from sim_hardware.ni.tasks.task import Task
 
@@ -22,7 +25,9 @@ def register_every_n_samples_event(engine: Engine, request: Message, call: Call)
         raise StatusError(Code.EVENT_INTERVAL_ZERO, task=task.name)
     if task.events.every_n is not None and not task.events.every_n.stream.closed:
         raise StatusError(Code.EVENT_TWICE, task=task.name)
-    task.events.every_n = EveryNSamples(request.n_samples, Stream())
+    task.events.every_n = EveryNSamples(
+        request.n_samples, Stream(), raw_enum(request, "every_n_samples_event_type")
+    )
     return task.events.every_n.stream
 
 
@@ -67,9 +72,7 @@ def _check_type(task: Task, request: Message) -> None:
     if kind == ACQUIRED_INTO_BUFFER:
         if task.channels and not task.inputs:
             raise StatusError(Code.EVENT_ACQUIRED_UNSUPPORTED, task=task.name)
-    elif task.outputs and task.outputs[0].side.clocked:
-        raise NotSimulatedError("events of output buffers: the simulated boards write on demand")
-    else:
+    elif kind != TRANSFERRED_FROM_BUFFER or not task.outputs or not task.outputs[0].side.clocked:
         raise StatusError(Code.EVENT_TRANSFERRED_UNSUPPORTED, task=task.name)
 
 

@@ -24,6 +24,7 @@ class ReadSamples:
 
     samples: Samples
     status: int = 0
+    first_s: float | None = None  # clock time of the first one, of a clocked acquisition
 
     @property
     def count(self) -> int:
@@ -39,8 +40,7 @@ def read_samples(
         raise StatusError(Code.SAMPLE_COUNT, f"Requested: {wanted}", task.name, samples_read=0)
     if task.type is not ChannelType.ANALOG_INPUT:
         raise StatusError(Code.READ_NOT_INPUT, task=task.name, samples_read=0)
-    if not task.running and not task.auto_start:
-        raise StatusError(Code.NOT_STARTED, task=task.name, samples_read=0)
+    _check_started(task)
     if engine.faults.loses_samples():
         raise StatusError(Code.OVERWRITTEN, task=task.name, samples_read=0)
     if task.timing.kind is TimingType.ON_DEMAND:
@@ -48,6 +48,34 @@ def read_samples(
     else:
         got = _buffered(engine, task, wanted, timeout_s, call)
     return _with_faults(engine, task, _selected(task, got))
+
+
+def read_words(
+    engine: Engine, task: Task, wanted: int, timeout_s: float, call: Call
+) -> ReadSamples:
+    """Read digital channels, one bit of a word for each line."""
+    if wanted < ALL_AVAILABLE:
+        raise StatusError(Code.SAMPLE_COUNT, f"Requested: {wanted}", task.name, samples_read=0)
+    if not task.digital:
+        raise StatusError(Code.READ_NOT_INPUT, task=task.name, samples_read=0)
+    _check_started(task)
+    if task.timing.kind is not TimingType.ON_DEMAND:
+        task.verify()  # where the lines are static, this refuses
+        return _selected(task, _buffered(engine, task, wanted, timeout_s, call))
+    started, count = not task.running, max(1, wanted)
+    if started:
+        engine.start(task)
+    times_s = np.full(count, engine.now())
+    samples = engine.line_sampler(task, task.counted).sample(times_s, 0.0, engine.now())
+    task.counted += count
+    if started:
+        engine.stop(task)
+    return _selected(task, ReadSamples(samples))
+
+
+def _check_started(task: Task) -> None:
+    if not task.running and not task.auto_start:
+        raise StatusError(Code.NOT_STARTED, task=task.name, samples_read=0)
 
 
 def _on_demand(engine: Engine, task: Task, wanted: int, call: Call) -> ReadSamples:
@@ -85,7 +113,8 @@ def _buffered(engine: Engine, task: Task, wanted: int, timeout_s: float, call: C
         going = engine.wait_until(min(due_s, limit_s), call)
         if not going or task.acquisition is not acquisition:
             raise StatusError(Code.NEVER_AVAILABLE, task=task.name, samples_read=0)
-    got = ReadSamples(acquisition.read(count, engine.now()))
+    first_s = acquisition.time_of(acquisition.first(engine.now()) + 1)
+    got = ReadSamples(acquisition.read(count, engine.now()), first_s=first_s)
     if task.started_by_read and acquisition.position == acquisition.plan.total:
         engine.stop(task)
     return got

@@ -11,7 +11,7 @@ from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.signals.timing import SampleMode, TimingType
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.task import Task, TaskState
+from sim_hardware.ni.tasks.task import StartTrigger, Task, TaskState
 
 _START, _STOP, _VERIFY, _COMMIT, _RESERVE, _UNRESERVE, _ABORT = range(7)  # constants.TaskMode
 
@@ -81,10 +81,9 @@ def wait_until_task_done(engine: Engine, request: Message, call: Call) -> Messag
     task = task_of(engine, request, call)
     limit_s = math.inf if request.time_to_wait < 0 else engine.now() + request.time_to_wait
     while not _is_done(engine, task):
-        total = task.acquisition.plan.total if task.acquisition else None
-        done_s = (
-            math.inf if total is None or not task.acquisition else task.acquisition.time_of(total)
-        )
+        timed = task.timed
+        total = timed.plan.total if timed else None
+        done_s = math.inf if total is None or not timed else timed.time_of(total)
         if engine.now() >= limit_s or not engine.wait_until(min(limit_s, done_s), call):
             raise StatusError(Code.NOT_DONE, task=task.name)
     return pb.WaitUntilTaskDoneResponse()
@@ -101,8 +100,45 @@ def cfg_samp_clk_timing(engine: Engine, request: Message, call: Call) -> Message
     timing.edge = raw_enum(request, "active_edge")
     timing.mode = sample_mode(raw_enum(request, "sample_mode"))
     timing.samples = request.samps_per_chan
+    task.output.clear()
     task.changed()
     return pb.CfgSampClkTimingResponse()
+
+
+def cfg_dig_edge_start_trig(engine: Engine, request: Message, call: Call) -> Message:
+    """Note the trigger; it is checked when the task is verified."""
+    task = task_of(engine, request, call)
+    task.refuse_while_running()
+    task.trigger = StartTrigger(request.trigger_source, raw_enum(request, "trigger_edge"))
+    task.changed()
+    return pb.CfgDigEdgeStartTrigResponse()
+
+
+def disable_start_trig(engine: Engine, request: Message, call: Call) -> Message:
+    """Start at once."""
+    task = task_of(engine, request, call)
+    task.refuse_while_running()
+    task.trigger = StartTrigger()
+    task.changed()
+    return pb.DisableStartTrigResponse()
+
+
+def cfg_input_buffer(engine: Engine, request: Message, call: Call) -> Message:
+    """Set the size of the buffer for what is acquired."""
+    task = task_of(engine, request, call)
+    task.refuse_while_running()
+    task.timing.buffer = request.num_samps_per_chan
+    task.changed()
+    return pb.CfgInputBufferResponse()
+
+
+def cfg_output_buffer(engine: Engine, request: Message, call: Call) -> Message:
+    """Set the size of the buffer for what is written."""
+    task = task_of(engine, request, call)
+    task.refuse_while_running()
+    task.output.clear()
+    task.output.size = request.num_samps_per_chan or None
+    return pb.CfgOutputBufferResponse()
 
 
 def sample_mode(raw: int) -> SampleMode:
@@ -117,9 +153,9 @@ def sample_mode(raw: int) -> SampleMode:
 
 def _is_done(engine: Engine, task: Task) -> bool:
     """On demand a started task waits for the next write; it counts as done between them."""
-    if not task.running or task.acquisition is None:
+    if not task.running or task.timed is None:
         return True
-    return task.acquisition.is_done(engine.now())
+    return task.timed.is_done(engine.now())
 
 
 HANDLERS = {
@@ -131,4 +167,8 @@ HANDLERS = {
     "IsTaskDone": is_task_done,
     "WaitUntilTaskDone": wait_until_task_done,
     "CfgSampClkTiming": cfg_samp_clk_timing,
+    "CfgDigEdgeStartTrig": cfg_dig_edge_start_trig,
+    "DisableStartTrig": disable_start_trig,
+    "CfgInputBuffer": cfg_input_buffer,
+    "CfgOutputBuffer": cfg_output_buffer,
 }

@@ -7,27 +7,40 @@ are computed by the simulated rig when a client reads them.
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.signals.adc import Converter, FloatArray
+from sim_hardware.ni.signals.shown_signals import LimitSine
+from sim_hardware.ni.signals.timebase import Timebase
 from sim_hardware.ni.signals.timing import InputPlan
 from sim_hardware.ni.tasks.channels import AnalogInputChannel
 from sim_hardware.simulated_rig import AnalogSide
 
-_TINY = 1e-6  # of a sample period: a sample due exactly now is acquired
+# constants.ReadRelativeTo, OverwriteMode
+FIRST_SAMPLE, CURRENT_READ_POSITION, MOST_RECENT_SAMPLE = 10424, 10425, 10428
+OVERWRITE, DO_NOT_OVERWRITE = 10252, 10159
 
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples as codes, one row for each channel."""
+    """Samples as codes, one row for each channel; of digital channels, as words."""
 
-    codes: npt.NDArray[np.int16]
+    codes: npt.NDArray[np.integer]
     volts: FloatArray
+
+
+class SampleSource(Protocol):
+    """What samples a task's channels."""
+
+    def sample(self, times_s: FloatArray, convert_s: float, latest_s: float) -> Samples:
+        """Return samples at `times_s`, none after `latest_s`."""
 
 
 class Sampler:
@@ -38,8 +51,11 @@ class Sampler:
         rig: AnalogSide,
         channels: Sequence[AnalogInputChannel],
         converters: Sequence[Converter],
+        shown: Sequence[LimitSine | None],
     ) -> None:
+        """`shown`: for each channel what it shows in place of the rig's volts, if anything."""
         self._rig = rig
+        self._shown = tuple(shown)
         self._channels = tuple(channels)
         self._converters = tuple(converters)
 
@@ -71,48 +87,92 @@ class Sampler:
             answer = np.empty(times.shape)
             answer[order] = self._rig.read(device, physical, times[order])
             raw[places] = answer.reshape(len(places), -1)
+        for row, sine in enumerate(self._shown):
+            if sine is not None:
+                raw[row] = sine.volts(when[row])
         return raw
+
+
+@dataclass
+class ReadPosition:
+    """Where a read begins, as the client has set it; it outlives a stop."""
+
+    relative_to: int = CURRENT_READ_POSITION
+    offset: int = 0
+    overwrite: int = DO_NOT_OVERWRITE
 
 
 class Acquisition:
     """A hardware-timed acquisition from its start on."""
 
-    def __init__(self, plan: InputPlan, sampler: Sampler, channels: int, start_s: float) -> None:
+    def __init__(
+        self,
+        plan: InputPlan,
+        sampler: SampleSource,
+        channels: int,
+        timebase: Timebase,
+        reads: ReadPosition,
+    ) -> None:
         self.plan = plan
-        self.start_s = start_s
-        self.position = 0  # samples per channel that have been read
+        self.timebase = timebase
+        self.position = 0  # the sample per channel after the last one that was read
         self.overflowed = False
+        self._skipped = 0  # edges of the timebase that had passed at the start
         self._sampler = sampler
+        self._reads = reads
         self._last_channel_s = (channels - 1) * plan.convert_s
         self._stopped_at: int | None = None
+        # What has been read, as long as it is in the buffer: it may be read again.
+        self._recent: deque[tuple[int, Samples]] = deque()
+        self._sampled = 0  # samples of every channel that have been computed
+
+    def follow(self, timebase: Timebase, skipped: int) -> None:
+        """Be clocked by another task's timebase, of which some edges have passed."""
+        self.timebase, self._skipped = timebase, skipped
 
     def acquired(self, now_s: float) -> int:
         """Return the samples per channel acquired so far."""
         if self._stopped_at is not None:
             return self._stopped_at
-        periods = (now_s - self.start_s - self._last_channel_s) * self.plan.rate_hz
-        count = max(0, math.floor(periods + 1 + _TINY))
+        count = max(0, self.timebase.edges(now_s, self._last_channel_s) - self._skipped)
         return count if self.plan.total is None else min(count, self.plan.total)
 
     def time_of(self, count: int) -> float:
         """Return when `count` samples of every channel have been acquired."""
-        return self.start_s + self._last_channel_s + (count - 1) / self.plan.rate_hz
+        return self.timebase.time_of(self._skipped + count - 1) + self._last_channel_s
+
+    def first(self, now_s: float) -> int:
+        """Return the sample at which a read begins now. -200277: before the first one."""
+        base = {
+            FIRST_SAMPLE: 0,
+            MOST_RECENT_SAMPLE: self.acquired(now_s),
+        }.get(self._reads.relative_to, self.position)
+        if base + self._reads.offset < 0:
+            raise StatusError(Code.NEGATIVE_READ_SAMPLE, samples_read=0)
+        return base + self._reads.offset
 
     def available(self, now_s: float) -> int:
-        """Return the samples per channel to be read; -200279 once unread ones were overwritten."""
-        unread = self.acquired(now_s) - self.position
-        if self.overflowed or (self.plan.total is None and unread > self.plan.buffer):
+        """Return the samples per channel to be read; -200279 once they were overwritten."""
+        acquired = self.acquired(now_s)
+        first = self.first(now_s)
+        if self.overflows and acquired - self.position > self.plan.buffer:
             self.overflowed = True
+        if self.overflowed or (self.plan.total is None and acquired - first > self.plan.buffer):
             raise StatusError(
                 Code.OVERWRITTEN,
-                f"Samples unread: {unread}\nBuffer size: {self.plan.buffer}",
+                f"Samples unread: {acquired - first}\nBuffer size: {self.plan.buffer}",
                 samples_read=0,
             )
-        return unread
+        return max(0, acquired - first)
+
+    @property
+    def overflows(self) -> bool:
+        """Whether a full buffer ends it."""
+        return self.plan.total is None and self._reads.overwrite == DO_NOT_OVERWRITE
 
     def overflow_s(self) -> float:
-        """Return when the buffer overflows if no client reads."""
-        return self.time_of(self.position + self.plan.buffer + 1)
+        """Return when the buffer overflows if no client reads; inf: never."""
+        return self.time_of(self.position + self.plan.buffer + 1) if self.overflows else math.inf
 
     def is_done(self, now_s: float) -> bool:
         """Return whether a finite acquisition has all its samples, or has been stopped."""
@@ -124,8 +184,33 @@ class Acquisition:
         self._stopped_at = self.acquired(now_s)
 
     def read(self, count: int, now_s: float) -> Samples:
-        """Return the next `count` samples, which must have been acquired."""
-        index = np.arange(self.position, self.position + count)
-        times_s = self.start_s + index / self.plan.rate_hz
-        self.position += count
-        return self._sampler.sample(times_s, self.plan.convert_s, now_s)
+        """Return `count` samples from where a read begins; they must have been acquired."""
+        first = self.first(now_s)
+        self.position = first + count
+        if first < self._sampled:
+            return self._again(first, count, now_s)
+        return self._new(first, count, now_s)
+
+    def _new(self, first: int, count: int, now_s: float) -> Samples:
+        """Compute samples; those that were passed over are never computed."""
+        index = self._skipped + np.arange(first, first + count)
+        times_s = self.timebase.start_s + index / self.timebase.rate_hz
+        samples = self._sampler.sample(times_s, self.plan.convert_s, now_s)
+        if first > self._sampled:
+            self._recent.clear()  # there is a gap before them
+        self._sampled = first + count
+        self._recent.append((first, samples))
+        while len(self._recent) > 1 and self._recent[1][0] <= self._sampled - self.plan.buffer:
+            self._recent.popleft()
+        return samples
+
+    def _again(self, first: int, count: int, now_s: float) -> Samples:
+        """Return samples of which at least the first has been read before."""
+        if first + count > self._sampled:
+            self._new(self._sampled, first + count - self._sampled, now_s)
+        if self._recent[0][0] > first:
+            raise StatusError(Code.OVERWRITTEN, samples_read=0)
+        start, blocks = self._recent[0][0], [block for _, block in self._recent]
+        places = slice(first - start, first - start + count)
+        codes = np.hstack([block.codes for block in blocks])[:, places]
+        return Samples(codes, np.hstack([block.volts for block in blocks])[:, places])

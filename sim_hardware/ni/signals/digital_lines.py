@@ -6,6 +6,11 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
+from sim_hardware.ni.signals.adc import FloatArray
+
 
 @dataclass(frozen=True)
 class LineEdge:
@@ -30,6 +35,17 @@ class Lines:
     def level(self, line: str) -> bool:
         """Return whether a line is high; it is low until written."""
         return self._high.get(line, False)
+
+    def was_written(self, line: str) -> bool:
+        """Return whether an output has ever set a line."""
+        return line in self._high
+
+    def levels_at(self, line: str, times_s: FloatArray) -> npt.NDArray[np.uint32]:
+        """Return a line's level, 0 or 1, at some times."""
+        edges = [edge for edge in self.edges if edge.line == line]
+        after = np.searchsorted([edge.time_s for edge in edges], times_s, side="right")
+        levels = [not edges[0].high if edges else self.level(line), *(e.high for e in edges)]
+        return np.array(levels, np.uint32)[after]
 
     def write(self, line: str, high: bool, when: float) -> None:
         """Set a line."""

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from enum import IntEnum
 
-from sim_hardware.ni.boards.contract import AnalogInputs
+from sim_hardware.ni.boards.contract import AnalogInputs, AnalogOutputs
 from sim_hardware.ni.errors import Code, StatusError
 
 
@@ -26,6 +26,7 @@ class SampleMode(IntEnum):
 
 
 RISING, FALLING = 10280, 10171
+LINES_TIMEBASE_HZ, LINES_MAX_RATE_HZ = 100e6, 10e6
 
 
 @dataclass(kw_only=True)
@@ -64,20 +65,8 @@ class InputPlan:
 
 def plan_input(timing: TaskTiming, side: AnalogInputs, channels: int) -> InputPlan:
     """Check a sample clock against the board, as the driver does at verify (-200077, -200081)."""
-    if timing.mode is SampleMode.HARDWARE_TIMED_SINGLE_POINT:
-        raise StatusError(
-            Code.INVALID_VALUE, "Property: DAQmx_SampQuant_SampMode\nHW Timed Single Point"
-        )
-    if timing.samples < 1 or (timing.mode is SampleMode.FINITE and timing.samples < 2):
-        raise StatusError(
-            Code.INVALID_VALUE,
-            f"Property: DAQmx_SampQuant_SampPerChan\nRequested: {timing.samples}",
-        )
-    if timing.source not in ("", "OnboardClock"):
-        raise StatusError(
-            Code.INVALID_VALUE, f"Property: DAQmx_SampClk_Src\nRequested: {timing.source}"
-        )
-    rate_hz = coerced_rate(timing.rate_hz, side, channels)
+    _check_mode(timing)
+    rate_hz = _coerced(timing.rate_hz, side.timebase_hz, side.min_rate_hz, side.max_rate(channels))
     convert_s = _convert_period(timing.convert_rate_hz, side, channels, rate_hz)
     return InputPlan(
         rate_hz=rate_hz,
@@ -87,16 +76,56 @@ def plan_input(timing: TaskTiming, side: AnalogInputs, channels: int) -> InputPl
     )
 
 
-def coerced_rate(asked_hz: float, side: AnalogInputs, channels: int) -> float:
+def plan_lines(timing: TaskTiming) -> InputPlan:
+    """Check a sample clock for lines that the board can time: X Series boards have such ports."""
+    _check_mode(timing)
+    least_hz = LINES_TIMEBASE_HZ / 2**32
+    return InputPlan(
+        rate_hz=_coerced(timing.rate_hz, LINES_TIMEBASE_HZ, least_hz, LINES_MAX_RATE_HZ),
+        convert_s=0.0,
+        total=timing.samples if timing.mode is SampleMode.FINITE else None,
+        buffer=timing.buffer_size(),
+    )
+
+
+@dataclass(frozen=True)
+class OutputPlan:
+    """The timing of a generation, checked and coerced."""
+
+    rate_hz: float
+    total: int | None  # samples of a finite generation
+
+
+def plan_output(timing: TaskTiming, side: AnalogOutputs) -> OutputPlan:
+    """Check a sample clock against the outputs of a board that has one (-200077)."""
+    assert side.max_rate_hz is not None  # noqa: S101 - `conformance` refuses such a board
+    _check_mode(timing)
+    least_hz = side.timebase_hz / 2**32
+    rate_hz = _coerced(timing.rate_hz, side.timebase_hz, least_hz, side.max_rate_hz)
+    return OutputPlan(rate_hz, timing.samples if timing.mode is SampleMode.FINITE else None)
+
+
+def _check_mode(timing: TaskTiming) -> None:
+    if timing.mode is SampleMode.HARDWARE_TIMED_SINGLE_POINT:
+        raise StatusError(
+            Code.INVALID_VALUE, "Property: DAQmx_SampQuant_SampMode\nHW Timed Single Point"
+        )
+    if timing.samples < 1 or (timing.mode is SampleMode.FINITE and timing.samples < 2):
+        raise StatusError(
+            Code.INVALID_VALUE,
+            f"Property: DAQmx_SampQuant_SampPerChan\nRequested: {timing.samples}",
+        )
+
+
+def _coerced(asked_hz: float, timebase_hz: float, least_hz: float, most_hz: float) -> float:
     """Return the rate next above `asked_hz` that divides the timebase; -200077 out of limits."""
-    most = side.max_rate(channels)
-    if not side.min_rate_hz <= asked_hz <= most * (1 + 1e-9):
+    if not least_hz <= asked_hz <= most_hz * (1 + 1e-9):
         raise StatusError(
             Code.INVALID_VALUE,
             f"Property: DAQmx_SampClk_Rate\nRequested Value: {asked_hz:g}\n"
-            f"Maximum Value: {most:g}\nMinimum Value: {side.min_rate_hz:g}",
+            f"Maximum Value: {most_hz:g}\nMinimum Value: {least_hz:g}",
         )
-    return side.timebase_hz / max(1, math.floor(side.timebase_hz / asked_hz * (1 + 1e-12)))
+    return timebase_hz / max(1, math.floor(timebase_hz / asked_hz * (1 + 1e-12)))
 
 
 def _convert_period(

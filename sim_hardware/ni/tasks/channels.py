@@ -45,6 +45,8 @@ class AnalogInputChannel:
     high_V: float
     asked_terminals: int
     description: str = ""
+    range_low_V: float | None = None  # of the converter, as asked for; None: what the limits need
+    range_high_V: float | None = None
 
     @property
     def terminals(self) -> Terminals:
@@ -63,10 +65,11 @@ class AnalogInputChannel:
         side = self.side
         self._check_terminals()
         _check_order(self.low_V, self.high_V, "AI", self.name)
-        found = side.range_for(self.low_V, self.high_V)
+        low_V = min(self.low_V, self.low_V if self.range_low_V is None else self.range_low_V)
+        high_V = max(self.high_V, self.high_V if self.range_high_V is None else self.range_high_V)
+        found = side.range_for(low_V, high_V)
         if found is None:
-            widest = side.ranges_V[-1]
-            raise _limit_fault("AI", self.low_V, self.high_V, widest, self.name)
+            raise _limit_fault("AI", low_V, high_V, side.ranges_V[-1], self.name)
         return found
 
     def _check_terminals(self) -> None:
@@ -119,6 +122,7 @@ class DigitalChannel:
     lines: tuple[str, ...]  # port0/line0, ...
     output: bool
     description: str = ""
+    by_port: bool = False  # named as a whole port, not by its lines
 
     @property
     def buffered(self) -> bool:

@@ -6,18 +6,26 @@ Calls come from many threads; each holds `lock` while it works and lets go of it
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 
 from drivers.interfaces import Clock
 from sim_hardware.clock import VirtualClock
 from sim_hardware.ni.devices import DeviceRegistry
-from sim_hardware.ni.errors import Code
+from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.faults import Faults
 from sim_hardware.ni.rpc import Call
 from sim_hardware.ni.signals.acquisition import Acquisition, Sampler
 from sim_hardware.ni.signals.adc import Converter
 from sim_hardware.ni.signals.digital_lines import Lines
+from sim_hardware.ni.signals.generation import Generation
+from sim_hardware.ni.signals.line_sampler import LineSampler
+from sim_hardware.ni.signals.shown_signals import LimitSine
+from sim_hardware.ni.signals.timing import InputPlan, OutputPlan
+from sim_hardware.ni.tasks.channels import AnalogInputChannel
+from sim_hardware.ni.tasks.clocks import TaskClocks
 from sim_hardware.ni.tasks.event_threads import start_event_threads
+from sim_hardware.ni.tasks.playback import Playback
 from sim_hardware.ni.tasks.reservations import Reservations
 from sim_hardware.ni.tasks.sessions import Sessions
 from sim_hardware.ni.tasks.task import Task, TaskState
@@ -40,7 +48,16 @@ class Engine:
         faults: Faults,
         seed: int | None,
         strict_ownership: bool,
+        clock_error_ppm: float = 0.0,
+        is_wired: Callable[[str, str], bool] | None = None,
     ) -> None:
+        """`clock_error_ppm`: how much faster the boards' oscillators are than `clock`.
+
+        With `is_wired` (device, channel), inputs that are not wired show test signals.
+        """
+        self._is_wired = is_wired
+        # What the clock's 0 is in UTC; a virtual clock has no date.
+        self.epoch_s = None if isinstance(clock, VirtualClock) else time.time() - clock.now()
         self.lock = threading.Lock()
         self._rig = rig
         self.clock = clock
@@ -52,6 +69,10 @@ class Engine:
         self.sessions = Sessions(strict=strict_ownership)
         self._seed = seed
         self._reservations: Reservations[Task] = Reservations()
+        self.playback = Playback(clock, self.lock, self._put_out, faults)
+        self.clocks = TaskClocks(
+            self.devices, clock_error_ppm, self.sessions.all, self.playback.begin
+        )
 
     def now(self) -> float:
         """Return the clock's time."""
@@ -67,6 +88,7 @@ class Engine:
             self.clock.sleep_until(min(when, self.clock.now() + _WAIT_PIECE_S))
         finally:
             self.lock.acquire()
+        self.playback.advance()
         return call.is_active()
 
     # -------------------------------------------------------------------------------- the states
@@ -74,6 +96,7 @@ class Engine:
     def verify(self, task: Task) -> None:
         """Check all settings."""
         task.verify()
+        self.clocks.check(task)
         task.state = max(task.state, TaskState.VERIFIED)
 
     def reserve(self, task: Task, state: TaskState = TaskState.RESERVED) -> None:
@@ -86,23 +109,39 @@ class Engine:
         """Begin to acquire or to accept values."""
         task.refuse_while_running(Code.TASK_RUNNING)
         self.reserve(task, TaskState.COMMITTED)
+        self._make_ready(task)
+        task.state = TaskState.RUNNING
+        self.clocks.begin(task, self.now())
+        if task.timed is not None and task.events.streams():
+            start_event_threads(self.clock, task, task.timed)
+
+    def _make_ready(self, task: Task) -> None:
+        """Make what acquires or puts out; its clock does not run yet."""
         plan = task.verify()
-        if plan is not None:
-            sampler = self._sampler(task)
-            task.acquisition = Acquisition(plan, sampler, len(task.channels), self.now())
+        if isinstance(plan, InputPlan):
+            base = self.clocks.timebase(plan.rate_hz)
+            sampler = self._sampler(task) if task.inputs else self.line_sampler(task)
+            task.acquisition = Acquisition(plan, sampler, len(task.channels), base, task.reads)
+        elif isinstance(plan, OutputPlan):
+            if task.output.written == 0:
+                raise StatusError(Code.OUTPUT_BUFFER_EMPTY, task=task.name)
+            base = self.clocks.timebase(plan.rate_hz)
+            task.generation = Generation(plan, task.output, base)
         elif task.inputs:
             task.on_demand = self._sampler(task)
-        task.state = TaskState.RUNNING
-        if task.acquisition is not None and task.events.streams():
-            start_event_threads(self.clock, task, task.acquisition)
 
     def stop(self, task: Task) -> None:
-        """End the acquisition; the task keeps its resources if it had been committed before."""
+        """End the acquisition; the task keeps its resources if it had been committed before.
+
+        An output keeps the voltage that it has at this moment.
+        """
         if not task.running:
             return
+        self.playback.advance()
+        self.clocks.end(task, self.now())
         if task.acquisition is not None:
             task.acquisition.end(self.now())
-        task.acquisition = task.on_demand = None
+        task.acquisition = task.on_demand = task.generation = None
         for stream in task.events.streams():
             stream.drop_pending()
         task.started_by_read = False
@@ -149,11 +188,28 @@ class Engine:
     def _sampler(self, task: Task) -> Sampler:
         """Return the sampler of a task's inputs."""
         task.starts += 1
+        shown = [self._test_signal(channel) for channel in task.inputs]
         converters = [
-            Converter(channel.side, channel.verified_range(), self._seed_of(task, row))
+            # What is shown stays between the channel's limits, and so has no noise.
+            Converter(
+                channel.side,
+                channel.verified_range(),
+                self._seed_of(task, row) if shown[row] is None else None,
+            )
             for row, channel in enumerate(task.inputs)
         ]
-        return Sampler(self._rig, task.inputs, converters)
+        return Sampler(self._rig, task.inputs, converters, shown)
+
+    def _test_signal(self, channel: AnalogInputChannel) -> LimitSine | None:
+        """Return what an input shows to which nothing is wired, if it shows anything."""
+        if self._is_wired is None or self._is_wired(channel.device.name, channel.physical):
+            return None
+        return LimitSine(channel.low_V, channel.high_V)
+
+    def line_sampler(self, task: Task, first: int = 0) -> LineSampler:
+        """Return the sampler of a task's digital channels, from its sample `first` on."""
+        lines = [[f"{c.device.name}/{line}" for line in c.lines] for c in task.digital]
+        return LineSampler(self.lines, lines, counts=self._is_wired is not None, first=first)
 
     def _seed_of(self, task: Task, row: int) -> tuple[int, ...] | None:
         """Of the noise of one channel in one acquisition."""
@@ -163,6 +219,13 @@ class Engine:
         """Put a new voltage on an output, now."""
         if f"{device}/{channel}" not in self.faults.stuck_outputs:
             self._rig.write(device, channel, volts, self.now())
+
+    def _put_out(self, task: Task, channel: int, volts: float, when_s: float) -> None:
+        """Put a sample of a generation on its output, at its time."""
+        output = task.outputs[channel]
+        if f"{output.device.name}/{output.physical}" not in self.faults.stuck_outputs:
+            converted = output.converted(volts)
+            self._rig.write(output.device.name, output.physical, converted, when_s)
 
     def write_line(self, line: str, high: bool) -> None:
         """Set a digital line's level, now."""

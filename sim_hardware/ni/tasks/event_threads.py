@@ -11,16 +11,18 @@ from sim_hardware.clock import VirtualClock
 from sim_hardware.ni.errors import Code
 from sim_hardware.ni.rpc import Message
 from sim_hardware.ni.signals.acquisition import Acquisition
+from sim_hardware.ni.signals.generation import Generation
 from sim_hardware.ni.tasks.events import EveryNSamples, Stream
 from sim_hardware.ni.tasks.task import Task
 
-ACQUIRED_INTO_BUFFER = 1  # nidaqmx.constants.EveryNSamplesEventType
+# nidaqmx.constants.EveryNSamplesEventType
+ACQUIRED_INTO_BUFFER, TRANSFERRED_FROM_BUFFER = 1, 2
 _WAIT_PIECE_S = 0.1  # a thread notices so soon that its task has been stopped
 
 
-def start_event_threads(clock: Clock, task: Task, acquisition: Acquisition) -> None:
+def start_event_threads(clock: Clock, task: Task, timed: Acquisition | Generation) -> None:
     """Start a thread for each registration of a task that has just started."""
-    events = _AcquisitionEvents(clock, task, acquisition)
+    events = _TimedEvents(clock, task, timed)
     every_n, done = task.events.every_n, task.events.done
     if every_n is not None:
         clock.start_thread(lambda: events.every_n_samples(every_n), f"events of {task.name}")
@@ -29,44 +31,46 @@ def start_event_threads(clock: Clock, task: Task, acquisition: Acquisition) -> N
 
 
 @dataclass(frozen=True)
-class _AcquisitionEvents:
-    """The events of one acquisition of a task."""
+class _TimedEvents:
+    """The events of one acquisition or generation of a task."""
 
     clock: Clock
     task: Task
-    acquisition: Acquisition
+    timed: Acquisition | Generation
 
     def every_n_samples(self, registration: EveryNSamples) -> None:
         """Send an event whenever so many samples have been acquired."""
         event = pb.RegisterEveryNSamplesEventResponse(
-            every_n_samples_event_type_raw=ACQUIRED_INTO_BUFFER, n_samples=registration.samples
+            every_n_samples_event_type_raw=registration.kind, n_samples=registration.samples
         )
         count = registration.samples
-        total = self.acquisition.plan.total
+        total = self.timed.plan.total
         while total is None or count <= total:
-            self._wait(self.acquisition.time_of(count))
+            self._wait(self.timed.time_of(count))
             if not self._send(registration.stream, event):
                 return
             count += registration.samples
 
     def done(self, stream: Stream) -> None:
         """Send the end: a finite acquisition's with its last sample, any other's by an overflow."""
-        total = self.acquisition.plan.total
+        total = self.timed.plan.total
         while total is None:
-            overflow_s = self.acquisition.overflow_s()
+            overflow_s = self.timed.overflow_s()
             self._wait(overflow_s)
             if self._over or stream.closed:
                 return
-            if self.acquisition.overflow_s() <= overflow_s:
-                self._send(stream, pb.RegisterDoneEventResponse(status=int(Code.OVERWRITTEN)))
+            if self.timed.overflow_s() <= overflow_s:
+                output = isinstance(self.timed, Generation)
+                status = Code.GENERATION_UNDERFLOW if output else Code.OVERWRITTEN
+                self._send(stream, pb.RegisterDoneEventResponse(status=int(status)))
                 return
-        self._wait(self.acquisition.time_of(total))
+        self._wait(self.timed.time_of(total))
         self._send(stream, pb.RegisterDoneEventResponse(status=0))
 
     @property
     def _over(self) -> bool:
         """Whether the task has been stopped, or started again."""
-        return self.task.acquisition is not self.acquisition
+        return self.task.timed is not self.timed
 
     def _wait(self, when: float) -> None:
         """Wait until `when`, or until the acquisition is over."""

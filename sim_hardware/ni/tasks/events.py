@@ -63,6 +63,7 @@ class EveryNSamples:
 
     samples: int
     stream: Stream
+    kind: int = 1  # nidaqmx.constants.EveryNSamplesEventType
 
 
 @dataclass

@@ -8,8 +8,18 @@ from enum import IntEnum
 
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
 from sim_hardware.ni.names import split_list
-from sim_hardware.ni.signals.acquisition import Acquisition, Sampler
-from sim_hardware.ni.signals.timing import InputPlan, TaskTiming, TimingType, plan_input
+from sim_hardware.ni.signals.acquisition import Acquisition, ReadPosition, Sampler
+from sim_hardware.ni.signals.generation import Generation, OutputBuffer
+from sim_hardware.ni.signals.timing import (
+    RISING,
+    InputPlan,
+    OutputPlan,
+    TaskTiming,
+    TimingType,
+    plan_input,
+    plan_lines,
+    plan_output,
+)
 from sim_hardware.ni.tasks.channels import (
     AnalogInputChannel,
     AnalogOutputChannel,
@@ -30,6 +40,14 @@ class TaskState(IntEnum):
     RUNNING = 4
 
 
+@dataclass
+class StartTrigger:
+    """What a started task waits for; an empty source: nothing."""
+
+    source: str = ""
+    edge: int = RISING
+
+
 @dataclass(eq=False, kw_only=True)
 class Task:
     """A task that a client configures and runs. The engine moves it from state to state."""
@@ -45,8 +63,13 @@ class Task:
     channels_to_read: str = ""
     started_by_read: bool = False
     held: bool = False  # the client has reserved it: a stop then leaves it reserved
+    counted: int = 0  # samples of its lines that were read on demand
     starts: int = 0  # seeds the noise of each acquisition
+    reads: ReadPosition = field(default_factory=ReadPosition)
+    output: OutputBuffer = field(default_factory=OutputBuffer)
+    trigger: StartTrigger = field(default_factory=StartTrigger)
     acquisition: Acquisition | None = None  # while it runs by a sample clock
+    generation: Generation | None = None  # while it puts out by a sample clock
     on_demand: Sampler | None = None  # while it runs without
     events: TaskEvents = field(default_factory=TaskEvents)
 
@@ -54,6 +77,11 @@ class Task:
     def running(self) -> bool:
         """Started and not stopped; a finite acquisition that is done still runs in this sense."""
         return self.state is TaskState.RUNNING
+
+    @property
+    def timed(self) -> Acquisition | Generation | None:
+        """What runs by its sample clock."""
+        return self.acquisition or self.generation
 
     @property
     def type(self) -> ChannelType | None:
@@ -108,12 +136,13 @@ class Task:
             raise StatusError(Code.NO_SUCH_CHANNEL, f"Channel Name: {names}", self.name)
         return iter(found)
 
-    def verify(self) -> InputPlan | None:
-        """Check every setting against the boards; the plan of a clocked acquisition."""
+    def verify(self) -> InputPlan | OutputPlan | None:
+        """Check every setting against the boards; the plan of a clocked task."""
         if not self.channels:
             raise StatusError(Code.NO_CHANNELS, task=self.name)
-        if self.inputs and len(self.device_names) > 1:
-            raise NotSimulatedError("a task of inputs of several boards is not simulated")
+        clocked = self.outputs and self.timing.kind is not TimingType.ON_DEMAND
+        if (self.inputs or clocked) and len(self.device_names) > 1:
+            raise NotSimulatedError("a timed task of several boards is not simulated")
         for output in self.outputs:
             output.verified_range()
         for channel in self.inputs:
@@ -124,14 +153,16 @@ class Task:
             return None
         return self._plan()
 
-    def _plan(self) -> InputPlan:
+    def _plan(self) -> InputPlan | OutputPlan:
         board = self.channels[0].device.board
         if self.inputs:
             return plan_input(self.timing, self.inputs[0].side, len(self.inputs))
-        if any(output.side.clocked for output in self.outputs):
-            raise NotSimulatedError("the simulated boards write on demand only")
-        if all(channel.buffered for channel in self.digital) and self.digital:
-            raise NotSimulatedError("the simulated lines are read and written on demand only")
+        if self.outputs and all(output.side.clocked for output in self.outputs):
+            return plan_output(self.timing, self.outputs[0].side)
+        if self.digital and all(channel.buffered for channel in self.digital):
+            if self.digital[0].output:
+                raise NotSimulatedError("the simulated lines are written on demand only")
+            return plan_lines(self.timing)
         raise StatusError(
             Code.INVALID_VALUE,
             f"Property: DAQmx_SampTimingType\nRequested: Sample Clock\n{board.product_type} has "
@@ -148,6 +179,8 @@ class Task:
                 found.append(f"{device}/ai")  # the board has one converter
             elif isinstance(channel, AnalogOutputChannel):
                 found.append(f"{device}/{channel.physical}")
+                if self.timing.kind is not TimingType.ON_DEMAND:
+                    found.append(f"{device}/ao clock")  # the board has one for all outputs
             else:
                 found.extend(f"{device}/{line}" for line in channel.lines)
         return found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import grpc
 
@@ -37,12 +37,17 @@ class NiDeviceServer:
         *,
         strict_ownership: bool = False,
         seed: int | None = 0,
+        clock_error_ppm: float = 0.0,
+        is_wired: Callable[[str, str], bool] | None = None,
     ) -> None:
         """`devices` maps names to product types (None: those of the shipped world).
 
         ValueError for a name that is none, or a product type that is not simulated.
 
         `seed` is that of the converters' noise; None: they have none (a recording has its own).
+        `clock_error_ppm`: how much faster the boards' oscillators are than `clock`.
+        `is_wired`: inputs (device, channel) that are not show what NI's simulated devices do: a
+        sine between the channel's limits; and lines that nobody writes count.
         """
         self.faults = Faults()
         self._strict = strict_ownership
@@ -56,6 +61,8 @@ class NiDeviceServer:
             faults=self.faults,
             seed=seed,
             strict_ownership=strict_ownership,
+            clock_error_ppm=clock_error_ppm,
+            is_wired=is_wired,
         )
         self._methods = methods()
         self._tcp: TcpServer | None = None

@@ -27,6 +27,10 @@ class LoopbackWires:
         self._volts: dict[str, list[float]] = {}
         self._lock = threading.Lock()
 
+    def is_wired(self, device: str, channel: str) -> bool:
+        """Return whether a wire leads to an input."""
+        return any(name in self._source for name in _names(device, channel))
+
     def write(self, device: str, channel: str, volts: float, when: float) -> None:
         """See `AnalogSide.write`."""
         with self._lock:

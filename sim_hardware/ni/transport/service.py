@@ -17,7 +17,9 @@ from nidaqmx._stubs import nidaqmx_pb2 as pb
 
 from sim_hardware.ni.attributes import channel as attributes_channel
 from sim_hardware.ni.attributes import device as attributes_device
+from sim_hardware.ni.attributes import output as attributes_output
 from sim_hardware.ni.attributes import task as attributes_task
+from sim_hardware.ni.attributes import trigger as attributes_trigger
 from sim_hardware.ni.calls import analog_input, analog_output, digital, waveforms
 from sim_hardware.ni.calls import events as event_calls
 from sim_hardware.ni.calls import system as system_calls
@@ -55,6 +57,8 @@ def methods() -> dict[str, Method]:
         | system_calls.HANDLERS
         | attributes_device.HANDLERS
         | attributes_task.HANDLERS
+        | attributes_output.HANDLERS
+        | attributes_trigger.HANDLERS
         | attributes_channel.HANDLERS
     )
     daq = pb.DESCRIPTOR.services_by_name["NiDAQmx"]
@@ -94,6 +98,7 @@ def answer(engine: Engine, method: Method, request: Message, call: Call) -> Mess
     try:
         _suffer_faults(engine, method, call)
         with engine.lock:
+            engine.playback.advance()
             return method.handler(engine, request, call)
     except StatusError as fault:
         if not call.is_active():

@@ -17,6 +17,7 @@ FaultKind = Literal[
     "daq_reserved",
     "daq_buffer_overflow",
     "output_stuck",
+    "output_underflow",
     "force_nan",
     "drive_nan",
     "current_saturated",

@@ -85,6 +85,8 @@ class WorldSettings(ClosedSettings):
     """Weight of sheet per length that acts in the image's plane, along -y."""
     frame_delay_s: Annotated[float, Field(ge=0, le=1)]
     """The camera shows what was there so long ago."""
+    board_clock_ppm: Annotated[float, Field(ge=-1000, le=1000)]
+    """How much faster the oscillators of NI's boards are than the computer's clock."""
     creep: CreepSettings
     mass: MassSettings
     loss: LossSettings

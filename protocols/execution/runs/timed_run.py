@@ -1,0 +1,81 @@
+"""A run that the board puts out by the clock of its inputs: its edges are samples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+from drivers.interfaces import DeviceError, SampleClock, TimedVoltage, VoltageWrite
+from protocols.execution.events import ActionTaken
+from protocols.execution.runs.loop import Loop
+from protocols.planning.schedule import PlannedRun
+
+LATE_S = 0.5  # after its end by our clock, the board has put out its run
+_DRIFT = 1e-3  # relative: far beyond what two clocks differ
+
+
+class BoardTimedRun:
+    """The steps of a run as samples of its acquisition."""
+
+    def __init__(
+        self, loop: Loop, first: int, course: Sequence[TimedVoltage], board_V: Sequence[float]
+    ) -> None:
+        """`first`: the sample of the run's time 0; `board_V`: of each voltage, at the board."""
+        self._loop = loop
+        self._first = first
+        self._course = course
+        self._board_V = board_V
+        self._clock = SampleClock(0.0, 0.0, 1.0)
+
+    def begin(self, clock: SampleClock) -> float:
+        """Take the clock of the acquisition that has started; return when time 0 is on it."""
+        self._clock = clock
+        return clock.time_of(self._first)
+
+    def write(self, step: int) -> VoltageWrite:
+        """Return a step's edge as a write that took no time, at its sample."""
+        edge = self._course[step]
+        when_s = self._clock.time_of(edge.index)
+        self._loop.output.reached(edge.volts)
+        return VoltageWrite(edge.volts, self._board_V[step], when_s, when_s)
+
+    def confirm_end(self) -> bool:
+        """Return whether the board has come to the run's last 0 V; then 0 V is written, too.
+
+        Raises DeviceError when the board has failed, or is overdue.
+        """
+        if self._loop.output.is_done():
+            self._loop.output.write(0.0)
+            return True
+        end_s = self._clock.time_of(self._course[-1].index)
+        overdue_s = LATE_S + _DRIFT * (end_s - self._clock.start_s)
+        if self._loop.clock.now() > end_s + overdue_s:
+            raise DeviceError(
+                "the board has not put out its run in time: its clock is slow, or it was not "
+                "started with the inputs; set timed_output = false to have each edge written"
+            )
+        return False
+
+
+def load_timed(loop: Loop, run: PlannedRun) -> BoardTimedRun | None:
+    """Give the board a run, where it can time it; None: each edge is to be written in its time.
+
+    A controller and a move during the run decide later what is written. A run that takes longer
+    than the sheet may be under voltage is left to us, too: the guard sums the time of a run that
+    the board puts out as one.
+    """
+    longest_s = loop.longest_timed_s - loop.timing.lead_in_s - LATE_S
+    by_us = bool(run.reference) or run.move is not None or run.duration_s > longest_s
+    if by_us or not loop.output.is_timed:
+        return None
+    rate_hz = loop.devices.signals.rate_hz
+    first = round(loop.timing.lead_in_s * rate_hz)
+    course = tuple(
+        TimedVoltage(first + round(step.time_s * rate_hz), step.voltage_V) for step in run.steps
+    )
+    apart = all(a.index < b.index for a, b in pairwise(course))
+    if not apart or course[-1].volts != 0.0:
+        return None
+    what = f"gave run {run.index + 1} to the board, which puts it out by the clock of its inputs"
+    loop.emit(ActionTaken(loop.clock.now(), "labrig", what))
+    return BoardTimedRun(loop, first, course, loop.output.load(course, rate_hz))
