@@ -293,6 +293,55 @@ class ForceSensor(Protocol):
 # ----------------------------------------------------------------------------------------- camera
 
 
+FREE, SOFTWARE, HARDWARE = "free", "software", "hardware"  # what begins an exposure
+
+
+@dataclass(frozen=True, kw_only=True)
+class AcquisitionSettings:
+    """How a camera takes images. None: as the camera has it, or not known."""
+
+    exposure_s: float | None = None
+    gain: float | None = None  # in the camera's own unit, dB on most
+    pixel_format: str | None = None  # as GenICam names it: Mono8, Mono12p, BayerRG8
+    region: tuple[int, int, int, int] | None = None  # left, top, width, height in pixels
+    frame_rate_hz: float | None = None  # where the camera runs free
+    trigger: str | None = None  # free, software or hardware
+
+
+@dataclass(frozen=True)
+class TriggerPulse:
+    """A trigger was given between these clock times."""
+
+    before_s: float
+    after_s: float
+
+    @property
+    def middle_s(self) -> float:
+        """The time at which it counts as given."""
+        return (self.before_s + self.after_s) / 2
+
+
+class FrameTrigger(Protocol):
+    """Begins exposures one by one: a digital line of the boards, or the camera's own command."""
+
+    def open(self) -> None:
+        """Take the line; nothing is triggered. Raises DeviceNotFoundError, DeviceError."""
+
+    def fire(self) -> TriggerPulse:
+        """Begin one exposure; may block as long as a write of the voltage. Raises DeviceError."""
+
+    def close(self) -> None:
+        """Let go of the line. May be called twice."""
+
+
+@runtime_checkable
+class TriggersFrames(Protocol):
+    """Boards with a digital line that can trigger a camera; a `BoardConnection` may be one."""
+
+    def frame_trigger(self, line: str) -> FrameTrigger:
+        """Return the line, not open yet. A rising edge of it begins an exposure."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Frame:
     """One image of a camera: `image` (rows, columns), grey, 8 or 16 bit."""
@@ -303,19 +352,25 @@ class Frame:
     image: GreyImage
     # how much later it came than its time stamp and those before it let expect; 0: not known
     late_s: float = 0.0
+    device_number: int | None = None  # the camera's own number of it, where it gives one
+    trigger_s: float | None = None  # clock time of the trigger that began it, where there was one
 
 
 @dataclass(frozen=True)
 class CameraCounts:
-    """Frames since `start`."""
+    """Frames since `start`. Each frame that the camera took is in one of these, but `dropped`."""
 
-    grabbed: int  # arrived
-    dropped: int  # wanted, but lost because the queue was full
+    grabbed: int  # arrived whole
+    dropped: int  # of these: wanted, but lost because the queue was full
+    incomplete: int = 0  # arrived with a part missing; not handed over
+    missed: int = 0  # never arrived: the camera's own numbers have a gap
 
 
 @runtime_checkable
 class Camera(Protocol):
-    """A camera that runs by itself and hands over the frames that were asked for.
+    """A camera that hands over the frames that were asked for.
+
+    It runs by itself, or exposes a frame each time that it is triggered (`settings.trigger`).
 
     The order of calls is `open`, then any number of times `start`, `want` or `want_all`, `frames`,
     `stop`, then `close`. The thread that runs the experiment calls all of them: only `open` and
@@ -335,6 +390,13 @@ class Camera(Protocol):
     @property
     def dtype(self) -> np.dtype[np.uint8] | np.dtype[np.uint16]:
         """Type of a frame's pixels."""
+
+    @property
+    def settings(self) -> AcquisitionSettings:
+        """What the camera has set, read back from it by `open`; None where it cannot be asked."""
+
+    def fire(self) -> TriggerPulse:
+        """Begin one exposure, where `settings.trigger` is software. Raises DeviceError."""
 
     def start(self) -> None:
         """Begin to count frames from 0; returns within 50 ms, as do all methods below.
@@ -357,7 +419,7 @@ class Camera(Protocol):
 
     @property
     def counts(self) -> CameraCounts:
-        """Frames arrived and lost since `start`."""
+        """Frames arrived and lost since `start`; none that is late counts as lost."""
 
     def stop(self) -> None:
         """Stop taking frames; may be called when not started."""

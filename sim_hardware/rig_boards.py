@@ -39,7 +39,7 @@ def boards_of(
     faults = _wiring_faults(world.settings.wiring, devices)
     if faults:
         raise WorldError("; ".join(faults))
-    server.lines.wired = world.edge
+    server.lines.wired = lambda line, high, when: world.edge(line, when, high=high)
     return server
 
 

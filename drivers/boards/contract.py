@@ -112,6 +112,7 @@ class Starter:
     table: str  # of the family
     simulated_table: str  # the same for a rig that needs no hardware
     interlock: str  # the table [interlock], commented out
+    trigger_line: str = ""  # a digital line that may trigger a camera
 
 
 def _no_watchdog(_settings: Any, _line: str | None) -> str:

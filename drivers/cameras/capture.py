@@ -1,4 +1,11 @@
-"""OpenCV's `VideoCapture` made grey, bounded in time and clear about what is wrong."""
+"""OpenCV's `VideoCapture` made grey, bounded in time and clear about what is wrong.
+
+A capture of another make has the methods of `VideoCapture` that are used here. It may have more:
+`settings` (AcquisitionSettings, as read back), `layout` (rows, columns, type of a frame, known
+before the first one), `losses` (frames that came incomplete, and that never came, since it was
+opened), `device_number()` and `age_s()` of the frame last grabbed, `fire()` for a software trigger,
+and `identity()`.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +17,19 @@ import numpy as np
 import numpy.typing as npt
 
 from drivers.cameras.sources import identity_of_source, is_file, is_url
-from drivers.interfaces import Clock, DeviceError, DeviceIdentity, DeviceNotFoundError, GreyImage
+from drivers.interfaces import (
+    FREE,
+    AcquisitionSettings,
+    Clock,
+    DeviceError,
+    DeviceIdentity,
+    DeviceNotFoundError,
+    GreyImage,
+)
 
 OPEN_TIMEOUT_S = 5.0
 READ_TIMEOUT_S = 2.0
+_LOOKS = 3
 # OpenCV's numbers for the properties used, so that a capture of another make needs no OpenCV.
 POS_MSEC, WIDTH, HEIGHT, FPS = 0, 3, 4, 5
 POS_FRAMES, CONVERT_RGB, BUFFER_SIZE, READ_TIMEOUT_MSEC = 1, 16, 38, 54
@@ -26,13 +42,53 @@ class OpenedCapture:
         self._capture = capture
         self._source = source
         self._is_file = is_file(source)
-        first = self._first_frame()
-        self.shape: tuple[int, int] = (first.shape[0], first.shape[1])
-        self.dtype: np.dtype[np.uint8] | np.dtype[np.uint16] = first.dtype
+        free = AcquisitionSettings(trigger=FREE)
+        self.settings: AcquisitionSettings = getattr(capture, "settings", free)
+        self.shape: tuple[int, int]
+        self.dtype: np.dtype[np.uint8] | np.dtype[np.uint16]
+        if self.is_triggered:  # no frame comes by itself
+            rows, columns, self.dtype = capture.layout
+            self.shape = (rows, columns)
+        else:
+            first = self._first_frame()
+            self.shape, self.dtype = (first.shape[0], first.shape[1]), first.dtype
+
+    @property
+    def is_triggered(self) -> bool:
+        """Whether frames come only when they are triggered."""
+        return self.settings.trigger not in (FREE, None)
+
+    @property
+    def losses(self) -> tuple[int, int]:
+        """Frames since it was opened that came incomplete, and that never came."""
+        found: tuple[int, int] = getattr(self._capture, "losses", (0, 0))
+        return found
 
     def grab(self) -> bool:
-        """Take the next frame; waits for it. False when none will come."""
+        """Take the next frame; waits for it. False when none will come, or none was triggered."""
         return bool(self._capture.grab())
+
+    def fire(self) -> None:
+        """Begin an exposure by the camera's own command."""
+        self._capture.fire()
+
+    def came_s(self, clock: Clock) -> float:
+        """Return the clock time at which the frame last grabbed came: now, or before."""
+        if not hasattr(self._capture, "age_s"):
+            return clock.now()
+        found: list[tuple[float, float]] = []
+        for _ in range(_LOOKS):  # this thread may stand still between the two clocks
+            before_s = clock.now()
+            age_s = float(self._capture.age_s())
+            after_s = clock.now()
+            found.append((after_s - before_s, (before_s + after_s) / 2 - age_s))
+        return min(found)[1]
+
+    def device_number(self) -> int | None:
+        """Return the camera's own number of the frame last grabbed, where it gives one."""
+        ask = getattr(self._capture, "device_number", None)
+        found: int | None = None if ask is None else ask()
+        return found
 
     def retrieve(self) -> GreyImage:
         """Return the frame last grabbed, grey."""
@@ -164,4 +220,16 @@ def _why_not(source: int | str) -> str:
         return "there is no camera of this number, or another program uses it"
     if is_file(source):
         return "the file holds no video that can be read"
-    return "no camera, file or pipeline of this name can be opened; correct it in rig.toml"
+    if _is_pipeline(source):
+        return (
+            "this is a GStreamer pipeline, and the OpenCV that is installed is built without "
+            "GStreamer (pip's always is); docs/howto/cameras.md says how one can be had"
+        )
+    return "no camera or file of this name can be opened; correct it in rig.toml"
+
+
+def _is_pipeline(source: str) -> bool:
+    """Whether a source is a GStreamer pipeline that this OpenCV cannot read."""
+    import cv2
+
+    return "!" in source and not cv2.videoio_registry.hasBackend(cv2.CAP_GSTREAMER)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,8 @@ import numpy as np
 from drivers.cameras.capture import OpenedCapture, open_capture
 from drivers.cameras.frame_selection import FrameSelection
 from drivers.interfaces import (
+    SOFTWARE,
+    AcquisitionSettings,
     CameraCounts,
     Clock,
     DeviceError,
@@ -22,17 +25,19 @@ from drivers.interfaces import (
     DeviceTimeoutError,
     Frame,
     ThreadHandle,
+    TriggerPulse,
 )
 
 STALL_S = 2.0  # a camera that is silent for so long has stopped delivering
 _JOIN_S = 5.0
+_STEP_S = 1e-6  # between two frames at least, however coarse their times are
 
 
 class CaptureCamera:
     """A `Camera` on a capture.
 
-    `source`: an index, a device path, a GStreamer pipeline, a file or a URL. `capture_factory`
-    makes the capture from it; by default that is `cv2.VideoCapture`.
+    `source`: an index, a device path, a file or a URL, as OpenCV opens it. `capture_factory` makes
+    the capture from it; by default that is `cv2.VideoCapture`.
     """
 
     def __init__(
@@ -53,6 +58,7 @@ class CaptureCamera:
         self._closing = threading.Event()
         self._take = FrameSelection(queue_size)
         self._running = False
+        self._lost = self._lost_before = (0, 0)  # incomplete, missed: at the end, at the start
         self._alive_s = 0.0  # when the last frame came
         self._fault: str | None = None
 
@@ -82,17 +88,36 @@ class CaptureCamera:
         return self._taken().dtype
 
     @property
+    def settings(self) -> AcquisitionSettings:
+        """See `Camera.settings`."""
+        return self._taken().settings
+
+    def fire(self) -> TriggerPulse:
+        """See `Camera.fire`."""
+        opened = self._taken()
+        if opened.settings.trigger != SOFTWARE:
+            raise DeviceError(f"the camera {self._source} takes no software trigger as it is set")
+        before_s = self._clock.now()
+        opened.fire()
+        return TriggerPulse(before_s, self._clock.now())
+
+    @property
     def counts(self) -> CameraCounts:
         """See `Camera.counts`."""
-        return self._take.counts
+        lost = self._opened.losses if self._running and self._opened else self._lost
+        incomplete, missed = (
+            now - before for now, before in zip(lost, self._lost_before, strict=True)
+        )
+        return replace(self._take.counts, incomplete=incomplete, missed=missed)
 
     def start(self) -> None:
         """See `Camera.start`; DeviceError when it has stopped delivering meanwhile."""
-        self._taken()
+        opened = self._taken()
         if self._running:
             raise DeviceError(f"the camera {self._source} is running already")
         self._check_delivery()
-        self._take = FrameSelection(self._queue_size)
+        self._take = FrameSelection(self._queue_size, self._clock.now())
+        self._lost = self._lost_before = opened.losses
         self._running = True
 
     def want(self, from_s: float, to_s: float) -> None:
@@ -112,6 +137,8 @@ class CaptureCamera:
 
     def stop(self) -> None:
         """See `Camera.stop`. Frames that were kept can still be fetched."""
+        if self._running and self._opened is not None:
+            self._lost = self._opened.losses
         self._running = False
 
     def close(self) -> None:
@@ -137,6 +164,8 @@ class CaptureCamera:
     def _check_delivery(self) -> None:
         if self._fault is not None:
             raise DeviceError(f"the camera {self._source} has stopped delivering: {self._fault}")
+        if self._opened is not None and self._opened.is_triggered:
+            return  # it is silent until it is triggered; whoever does that counts the frames
         silent_s = self._clock.now() - self._alive_s
         if silent_s > self._stall_s:
             raise DeviceTimeoutError(
@@ -153,11 +182,15 @@ class CaptureCamera:
 
     def _grab_until_closed(self, opened: OpenedCapture) -> None:
         pace = opened.pace(self._clock)
+        came_s = float("-inf")
         while not self._closing.is_set():
             pace()
             if not opened.grab():
+                if opened.is_triggered:
+                    continue
                 self._fault = "no further frame came (unplugged, or the stream has ended)"
                 return
             self._alive_s = self._clock.now()
+            came_s = max(opened.came_s(self._clock), came_s + _STEP_S)
             if self._running:
-                self._take.on_frame(opened, self._alive_s)
+                self._take.on_frame(opened, came_s)

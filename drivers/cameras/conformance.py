@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from drivers.conformance import Checks
-from drivers.interfaces import Camera, Clock, Frame
+from drivers.interfaces import SOFTWARE, AcquisitionSettings, Camera, Clock, Frame
 
 OPEN_S, CLOSE_S = 10.0, 5.5
 
@@ -22,6 +22,12 @@ def camera_faults(camera: Camera, clock: Clock, watch_s: float = 1.0) -> list[st
     checks.call("open", camera.open, OPEN_S)
     if not checks.faults:
         checks.identify(camera)
+        settings = checks.call("settings", lambda: camera.settings)
+        checks.require(
+            isinstance(settings, AcquisitionSettings), f"settings are {settings!r}, not of the type"
+        )
+        if settings is not None and settings.trigger != SOFTWARE:
+            checks.refuse("fire of a camera that takes no command", camera.fire)
         _watch(checks, camera, watch_s)
         _watch_again(checks, camera, watch_s)
     checks.call("close", camera.close, CLOSE_S)

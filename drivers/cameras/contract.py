@@ -7,22 +7,124 @@ a kind by the constant `CAMERA`. `drivers.interfaces.Camera` says what a camera 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from drivers.interfaces import Camera, Clock
+from drivers.cameras.pixel_formats import check_pixel_format
+from drivers.interfaces import (
+    FREE,
+    HARDWARE,
+    SOFTWARE,
+    AcquisitionSettings,
+    Camera,
+    Clock,
+    DeviceIdentity,
+    TriggerPulse,
+)
 from drivers.kinds import kind_faults
 from drivers.plugins import PluginFolder
 
 FALLBACK = "opencv"  # the kind that opens a source which no other kind answers to
+ALL_SETTINGS = frozenset(
+    {"exposure_s", "gain", "pixel_format", "region", "frame_rate_hz", "trigger"}
+)
 
 
-@dataclass(frozen=True)
+def _check_region(value: tuple[int, int, int, int]) -> None:
+    if value[2] == 0 or value[3] == 0:
+        raise ValueError("must be [left, top, width, height] with a width and a height above 0")
+
+
+def _check_trigger(value: str) -> None:
+    if value not in (FREE, SOFTWARE, HARDWARE):
+        raise ValueError(f"must be one of {FREE}, {SOFTWARE}, {HARDWARE}")
+
+
+@dataclass(frozen=True, kw_only=True)
 class CameraSettings:
     """The keys of [camera] that every kind has; a kind with more keys derives from it."""
 
     source: int | str = field(metadata={"description": "what to open, such as 0 or iidc:GUID"})
+    exposure_s: float | None = field(
+        default=None,
+        metadata={
+            "gt": 0,
+            "le": 1.0,
+            "unit": "s",
+            "description": "of a frame; the sheet in time is compared with the middle of it. Only "
+            "stated where the camera cannot set it",
+        },
+    )
+    gain: float | None = field(
+        default=None, metadata={"description": "in the camera's own unit, dB on most"}
+    )
+    pixel_format: str | None = field(
+        default=None,
+        metadata={
+            "check": check_pixel_format,
+            "description": "Mono8 to Mono16, plain or packed, or BayerRG8 and its like; all "
+            "become grey",
+        },
+    )
+    region: tuple[int, int, int, int] | None = field(
+        default=None,
+        metadata={
+            "check": _check_region,
+            "items": {"ge": 0, "le": 16384},
+            "unit": "px",
+            "description": "left, top, width, height of the part of the sensor that is sent",
+        },
+    )
+    frame_rate_hz: float | None = field(
+        default=None,
+        metadata={
+            "gt": 0,
+            "le": 2000,
+            "unit": "1/s",
+            "description": "of a free camera; the protocol's where it is not given",
+        },
+    )
+    trigger: str = field(
+        default=FREE,
+        metadata={
+            "check": _check_trigger,
+            "description": "free: the camera runs by itself; software: a command begins each "
+            "exposure; hardware: trigger_line of the boards does",
+        },
+    )
+    trigger_input: str = field(
+        default="Line0",
+        metadata={"description": "input of the camera that a hardware trigger is wired to"},
+    )
+
+    def acquisition(self) -> AcquisitionSettings:
+        """Return what the camera is to be set to."""
+        return AcquisitionSettings(
+            exposure_s=self.exposure_s,
+            gain=self.gain,
+            pixel_format=self.pixel_format,
+            region=self.region,
+            frame_rate_hz=self.frame_rate_hz,
+            trigger=self.trigger,
+        )
+
+
+class SoftwareTrigger:
+    """The camera's own command as a `FrameTrigger`; whoever has the camera opens and closes it."""
+
+    def __init__(self, camera: Camera) -> None:
+        self._camera = camera
+
+    def open(self) -> None:
+        """See `FrameTrigger.open`."""
+
+    def fire(self) -> TriggerPulse:
+        """See `FrameTrigger.fire`."""
+        return self._camera.fire()
+
+    def close(self) -> None:
+        """See `FrameTrigger.close`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,11 +138,24 @@ class CameraKind:
     # protocol asks for. Touches no device.
     make: Callable[[Any, Clock, float], Camera]
     prefix: str = ""  # of the sources that it answers to, such as "iidc:"; empty: by `kind` only
+    # which of ALL_SETTINGS it can set; others are refused before anything is opened. A camera that
+    # lacks one of these all the same refuses it in `open`.
+    sets: frozenset[str] = frozenset()
+    # Return the cameras that are there, with the source of each as `name`. Raises DeviceError;
+    # blocks for 5 s at most. None: they cannot be listed.
+    find: Callable[[], Sequence[DeviceIdentity]] | None = None
+    # Lines of TOML for [camera], with comments, that `labrig init --camera` starts with; the second
+    # one for a rig that needs no hardware. Empty: there is nothing to start from.
+    starter: str = ""
+    simulated_starter: str = ""
 
 
 def faults(part: object) -> list[str]:
     """Return what is wrong with a kind of camera, a sentence each."""
-    return list(kind_faults(part, CameraKind, ("make",), needed=("source",)))
+    found = list(kind_faults(part, CameraKind, ("make", "find"), needed=("source",)))
+    if isinstance(part, CameraKind) and not part.sets <= ALL_SETTINGS:
+        found.append(f"it sets {', '.join(sorted(part.sets - ALL_SETTINGS))}, which is no setting")
+    return found
 
 
 CAMERAS: PluginFolder[CameraKind] = PluginFolder(

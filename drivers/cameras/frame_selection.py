@@ -14,7 +14,9 @@ _LATE_OVER_S = 2.0  # the frame that came soonest after its time stamp, within s
 class FrameSelection:
     """Frames from one `start` to the next. One thread calls `on_frame`, another the rest."""
 
-    def __init__(self, queue_size: int) -> None:
+    def __init__(self, queue_size: int, began_s: float = 0.0) -> None:
+        """`began_s`: a frame that came earlier is none of this run's."""
+        self._began_s = began_s
         self._queue: deque[Frame] = deque()
         self._queue_size = queue_size
         self._lock = threading.Lock()
@@ -47,7 +49,9 @@ class FrameSelection:
         return kept
 
     def on_frame(self, capture: OpenedCapture, time_s: float) -> None:
-        """Count a frame grabbed at `time_s`; decode it if it is wanted and there is room."""
+        """Count a frame that came at `time_s`; decode it if it is wanted and there is room."""
+        if time_s < self._began_s:
+            return
         number, self._grabbed = self._grabbed, self._grabbed + 1
         device_s = capture.device_time_s()
         late_s = 0.0 if device_s is None else self._lateness(time_s, device_s)
@@ -63,6 +67,7 @@ class FrameSelection:
                 device_time_s=device_s,
                 image=capture.retrieve(),
                 late_s=late_s,
+                device_number=capture.device_number(),
             )
         )
 

@@ -1,4 +1,4 @@
-"""Any camera that OpenCV opens: V4L2, DirectShow, GStreamer, network streams, files."""
+"""Any camera that OpenCV opens: V4L2, DirectShow, network streams, files."""
 
 from __future__ import annotations
 
@@ -13,6 +13,6 @@ def _make(settings: CameraSettings, clock: Clock, _rate_hz: float) -> Camera:
 
 CAMERA = CameraKind(
     kind="opencv",
-    help="anything OpenCV opens: a number, a device path, a GStreamer pipeline, a file or a URL",
+    help="anything OpenCV opens: a number, a device path, a file or a URL",
     make=_make,
 )

@@ -225,11 +225,8 @@ class RunDisplay:
                 f"readings do not count: {'; '.join(dict.fromkeys(self._invalid))}"
             )
             warn(self._lost[-1])
-        if event.lost_samples or event.frames_dropped:
-            warn(
-                f"run {event.run + 1}: {event.lost_samples} samples and "
-                f"{event.frames_dropped} frames were lost"
-            )
+        if event.losses:
+            warn(f"run {event.run + 1}: {event.losses}")
 
     def _lose(self, event: ReadingTaken) -> None:
         """Report a reading that does not count, unless the run has lost many before it."""

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from drivers import cameras, force_sensors, positioners
 from drivers.boards import BOARD_FAMILIES
+from drivers.cameras import CameraSettings
+from drivers.interfaces import FREE, HARDWARE
 from labrig.config.base import ClosedModel
-from labrig.config.derived import OneOf, SettingsModel, by_kind, model_with
+from labrig.config.derived import SIMULATED, OneOf, SettingsModel, by_kind, model_with
 
 
 class PartConfig(SettingsModel):
@@ -23,13 +26,37 @@ class PartConfig(SettingsModel):
 class CameraConfig(PartConfig):
     """The camera and its calibration."""
 
-    source: int | str = Field(description="anything OpenCV opens, iidc:GUID, or simulated")
+    source: int | str = Field(description="anything OpenCV opens, aravis:NAME, or simulated")
     optics: Path = Field(description="optics.json of this camera")
     warn_after_days: int = Field(180, ge=1)
-    exposure_s: float | None = Field(
-        None, gt=0, le=1.0,
-        description="of a frame; the sheet in time is compared with the middle of it",
-    )  # fmt: skip
+    trigger_line: str | None = Field(
+        None, description="digital output of the boards that is wired to the camera's trigger"
+    )
+
+    @model_validator(mode="after")
+    def _can_be_set(self) -> Self:
+        """Refuse what this kind of camera cannot set; an exposure may always be stated."""
+        settings = self.settings()
+        if not isinstance(settings, CameraSettings) or self.source == SIMULATED:
+            return self  # what a simulated camera has is known where it is made
+        sets = cameras.CAMERAS.get(self.kind).sets | {"exposure_s"}
+        for name, value in asdict(settings.acquisition()).items():
+            if value not in (None, FREE) and name not in sets:
+                raise ValueError(
+                    f"a camera of kind {self.kind} has no setting {name}; remove the key, or use "
+                    "a kind that has it, such as aravis"
+                )
+        return self
+
+    @model_validator(mode="after")
+    def _trigger_is_wired(self) -> Self:
+        trigger = getattr(self, "trigger", FREE)
+        if trigger == HARDWARE and self.trigger_line is None:
+            raise ValueError(
+                'trigger = "hardware" needs trigger_line, the output of the boards that is wired '
+                "to the camera"
+            )
+        return self
 
 
 class BoardsConfig(SettingsModel):

@@ -14,6 +14,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 from drivers.boards import BOARD_FAMILIES, DEFAULT, BoardFamily, BoardInput
 from drivers.boards.contract import CURRENT, DRIVE, FORCE
 from drivers.force_sensors import FORCE_SENSORS
+from drivers.interfaces import FREE, HARDWARE
 from drivers.watch.wire import PORT as WATCH_PORT
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.config.channels import Channels, require_distinct
@@ -148,7 +149,14 @@ class RigConfig(ClosedModel):
             tables = " and ".join(f"[{name}]" for name in there)
             raise ValueError(f"there are the boards {tables}; a rig has one table of boards")
         if self.interlock is not None:
-            self._check_line(self.interlock.line)
+            self._check_line(self.interlock.line, "interlock", "line")
+        if self.trigger_line is not None:
+            self._check_line(self.trigger_line, "camera", "trigger_line")
+            if self.trigger_line == self.interlock_line:
+                raise ValueError(
+                    f"[camera] trigger_line and [interlock] line are both {self.trigger_line}; "
+                    "each needs a line of its own"
+                )
         wired = self._wired()
         further = [(name, each.input) for name, each in self.channels.items()]
         require_distinct([*((each.name, each.terminal) for each in wired), *further])
@@ -165,13 +173,13 @@ class RigConfig(ClosedModel):
             )
         return wired
 
-    def _check_line(self, line: str) -> None:
+    def _check_line(self, line: str, table: str, key: str) -> None:
         try:
             with raising_value_errors():
                 self.family.check_line(line)
         except ValueError as fault:
             error = PydanticCustomError("line", "{why}", {"why": str(fault)})
-            details = InitErrorDetails(type=error, loc=("interlock", "line"), input=line)
+            details = InitErrorDetails(type=error, loc=(table, key), input=line)
             raise ValidationError.from_exception_data("line", [details]) from None
 
     @property
@@ -193,6 +201,13 @@ class RigConfig(ClosedModel):
     def interlock_line(self) -> str | None:
         """The line of the interlock; None: the rig has none."""
         return None if self.interlock is None else self.interlock.line
+
+    @property
+    def trigger_line(self) -> str | None:
+        """The line of the boards that triggers the camera; None: it is not triggered by them."""
+        camera = self.camera
+        hardware = camera is not None and getattr(camera, "trigger", FREE) == HARDWARE
+        return camera.trigger_line if camera is not None and hardware else None
 
     @property
     def own_watchdog(self) -> str:

@@ -7,6 +7,8 @@ import re
 from pathlib import Path
 
 from drivers.boards import BOARD_FAMILIES, DEFAULT, Starter
+from drivers.cameras import CAMERAS
+from drivers.cameras.contract import FALLBACK as CAMERA_DEFAULT
 from drivers.plugins import UnknownPartError
 from labrig.errors import BadInputError
 from labrig.files import not_written, write_text
@@ -18,17 +20,22 @@ _COMMON = {
     "optics.json": "optics.json",
     "about.toml": "about.toml",
 }
+_COMMENT_AT = 35  # column of the files
+DEFAULT_TRIGGER_LINE = "PCI6703/port0/line1"
 # The date of calibrations that nobody has made: the shipped files hold values to start from.
 NOT_CALIBRATED = dt.date(1970, 1, 1)
 
 
-def write_templates(folder: Path, *, simulated: bool, board: str = DEFAULT) -> list[Path]:
+def write_templates(
+    folder: Path, *, simulated: bool, board: str = DEFAULT, camera: str = CAMERA_DEFAULT
+) -> list[Path]:
     """Write the files into `folder`, which may hold others; none is ever overwritten.
 
     The calibrations are those of the simulated rig, and true of it; of another they are not.
-    `board` is the family of boards that rig.toml is written for.
+    `board` is the family of boards and `camera` the kind of camera that rig.toml is written for.
     """
     starter = _starter(board)
+    camera_text = _camera_starter(camera, simulated=simulated)
     if folder.exists() and not folder.is_dir():
         raise BadInputError(f"{folder}: this is a file, a folder is needed.")
     names = _COMMON | {"rig.toml": "rig_simulated.toml" if simulated else "rig.toml"}
@@ -43,6 +50,9 @@ def write_templates(folder: Path, *, simulated: bool, board: str = DEFAULT) -> l
             text = template_text(template)
             if name == "rig.toml" and board != DEFAULT:
                 text = _for_boards(text, starter, simulated=simulated)
+            if name == "rig.toml" and camera_text:
+                line = DEFAULT_TRIGGER_LINE if starter is None else starter.trigger_line
+                text = _for_camera(text, camera_text, line)
             write_text(folder / name, _as_of_today(text) if simulated else text)
     except OSError as error:
         raise not_written(folder, error) from None
@@ -58,6 +68,27 @@ def _starter(board: str) -> Starter | None:
     if starter is None and board != DEFAULT:
         raise BadInputError(f"--board {board}: these boards bring no rig.toml to start from.")
     return starter
+
+
+def _camera_starter(kind: str, *, simulated: bool) -> str:
+    """Return the keys of [camera] that a kind brings; empty: those of the file stay."""
+    try:
+        part = CAMERAS.get(kind)
+    except UnknownPartError as error:
+        raise BadInputError(f"--camera {kind}: {error}.") from None
+    text = part.simulated_starter if simulated else part.starter
+    if not text and kind != CAMERA_DEFAULT:
+        raise BadInputError(f"--camera {kind}: this kind brings no [camera] to start from.")
+    return text
+
+
+def _for_camera(text: str, keys: str, line: str) -> str:
+    """Return rig.toml with the keys of another kind of camera; `line` may trigger it."""
+    named = f'# trigger_line = "{line}"'.ljust(_COMMENT_AT)
+    keys = re.sub(r"^# trigger_line = .*(?=# )", lambda _: named, keys, flags=re.MULTILINE)
+    return re.sub(
+        r"^\[camera\]\n(?:.+\n)+", lambda _: f"[camera]\n{keys}", text, flags=re.MULTILINE
+    )
 
 
 def _for_boards(text: str, starter: Starter | None, *, simulated: bool) -> str:

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from drivers.interfaces import Camera, DeviceError, Frame
+from drivers.identity import identities_of
+from drivers.interfaces import Camera, DeviceError, DeviceIdentity, Frame
 from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import template_path
@@ -19,13 +20,16 @@ from labrig.experiment.next_measurement.dynamic_needs import not_determined
 from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.precautions import precautions
 from labrig.experiment.rig.channels import inputs_of
+from labrig.experiment.rig.identities import acquisition_of
 from labrig.experiment.rig.rig import DRIVE, FORCE, Rig, opened
 from labrig.plausibility import SetUp, calibration_age, set_up_checks
+from labrig.session.format.devices import NOT_KNOWN, acquisition_in_words
 from protocols import time_under_voltage_s
 
 _QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
 _LISTEN_S = 0.5
 _WATCH_S = 1.0
+_ANSWER_S = 0.2  # of a camera that was triggered
 _RATE_TOLERANCE = 0.1
 _FREE_MARGIN = 1.5  # disk space wanted, as a multiple of the estimate
 
@@ -227,6 +231,10 @@ def _means(values: np.ndarray, parts: int) -> list[float]:
 
 def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
     """Yield what a camera's images show: their size, their rate, and that they are not blank."""
+    yield Check(name="camera", ok=True, found=_who(camera), wanted="any")
+    settings = acquisition_in_words(acquisition_of(camera))
+    if settings:
+        yield Check(name="camera settings", ok=True, found=settings, wanted="as read back")
     rows, columns = camera.frame_shape
     wanted_size = plan.optics.image_size if plan.optics else None
     yield Check(
@@ -238,16 +246,25 @@ def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
         else f"{wanted_size[0]} x {wanted_size[1]} (optics.json)",
     )
     target_hz = plan.schedule.frame_rate_hz
-    frames, rate_hz, fault = _watched(rig, camera)
+    frames, rate_hz, fault = _watched(rig, camera, target_hz)
     if not fault and not _in_time(rate_hz, target_hz):
         # what a busy computer could not take before comes all at once: so once more
-        frames, rate_hz, fault = _watched(rig, camera)
+        frames, rate_hz, fault = _watched(rig, camera, target_hz)
     yield Check(
         name="camera rate",
         ok=_in_time(rate_hz, target_hz),
         found=fault or f"{rate_hz:g} frames/s",
         wanted=f"{target_hz:g} frames/s (protocol.toml)",
     )
+    counts = camera.counts
+    if counts.incomplete or counts.missed:
+        yield Check(
+            name="camera loses nothing",
+            ok=True,
+            found=f"{counts.incomplete} frames came incomplete, {counts.missed} never came",
+            wanted=f"all of {target_hz * _WATCH_S:g}: check cable, network and its load",
+            warning=True,
+        )
     if frames:
         image = frames[-1].image
         spread = float(np.ptp(image))
@@ -259,20 +276,36 @@ def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
         )
 
 
-def _watched(rig: Rig, camera: Camera) -> tuple[Sequence[Frame], float, str]:
+def _watched(rig: Rig, camera: Camera, target_hz: float) -> tuple[Sequence[Frame], float, str]:
     """Frames of a while, how many come in a second, and what the camera complains of."""
     camera.start()
     began_s = rig.clock.now()
-    camera.want(began_s, began_s + _WATCH_S)
-    rig.clock.sleep_until(began_s + _WATCH_S)
+    camera.want(began_s, began_s + _WATCH_S + _ANSWER_S)
     frames: Sequence[Frame] = []
     fault = ""
     try:
+        _let_expose(rig, began_s, target_hz)
         frames = camera.frames()
     except DeviceError as error:
         fault = str(error)
     camera.stop()
     return frames, camera.counts.grabbed / _WATCH_S, fault
+
+
+def _let_expose(rig: Rig, began_s: float, target_hz: float) -> None:
+    """Let a free camera run for a while; trigger another one in the protocol's rhythm."""
+    if rig.trigger is not None:
+        for number in range(round(_WATCH_S * target_hz)):
+            rig.clock.sleep_until(began_s + number / target_hz)
+            rig.trigger.fire()
+    rig.clock.sleep_until(began_s + _WATCH_S + (0.0 if rig.trigger is None else _ANSWER_S))
+
+
+def _who(camera: Camera) -> str:
+    """Return what an open camera says that it is."""
+    known = next(iter(identities_of(camera)), DeviceIdentity())
+    said = " ".join(text for text in (known.maker, known.product, known.serial) if text)
+    return said or known.name or NOT_KNOWN
 
 
 def _in_time(rate_hz: float, target_hz: float) -> bool:

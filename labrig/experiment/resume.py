@@ -191,6 +191,8 @@ def _events_of(run: RunRecord, shift_s: float, moves: Iterable[ev.Event]) -> Ite
         lost_samples=counts.lost_samples,
         frames_grabbed=counts.frames_grabbed,
         frames_dropped=counts.frames_dropped,
+        frames_incomplete=counts.frames_incomplete,
+        frames_missed=counts.frames_missed,
     )
 
 
@@ -233,9 +235,13 @@ def _readings(run: RunRecord, zero_s: float) -> Iterator[ev.ReadingTaken | ev.Fr
 
 def _frame(run: RunRecord, row: int, zero_s: float) -> Frame:
     device_s = float(run.frame_column("device_time")[row])
+    device_number = run.frame_column("device_number")[row]
+    trigger_s = float(run.frame_column("trigger_time")[row])
     return Frame(
         number=int(run.frame_column("number")[row]),
         time_s=float(run.frame_column("time")[row]) + zero_s,
         device_time_s=None if np.isnan(device_s) else device_s,
         image=run.image(row),
+        device_number=int(device_number) if device_number >= 0 else None,
+        trigger_s=None if np.isnan(trigger_s) else trigger_s + zero_s,
     )

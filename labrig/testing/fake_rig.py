@@ -19,6 +19,8 @@ from typing import TypeVar
 import numpy as np
 
 from drivers.interfaces import (
+    FREE,
+    AcquisitionSettings,
     CameraCounts,
     DeviceError,
     Frame,
@@ -27,6 +29,7 @@ from drivers.interfaces import (
     SampleClock,
     SignalBlock,
     ThreadHandle,
+    TriggerPulse,
     VoltageWrite,
 )
 from drivers.safe_shutdown import SafetyReport, make_safe
@@ -247,8 +250,14 @@ class FakeCamera:
         self.delivery_s = 0.0  # from a frame's time to its arrival
         self.lost: Callable[[float], bool] = lambda _: False
 
+    settings = AcquisitionSettings(trigger=FREE)
+
     def open(self) -> None:
         """Do nothing: it is open."""
+
+    def fire(self) -> TriggerPulse:
+        """Refuse: it runs free."""
+        raise DeviceError("the fake camera takes no trigger")
 
     def start(self) -> None:
         """Start."""

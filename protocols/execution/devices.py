@@ -9,6 +9,7 @@ from drivers.interfaces import (
     Camera,
     Clock,
     FloatArray,
+    FrameTrigger,
     Operator,
     Positioner,
     SignalInput,
@@ -36,6 +37,7 @@ class Devices:
     output: VoltageOutput
     signals: SignalInput
     camera: Camera | None
+    trigger: FrameTrigger | None = None  # what begins the camera's exposures; None: it runs free
     stage: Positioner
     # `ask` must come back, with False, when a stop is requested while it waits. A manual stage and
     # this field share one RecordedOperator, or the stage's questions are not emitted.

@@ -209,8 +209,25 @@ class RunStopped(Event):
     run: int
     completed: bool
     lost_samples: int
-    frames_grabbed: int
-    frames_dropped: int
+    frames_grabbed: int  # whole
+    frames_dropped: int  # of these: lost because the computer was busy
+    frames_incomplete: int = 0  # came with a part missing
+    frames_missed: int = 0  # never came
+
+    @property
+    def losses(self) -> str:
+        """What was lost, in words; empty: nothing."""
+        whys = {
+            "came incomplete": self.frames_incomplete,
+            "never came": self.frames_missed,
+            "came faster than they were taken": self.frames_dropped,
+        }
+        frames = sum(whys.values())
+        if not self.lost_samples and not frames:
+            return ""
+        reasons = ", ".join(f"{count} {why}" for why, count in whys.items() if count)
+        words = f"{self.lost_samples} samples and {frames} frames were lost"
+        return f"{words} ({reasons})" if reasons else words
 
 
 @dataclass(frozen=True, kw_only=True)

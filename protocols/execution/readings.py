@@ -20,6 +20,7 @@ from protocols.execution.rules import (
     late_edge,
     wrong_drive,
 )
+from protocols.execution.runs.exposures import Exposures
 from protocols.execution.samples import SampleBuffer
 from protocols.planning.schedule import PlannedReading, PlannedRun
 
@@ -59,7 +60,10 @@ class ReadingMaker:
         timing: LoopTiming,
         *,
         keep_all_frames: bool,
+        exposures: Exposures | None = None,
     ) -> None:
+        """`exposures`: of a camera that is triggered."""
+        self._exposures = exposures
         self._run = run
         self._devices = devices
         self._rows = devices.rows()
@@ -100,7 +104,7 @@ class ReadingMaker:
 
     def add_frames(self, frames: Sequence[Frame]) -> None:
         """Frames have arrived."""
-        self._frames.extend(frames)
+        self._frames.extend(frames if self._exposures is None else self._exposures.matched(frames))
 
     def complete(self, now_s: float) -> Iterator[ReadingTaken | FramesArrived]:
         """Yield readings that are complete by now, and frames that no reading can want any more."""
@@ -133,7 +137,9 @@ class ReadingMaker:
                 half_window=half_window,
             )
         )
-        if self._devices.camera is not None and not self._keep_all:
+        if self._exposures is not None:
+            self._exposures.expect(sample_s)
+        elif self._devices.camera is not None and not self._keep_all:
             self._devices.camera.want(sample_s - self._reach_s, sample_s + self._reach_s)
 
     def _is_complete(self, pending: _Pending, now_s: float) -> bool:
@@ -142,7 +148,7 @@ class ReadingMaker:
         if self._devices.camera is None:
             return True
         overdue_s = pending.sample_s + self._reach_s + self._timing.frame_grace_s
-        return now_s > overdue_s or any(f.time_s >= pending.sample_s for f in self._frames)
+        return now_s > overdue_s or any(self._when(f) >= pending.sample_s for f in self._frames)
 
     def _make(self, pending: _Pending, now_s: float) -> ReadingTaken:
         first, last = window(pending.centre, pending.half_window)
@@ -171,19 +177,29 @@ class ReadingMaker:
             sample_time_s=pending.sample_s,
             values=values,
             frame=frame,
-            frame_offset_s=None if frame is None else frame.time_s - pending.sample_s,
+            frame_offset_s=None if frame is None else self._when(frame) - pending.sample_s,
             valid=not why,
             why="; ".join(why),
         )
 
     def _nearest_frame(self, sample_s: float) -> Frame | None:
-        near = [f for f in self._frames if abs(f.time_s - sample_s) <= self._reach_s]
+        near = [f for f in self._frames if abs(self._when(f) - sample_s) <= self._reach_s]
         if not near:
             return None
         # A frame was exposed before it was complete: of two equally near, the later one is right.
-        frame = min(near, key=lambda f: (round(abs(f.time_s - sample_s), 6), -f.time_s))
+        frame = min(near, key=lambda f: (round(abs(self._when(f) - sample_s), 6), -f.time_s))
         self._used.add(frame.number)
         return frame
+
+    def _when(self, frame: Frame) -> float:
+        """Return the clock time that counts as a frame's: when it came, or its exposure's middle.
+
+        A frame that nothing has triggered is no reading's.
+        """
+        if self._exposures is None:
+            return frame.time_s
+        middle_s = self._exposures.middle_s(frame)
+        return float("-inf") if middle_s is None else middle_s
 
     def _forget_samples(self) -> None:
         """Keep what pending readings need, or one whose edge is being written."""

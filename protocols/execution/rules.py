@@ -32,6 +32,7 @@ class LoopTiming:
     service_s: float = 0.025  # between two looks at signals, frames, stop request; also the beat
     least_margin_s: float = 0.005  # no service this close before an edge...
     most_margin_s: float = 0.04  # ... nor this close, however long the last services took
+    edge_first_s: float = 0.001  # no trigger of the camera this close before an edge
     lead_in_s: float = 0.2  # acquisition before the first step
     tail_s: float = 0.2  # and after the last
     frame_grace_s: float = 0.3  # a frame may arrive this much later than it was taken
@@ -65,9 +66,10 @@ def wrong_drive(drive_V: float, written_V: float, rules: Rules) -> Iterator[str]
 def bad_frame(frame: Frame, before: Frame | None, reach_s: float, rules: Rules) -> Iterator[str]:
     """Reasons in a reading's picture; `before` is that of the reading before.
 
-    A frame that came later than `reach_s` shows a moment that is none of the reading's.
+    A frame that came later than `reach_s` shows a moment that is none of the reading's, unless its
+    trigger says which it shows.
     """
-    if frame.late_s > reach_s:
+    if frame.trigger_s is None and frame.late_s > reach_s:
         yield f"its frame came {frame.late_s * 1e3:.0f} ms late"
     coarse = frame.image[_COARSE, _COARSE]
     if coarse.std() < rules.blank_frame * np.iinfo(frame.image.dtype).max:

@@ -13,6 +13,9 @@ from sim_hardware.simulated_rig import OpticalSide
 Image = npt.NDArray[np.uint8]
 
 
+TRANSFER_S = 2e-3  # from the end of an exposure to the frame's arrival, where it was triggered
+
+
 class FrameStream:
     """Frame k's exposure ends at start + (k + 1) / rate; jitter and faults are added to that."""
 
@@ -61,3 +64,35 @@ class FrameStream:
         if self.suffers("wrong_size", number):
             image = image[::2, ::2]
         return image.copy()
+
+
+class TriggeredStream(FrameStream):
+    """Frames whose exposures begin when they are triggered.
+
+    A trigger that comes during an exposure is ignored.
+    """
+
+    def __init__(
+        self, scene: OpticalSide, start_s: float, faults: CameraFaults, exposure_s: float
+    ) -> None:
+        super().__init__(scene, start_s, faults)
+        self._exposure_s = exposure_s
+        self._ends_s: list[float] = []
+
+    def trigger(self, when_s: float) -> None:
+        """Begin an exposure."""
+        if not self._ends_s or when_s >= self._ends_s[-1]:
+            self._ends_s.append(when_s + self._exposure_s)
+
+    @property
+    def taken(self) -> int:
+        """Return how many exposures have begun."""
+        return len(self._ends_s)
+
+    def time_of(self, number: int) -> float:
+        """See `FrameStream.time_of`."""
+        return self._ends_s[number]
+
+    def arrival_of(self, number: int) -> float:
+        """See `FrameStream.arrival_of`."""
+        return super().arrival_of(number) + TRANSFER_S

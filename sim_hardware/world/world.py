@@ -58,6 +58,8 @@ class World:
             self._amplifier.supply(clock.now(), on=False)
         self._driven_calls: list[Callable[[float], None]] = []
         self._broken: dict[str, float] = {}
+        self._exposure_s = settings.camera.exposure_s
+        self._trigger_calls: list[Callable[[float], None]] = []
         self._electrical = ElectricalSignals(settings.electrical, self._amplifier, settings.seed)
         first = Stage(
             start_s=clock.now(), setup=self._new_setup(next(iter(settings.configurations)), None)
@@ -142,8 +144,9 @@ class World:
 
     # --------------------------------------------------------------------------------- boards
 
-    def edge(self, line: str, when: float) -> None:
+    def edge(self, line: str, when: float, *, high: bool = True) -> None:
         """Pass on the edge of a digital line (such as PCI6703/port0/line0)."""
+        self._trigger(line.partition("/")[2], when, high=high)
         wired = self.settings.interlock.line
         if not wired or line.partition("/")[2] != wired:
             return
@@ -157,6 +160,7 @@ class World:
 
     def level(self, line: str, *, high: bool, when: float) -> None:
         """Pass on the level of a digital line that holds the relay by itself (such as EIO0)."""
+        self._trigger(line, when, high=high)
         if not self.settings.interlock.line or line != self.settings.interlock.line:
             return
         with self._lock:
@@ -164,6 +168,11 @@ class World:
             self._relay.hold(on=high)
             self._amplifier.supply(max(when, self._history.reached_s), on=high)
             self._write_row(when)
+
+    def _trigger(self, line: str, when: float, *, high: bool) -> None:
+        if high and line in self.settings.trigger.lines:
+            for call in self._trigger_calls:
+                call(when)
 
     def _watch_supply(self, until_s: float) -> None:
         """Before anything is asked of a time: the relay may have opened by then."""
@@ -236,13 +245,25 @@ class World:
         """See `OpticalSide.frame_rate_hz`."""
         return self.settings.camera.frame_rate_hz
 
+    @property
+    def exposure_s(self) -> float:
+        """The exposure of a frame."""
+        return self._exposure_s
+
+    def expose_for(self, exposure_s: float) -> None:
+        """Set the exposure of each further frame."""
+        self._exposure_s = exposure_s
+
+    def when_triggered(self, call: Callable[[float], None]) -> None:
+        """Call this with the time of each rising edge at the camera's trigger input."""
+        self._trigger_calls.append(call)
+
     def image(self, when: float, number: int) -> npt.NDArray[np.uint8]:
         """See `OpticalSide.image`."""
-        camera = self.settings.camera
         with self._lock:
             seen_s = when - self.settings.frame_delay_s
             self._watch_supply(seen_s)
-            moments = self._history.exposed(seen_s, camera.exposure_s)
+            moments = self._history.exposed(seen_s, self._exposure_s)
             shapes = [shape_of(m, k) for m in moments for k in range(m.times.size)]
             contact = contact_of(moments[-1])
             length_m = moments[-1].stage.setup.chain.sheet.free_length_m

@@ -62,9 +62,9 @@ def test_a_world_without_an_interlock_needs_no_edges() -> None:
 def test_a_run_keeps_its_interlock_closed(rig: FaultyRig, monkeypatch: pytest.MonkeyPatch) -> None:
     real, edges_s = World.edge, []
 
-    def edge(self: World, line: str, when: float) -> None:
+    def edge(self: World, line: str, when: float, *, high: bool) -> None:
         edges_s.append(when)
-        real(self, line, when)
+        real(self, line, when, high=high)
 
     monkeypatch.setattr(World, "edge", edge)
     left = rig.run(WORLD, WIRED)

@@ -44,7 +44,7 @@ class FireflySettings(CameraSettings):
 
 def open_firefly(settings, clock, rate_hz):
     source = settings.source.removeprefix("firefly:")
-    return OPENCV.make(CameraSettings(source), clock, rate_hz)
+    return OPENCV.make(CameraSettings(source=source), clock, rate_hz)
 
 
 FIREFLY = CameraKind(kind="firefly", help="a camera", settings=FireflySettings,

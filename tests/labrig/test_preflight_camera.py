@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from drivers.interfaces import AcquisitionSettings, CameraCounts
 from labrig.experiment.preflight import camera_checks
 
 
@@ -17,10 +18,11 @@ class Bursting:
 
     def __init__(self, *grabbed: int) -> None:
         self.left = list(grabbed)
-        self.counts = SimpleNamespace(grabbed=0)
+        self.counts = CameraCounts(0, 0)
+        self.settings = AcquisitionSettings()
 
     def start(self) -> None:
-        self.counts = SimpleNamespace(grabbed=self.left.pop(0))
+        self.counts = CameraCounts(self.left.pop(0), 0)
 
     def want(self, begin_s: float, end_s: float) -> None:
         assert end_s > begin_s
@@ -35,7 +37,9 @@ class Bursting:
 def rate(camera: Bursting) -> tuple[bool, str]:
     clock = SimpleNamespace(now=lambda: 0.0, sleep_until=lambda _time: None)
     plan = SimpleNamespace(optics=None, schedule=SimpleNamespace(frame_rate_hz=25.0))
-    found = {c.name: c for c in camera_checks(SimpleNamespace(clock=clock), camera, plan)}
+    found = {
+        c.name: c for c in camera_checks(SimpleNamespace(clock=clock, trigger=None), camera, plan)
+    }
     assert found["camera sees something"].ok
     return found["camera rate"].ok, found["camera rate"].found
 

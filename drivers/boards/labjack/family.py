@@ -19,6 +19,7 @@ from drivers.boards.labjack.device import LabJackDevice
 from drivers.boards.labjack.rescue import LabJackPlace, LabJackRescue
 from drivers.boards.labjack.settings import LabJackSettings, check_line
 from drivers.boards.labjack.starter import STARTER
+from drivers.boards.labjack.trigger import LabJackTrigger
 from drivers.boards.labjack.watchdog import LabJackWatchdog, what_it_does
 from drivers.boards.labjack.wire import Transport
 from drivers.interfaces import Clock, DeviceError, DeviceIdentity, DeviceNotFoundError, Interlock
@@ -35,7 +36,7 @@ class LabJackBoards:
     ) -> None:
         self.settings = settings
         self._clock = clock
-        self._device = LabJackDevice(settings.address, transport)
+        self._device = LabJackDevice(settings.address, clock, transport)
         self._simulated = transport is not None
         self._output: LabJackOutput | None = None
 
@@ -88,6 +89,10 @@ class LabJackBoards:
         """See `BoardConnection.interlock`."""
         stage = stage_of(self.settings)
         return LabJackWatchdog(self._device, self._clock, line, stage, self._check_mark)
+
+    def frame_trigger(self, line: str) -> LabJackTrigger:
+        """See `TriggersFrames.frame_trigger`."""
+        return LabJackTrigger(self._device, self._clock, line)
 
     def close(self) -> None:
         """See `BoardConnection.close`."""

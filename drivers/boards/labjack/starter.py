@@ -32,4 +32,5 @@ sample_rate_hz = 1000.0            # of each channel
 # [interlock]                      # a relay, not a one-shot: see docs/explanation/safety.md
 # line = "EIO0"                    # high while a run is under way; the device's watchdog drops it
 """,
+    trigger_line="EIO1",
 )

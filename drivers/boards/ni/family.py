@@ -19,6 +19,7 @@ from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.interlock import NiInterlock
 from drivers.boards.ni.rescue import NiRescue, OutputPlace
 from drivers.boards.ni.settings import NiSettings, check_line
+from drivers.boards.ni.trigger import NiTrigger
 from drivers.interfaces import Clock, DeviceError, DeviceIdentity
 
 
@@ -65,6 +66,10 @@ class NiBoards:
             raise DeviceError("NI boards have no watchdog of their own: name the interlock's line")
         name = self.settings.task_names.interlock
         return NiInterlock(self.connection, self._clock, line, name)
+
+    def frame_trigger(self, line: str) -> NiTrigger:
+        """See `TriggersFrames.frame_trigger`."""
+        return NiTrigger(self.connection, self._clock, line, self.settings.task_names.trigger)
 
     def close(self) -> None:
         """See `BoardConnection.close`."""

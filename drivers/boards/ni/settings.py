@@ -50,6 +50,7 @@ class TaskNames:
     output: str = OUTPUT_TASK
     input: str = INPUT_TASK
     interlock: str = "labrig-interlock"
+    trigger: str = "labrig-trigger"
 
 
 @dataclass(frozen=True, kw_only=True)

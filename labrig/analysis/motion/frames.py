@@ -34,8 +34,11 @@ def frame_times(run: RunRecord, exposure_s: float) -> FloatArray:
     """Return the middle of each frame's exposure, s since the run's beginning.
 
     A frame's time stamp is its arrival. Where the camera stamps its frames itself they came at
-    even, later times: the earliest arrival counts.
+    even, later times: the earliest arrival counts. Where it is triggered, the trigger says when.
     """
+    trigger_s = run.frame_column("trigger_time")
+    if len(trigger_s) and np.all(np.isfinite(trigger_s)):
+        return np.asarray(trigger_s + 0.5 * exposure_s)
     time_s, device_s = run.frame_column("time"), run.frame_column("device_time")
     if len(device_s) > 1 and np.all(np.diff(device_s) > 0.0):
         time_s = device_s + float(np.min(time_s - device_s))
@@ -58,7 +61,11 @@ def frame_curves(
     """
     times = frame_times(run, exposure_s)
     rows = np.flatnonzero(times >= begin_s)
-    strip = StripGeometry(sheet.free_length_m, sheet.elongation_m, sheet.thickness_m)
+    strip = StripGeometry(
+        free_length_m=sheet.free_length_m,
+        elongation_m=sheet.elongation_m,
+        thickness_m=sheet.thickness_m,
+    )
     find, near = chosen_extractor(extractor), None
     found: list[NeutralCurve] = []
     for done, row in enumerate(rows.tolist(), 1):

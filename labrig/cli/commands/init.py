@@ -19,6 +19,9 @@ def init(
     board: Annotated[
         str, typer.Option("--board", help="the family of boards, such as ni or labjack")
     ] = "ni",
+    camera: Annotated[
+        str, typer.Option("--camera", help="the kind of camera, such as opencv, aravis or gentl")
+    ] = "opencv",
 ) -> None:
     """Write commented configuration files to start from.
 
@@ -26,7 +29,7 @@ def init(
     """
     from labrig.config.templates import write_templates
 
-    for path in write_templates(folder, simulated=simulated, board=board):
+    for path in write_templates(folder, simulated=simulated, board=board, camera=camera):
         say(f"wrote {path}")
 
 
@@ -37,5 +40,6 @@ COMMAND = Command(
     examples=(
         CommandExample(line="labrig init my_rig --simulated"),
         CommandExample(line="labrig init my_labjack --board labjack"),
+        CommandExample(line="labrig init my_lab --camera aravis --board labjack"),
     ),
 )

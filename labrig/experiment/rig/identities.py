@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from drivers.force_sensors.metered_input import MeteredInput
 from drivers.identity import identities_of
-from drivers.interfaces import DeviceIdentity
+from drivers.interfaces import AcquisitionSettings, Camera, DeviceIdentity
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig.rig import Rig
 from labrig.session.format.devices import (
@@ -52,7 +52,8 @@ def _calibrated(rig: Rig, plan: Plan) -> Iterator[RecordedDevice]:
         date = "" if optics is None or optics.date is None else str(optics.date)
         calibration = _calibration(plan, "optics.json", config.camera.optics.name, date)
         for device in _devices(CAMERA, config.camera.kind, identities_of(rig.camera)):
-            yield replace(device, calibration=calibration)
+            found = None if rig.camera is None else acquisition_of(rig.camera)
+            yield replace(device, calibration=calibration, acquisition=found)
     name = config.load_cell.calibration.name
     yield RecordedDevice(
         part=LOAD_CELL,
@@ -66,6 +67,15 @@ def _calibrated(rig: Rig, plan: Plan) -> Iterator[RecordedDevice]:
         identity=DeviceIdentity(product=amplifier.product, serial=amplifier.serial),
         calibration=_calibration(plan, "rig.toml", "rig.toml", date),
     )
+
+
+def acquisition_of(camera: Camera) -> AcquisitionSettings | None:
+    """Return what an open camera has set; None where it cannot say."""
+    try:
+        found = camera.settings
+    except Exception:  # noqa: BLE001 - what a camera says of itself keeps it from no run
+        return None
+    return found if isinstance(found, AcquisitionSettings) else None
 
 
 def _calibration(plan: Plan, key: str, name: str, date: str) -> CalibrationRecord:

@@ -12,6 +12,7 @@ from drivers.interfaces import (
     Camera,
     Clock,
     DeviceError,
+    FrameTrigger,
     Interlock,
     Operator,
     Positioner,
@@ -48,6 +49,7 @@ class Rig:
     stage: Positioner
     operator: Operator
     calibration: LoadCellCalibration  # of the channel `force`: its unit may be the newton itself
+    trigger: FrameTrigger | None = None  # what begins the camera's exposures; None: it runs free
     interlock: Interlock | None  # opened only while a run is watched over
     threaded: bool  # False on a virtual clock: whatever follows the run is called at once
     replayed: RecordedSession | None = None  # the session that plays in the devices' place
@@ -71,6 +73,7 @@ class Rig:
             output=self.output,
             signals=self.signals,
             camera=self.camera,
+            trigger=self.trigger,
             stage=self.stage,
             operator=self.operator,
             channels=channels_of(self.config, load_cell, ranges_V),
@@ -123,4 +126,6 @@ def _openings(rig: Rig) -> Iterator[tuple[str, Callable[[], None], Callable[[], 
     yield "the inputs", rig.signals.open, rig.signals.close
     if rig.camera is not None:
         yield "the camera", rig.camera.open, rig.camera.close
+    if rig.trigger is not None:
+        yield "the camera's trigger", rig.trigger.open, rig.trigger.close
     yield "the stage", rig.stage.open, rig.stage.close

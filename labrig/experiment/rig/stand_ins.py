@@ -6,8 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from drivers.cameras import CameraSettings
 from drivers.cameras.capture_camera import CaptureCamera
-from drivers.interfaces import Camera, Operator
+from drivers.interfaces import FREE, AcquisitionSettings, Camera, Operator
 from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
 from labrig.experiment.plan import Plan
@@ -39,6 +40,7 @@ class StandIns:
             settings = settings.model_copy(update={"seed": seed})
         self.clock = VirtualClock()
         self._seed = settings.seed
+        self._plan = plan
         self._world = World(settings, self.clock)
         self._boards = self._boards_of(plan)
         self._faulty = FaultyRig(clock=self.clock, world=self._world, boards=self._boards)
@@ -80,11 +82,48 @@ class StandIns:
 
     def camera(self) -> Camera:
         """Return the camera that shows the simulated sheet, whatever kind rig.toml names."""
-        return CaptureCamera(
-            SIMULATED,
-            self.clock,
-            lambda _source: SimulatedCapture(self._world, self.clock, faults=self._faulty.camera),
-        )
+        config = self._plan.rig.camera
+        settings = config.settings() if config is not None else None
+        wanted = AcquisitionSettings(trigger=FREE)
+        if isinstance(settings, CameraSettings):
+            wanted = settings.acquisition()
+        self._refuse_settings(wanted)
+        if wanted.exposure_s is not None:
+            self._world.expose_for(wanted.exposure_s)
+
+        def capture(_source: int | str) -> SimulatedCapture:
+            made = SimulatedCapture(
+                self._world,
+                self.clock,
+                faults=self._faulty.camera,
+                trigger=wanted.trigger or FREE,
+                exposure_s=self._world.exposure_s,
+            )
+            self._world.when_triggered(made.triggered)
+            return made
+
+        return CaptureCamera(SIMULATED, self.clock, capture)
+
+    def _refuse_settings(self, wanted: AcquisitionSettings) -> None:
+        rows, columns = self._world.frame_shape
+        rate_hz = self._world.frame_rate_hz
+        can = {
+            "gain": (None,),
+            "pixel_format": (None, "Mono8"),
+            "region": (None, (0, 0, columns, rows)),
+            "frame_rate_hz": (None, rate_hz),
+        }
+        for name, possible in can.items():
+            if getattr(wanted, name) not in possible:
+                raise BadInputError(
+                    f"rig.toml: [camera] {name}: the simulated camera sends {columns} x {rows} "
+                    f"Mono8 at {rate_hz:g} frames/s, without gain; remove the key."
+                )
+        if wanted.trigger == FREE and (wanted.exposure_s or 0.0) > 1 / rate_hz:
+            raise BadInputError(
+                f"rig.toml: [camera] exposure_s = {wanted.exposure_s:g} is longer than the time "
+                f"between two frames of the simulated camera ({1 / rate_hz:g} s)."
+            )
 
 
 def _world_file(plan: Plan) -> str:

@@ -9,17 +9,21 @@ from typing import TYPE_CHECKING, Any
 
 from drivers.amplifier import Amplifier, SheetDrive
 from drivers.boards import BOARD_FAMILIES, BoardConnection
-from drivers.cameras import CAMERAS
+from drivers.cameras import CAMERAS, SoftwareTrigger
 from drivers.force_sensors import FORCE_SENSORS
 from drivers.force_sensors.metered_input import MeteredInput
 from drivers.interfaces import (
+    FREE,
+    SOFTWARE,
     Camera,
     Clock,
     DeviceError,
+    FrameTrigger,
     Operator,
     Positioner,
     RealClock,
     SignalInput,
+    TriggersFrames,
 )
 from drivers.plugins import PluginFolder
 from drivers.positioners import POSITIONERS
@@ -118,13 +122,15 @@ def _wired(
         interlock = None
         if config.interlock is not None or config.own_watchdog:
             interlock = boards.interlock(config.interlock_line)
+    camera = _camera(plan, clock, stand_ins)
     return Rig(
         config=config,
         clock=clock,
         boards=boards,
         output=output,
         signals=_signals(config, boards, clock, stand_ins),
-        camera=_camera(plan, clock, stand_ins),
+        camera=camera,
+        trigger=_trigger(config, boards, camera),
         stage=_stage(plan, clock, asked, stand_ins),
         operator=asked,
         calibration=plan.calibration,
@@ -165,6 +171,24 @@ def _camera(plan: Plan, clock: Clock, stand_ins: StandIns | None) -> Camera | No
     make = CAMERAS.get(camera.kind).make
     with _part(CAMERAS, camera.kind):
         return make(camera.settings(), clock, plan.schedule.frame_rate_hz)
+
+
+def _trigger(
+    config: RigConfig, boards: BoardConnection, camera: Camera | None
+) -> FrameTrigger | None:
+    """Return what begins the camera's exposures; None: it runs free."""
+    if camera is None or config.camera is None:
+        return None
+    if config.trigger_line is not None:
+        if not isinstance(boards, TriggersFrames):
+            raise BadInputError(
+                f"rig.toml: the boards of [{config.boards_kind}] have no line that triggers a "
+                'camera; set [camera] trigger = "free" or "software".'
+            )
+        with _part(BOARD_FAMILIES, config.boards_kind):
+            return boards.frame_trigger(config.trigger_line)
+    is_software = getattr(config.camera, "trigger", FREE) == SOFTWARE
+    return SoftwareTrigger(camera) if is_software else None
 
 
 def _stage(plan: Plan, clock: Clock, operator: Operator, stand_ins: StandIns | None) -> Positioner:

@@ -6,7 +6,14 @@ import math
 
 import numpy as np
 
-from drivers.interfaces import Camera, CameraCounts, Clock, Frame
+from drivers.interfaces import (
+    AcquisitionSettings,
+    Camera,
+    CameraCounts,
+    Clock,
+    Frame,
+    TriggerPulse,
+)
 
 MOST_BYTES_PER_S = 20e6  # of raw pictures: what is beyond costs the run more than it shows
 _FRAMES = 1.5  # a window of so many frame periods holds at least one frame
@@ -46,6 +53,15 @@ class Preview:
     def dtype(self) -> np.dtype[np.uint8] | np.dtype[np.uint16]:
         """See `Camera`."""
         return self._camera.dtype
+
+    @property
+    def settings(self) -> AcquisitionSettings:
+        """See `Camera`."""
+        return self._camera.settings
+
+    def fire(self) -> TriggerPulse:
+        """See `Camera`."""
+        return self._camera.fire()
 
     @property
     def counts(self) -> CameraCounts:

@@ -203,9 +203,7 @@ class MessageEncoder:
 
     def _run_stopped(self, event: ev.RunStopped) -> Message:
         how = "is complete" if event.completed else "was broken off"
-        lost = ""
-        if event.lost_samples or event.frames_dropped:
-            lost = f"; {event.lost_samples} samples and {event.frames_dropped} frames were lost"
+        lost = f"; {event.losses}" if event.losses else ""
         return {
             "type": "run_stopped",
             "time_s": self.since_begin(event.time_s),
@@ -214,6 +212,8 @@ class MessageEncoder:
             "lost_samples": event.lost_samples,
             "frames_grabbed": event.frames_grabbed,
             "frames_dropped": event.frames_dropped,
+            "frames_incomplete": event.frames_incomplete,
+            "frames_missed": event.frames_missed,
             "log": f"run {event.run + 1} {how}{lost}",
         }
 

@@ -106,6 +106,8 @@ def _of_run(run: RunRecord, stopped_s: float) -> list[ev.Event]:
         lost_samples=counts.lost_samples,
         frames_grabbed=counts.frames_grabbed,
         frames_dropped=counts.frames_dropped,
+        frames_incomplete=counts.frames_incomplete,
+        frames_missed=counts.frames_missed,
     )
     return [began, *_writes(run), *_readings(run), ended]
 

@@ -74,12 +74,18 @@ def _spread(name: str, values_s: FloatArray) -> tuple[str, ...]:
 
 def _losses(session: RecordedSession, runs: list[RunRecord]) -> Quality:
     samples = sum(run.counts.lost_samples for run in runs)
-    frames = sum(run.counts.frames_dropped for run in runs)
+    lost = {
+        "taken too slowly": sum(run.counts.frames_dropped for run in runs),
+        "incomplete": sum(run.counts.frames_incomplete for run in runs),
+        "missed": sum(run.counts.frames_missed for run in runs),
+    }
+    frames = sum(lost.values())
     grabbed = sum(run.counts.frames_grabbed for run in runs)
     bare = sum(int(np.count_nonzero(run.readings["frame"] < 0)) for run in runs)
     rows = [
         ("samples of each channel", str(sum(run.samples for run in runs)), str(samples)),
         ("frames", str(grabbed), str(frames)),
+        *((f"frames, {why}", "", str(count)) for why, count in lost.items() if count),
     ]
     remarks = []
     if samples or frames:

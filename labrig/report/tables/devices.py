@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from labrig.report.parts.table import Table
-from labrig.session.format.devices import NOT_KNOWN, RecordedDevice
+from labrig.session.format.devices import NOT_KNOWN, RecordedDevice, acquisition_in_words
 
 _STATES = {True: "yes", False: "no", None: NOT_KNOWN}
 
@@ -21,6 +21,7 @@ def device_row(device: RecordedDevice) -> dict[str, Any]:
         "serial": identity.serial,
         "driver": identity.driver,
         "simulated": identity.is_simulated,
+        "settings": acquisition_in_words(device.acquisition),
         "calibration": None if calibration is None else calibration.name,
         "calibrated": None if calibration is None else calibration.date,
         "calibration_sha256": None if calibration is None else calibration.sha256,
@@ -35,6 +36,14 @@ def devices_as_table(rows: tuple[dict[str, Any], ...]) -> Table:
         rows=tuple(_cells(row) for row in rows),
         note=f"What a device did not report is {NOT_KNOWN}.",
     )
+
+
+def settings_as_table(rows: tuple[dict[str, Any], ...]) -> Table | None:
+    """Return what cameras had set, as read back from them; None: none said it."""
+    cells = tuple((row["name"] or row["kind"], row["settings"]) for row in rows if row["settings"])
+    if not cells:
+        return None
+    return Table(title="Camera settings", columns=("camera", "as read back"), rows=cells)
 
 
 def _cells(row: dict[str, Any]) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from labrig.report.parts.table import Table, fixed
 from labrig.report.tables.channels import ChannelSummary, channel_table, channels_as_table
-from labrig.report.tables.devices import device_row, devices_as_table
+from labrig.report.tables.devices import device_row, devices_as_table, settings_as_table
 from labrig.report.tables.marks import marks_as_table
 from labrig.session import Mark, RecordedSession, RunRecord
 from protocols import free_shapes_in_words
@@ -46,6 +46,8 @@ class Overview:
             found.append(channels_as_table(self.channels))
         if self.devices:
             found.append(devices_as_table(self.devices))
+            settings = settings_as_table(self.devices)
+            found += [settings] if settings else []
         if self.marks:
             found.append(marks_as_table(self.marks, "Marks after the end"))
         if log:

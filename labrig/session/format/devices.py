@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from drivers.interfaces import DeviceIdentity
+from drivers.interfaces import FREE, AcquisitionSettings, DeviceIdentity
 
 BOARDS, CAMERA, STAGE = "boards", "camera", "stage"  # parts
 FORCE_SENSOR, LOAD_CELL, AMPLIFIER = "force_sensor", "load_cell", "amplifier"
@@ -33,6 +33,27 @@ class RecordedDevice:
     kind: str = ""  # as in rig.toml, such as ni
     identity: DeviceIdentity = _UNKNOWN
     calibration: CalibrationRecord | None = None
+    acquisition: AcquisitionSettings | None = None  # of a camera, as read back from it
+
+
+def acquisition_in_words(found: AcquisitionSettings | None) -> str:
+    """Return what a camera had set, as far as it says; empty: it says nothing."""
+    if found is None:
+        return ""
+    said = []
+    if found.region is not None:
+        left, top, width, height = found.region
+        said.append(f"{width} x {height} at {left}, {top}")
+    said.append(found.pixel_format or "")
+    if found.exposure_s is not None:
+        said.append(f"exposure {1e3 * found.exposure_s:g} ms")
+    if found.gain is not None:
+        said.append(f"gain {found.gain:g}")
+    if found.frame_rate_hz is not None:
+        said.append(f"{found.frame_rate_hz:g} frames/s")
+    if found.trigger not in (None, FREE):
+        said.append(f"{found.trigger} trigger")
+    return ", ".join(each for each in said if each)
 
 
 def any_simulated(devices: Iterable[RecordedDevice]) -> bool:

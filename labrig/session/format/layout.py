@@ -1,4 +1,4 @@
-"""The session file's layout, version 5: every group, dataset and type has its name here.
+"""The session file's layout, version 6: every group, dataset and type has its name here.
 
 /                       NXroot, default -> session, labrig_format
 /session                NXentry, default -> data; definition NXsensor_scan
@@ -23,7 +23,8 @@
     readings          each reading, as seen while running
     marks             readings declared invalid during the session
     signals/          NXdata: raw samples in V, a dataset for each channel, and their time
-    frames/           NXdata: images, time, number, device_time, sample_index, reading
+    frames/           NXdata: images, time, number, device_time, sample_index, reading,
+                      device_number, trigger_time
 Supplements, groups that are added to a closed session; each has a checksum of its own:
   derived/            what the analysis made of it; may be dropped and made again
   notes/              the operator's notes and photographs
@@ -32,11 +33,13 @@ Supplements, groups that are added to a closed session; each has a checksum of i
 A checksum covers content, type and shape of a dataset and attributes of both; that of a
 supplement, its attribute `sha256`, covers everything in the group.
 
-Before version 5 text attributes had fixed lengths, `acquisition` was a scalar, the default of the
-entry was run_000, and there were no columns of all readings. Version 3 has no controlled runs.
-Version 2 has checksums of the content of datasets only and no devices. In version 1 `signals` holds
-names and ranges only, and the values of a reading are always force_N, drive_V and current_A; since
-version 2 they are those of the session's channels, a column each.
+Before version 6 there were no device_number and trigger_time of a frame, and no counts of frames
+that came incomplete or never came. Before version 5 text attributes had fixed lengths,
+`acquisition` was a scalar, the default of the entry was run_000, and there were no columns of all
+readings. Version 3 has no controlled runs. Version 2 has checksums of the content of datasets only
+and no devices. In version 1 `signals` holds names and ranges only, and the values of a reading are
+always force_N, drive_V and current_A; since version 2 they are those of the session's channels, a
+column each.
 Datasets have fixed-length types only and grow by appended rows; nothing in them depends on when
 they were flushed. Anything else in a file is refused when it is opened. The attribute
 `column_units` of a table holds the unit of each column, empty where there is none.
@@ -53,8 +56,9 @@ import numpy.typing as npt
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 5  # that is written
-READABLE: Final = (1, 2, 3, 4, 5)
+FORMAT: Final = 6  # that is written
+READABLE: Final = (1, 2, 3, 4, 5, 6)
+TRIGGERS_SINCE: Final = 6  # version in which frames have the camera's number and their trigger
 NEXUS_SINCE: Final = 5  # version in which NeXus libraries find entry, sensors and data
 # The oldest file format with single-writer-multiple-reader, so that any viewer since 2016 opens it.
 LIBVER: Final = ("v110", "v110")
@@ -130,6 +134,7 @@ SIGNAL_ROWS: Final = {  # by version
     3: np.dtype(_SIGNAL_2),
     4: np.dtype(_SIGNAL_2),
     5: np.dtype(_SIGNAL_2),
+    6: np.dtype(_SIGNAL_2),
 }
 EVENT_ROW: Final = np.dtype(
     [
@@ -141,22 +146,32 @@ EVENT_ROW: Final = np.dtype(
         ("text", text_type(EVENT_TEXT_BYTES)),
     ]
 )
-ACQUISITION: Final = np.dtype(
-    [
-        ("started", "?"),
-        ("stopped", "?"),
-        ("completed", "?"),
-        ("time_zero_s", "<f8"),  # clock time of the run's time 0
-        ("clock_start_s", "<f8"),  # clock time of sample 0
-        ("clock_start_uncertainty_s", "<f8"),
-        ("rate_hz", "<f8"),
-        ("stage_position_m", "<f8"),  # NaN: nothing reported it
-        ("since_wetting_s", "<f8"),  # NaN: not known
-        ("lost_samples", "<i8"),
-        ("frames_grabbed", "<i8"),
-        ("frames_dropped", "<i8"),
-    ]
-)
+_ACQUISITION_1: Final = [
+    ("started", "?"),
+    ("stopped", "?"),
+    ("completed", "?"),
+    ("time_zero_s", "<f8"),  # clock time of the run's time 0
+    ("clock_start_s", "<f8"),  # clock time of sample 0
+    ("clock_start_uncertainty_s", "<f8"),
+    ("rate_hz", "<f8"),
+    ("stage_position_m", "<f8"),  # NaN: nothing reported it
+    ("since_wetting_s", "<f8"),  # NaN: not known
+    ("lost_samples", "<i8"),
+    ("frames_grabbed", "<i8"),
+    ("frames_dropped", "<i8"),
+]
+_ACQUISITION_6: Final = [
+    *_ACQUISITION_1,
+    ("frames_incomplete", "<i8"),
+    ("frames_missed", "<i8"),
+]
+
+
+def acquisition_row(version: int) -> np.dtype[Any]:
+    """Return the type of a run's acquisition."""
+    return np.dtype(_ACQUISITION_6 if version >= TRIGGERS_SINCE else _ACQUISITION_1)
+
+
 WRITE_ROW: Final = np.dtype(
     [
         ("step", "<i4"),
@@ -230,13 +245,24 @@ END_MARK_ROW: Final = np.dtype(  # of a mark after the end
     ]
 )
 # One value a frame, beside the image itself: name -> (type, unit).
-FRAME_COLUMNS: Final = {
+_FRAME_COLUMNS_1: Final = {
     "time": ("<f8", "s"),  # since the run's time 0
     "number": ("<i8", ""),
     "device_time": ("<f8", "s"),  # NaN: the camera gives none
     "sample_index": ("<f8", ""),
     "reading": ("<i4", ""),  # -1: no reading's frame
 }
+_FRAME_COLUMNS_6: Final = {
+    "device_number": ("<i8", ""),  # the camera's own; -1: it gives none
+    "trigger_time": ("<f8", "s"),  # since the run's time 0; NaN: nothing triggered it
+}
+
+
+def frame_columns(version: int) -> dict[str, tuple[str, str]]:
+    """Return the columns of frames: name -> (type, unit)."""
+    return _FRAME_COLUMNS_1 | (_FRAME_COLUMNS_6 if version >= TRIGGERS_SINCE else {})
+
+
 # One value a reading in `data`, beside the sensors' values: name -> (type, unit).
 SCAN_COLUMNS: Final = {
     "time_s": ("<f8", "s"),  # of the sampling point, since the session's start

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,13 +24,15 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Counts:
     """What a run's acquisition reported at its end; all zero when it never came to it."""
 
     lost_samples: int
     frames_grabbed: int
     frames_dropped: int
+    frames_incomplete: int = 0  # came with a part missing
+    frames_missed: int = 0  # never came
 
 
 class RunRecord(Displayed):
@@ -56,6 +58,7 @@ class RunRecord(Displayed):
         self._path = path
         self._has_frames = setup.frame_shape is not None
         self._frame_shape = setup.frame_shape
+        self._version = setup.version
 
     def summary(self) -> Summary:
         """Return place, samples and frames."""
@@ -81,7 +84,7 @@ class RunRecord(Displayed):
     @cached_property
     def _acquisition(self) -> Any:
         name = f"{layout.run_path(self.planned.index)}/acquisition"
-        found = read_table(self._file, name, layout.ACQUISITION, self._path)
+        found = read_table(self._file, name, layout.acquisition_row(self._version), self._path)
         if found.shape not in ((), (1,)):
             raise BadInputError(f"{self._path}: {name} has another shape than in a session.")
         return found.reshape(())[()]
@@ -127,9 +130,8 @@ class RunRecord(Displayed):
     def counts(self) -> Counts:
         """Lost samples and frames."""
         row = self._acquisition
-        return Counts(
-            int(row["lost_samples"]), int(row["frames_grabbed"]), int(row["frames_dropped"])
-        )
+        names = [field.name for field in fields(Counts) if field.name in row.dtype.names]
+        return Counts(**{name: int(row[name]) for name in names})
 
     # ------------------------------------------------------------------------------------ signals
 
@@ -226,9 +228,11 @@ class RunRecord(Displayed):
         return read_array(self._images(), self._path, row)
 
     def frame_column(self, name: str) -> Array:
-        """One of `layout.FRAME_COLUMNS` for all images."""
+        """One of `layout.frame_columns` for all images; NaN where an older session has it not."""
         if not self._has_frames:
             return np.empty(0)
+        if name not in layout.frame_columns(self._version):
+            return np.full(self.frame_count, np.nan)
         return read_array(self._column(f"frames/{name}"), self._path)
 
     def frame(self, reading_index: int) -> GreyImage | None:

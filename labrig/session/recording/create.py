@@ -124,7 +124,7 @@ def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
         **({"extra": run.extra} if run.extra else {}),
     )
     put_text(group, "planned", json.dumps(run_to_dict(run)))
-    row = _not_started()
+    row = _not_started(setup.version)
     # NeXus libraries fail on a table that is a scalar.
     shape = (1,) if setup.version >= layout.NEXUS_SINCE else ()
     acquisition = group.create_dataset("acquisition", data=row.reshape(shape))
@@ -137,12 +137,12 @@ def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
     create_table(group, "marks", layout.MARK_ROW, rows_in_chunk=8)
     _signals(file, run, setup)
     if setup.frame_shape is not None:
-        _frames(file, run, setup.frame_shape, np.dtype(setup.frame_dtype))
+        _frames(file, run, setup.frame_shape, setup)
 
 
-def _not_started() -> Array:
-    row = np.zeros((), dtype=layout.ACQUISITION)
-    for name, kind in layout.ACQUISITION.fields.items():  # type: ignore[union-attr]
+def _not_started(version: int) -> Array:
+    row = np.zeros((), dtype=layout.acquisition_row(version))
+    for name, kind in row.dtype.fields.items():
         if kind[0].kind == "f":
             row[name] = np.nan
     return row
@@ -166,7 +166,7 @@ def _unit_of(name: str, setup: SessionSetup) -> str:
     return "s" if name == "time" else "V"
 
 
-def _frames(file: Any, run: PlannedRun, shape: tuple[int, int], dtype: np.dtype[Any]) -> None:
+def _frames(file: Any, run: PlannedRun, shape: tuple[int, int], setup: SessionSetup) -> None:
     group = create_group(file, f"{layout.run_path(run.index)}/frames", "NXdata")
     set_attributes(group, signal="images")
     put_text_list(group, "axes", ["time", ".", "."])
@@ -175,11 +175,11 @@ def _frames(file: Any, run: PlannedRun, shape: tuple[int, int], dtype: np.dtype[
         shape=(0, *shape),
         maxshape=(None, *shape),
         chunks=(1, *shape),
-        dtype=dtype,
+        dtype=np.dtype(setup.frame_dtype),
         compression="gzip",
         compression_opts=FRAME_COMPRESSION,
     )
-    for name, (kind, unit) in layout.FRAME_COLUMNS.items():
+    for name, (kind, unit) in layout.frame_columns(setup.version).items():
         create_column(group, name, kind, chunk=64, units=unit)
 
 

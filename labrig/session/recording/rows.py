@@ -186,7 +186,7 @@ class Translator:
         return [state, *self._log(event, "run stopped", text, run=event.run)]
 
     def _acquisition(self, event: ev.RunStarted, stopped: ev.RunStopped | None = None) -> EventRows:
-        row = np.zeros((), dtype=layout.ACQUISITION)
+        row = np.zeros((), dtype=layout.acquisition_row(self._setup.version))
         clock = event.sample_clock
         row["started"] = True
         row["time_zero_s"] = event.time_s
@@ -201,6 +201,9 @@ class Translator:
             row["lost_samples"] = stopped.lost_samples
             row["frames_grabbed"] = stopped.frames_grabbed
             row["frames_dropped"] = stopped.frames_dropped
+            if self._setup.version >= layout.TRIGGERS_SINCE:
+                row["frames_incomplete"] = stopped.frames_incomplete
+                row["frames_missed"] = stopped.frames_missed
         return EventRows(
             path=f"{layout.run_path(event.run.index)}/acquisition",
             at=None,
@@ -276,10 +279,12 @@ class Translator:
             "device_time": _or_nan(frame.device_time_s),
             "sample_index": started.sample_clock.index_at(frame.time_s),
             "reading": layout.NO_FRAME if reading is None else reading,
+            "device_number": -1 if frame.device_number is None else frame.device_number,
+            "trigger_time": _or_nan(frame.trigger_s) - started.time_s,
         }
         columns = [
             self._append(layout.frame_path(run, name), np.array([values[name]], dtype=kind))
-            for name, (kind, _) in layout.FRAME_COLUMNS.items()
+            for name, (kind, _) in layout.frame_columns(self._setup.version).items()
         ]
         return [EventRows(path=path, at=at, count=1, blob=packed, packed=True), *columns]
 

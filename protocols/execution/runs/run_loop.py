@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
-from drivers.interfaces import CameraCounts, DeviceError, DeviceTimeoutError, VoltageWrite
+from dataclasses import replace
+
+from drivers.interfaces import (
+    Camera,
+    CameraCounts,
+    DeviceError,
+    DeviceTimeoutError,
+    FrameTrigger,
+    VoltageWrite,
+)
 from protocols.execution.devices import StageMove
 from protocols.execution.events import (
     LoadCellArrived,
@@ -14,6 +23,7 @@ from protocols.execution.events import (
 )
 from protocols.execution.readings import ReadingMaker
 from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
+from protocols.execution.runs.exposures import Exposures
 from protocols.execution.runs.loop import Loop, Stopped
 from protocols.execution.states import RunState
 from protocols.execution.stop import StopLevel
@@ -55,6 +65,7 @@ class RunLoop:
         self._last_sample_s = 0.0
         self._cost_s = 0.0  # of servicing, recently
         self._keep_all_frames = loop.keep_all_frames or run.keep_all_frames
+        self._exposures: Exposures | None = None  # of a camera that is triggered
 
     def execute(self) -> None:
         """Run it. Raises Stopped, DeviceError, or whatever else went wrong; at 0 V in any case."""
@@ -79,7 +90,9 @@ class RunLoop:
         if devices.camera is not None:
             devices.camera.start()
             frame_shape = devices.camera.frame_shape
-            if self._keep_all_frames:
+            if devices.trigger is not None:
+                self._exposures = self._triggered(devices.camera, devices.trigger)
+            if self._keep_all_frames or devices.trigger is not None:
                 devices.camera.want_all()
         sample_clock = devices.signals.start()
         now_s = loop.clock.now()
@@ -94,6 +107,7 @@ class RunLoop:
             loop.rules,
             loop.timing,
             keep_all_frames=self._keep_all_frames,
+            exposures=self._exposures,
         )
         if self._run.reference and self._feedback is not None:
             self._control = ControlLoop(loop, self._run, self._feedback, sample_clock, self._zero_s)
@@ -109,6 +123,12 @@ class RunLoop:
             )
         )
         return self._maker
+
+    def _triggered(self, camera: Camera, trigger: FrameTrigger) -> Exposures:
+        """Return the exposures of this run; where all frames are kept, in the protocol's rhythm."""
+        exposure_s = camera.settings.exposure_s or 0.0
+        every_s = 1 / self._frame_rate_hz if self._keep_all_frames else None
+        return Exposures(trigger, self._loop.clock, exposure_s, every_s)
 
     def _steps(self, maker: ReadingMaker) -> bool:
         """Execute the steps; False when a request ended them before the last one."""
@@ -214,11 +234,24 @@ class RunLoop:
                 return True
             if not patient and loop.stop.level is not StopLevel.NONE and loop.output.at_zero:
                 return False
-            if self._may_service(now_s, when_s):
+            next_s = min(when_s, self._trigger_s(now_s, when_s))
+            if now_s >= next_s:
+                self._fire()
+            elif self._may_service(now_s, next_s):
                 self._service(maker)
             else:
-                ahead = self._next_service_s if self._next_service_s > now_s else when_s
-                loop.clock.sleep_until(min(when_s, ahead))
+                ahead = self._next_service_s if self._next_service_s > now_s else next_s
+                loop.clock.sleep_until(min(next_s, ahead))
+
+    def _trigger_s(self, now_s: float, when_s: float) -> float:
+        """Return when the camera is triggered next; no more just before an edge, which is first."""
+        if self._exposures is None or when_s - now_s < self._loop.timing.edge_first_s:
+            return float("inf")
+        return self._exposures.next_s
+
+    def _fire(self) -> None:
+        if self._exposures is not None:
+            self._exposures.fire()
 
     def _may_service(self, now_s: float, when_s: float) -> bool:
         timing = self._loop.timing
@@ -231,6 +264,8 @@ class RunLoop:
         loop, devices = self._loop, self._loop.devices
         began_s = loop.clock.now()
         self._next_service_s = began_s + loop.timing.service_s
+        if self._control is not None and self._exposures and self._exposures.next_s <= began_s:
+            self._fire()  # a controller's periods come first: up to a service late
         self._take_samples(maker, began_s)
         if devices.camera is not None:
             maker.add_frames(devices.camera.frames())
@@ -288,7 +323,7 @@ class RunLoop:
             failed = failed or camera_failed
         if maker is None:
             return  # RunStarted was never emitted
-        grabbed, dropped = self._last_frames(maker)
+        counts = self._last_frames(maker)
         for event in maker.leftover_frames(loop.clock.now()):
             emit(event)
         emit(
@@ -297,19 +332,26 @@ class RunLoop:
                 run=self._run.index,
                 completed=completed,
                 lost_samples=maker.samples.lost,
-                frames_grabbed=grabbed,
-                frames_dropped=dropped,
+                frames_grabbed=counts.grabbed,
+                frames_dropped=counts.dropped,
+                frames_incomplete=counts.incomplete,
+                frames_missed=counts.missed,
             )
         )
         if completed and failed is not None:
             raise failed
 
-    def _last_frames(self, maker: ReadingMaker) -> tuple[int, int]:
-        """Take what the stopped camera still holds; frames grabbed and dropped in this run."""
+    def _last_frames(self, maker: ReadingMaker) -> CameraCounts:
+        """Take what the stopped camera still holds; return what came and was lost in this run."""
         camera, guarded = self._loop.devices.camera, self._loop.guarded
         if camera is None:
-            return 0, 0
+            return CameraCounts(0, 0)
         guarded("last frames", lambda: maker.add_frames(camera.frames()))
         found: list[CameraCounts] = []
         guarded("counting the frames", lambda: found.append(camera.counts))
-        return (found[0].grabbed, found[0].dropped) if found else (0, 0)
+        counts = found[0] if found else CameraCounts(0, 0)
+        if self._exposures is None:
+            return counts
+        # A camera that ignores a trigger leaves no gap in its own numbers.
+        missed = max(counts.missed, self._exposures.unanswered - counts.incomplete)
+        return replace(counts, missed=missed)

@@ -24,7 +24,8 @@ class Lines:
     def __init__(self) -> None:
         self._high: dict[str, bool] = {}
         self.edges: deque[LineEdge] = deque(maxlen=self.KEPT_EDGES)
-        self.wired: Callable[[str, float], None] | None = None  # called for each edge: line, time
+        # called for each edge with the line, its new level and the time
+        self.wired: Callable[[str, bool, float], None] | None = None
 
     def level(self, line: str) -> bool:
         """Return whether a line is high; it is low until written."""
@@ -35,7 +36,7 @@ class Lines:
         if high != self.level(line):
             self.edges.append(LineEdge(when, line, high))
             if self.wired is not None:
-                self.wired(line, when)
+                self.wired(line, high, when)
         self._high[line] = high
 
     def last_edge_s(self, line: str) -> float | None:

@@ -135,6 +135,13 @@ class InterlockSettings(ClosedSettings):
     """After the last edge the relay opens."""
 
 
+class CameraTriggerSettings(ClosedSettings):
+    """What is wired to the camera's trigger input."""
+
+    lines: list[str]
+    """Digital lines, such as port0/line1 or EIO1: a rising edge of any begins an exposure."""
+
+
 class CellSettings(ClosedSettings):
     """The load cell and its wiring."""
 

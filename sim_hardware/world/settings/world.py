@@ -19,6 +19,7 @@ from sim_hardware.world.settings.moving import ElectrodeSettings, LossSettings, 
 from sim_hardware.world.settings.rig import (
     AmplifierSettings,
     ArcSettings,
+    CameraTriggerSettings,
     CellSettings,
     ClampSettings,
     ElectricalSettings,
@@ -94,6 +95,7 @@ class WorldSettings(ClosedSettings):
     chain: ChainSettings
     camera: OpticsSettings
     interlock: InterlockSettings
+    trigger: CameraTriggerSettings
     faults: list[FaultSettings]
 
     @model_validator(mode="after")
