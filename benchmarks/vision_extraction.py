@@ -26,7 +26,11 @@ from labrig.vision import Optics, StripGeometry, neutral_curve
 
 def parts(scene: Scene) -> tuple[Optics, StripGeometry]:
     mm = {key: value / 1000 for key, value in scene.strip.items()}
-    strip = StripGeometry(mm["free_length_mm"], mm["elongation_mm"], mm["thickness_mm"])
+    strip = StripGeometry(
+        free_length_m=mm["free_length_mm"],
+        elongation_m=mm["elongation_mm"],
+        thickness_m=mm["thickness_mm"],
+    )
     return Optics.from_json(json.dumps(scene.optics)), strip
 
 

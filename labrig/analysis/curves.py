@@ -121,7 +121,11 @@ def _job(
         voltage_V=voltage_V,
         rows={int(row["index"]): int(row["frame"]) for row in rows},
         in_mean=tuple(int(row["index"]) for row in rows[counts]),
-        strip=StripGeometry(sheet.free_length_m, sheet.elongation_m, sheet.thickness_m),
+        strip=StripGeometry(
+            free_length_m=sheet.free_length_m,
+            elongation_m=sheet.elongation_m,
+            thickness_m=sheet.thickness_m,
+        ),
         optics=optics,
         arc=(sheet.arc_radius_m, sheet.arc_origin_rad) if touched else None,
         extractor=extractor,

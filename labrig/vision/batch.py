@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from labrig.errors import BadInputError
 from labrig.vision.calibration.drawing import is_drawing
-from labrig.vision.calibration.optics import Optics, SheetAppearance, StripPlace, load_optics
+from labrig.vision.calibration.optics import (
+    ColourChannel,
+    Optics,
+    Point,
+    SheetAppearance,
+    StripPlace,
+    load_optics,
+)
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extraction.extract import neutral_curve
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, missing, own_file
@@ -36,6 +43,9 @@ Progress = Callable[[str, NeutralCurve], None]
 PictureCurve = tuple[PictureLabel, Pixels | None, NeutralCurve]
 Find = Callable[[Pixels], NeutralCurve]
 
+UNSTATED_LENGTH_M = 0.05  # stands for a length that is measured
+ALONG_SIGMA_RAD = 0.1  # of a direction that is read from a photograph
+
 
 @dataclass(frozen=True, kw_only=True)
 class BatchOptions:
@@ -49,6 +59,9 @@ class BatchOptions:
     find: FindCurve = neutral_curve
     mask: Polygons = ()  # of raw pixels that are not used, beside those in optics.json
     strips: Mapping[str, StripPlace] | None = None  # in place of those in optics.json
+    along_px: Point | None = None  # a second pixel on the strip: its direction at the clamp
+    to_end: bool = False  # whatever length is stated, follow the strip to its end
+    channel: ColourChannel | None = None  # of colour images, in place of that in optics.json
     every: int = 1  # of a video's frames and a TIFF's pages the first of each so many
 
 
@@ -179,7 +192,7 @@ def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
     )
     for kind, given, load in kinds:
         found = {path: beside(path, kind, given) for path in files}
-        if not any(found.values()):
+        if not any(found.values()) and not (options.to_end and kind == SHEET_FILE):
             raise BadInputError(missing(files[0], kind))
         for common in {each for path, each in found.items() if each != own_file(path, kind)}:
             if common is not None:
@@ -239,9 +252,17 @@ def _known(path: Path, options: BatchOptions) -> dict[str, tuple[Optics, StripGe
     """Return what is known of each strip of an image, by its name."""
     found, sheet = optics_of(path, options), sheet_of(path, options)
     return {
-        name: (optics, load_strip(sheet, options.configuration, name))
-        for name, optics in found.by_strip().items()
+        name: (optics, _strip(sheet, options, name)) for name, optics in found.by_strip().items()
     }
+
+
+def _strip(sheet: Path | None, options: BatchOptions, name: str) -> StripGeometry:
+    if sheet is None:  # nothing is stated: all is measured
+        return StripGeometry(
+            free_length_m=UNSTATED_LENGTH_M, thickness_known=False, length_known=False
+        )
+    strip = load_strip(sheet, options.configuration, name)
+    return replace(strip, length_known=False, elongation_m=0.0) if options.to_end else strip
 
 
 def optics_of(path: Path, options: BatchOptions) -> Optics:
@@ -257,12 +278,17 @@ def optics_of(path: Path, options: BatchOptions) -> Optics:
         changed["mask_px"] = (known.mask_px or ()) + options.mask
     if options.strips is not None:
         changed["strips"] = dict(options.strips)
-    return known.model_copy(update=changed)
+    if options.channel is not None:
+        changed["channel"] = options.channel
+    known = known.model_copy(update=changed)
+    if options.along_px is None:
+        return known
+    return known.leading_to(options.along_px, ALONG_SIGMA_RAD)
 
 
-def sheet_of(path: Path, options: BatchOptions) -> Path:
-    """Return the sheet.toml that an image uses."""
+def sheet_of(path: Path, options: BatchOptions) -> Path | None:
+    """Return the sheet.toml that an image uses; None where it needs none."""
     sheet = beside(path, SHEET_FILE, options.sheet)
-    if sheet is None:
+    if sheet is None and not options.to_end:
         raise BadInputError(missing(path, SHEET_FILE))
     return sheet

@@ -13,7 +13,7 @@ from typing import Final
 
 # Image: whether one can hold a curve at all. Chosen, not tuned; no benchmark moves.
 IMAGE_SIDE_MIN_PX: Final = 16  # rows and columns of the smallest image
-SATURATED_SHARE_MAX: Final = 0.9  # of all pixels at full scale; above: refused
+SATURATED_SHARE_MAX: Final = 0.9  # of all pixels at full scale; above: why no sheet is found
 SATURATED_SHARE_WARNED: Final = 0.005  # of all pixels at full scale, where the sheet is bright
 # darkest to brightest over full scale; below, and within noise: uniform
 LEVEL_RANGE_MIN_RATIO: Final = 0.01
@@ -185,3 +185,23 @@ CALIBRATION_RESIDUAL_MAX_PX: Final = 1.0  # RMS; above: refused
 CALIBRATION_RESIDUAL_WARNED_PX: Final = 0.3  # RMS
 CLAMP_DIRECTION_MIN_PX: Final = 20.0  # between the two places that give the sheet's direction
 BOARD_CORNERS_MIN: Final = 12  # of one image of the board
+
+# Outline: the curve between two edges, of strips that are thick, short, shaded or of which little
+# is stated. By trial on the photographs that benchmarks/photographs/traces.json names for tuning;
+# benchmark: `python -m benchmarks.vision_photographs`.
+OUTLINE_THICKNESS_MIN_PX: Final = 8.0  # a stated thickness above: edges are looked for first
+OUTLINE_WIDTH_RATIOS: Final = (0.6, 1.5)  # of a block's width to the strip's
+OUTLINE_STRENGTH_MIN_RATIO: Final = 0.3  # of a block's weaker edge to the usual one
+OUTLINE_STRENGTH_MIN_SIGMAS: Final = 3.0  # of a block's weaker edge over noise and texture
+OUTLINE_TAPER_SHARE: Final = 0.3  # of a local change of width that may be in the middle
+OUTLINE_END_SIGMA_RATIO: Final = 0.2  # of sigma at both ends to the thickness; it fades within one
+OUTLINE_END_SIGMA_MAX_PX: Final = 1.5  # and at most
+OUTLINE_SIGMA_MIN_RATIO: Final = 0.03  # of the thickness: which part of an edge is the edge
+OUTLINE_SIGMA_MIN_PX: Final = 0.1
+OUTLINE_SEEN_SHARE_MIN: Final = 0.6  # of the blocks
+OUTLINE_START_SHARE_MIN: Final = 0.4  # of the blocks of the first eighth
+OUTLINE_WIDTH_SCATTER_MAX_RATIO: Final = 0.15  # of the width from block to block, to the width
+OUTLINE_RESIDUAL_MAX_RATIO: Final = 0.15  # of the middles about the curve, to the width
+OUTLINE_SIGMA_MAX_RATIO: Final = 0.25  # of sigma to the thickness, where that is more than 2 px
+OUTLINE_SIGMA_MAX_PX: Final = 5.0  # and at most
+END_PRESENT_RATIO: Final = 0.5  # of the weaker edge to the usual one: nearer than that is the end

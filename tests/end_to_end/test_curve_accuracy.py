@@ -34,7 +34,11 @@ def test_curves_of_mean_images_are_right_to_a_tenth_of_a_millimetre(
 ) -> None:
     optics = Optics.from_json(template_text("optics.json")).model_copy(update={"bits": 16})
     sheet = parse_sheet(template_text("sheet.toml"), "sheet.toml")[configuration]
-    strip = StripGeometry(sheet.free_length_m, sheet.elongation_m, sheet.thickness_m)
+    strip = StripGeometry(
+        free_length_m=sheet.free_length_m,
+        elongation_m=sheet.elongation_m,
+        thickness_m=sheet.thickness_m,
+    )
     clock = VirtualClock()
     world = World(load_world(None, seed), clock)
     world.mount(configuration)

@@ -113,7 +113,7 @@ def test_two_points_of_a_ruler_give_the_scale(tmp_path: Path) -> None:
     assert load_optics(made).px_per_mm == pytest.approx(8.0)
 
 
-def test_the_direction_beside_a_ruler_is_used_or_said_not_to_be(
+def test_the_direction_beside_a_ruler_is_used_or_found_in_each_image(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     cv2.imwrite(str(tmp_path / "ruler.png"), np.full((480, 640), 90, np.uint8))
@@ -121,10 +121,12 @@ def test_the_direction_beside_a_ruler_is_used_or_said_not_to_be(
     ruler = ["--ruler-px", "100,200,500,200", "--ruler-mm", "50", "--clamp-px", "80,240"]
     picture = ["calibrate", "camera", str(tmp_path / "ruler.png"), *ruler, "-o", str(made)]
     assert run(picture) == 0
-    assert "direction is not used" in capsys.readouterr().err
+    assert "direction at the clamp is found in each image" in capsys.readouterr().err
+    assert not load_optics(made).clamp_angle_known
     assert run([*picture, "--along-px", "80,340"]) == 0
     assert "direction" not in capsys.readouterr().err
     assert load_optics(made).roll_rad == pytest.approx(np.pi / 2)
+    assert load_optics(made).clamp_angle_known
 
 
 def test_the_board_is_a_pdf(tmp_path: Path) -> None:

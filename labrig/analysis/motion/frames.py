@@ -61,7 +61,11 @@ def frame_curves(
     """
     times = frame_times(run, exposure_s)
     rows = np.flatnonzero(times >= begin_s)
-    strip = StripGeometry(sheet.free_length_m, sheet.elongation_m, sheet.thickness_m)
+    strip = StripGeometry(
+        free_length_m=sheet.free_length_m,
+        elongation_m=sheet.elongation_m,
+        thickness_m=sheet.thickness_m,
+    )
     find, near = chosen_extractor(extractor), None
     found: list[NeutralCurve] = []
     for done, row in enumerate(rows.tolist(), 1):

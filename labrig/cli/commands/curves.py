@@ -66,6 +66,23 @@ def curves(
             "may be repeated"
         ),
     ] = None,
+    along_px: Annotated[
+        str | None,
+        typer.Option(
+            "--along-px", help="U,V: a second pixel on the strip near the clamp: its direction"
+        ),
+    ] = None,
+    to_end: Annotated[
+        bool,
+        typer.Option(
+            "--to-end", help="follow the strip to its visible end; no length need be stated"
+        ),
+    ] = False,
+    channel: Annotated[
+        Literal["auto", "grey", "red", "green", "blue", "red-green", "red-blue", "green-blue"]
+        | None,
+        typer.Option(help="of a colour image: one channel, or the difference of two"),
+    ] = None,
     strip: Annotated[
         list[str] | None,
         typer.Option(
@@ -87,6 +104,10 @@ def curves(
     and it has a row in the tables. Photographs are turned as their EXIF states. Each page of a
     TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image.
 
+    With --to-end the length is measured, without a thickness in sheet.toml also that, and without
+    a direction in optics.json also that; a clamp within 20 pixels is enough. What was measured in
+    place of being stated is said with the curve.
+
     --mask says what of the images is not used. With several strips in a picture (--strip, or
     `strips` in optics.json) each has its own curve; it takes the table of its name in sheet.toml.
     --method runs one curve extractor against another; -o FILE.csv keeps the comparison.
@@ -101,9 +122,10 @@ def curves(
             )
         serve_page(page, port, open_it=open_it)
         return
-    from labrig.cli.curves.options import masks_of, strips_of
+    from labrig.cli.curves.options import masks_of, point_of, strips_of
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
+    from labrig.vision.calibration.optics import ColourChannel
 
     name = extractor or BUILT_IN
     options = BatchOptions(
@@ -114,6 +136,9 @@ def curves(
         find=chosen_extractor(name).curve,
         mask=masks_of(mask),
         strips=strips_of(strip),
+        along_px=point_of(along_px, "--along-px"),
+        to_end=to_end,
+        channel=None if channel is None else ColourChannel(channel),
         every=every,
     )
     if method:
@@ -129,10 +154,12 @@ def curves(
     if not sources:
         raise BadInputError("no image was given; give files, a folder, or --batch FOLDER.")
     if [path.suffix.lower() for path in sources] == [".h5"]:
-        if any((optics, sheet, configuration, look, summary, overlay, mask, strip, every > 1)):
+        of_images = (optics, sheet, configuration, look, summary, overlay, mask, strip)
+        if any((*of_images, along_px, to_end, channel, every > 1)):
             raise BadInputError(
                 "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
-                "--look, --summary, --overlay, --mask, --strip and --every are for images."
+                "--look, --summary, --overlay, --mask, --strip, --along-px, --to-end, --channel "
+                "and --every are for images."
             )
         session_curves(sources[0], output, name, as_json=as_json)
         return

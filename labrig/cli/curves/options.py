@@ -36,6 +36,16 @@ def strips_of(stated: list[str] | None) -> dict[str, StripPlace] | None:
     return found
 
 
+def point_of(stated: str | None, option: str) -> tuple[float, float] | None:
+    """Return column and row of "U,V"; None where it is not given. Raises BadInputError."""
+    if stated is None:
+        return None
+    match = re.fullmatch(_POINT, stated.strip())
+    if match is None:
+        raise BadInputError(f"{option} '{stated}': give a pixel's column and row, U,V.")
+    return float(match[1]), float(match[2])
+
+
 def _strip(stated: str) -> tuple[str, StripPlace]:
     from labrig.config.base import validate
     from labrig.vision.calibration.optics import StripPlace

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime as dt
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -79,7 +79,10 @@ class CameraCalibrationRun:
     ) -> Message:
         """Calibrate from the two ends of a scale bar."""
         rows, columns = image.shape
-        self.made = calibrate_ruler((columns, rows), *ends_px, ruler_mm, clamp_px=clamp_px)
+        made = calibrate_ruler((columns, rows), *ends_px, ruler_mm, clamp_px=clamp_px)
+        # a rig's camera has its rows along the clamped sheet
+        level = made.optics.model_copy(update={"clamp_angle_known": True})
+        self.made = replace(made, optics=level)
         return as_message(self.made)
 
     def accept(self, path: Path) -> str | None:

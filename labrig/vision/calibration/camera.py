@@ -102,7 +102,8 @@ def calibrate_ruler(
     """Return the scale from two points of a ruler in the sheet's plane.
 
     Each is read to `reading_sigma_px`. The ruler may lie in any direction: the x axis runs from
-    `clamp_px` to `along_px`, a second pixel on the clamped sheet (default: the image's rows).
+    `clamp_px` to `along_px`, a second pixel on the clamped sheet (default: along the image's rows,
+    and the sheet's direction is found in each image).
     """
     _check_clamp(clamp_px, along_px, image_size)
     length = math.dist(first_px, second_px)
@@ -118,15 +119,15 @@ def calibrate_ruler(
         px_per_mm=scale,
         px_per_mm_sigma=scale * math.sqrt(2) * reading_sigma_px / length,
         roll_rad=0.0 if along_px is None else _direction_rad(clamp_px, along_px),
+        clamp_angle_known=along_px is not None,
         clamp_px=clamp_px,
         method="ruler",
     )
     notes = ["a ruler gives the scale only: distortion and tilt of the camera stay in the curves"]
     if along_px is None:
         notes.append(
-            "the ruler's direction is not used: the sheet is taken to leave the clamp along the "
-            "image's rows, to the right; a second pixel on the clamped sheet states another "
-            "direction (--along-px U,V)"
+            "the sheet's direction at the clamp is found in each image; a second pixel on the "
+            "clamped sheet states it (--along-px U,V), and the x axis then runs along it"
         )
     return Calibration(
         optics=optics, residual_px=0.0, residual_um=0.0, largest_um=0.0, warnings=tuple(notes)

@@ -54,6 +54,19 @@ class SheetAppearance(StrEnum):
     SILHOUETTE = "silhouette"  # its face is as dark (or bright) as the edge
 
 
+class ColourChannel(StrEnum):
+    """Which values of a colour image are used."""
+
+    AUTO = "auto"  # grey, or where edges are looked for the channel that shows them best
+    GREY = "grey"
+    RED = "red"
+    GREEN = "green"
+    BLUE = "blue"
+    RED_GREEN = "red-green"  # differences: what differs in colour but not in brightness
+    RED_BLUE = "red-blue"
+    GREEN_BLUE = "green-blue"
+
+
 class Optics(ClosedModel):
     """optics.json. Only `px_per_mm` and `clamp_px` are required."""
 
@@ -80,6 +93,9 @@ class Optics(ClosedModel):
         "square to the plane; it then stands instead of px_per_mm, roll_rad and origin_px",
     )
     clamp_angle_rad: float = Field(0.0, ge=-math.tau, le=math.tau)
+    clamp_angle_known: bool = Field(
+        default=True, description="false: the direction at the clamp is found in each image"
+    )
     clamp_sigma_px: float = Field(1.0, gt=0, description="how well clamp_px is known")
     clamp_angle_sigma_rad: float = Field(0.015, gt=0)
     polarity: Literal["auto", "bright", "dark"] = Field(
@@ -89,6 +105,11 @@ class Optics(ClosedModel):
         SheetAppearance.AUTO,
         description="what shows of the sheet beside its near edge: a face that is darker "
         "(lit_edge), or one as dark (or bright) as the edge (silhouette)",
+    )
+    channel: ColourChannel = Field(
+        ColourChannel.AUTO,
+        description="which values of a colour image are used: grey, one colour, or "
+        "the difference of two",
     )
     bits: int = Field(8, ge=8, le=16)
     rolls_px: tuple[Row, ...] | None = Field(None, description="u, v, radius of each roll")
@@ -140,18 +161,28 @@ class Optics(ClosedModel):
     def at(self, place: StripPlace) -> Self:
         """Return what is known for a strip that is clamped at this place."""
         changed: dict[str, object] = {"clamp_px": place.clamp_px, "strips": None}
-        ends = (place.clamp_px, place.along_px or place.clamp_px)
+        if self.homography is None:
+            changed["origin_px"] = None
+        there = self.model_copy(update=changed)
+        return there if place.along_px is None else there.leading_to(place.along_px)
+
+    def leading_to(self, along_px: Point, sigma_rad: float | None = None) -> Self:
+        """Return the same for a sheet that leaves the clamp towards a raw pixel.
+
+        `sigma_rad`: how well that states its direction; None: as before.
+        """
+        ends = (self.clamp_px, along_px)
+        changed: dict[str, object] = {"clamp_angle_known": True}
         if self.homography is not None:
             first, second = self.pixel_to_world(ends)
             name = "clamp_angle_rad"
         else:
             first, second = self.undistorted(ends)
             name = "roll_rad"
-            changed["origin_px"] = None
-        if place.along_px is not None:
-            if self.homography is None:
-                changed["clamp_angle_rad"] = 0.0
-            changed[name] = math.atan2(second[1] - first[1], second[0] - first[0])
+            changed["clamp_angle_rad"] = 0.0
+        changed[name] = math.atan2(second[1] - first[1], second[0] - first[0])
+        if sigma_rad is not None:
+            changed["clamp_angle_sigma_rad"] = sigma_rad
         return self.model_copy(update=changed)
 
     @property

@@ -30,7 +30,7 @@ def smallness(length_m: float) -> float:
     return float(np.clip(length_m, *USUAL_LENGTHS_M)) / length_m
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class StripGeometry:
     """The sheet's lengths, known before the image is read."""
 
@@ -38,6 +38,7 @@ class StripGeometry:
     elongation_m: float = 0.0  # rigid and straight, beyond the free length
     thickness_m: float = 0.21e-3
     thickness_known: bool = True  # else `thickness_m` is a guess, and the image is measured
+    length_known: bool = True  # else `free_length_m` is a guess, and it is followed to its end
 
     def __post_init__(self) -> None:
         if not 0 < self.free_length_m < 10:

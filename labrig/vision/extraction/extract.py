@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.calibration.optics import Optics
+from labrig.vision.calibration.optics import ColourChannel, Optics
 from labrig.vision.checks.seen_curve import SeenCurve
 from labrig.vision.checks.verdict import Verdict
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extraction.curve_search import CurveSearch
 from labrig.vision.extraction.metric_curve import refused, reported
+from labrig.vision.extraction.outline_curve import outline_curve
 from labrig.vision.extraction.refinement import CurveCandidate
 from labrig.vision.extraction.second_sheet import second_sheet_contrast
 from labrig.vision.fit.curve_fit import fit_intensities
@@ -25,7 +27,8 @@ from labrig.vision.image.downscaling import (
     in_camera_pixels,
     scaled_curve,
 )
-from labrig.vision.image.image import GreyImage, ImageError, read_grey_image
+from labrig.vision.image.image import GreyImage, ImageError, is_coloured, read_grey_image
+from labrig.vision.thresholds import OUTLINE_THICKNESS_MIN_PX, SATURATED_SHARE_MAX
 from labrig.vision.uncertainty.apparent_width import (
     corrupted_cells,
     excess_width_px,
@@ -34,6 +37,9 @@ from labrig.vision.uncertainty.apparent_width import (
 from labrig.vision.uncertainty.lateral_bias import lateral_bias_px
 
 FloatArray = npt.NDArray[np.float64]
+
+FOUND_ANGLE_SIGMA_RAD = 0.05  # of the direction at the clamp, as the edges show it
+DIFFERENCES = (ColourChannel.RED_GREEN, ColourChannel.GREEN_BLUE)
 
 
 def neutral_curve(
@@ -53,15 +59,101 @@ def neutral_curve(
         grey_image = read_grey_image(image, optics)
     except ImageError as error:
         return NeutralCurve(ok=False, why=f"check of the image failed: {error}")
+    if not strip.length_known or not optics.clamp_angle_known:
+        found = _by_edges(image, grey_image, optics, strip, start)
+        if found.ok and strip.length_known:
+            return _finer(found, grey_image, optics, strip)
+        return found if found.ok else _saturated(found, grey_image)
     if not strip.thickness_known:
         seen_m = start.thickness_m if start is not None and start.ok else None
-        strip = replace(strip, thickness_m=seen_m or visible_thickness_m(grey_image, optics, strip))
+        measured_m = seen_m or visible_thickness_m(grey_image, optics, strip)
+        measured = replace(strip, thickness_m=measured_m)
+    else:
+        measured = strip
+    thick = measured.thickness_m * optics.px_per_m > OUTLINE_THICKNESS_MIN_PX
+    if thick and strip.elongation_m == 0:
+        found = _by_edges(image, grey_image, optics, strip, start)
+        if found.ok:
+            return found
+    found = _by_intensities(grey_image, optics, measured, start)
+    if not found.ok and not strip.thickness_known and not thick:
+        by_edges = _by_edges(image, grey_image, optics, strip, start)
+        found = by_edges if by_edges.ok else found
+    return found if found.ok else _saturated(found, grey_image)
+
+
+def _by_edges(
+    image: npt.NDArray[Any],
+    grey_image: GreyImage,
+    optics: Optics,
+    strip: StripGeometry,
+    start: NeutralCurve | None,
+) -> NeutralCurve:
+    """Return the curve between the strip's edges, in whichever colours they show."""
+    images = [grey_image]
+    if optics.channel == ColourChannel.AUTO and is_coloured(image):
+        for channel in DIFFERENCES:
+            try:
+                chosen = optics.model_copy(update={"channel": channel})
+                images.append(read_grey_image(image, chosen))
+            except ImageError:  # such as a uniform one: no edge shows in it
+                continue
+        note = "the image is in colour; its grey values and differences of colours were used"
+        images[0] = replace(grey_image, warnings=(note,))
+    return outline_curve(
+        images, optics, strip, start=start if start is not None and start.ok else None
+    )
+
+
+def _finer(
+    found: NeutralCurve, grey_image: GreyImage, optics: Optics, strip: StripGeometry
+) -> NeutralCurve:
+    """Return the curve of a thin strip's intensities, with the direction that its edges show.
+
+    It is known better than that between the edges; where both differ, that is kept.
+    """
+    ppm = optics.px_per_m
+    if found.thickness_m * ppm > OUTLINE_THICKNESS_MIN_PX:
+        return found
+    few = max(1, len(found.x_m) // 20)
+    heading = math.atan2(found.y_m[few] - found.y_m[0], found.x_m[few] - found.x_m[0])
+    known = {
+        "clamp_angle_known": True,
+        "clamp_angle_rad": heading,
+        "clamp_angle_sigma_rad": FOUND_ANGLE_SIGMA_RAD,
+    }
+    thickness_m = strip.thickness_m if strip.thickness_known else found.thickness_m
+    there = optics.model_copy(update=known)
+    finer = _by_intensities(grey_image, there, replace(strip, thickness_m=thickness_m), None)
+    if not finer.ok:
+        return found
+    apart = np.hypot(*(finer.points_px[:, None] - found.points_px[None]).transpose(2, 0, 1))
+    if apart.min(axis=1).max() > max(1.0, 0.25 * found.thickness_m * ppm):
+        return found
+    said = tuple(text for text in found.warnings if text not in finer.warnings)
+    return replace(finer, warnings=finer.warnings + said)
+
+
+def _by_intensities(
+    grey_image: GreyImage, optics: Optics, strip: StripGeometry, start: NeutralCurve | None
+) -> NeutralCurve:
     by = downscaling_factor(strip.thickness_m * optics.px_per_m)
     if by == 1:
         return _found(grey_image, optics, strip, start)
     grey_image, optics = downscaled_image(grey_image, by), downscaled_optics(optics, by)
     start = scaled_curve(start, 1 / by) if start is not None else None
     return in_camera_pixels(_found(grey_image, optics, strip, start), by)
+
+
+def _saturated(refusal: NeutralCurve, image: GreyImage) -> NeutralCurve:
+    """Return a refusal that names the exposure where hardly a pixel is not at full scale."""
+    if image.clipped <= SATURATED_SHARE_MAX:
+        return refusal
+    why = (
+        f"check of the image failed: the image is saturated ({image.clipped:.0%} of the pixels are "
+        f"at full scale); shorten the exposure. Without that: {refusal.why}"
+    )
+    return replace(refusal, why=why)
 
 
 def _found(

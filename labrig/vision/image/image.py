@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.calibration.optics import Optics
+from labrig.vision.calibration.optics import ColourChannel, Optics
 from labrig.vision.thresholds import (
     IMAGE_SIDE_MIN_PX,
     LEVEL_RANGE_MAX_SIGMAS,
     LEVEL_RANGE_MIN_RATIO,
-    SATURATED_SHARE_MAX,
     UNIT_RANGE_MARGIN,
 )
 
@@ -47,6 +46,18 @@ class GreyImage:
 
         return np.asarray(cv2.GaussianBlur(self.grey, (0, 0), SMOOTHING_PX), dtype=np.float32)
 
+    def without(self, mask: npt.NDArray[np.uint8]) -> GreyImage:
+        """Return the image with NaN where a mask (rows, columns) is not 0."""
+        return replace(self, grey=np.where(mask > 0, np.float32("nan"), self.grey))
+
+    def filled(self) -> GreyImage:
+        """Return the image with its usual grey where it has none."""
+        there = np.isfinite(self.grey)
+        if there.all():
+            return self
+        usual = np.float32(np.median(self.grey[there]))
+        return replace(self, grey=np.where(there, self.grey, usual))
+
 
 def in_levels(image: npt.NDArray[Any], optics: Optics) -> npt.NDArray[Any]:
     """Return floats of 0 to 1, as other programs write them, in levels of the camera."""
@@ -60,7 +71,7 @@ def in_levels(image: npt.NDArray[Any], optics: Optics) -> npt.NDArray[Any]:
 
 def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
     """Check an image and turn it into floats; colour is turned into grey with a warning."""
-    grey, warnings = _grey(image)
+    grey, warnings = _grey(image, optics.channel)
     rows, columns = grey.shape
     if min(rows, columns) < IMAGE_SIDE_MIN_PX:
         raise ImageError(f"the image is only {columns} x {rows} pixels; a sheet needs more.")
@@ -71,11 +82,6 @@ def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
         )
     full_scale = _full_scale(image, optics)
     clipped = float(np.mean(grey >= full_scale))
-    if clipped > SATURATED_SHARE_MAX:
-        raise ImageError(
-            f"the image is saturated ({clipped:.0%} of the pixels are at full scale); "
-            "shorten the exposure."
-        )
     noise = pixel_noise(grey, full_scale)
     low, high = float(grey.min()), float(grey.max())
     # a camera of ten bits leaves most of sixteen empty: what little there is may show all
@@ -89,25 +95,67 @@ def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
     )
 
 
-def _grey(image: npt.NDArray[Any]) -> tuple[MapArray, list[str]]:
+def _grey(image: npt.NDArray[Any], channel: ColourChannel) -> tuple[MapArray, list[str]]:
     if not isinstance(image, np.ndarray) or image.size == 0:
         raise ImageError("this is not an image: an array of pixels is needed.")
     if image.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
         raise ImageError(f"the image holds {image.dtype} values; 8 or 16 bit grey is needed.")
     if image.ndim == 3 and image.shape[2] == 1:
         image = image[:, :, 0]
-    if image.ndim == 3 and image.shape[2] in (3, 4):
+    if image.ndim == 3 and image.shape[2] == 4:
+        image = _on_white(image)
+    if image.ndim == 3 and image.shape[2] == 3:
         if (image[:, :, 0] == image[:, :, 1]).all() and (image[:, :, 1] == image[:, :, 2]).all():
             return np.ascontiguousarray(image[:, :, 0], dtype=np.float32), []
-        # OpenCV's order: blue, green, red
-        grey = image[:, :, :3].astype(np.float32) @ np.array([0.114, 0.587, 0.299], np.float32)
-        return np.ascontiguousarray(grey), ["the image is in colour; its grey values were used"]
+        return _of_channel(image, channel)
     if image.ndim != 2:
         raise ImageError(f"the image has shape {image.shape}; rows and columns are needed.")
     grey = np.ascontiguousarray(image, dtype=np.float32)
     if image.dtype.kind == "f" and not np.isfinite(grey).all():
         raise ImageError("the image holds values that are not finite.")
     return grey, []
+
+
+def _on_white(image: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return the colours of an image with transparent parts, as they look on white paper."""
+    colours, cover = image[:, :, :3], image[:, :, 3:]
+    top = float(np.iinfo(image.dtype).max) if image.dtype.kind == "u" else 1.0
+    if (cover == cover.max()).all():
+        return colours
+    share = cover.astype(np.float32) / top
+    return np.asarray(colours * share + top * (1 - share)).astype(image.dtype)
+
+
+def is_coloured(image: npt.NDArray[Any]) -> bool:
+    """Return whether an image has colours, and so channels that differ."""
+    if image.ndim != 3 or image.shape[2] not in (3, 4):
+        return False
+    return bool((image[:, :, :1] != image[:, :, 1:3]).any())
+
+
+def _of_channel(image: npt.NDArray[Any], channel: ColourChannel) -> tuple[MapArray, list[str]]:
+    """Return one channel of a colour image, and what is said of it."""
+    # OpenCV's order: blue, green, red
+    weights = np.array(_CHANNEL_WEIGHTS[channel], np.float32)
+    values = image[:, :, :3].astype(np.float32) @ weights
+    if channel in (ColourChannel.AUTO, ColourChannel.GREY):
+        return np.ascontiguousarray(values), ["the image is in colour; its grey values were used"]
+    if weights.sum() == 0:  # a difference may be negative: half of it, around the middle
+        top = float(np.iinfo(image.dtype).max) if image.dtype.kind == "u" else 0.0
+        values = 0.5 * (values + top)
+    return np.ascontiguousarray(values), []
+
+
+_CHANNEL_WEIGHTS = {
+    ColourChannel.AUTO: (0.114, 0.587, 0.299),
+    ColourChannel.GREY: (0.114, 0.587, 0.299),
+    ColourChannel.RED: (0.0, 0.0, 1.0),
+    ColourChannel.GREEN: (0.0, 1.0, 0.0),
+    ColourChannel.BLUE: (1.0, 0.0, 0.0),
+    ColourChannel.RED_GREEN: (0.0, -1.0, 1.0),
+    ColourChannel.RED_BLUE: (-1.0, 0.0, 1.0),
+    ColourChannel.GREEN_BLUE: (-1.0, 1.0, 0.0),
+}
 
 
 def _full_scale(image: npt.NDArray[Any], optics: Optics) -> float:

@@ -96,8 +96,9 @@ def _start(
     alive = 0
     for a in range(len(spread)):
         for b in range(-most_bend, most_bend + 1):
-            state[alive, U] = u0 - math.sin(heading) * spread[a, 0]
-            state[alive, V] = v0 + math.cos(heading) * spread[a, 0]
+            beside = heading + spread[a, 2]
+            state[alive, U] = u0 - math.sin(beside) * spread[a, 0]
+            state[alive, V] = v0 + math.cos(beside) * spread[a, 0]
             state[alive, ANGLE] = heading + spread[a, 1]
             state[alive, SCORE] = -0.02 * abs(spread[a, 0])
             state[alive, FIRST] = heading + spread[a, 1]
@@ -123,6 +124,7 @@ def _expand(
     most_bend: int,
     most_turn: float,
     half: float,
+    quantum: float,
 ) -> int:
     """Return all children of the living states; their number."""
     count = 0
@@ -132,7 +134,7 @@ def _expand(
         for change in range(-changes, changes + 1):
             # a straight rest has no bend, but room to correct the quantum of the angles before
             b = 0 if straight else bend[a] + change
-            turn = 0.4 * change * BEND_QUANTUM_RAD if straight else b * BEND_QUANTUM_RAD
+            turn = 0.4 * change * quantum if straight else b * quantum
             angle = state[a, ANGLE] + turn
             if abs(b) > most_bend or abs(angle - state[a, FIRST]) > most_turn:
                 continue
@@ -215,12 +217,14 @@ def search(
     most_turn: float,
     width: int,
     half: float,
+    quantum: float = BEND_QUANTUM_RAD,
 ) -> tuple[FloatArray, FloatArray, float]:
     """Return the best path: nodes (steps + 1, 2), the score of each step (steps,), and their mean.
 
-    `spread` (n, 2): offsets along the normal and angles at which paths may start. `most_bend` in
-    quanta a step, `most_turn` in rad from the start; `width` states are kept after each step. From
-    step `straight_from` on there is no bend, from `wide_from` on all layers of the maps count.
+    `spread` (n, 3): offsets and angles at which paths may start, and the angle to whose left an
+    offset is; angles from `heading`. `most_bend` in quanta (rad) a step, `most_turn` in rad from
+    the start; `width` states are kept after each step. From step `straight_from` on there is no
+    bend, from `wide_from` on all layers of the maps count.
     """
     capacity = max(width, len(spread) * (2 * most_bend + 1))
     state, bend = np.empty((capacity, 5)), np.zeros(capacity, dtype=np.int64)
@@ -251,6 +255,7 @@ def search(
             most_bend=most_bend,
             most_turn=most_turn,
             half=half,
+            quantum=quantum,
         )
         if count == 0:
             return np.empty((0, 2)), np.empty(0), -1.0

@@ -150,7 +150,7 @@ def trace_from_clamp(
     u0, v0 = (np.array(optics.clamp_px) + 0.5) / scale - 0.5
     spread = np.array(
         [
-            (step * optics.clamp_sigma_px / scale, turn * optics.clamp_angle_sigma_rad)
+            (step * optics.clamp_sigma_px / scale, turn * optics.clamp_angle_sigma_rad, 0.0)
             for step in offsets
             for turn in (-2, 0, 2)
         ]

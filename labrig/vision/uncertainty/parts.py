@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from labrig.vision.calibration.optics import Optics
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit, spread
 
@@ -33,17 +34,26 @@ def systematic_m(fit: CurveFit, context: FitContext) -> FloatArray:
     """
     shape, optics = fit.shape, context.optics
     x, y = shape.x / optics.px_per_m, shape.y / optics.px_per_m
-    sine, cosine = np.sin(shape.phi), np.cos(shape.phi)
-    stretch = (y * cosine - x * sine) * optics.px_per_mm_sigma / optics.px_per_mm
-    turn = (x * cosine + y * sine) * optics.roll_sigma_rad
-    shift = optics.origin_sigma_px / optics.px_per_m
+    calibration = calibration_m(x, y, shape.phi, optics)
     side_face = (
         np.append(fit.section.side_face, fit.section.side_face[-1])
         * fit.section.side_face_share
         * SIDE_FACE_SIGMA_RATIO
     )
     look = np.hypot(SECTION_SIGMA_PX, side_face) / optics.px_per_m
-    return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2 + look**2))
+    return np.asarray(np.hypot(calibration, look))
+
+
+def calibration_m(x: FloatArray, y: FloatArray, phi: FloatArray, optics: Optics) -> FloatArray:
+    """Return (nodes,) what scale, rotation and origin of the calibration leave, along the normal.
+
+    `x`, `y` in m, `phi` the curve's direction in rad.
+    """
+    sine, cosine = np.sin(phi), np.cos(phi)
+    stretch = (y * cosine - x * sine) * optics.px_per_mm_sigma / optics.px_per_mm
+    turn = (x * cosine + y * sine) * optics.roll_sigma_rad
+    shift = optics.origin_sigma_px / optics.px_per_m
+    return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2))
 
 
 def resolution_px(fit: CurveFit, covariance: FloatArray) -> float:

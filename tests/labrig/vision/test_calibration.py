@@ -123,10 +123,11 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
         calibrate_ruler((640, 480), (100, 100), (105, 100), 1.0, clamp_px=(80, 240))
 
 
-def test_a_ruler_says_that_its_direction_is_not_used_where_none_is_stated():
+def test_a_ruler_says_that_the_direction_is_found_where_none_is_stated():
     upright = calibrate_ruler((640, 480), (100, 100), (100, 400), 45.0, clamp_px=(80, 240))
     assert upright.optics.roll_rad == 0
-    assert "direction is not used" in upright.warnings[1]
+    assert not upright.optics.clamp_angle_known
+    assert "found in each image" in upright.warnings[1]
     assert "--along-px" in upright.warnings[1]
 
 

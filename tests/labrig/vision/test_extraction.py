@@ -128,13 +128,15 @@ def test_a_thickness_that_nobody_stated_is_taken_from_the_image(scenes, known, t
     recipe = scenes.Recipe(seed=3, physical=True, thickness_mm=thickness_mm)
     scene = scenes.make_scene(recipe)
     optics, _ = known(scene)
-    curve = neutral_curve(scene.image, optics, StripGeometry(0.05, thickness_known=False))
+    curve = neutral_curve(
+        scene.image, optics, StripGeometry(free_length_m=0.05, thickness_known=False)
+    )
     assert curve.ok
     assert curve.warnings == ()
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.05
     assert curve.thickness_m == pytest.approx(thickness_mm / 1000, abs=0.12e-3)
     again = neutral_curve(
-        scene.image, optics, StripGeometry(0.05, thickness_known=False), start=curve
+        scene.image, optics, StripGeometry(free_length_m=0.05, thickness_known=False), start=curve
     )
     assert again.thickness_m == pytest.approx(curve.thickness_m)
 

@@ -97,7 +97,7 @@ def test_another_cameras_scale(plain, known, factor):
 @pytest.mark.parametrize("factor", [0.85, 1.15])
 def test_a_sheet_of_another_length(plain, known, factor):
     optics, _ = known(plain)
-    refused(plain.image, optics, StripGeometry(0.05 * factor), "length")
+    refused(plain.image, optics, StripGeometry(free_length_m=0.05 * factor), "length")
 
 
 @pytest.mark.slow
@@ -144,9 +144,14 @@ def test_a_weak_reflection_beside_the_sheet_is_no_second_one(scenes, known):
 
 
 def test_geometry_that_cannot_be():
-    for arguments in ((0.0,), (0.05, -0.01), (0.05, 0.0, 0.0), (0.05, 0.0, 0.06)):
+    for free_m, elongation_m, thickness_m in (
+        (0.0, 0.0, 0.2e-3),
+        (0.05, -0.01, 0.2e-3),
+        (0.05, 0.0, 0.0),
+        (0.05, 0.0, 0.06),
+    ):
         with pytest.raises(BadInputError, match="mm"):
-            StripGeometry(*arguments)
+            StripGeometry(free_length_m=free_m, elongation_m=elongation_m, thickness_m=thickness_m)
 
 
 @pytest.mark.slow

@@ -35,7 +35,9 @@ def knotted():
 def test_the_credible_band_holds_the_middle_of_a_strip_where_it_is_too_thick_to_be_used(knotted):
     image, upper, lower = knotted
     optics = {"px_per_mm": PX_PER_MM, "clamp_px": [60.0, 150.0]}
-    strip = StripGeometry(FREE_MM / 1000, 0.0, THICK_PX / PX_PER_MM / 1000)
+    strip = StripGeometry(
+        free_length_m=FREE_MM / 1000, elongation_m=0.0, thickness_m=THICK_PX / PX_PER_MM / 1000
+    )
     curve = neutral_curve(image, Optics.from_json(json.dumps(optics)), strip)
     assert curve.ok, curve.why
     u, v = curve.points_px.T

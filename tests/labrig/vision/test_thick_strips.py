@@ -37,7 +37,12 @@ def parts(line, thickness_mm=15 / PX_PER_MM):
     optics = {"px_per_mm": PX_PER_MM, "clamp_px": line[0].tolist()}
     known = thickness_mm is not None
     thickness_m = thickness_mm / 1000 if thickness_mm is not None else 0.21e-3
-    strip = StripGeometry(FREE_MM / 1000, 0.0, thickness_m, thickness_known=known)
+    strip = StripGeometry(
+        free_length_m=FREE_MM / 1000,
+        elongation_m=0.0,
+        thickness_m=thickness_m,
+        thickness_known=known,
+    )
     return Optics.from_json(json.dumps(optics)), strip
 
 

@@ -27,6 +27,6 @@ CHECK = Bend(
     name="bend",
     looks_at="the largest curvature",
     refusal="check of the fit failed: the best curve bends by {steepest:.0f} per m, more than a "
-    "sheet can.",
+    "sheet can; check px_per_mm and clamp_px, or mask what crosses the sheet (--mask).",
     order=100,
 )

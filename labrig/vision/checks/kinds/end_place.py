@@ -51,7 +51,7 @@ CHECK = EndPlace(
     name="end_place",
     looks_at="the place where the sheet is seen to end, or to continue",
     refusal="check of the end failed: the sheet ends {at_least}{tip_mm:.1f} mm {side} the stated "
-    "{length_mm:.1f} mm; px_per_mm or the sheet's length is wrong.",
+    "{length_mm:.1f} mm; px_per_mm or the sheet's length is wrong, or measure it (--to-end).",
     warning="the sheet's end is seen {beyond_mm:+.2f} mm from where length and scale put it",
     order=130,
 )

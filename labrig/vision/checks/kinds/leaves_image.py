@@ -30,6 +30,6 @@ CHECK = LeavesImage(
     looks_at="the place of the curve's end in the image",
     refusal="check of the end failed: the sheet leaves the image: its end, {length_mm:.1f} mm "
     "along the best path, is outside or at the border; move the camera or check clamp_px, "
-    "px_per_mm and the sheet's length.",
+    "px_per_mm and the sheet's length, or follow it as far as it is seen (--to-end).",
     order=10,
 )

@@ -23,6 +23,6 @@ CHECK = LowContrast(
     name="low_contrast",
     looks_at="the sheet's contrast over the noise of a pixel",
     refusal="check of the contrast failed: the contrast is too low: {snr:.1f} times the noise, "
-    "at least {least:g} is needed.",
+    "at least {least:g} is needed; light the sheet's edge, or choose a colour channel (--channel).",
     order=60,
 )

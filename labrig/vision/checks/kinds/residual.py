@@ -25,6 +25,7 @@ CHECK = Residual(
     name="residual",
     looks_at="the RMS distance between the curve and the sheet as measured in pieces",
     refusal="check of the fit failed: the best curve misses the sheet by {residual_px:.2f} "
-    "pixels; something else was followed.",
+    "pixels; something else was followed: check clamp_px and the sheet's length, or mask what "
+    "crosses it (--mask).",
     order=80,
 )

@@ -30,6 +30,7 @@ CHECK = StartDirection(
     name="start_direction",
     looks_at="place and angle at the clamp of the curve without the clamp's calibration",
     refusal="check of the start failed: what was followed leads {start_px:.1f} pixels and "
-    "{start_rad:.2f} rad beside the clamp; check clamp_px and clamp_angle_rad.",
+    "{start_rad:.2f} rad beside the clamp; check clamp_px and clamp_angle_rad, or "
+    "state the direction (--along-px).",
     order=90,
 )

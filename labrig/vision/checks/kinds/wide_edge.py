@@ -24,6 +24,6 @@ CHECK = WideEdge(
     name="wide_edge",
     looks_at="the greys on both sides of the curve",
     refusal="check of the surroundings failed: what was followed is the edge of something wide, "
-    "not a sheet; check clamp_px.",
+    "not a sheet; check clamp_px, or leave the thickness out of sheet.toml.",
     order=110,
 )

@@ -1,0 +1,144 @@
+"""What is said of a curve between two edges: why it is refused, or where it is, in metres."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve import NeutralCurve, StripGeometry
+from labrig.vision.extraction.outline_shape import Outline
+from labrig.vision.fit.curve_fit import spread
+from labrig.vision.image.image import GreyImage
+from labrig.vision.thresholds import (
+    HIDDEN_SIGMA_MAX_PX,
+    LENGTH_ERROR_MAX_PX,
+    LENGTH_ERROR_MAX_RATIO,
+    OUTLINE_RESIDUAL_MAX_RATIO,
+    OUTLINE_SEEN_SHARE_MIN,
+    OUTLINE_SIGMA_MAX_PX,
+    OUTLINE_SIGMA_MAX_RATIO,
+    OUTLINE_START_SHARE_MIN,
+    OUTLINE_WIDTH_SCATTER_MAX_RATIO,
+)
+from labrig.vision.uncertainty.parts import calibration_m
+
+
+def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str:
+    """Return why an outline is no strip's, as a sentence; empty where it passes."""
+    fit, located = outline.fit, outline.located
+    blocks, total = fit.blocks, fit.shape.basis.total_px
+    width = located.thickness_px
+    eighth = max(2, len(blocks.seen) // 8)
+    share = float(blocks.seen.mean())
+    loose = float(fit.sigma_px.max())
+    most = min(OUTLINE_SIGMA_MAX_PX, OUTLINE_SIGMA_MAX_RATIO * width)
+    most = max(HIDDEN_SIGMA_MAX_PX, most)
+    if share < OUTLINE_SEEN_SHARE_MIN:
+        return (
+            f"search failed: only {share:.0%} of the best path shows two edges; check clamp_px and "
+            "the direction (--along-px), state the length or mask what confuses."
+        )
+    if blocks.seen[:eighth].mean() < OUTLINE_START_SHARE_MIN:
+        return (
+            "check of the start failed: the first eighth of the best path shows no two edges; "
+            "check clamp_px."
+        )
+    if fit.width_scatter_px > OUTLINE_WIDTH_SCATTER_MAX_RATIO * width:
+        return (
+            f"check of the width failed: what was followed is {width:.1f} pixels thick and changes "
+            f"by {fit.width_scatter_px:.1f} from place to place; state the thickness, or choose "
+            "another colour channel (--channel)."
+        )
+    if fit.residual_px > max(1.0, OUTLINE_RESIDUAL_MAX_RATIO * width):
+        return (
+            f"check of the fit failed: the best curve misses the strip by {fit.residual_px:.1f} "
+            "pixels; something else was followed: state direction (--along-px) or thickness."
+        )
+    end_why = _end_fault(outline, optics, strip, total)
+    if end_why:
+        return end_why
+    if loose > most:
+        return (
+            "check of hidden parts failed: where the strip is hidden or unclear it is known to "
+            f"±{loose:.1f} pixels only; make more of it visible."
+        )
+    return ""
+
+
+def _end_fault(outline: Outline, optics: Optics, strip: StripGeometry, total: float) -> str:
+    if not strip.length_known:
+        return ""
+    beyond = outline.end_px - total
+    allowed = max(
+        LENGTH_ERROR_MAX_PX, LENGTH_ERROR_MAX_RATIO * total, 0.5 * outline.located.thickness_px
+    )
+    if abs(beyond) <= allowed:
+        return ""
+    side = "after" if beyond > 0 else "before"
+    return (
+        f"check of the end failed: the strip ends {abs(beyond) / optics.px_per_mm:.1f} mm {side} "
+        f"the stated {total / optics.px_per_mm:.1f} mm; check the length and px_per_mm, or measure "
+        "it (--to-end)."
+    )
+
+
+def outline_in_metres(
+    outline: Outline, image: GreyImage, optics: Optics, strip: StripGeometry
+) -> NeutralCurve:
+    """Return the curve in metres."""
+    fit, shape, ppm = outline.fit, outline.fit.shape, optics.px_per_m
+    covariance = fit.covariance
+    unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
+    seen = np.zeros(len(shape.x), dtype=bool)
+    many = max(1, int(np.median(np.diff(fit.blocks.node))))
+    for node in fit.blocks.node[fit.blocks.seen]:
+        seen[max(0, node - many // 2 - 1) : node + many // 2 + 2] = True
+    contrast = float(np.median(fit.blocks.strength[fit.blocks.seen]))
+    return NeutralCurve(
+        ok=True,
+        warnings=(*image.warnings, *_assumed(outline, optics, strip)),
+        s_m=shape.basis.s / ppm,
+        x_m=shape.x / ppm,
+        y_m=shape.y / ppm,
+        curvature_per_m=shape.k * ppm,
+        sigma_m=np.hypot(
+            fit.sigma_px / ppm, calibration_m(shape.x / ppm, shape.y / ppm, shape.phi, optics)
+        ),
+        curvature_sigma_per_m=spread(shape.basis.curvature, covariance[2:, 2:]) * ppm,
+        curvature_resolution_m=shape.basis.free_px / ppm / max(1, shape.basis.size - 2),
+        points_px=outline.optics.world_to_pixel(np.stack([shape.x, shape.y], axis=1) / ppm),
+        parameters=shape.parameters * unit,
+        covariance=covariance * np.outer(unit, unit),
+        normal_modes=shape.normal_modes() / ppm / unit,
+        free_length_m=shape.basis.free_px / ppm,
+        thickness_m=float(np.median(fit.blocks.width_px[fit.blocks.seen])) / ppm,
+        polarity="bright" if outline.located.sign > 0 else "dark",
+        covered=float(fit.blocks.seen.mean()),
+        seen=seen,
+        residual_px=fit.residual_px,
+        contrast=outline.located.edge,
+        snr=contrast,
+        excess_px=np.zeros(len(seen)),
+        lateral_bias_px=np.zeros(len(seen)),
+        side_face_px=np.zeros(len(seen)),
+    )
+
+
+def _assumed(outline: Outline, optics: Optics, strip: StripGeometry) -> list[str]:
+    """Return what was measured because it was not stated, for whoever reads the curve."""
+    found = []
+    total_mm = outline.fit.shape.basis.total_px / optics.px_per_mm
+    if not strip.thickness_known:
+        thick = float(np.median(outline.fit.blocks.width_px[outline.fit.blocks.seen]))
+        found.append(f"thickness {thick / optics.px_per_mm:.2f} mm ({thick:.1f} pixels)")
+    if not strip.length_known:
+        where = "to its end"
+        if outline.located.leaves_image or not outline.end_seen:
+            where = "as far as it is seen in the image; its end is not seen"
+        found.append(f"length {total_mm:.1f} mm ({where})")
+    if not optics.clamp_angle_known:
+        degrees = math.degrees(outline.fit.shape.phi[0])
+        found.append(f"direction at the clamp {degrees:+.1f} degrees from the image's rows")
+    return [f"measured in the image, not stated: {', '.join(found)}"] if found else []

@@ -1,0 +1,137 @@
+"""The curve between the edges of a strip that is roughly located, up to where they end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve import StripGeometry
+from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
+from labrig.vision.fit.outline import OutlineFit, across_px, edge_sizes, fit_outline
+from labrig.vision.image.image import GreyImage
+from labrig.vision.search.locate import Located
+from labrig.vision.thresholds import END_PRESENT_RATIO
+
+FloatArray = npt.NDArray[np.float64]
+
+BEYOND_WIDTHS = 2.0  # how far beyond the located end the strip is looked for
+COARSE_OFFSET_SIGMA_RATIO = 0.5  # of a located begin, in widths
+COARSE_ANGLE_SIGMA_RAD = 0.4
+END_ROOM_RATIO = 0.06  # of a stated length: how far beyond it the strip is looked for
+LONGEST_CELL_PX = 1.0
+COEFFICIENTS = (6, 41)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Outline:
+    """A fitted outline, its optics with the place and direction that were found, and its end."""
+
+    fit: OutlineFit
+    optics: Optics
+    located: Located
+    end_px: float  # along the curve, where the edges end
+    end_seen: bool
+
+
+def fitted_outline(
+    images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, located: Located
+) -> Outline | None:
+    """Return the curve between the edges up to the strip's end."""
+    plane = optics.pixel_to_world(located.path_px) * optics.px_per_m
+    total = float(np.hypot(*np.diff(plane, axis=0).T).sum())
+    width = located.thickness_px
+    if strip.length_known:
+        length = strip.length_m * optics.px_per_m
+        free = strip.free_length_m * optics.px_per_m
+    else:
+        free = length = total if located.leaves_image else total + BEYOND_WIDTHS * width
+    there, shape = _first_shape(plane, optics, width, free, length)
+    prior = np.array([COARSE_OFFSET_SIGMA_RATIO * width + 1, COARSE_ANGLE_SIGMA_RAD])
+    fit = fit_outline(shape, images, there, width_px=width, prior=prior)
+    if fit is None:
+        return None
+    if strip.length_known:
+        # a strip that continues beyond its stated length is another one, or longer
+        further = _cut(fit.shape, length + BEYOND_WIDTHS * width + END_ROOM_RATIO * length, width)
+        end, seen = _end_px(fit, further, images, there, width)
+        return Outline(fit=fit, optics=there, located=located, end_px=end, end_seen=seen)
+    end, seen = _end_px(fit, fit.shape, images, there, width)
+    if end < 3 * width:
+        return None
+    shape = _cut(fit.shape, end, width)
+    again = fit_outline(shape, images, there, width_px=width, prior=prior, rounds=3)
+    if again is None:
+        return None
+    return Outline(fit=again, optics=there, located=located, end_px=end, end_seen=seen)
+
+
+def _coefficients(length_px: float, width_px: float) -> int:
+    """Return enough for bends of a few widths."""
+    least, most = COEFFICIENTS
+    return int(np.clip(round(length_px / (3 * width_px)) + 3, least, most))
+
+
+def _first_shape(
+    plane: FloatArray, optics: Optics, width: float, free_px: float, length_px: float
+) -> tuple[Optics, CurveShape]:
+    """Return the optics with the clamp where a path begins, and a curve along the path."""
+    ppm = optics.px_per_m
+    u, v = optics.world_to_pixel(plane[:1] / ppm)[0]
+    chord = np.diff(plane, axis=0)
+    lengths = np.hypot(chord[:, 0], chord[:, 1])
+    phi = np.unwrap(np.arctan2(chord[:, 1], chord[:, 0]))
+    middle = np.cumsum(lengths) - lengths / 2
+    heading = float(phi[0])
+    there = optics.model_copy(
+        update={
+            "clamp_px": (float(u), float(v)),
+            "origin_px": optics.origin_undistorted_px,
+            "clamp_angle_rad": heading,
+        }
+    )
+    basis = make_basis(
+        round(free_px, 3), round(length_px, 3), _coefficients(free_px, width), LONGEST_CELL_PX
+    )
+    wanted = np.interp(basis.s, middle, phi - heading)
+    smooth = 1e-2 * free_px**3
+    c = fit_angles(basis, wanted, np.ones(len(basis.s)), smooth / basis.size)
+    return there, make_shape(basis, plane[0], heading, np.concatenate([[0.0, 0.0], c]))
+
+
+def _cut(shape: CurveShape, length_px: float, width: float) -> CurveShape:
+    """Return the first part of a curve, or all of it led on straight."""
+    basis = make_basis(
+        round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
+    )
+    turn = float(shape.parameters[1])
+    wanted = np.interp(basis.s, shape.basis.s, shape.phi) - shape.heading - turn
+    c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
+    return make_shape(basis, shape.start, shape.heading, np.concatenate([shape.parameters[:2], c]))
+
+
+def _end_px(
+    fit: OutlineFit, shape: CurveShape, images: Sequence[GreyImage], optics: Optics, width: float
+) -> tuple[float, bool]:
+    """Return where along a fitted curve, or a longer one, both edges end; and whether they do."""
+    across = across_px(width)
+    many = max(1, round(0.2 * width / shape.basis.step_px))
+    size = edge_sizes(shape, images, optics, width, many)
+    count = len(size)
+    usual = float(np.median(fit.blocks.width_px[fit.blocks.seen]))
+    near = 0.25 * width
+    sides = []
+    for side in (-0.5, 0.5):
+        part = np.abs(across - side * usual) <= near
+        sides.append(size[:, part].max(axis=1))
+    weaker = np.minimum(*sides)
+    whole = round(count * fit.shape.basis.total_px / shape.basis.total_px)
+    middle = weaker[whole // 8 : max(whole // 8 + 2, whole // 2)]
+    present = weaker / max(float(np.median(middle)), 1e-9)
+    # up to the end it is there, beyond it is not: the place where that is truest
+    gain = np.cumsum(np.minimum(present, 1.0) - END_PRESENT_RATIO)
+    at = int(gain.argmax()) + 1
+    return at * many * shape.basis.step_px, at < count - 1

@@ -1,0 +1,349 @@
+"""A curve midway between a strip's two edges, measured block by block, whatever lies between them.
+
+The fit of intensities takes a strip to be equally bright across and along. One that is shiny,
+shaded on one half, ringed or short and thick is not: but its edges are where the image changes
+most, to either brightness. Blocks are about as long as the strip is thick; the way through their
+shifts that shows both edges best is taken, and a smooth curve is fitted to the middles.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve.shape import CurveShape
+from labrig.vision.curve.smoothness import JUMP_PRIORS, averaged, covariance
+from labrig.vision.fit.curve_fit import information, spread
+from labrig.vision.image.image import GreyImage
+from labrig.vision.search.straightened import slopes
+from labrig.vision.thresholds import (
+    OUTLINE_END_SIGMA_MAX_PX,
+    OUTLINE_END_SIGMA_RATIO,
+    OUTLINE_SIGMA_MIN_PX,
+    OUTLINE_SIGMA_MIN_RATIO,
+    OUTLINE_STRENGTH_MIN_RATIO,
+    OUTLINE_STRENGTH_MIN_SIGMAS,
+    OUTLINE_TAPER_SHARE,
+    OUTLINE_WIDTH_RATIOS,
+)
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+IntArray = npt.NDArray[np.int64]
+
+ROUNDS = 5
+BLOCK_RATIO = 0.3  # length of a block in widths
+BLOCK_MIN_PX = 3.0
+UNIT_RATIO = 0.04  # step across, in widths
+UNIT_MAX_PX = 0.5
+BLUR_RATIO = 0.1  # of an edge, in widths
+BLUR_MIN_PX = 0.8
+SHIFT_RATIO = 0.6  # how far beside the curve the strip is looked for
+EDGE_ROOM_RATIO = 0.22  # how far from its place in a strip of the usual width an edge may be
+UNSEEN_TURN_MIN_RAD = 0.3  # that a straight strip may make along its length, unseen
+GAP_WIDTHS = 1.5  # of a gap that a smooth curve leads over; in a longer one it may bend
+SHIFT_COST = 6.0  # of a shift by one width from block to block, squared
+FRAY_HALF_BLOCKS = 4
+FRAY_WIDTH_RATIO, FRAY_WIDTH_PX = 0.12, 1.0  # by which a block's width may leave its neighbours'
+FRAY_SIGMAS = 4.0  # or so many of their scatter
+INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Blocks:
+    """What is seen of both edges, block by block; lengths in pixels of the sheet's plane."""
+
+    node: IntArray  # (blocks,): the curve's node at its middle
+    middle_px: FloatArray  # to the left of the curve
+    width_px: FloatArray
+    strength: FloatArray  # the change at the weaker edge, over noise and texture
+    seen: BoolArray
+
+    def longest_gap_px(self, step_px: float) -> float:
+        """Return the length on which no block shows both edges, at most."""
+        at = np.concatenate([[-1], np.flatnonzero(self.seen), [len(self.seen)]])
+        many = float(np.median(np.diff(self.node)))
+        return float(np.diff(at).max() - 1) * many * step_px
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OutlineFit:
+    """A fitted curve with what was measured along it."""
+
+    shape: CurveShape
+    blocks: Blocks
+    normal: FloatArray
+    pull: FloatArray
+    residual_px: float
+    width_scatter_px: float
+
+    @property
+    def width_px(self) -> float:
+        """The strip's usual width."""
+        return float(np.median(self.blocks.width_px[self.blocks.seen]))
+
+    @property
+    def covariance(self) -> FloatArray:
+        """(parameters, parameters); the curvature may jump where edges are long unseen."""
+        basis = self.shape.basis
+        priors, log_weight = basis.priors, basis.log_weight
+        if self.blocks.longest_gap_px(basis.step_px) > GAP_WIDTHS * self.width_px:
+            priors, log_weight = priors[JUMP_PRIORS], log_weight[JUMP_PRIORS]
+        return covariance(self.normal, self.pull, priors, log_weight)
+
+    @property
+    def systematic_px(self) -> FloatArray:
+        """(nodes,) what no averaging removes: which part of an edge's slope is the strip's edge.
+
+        Where a strip looks thinner or thicker than elsewhere, it may taper, or one edge is not
+        its own but that of light or shade on it.
+        """
+        blocks = self.blocks
+        at, wide = blocks.node[blocks.seen], blocks.width_px[blocks.seen]
+        usual = self.width_px
+        least = max(OUTLINE_SIGMA_MIN_PX, OUTLINE_SIGMA_MIN_RATIO * usual)
+        few = _running_middle(wide, FRAY_HALF_BLOCKS)
+        apart = np.interp(np.arange(len(self.shape.x)), at, np.abs(few - usual))
+        return np.asarray(
+            np.hypot(max(least, 0.5 * self.width_scatter_px), OUTLINE_TAPER_SHARE * apart)
+        )
+
+    @property
+    def sigma_px(self) -> FloatArray:
+        """(nodes,) standard deviation along the normal."""
+        loose = spread(self.shape.normal_modes(), self.covariance)
+        return np.asarray(
+            np.sqrt(loose**2 + self.systematic_px**2 + self.unseen_px**2 + self.end_px**2)
+        )
+
+    @property
+    def end_px(self) -> FloatArray:
+        """(nodes,) what the clamp's and the tip's own edges may pull, near both ends."""
+        s, width = self.shape.basis.s, self.width_px
+        near = np.minimum(s, s[-1] - s) / width
+        most = min(OUTLINE_END_SIGMA_RATIO * width, OUTLINE_END_SIGMA_MAX_PX)
+        return np.asarray(most * np.exp(-near))
+
+    @property
+    def unseen_px(self) -> FloatArray:
+        """(nodes,) how far the strip may lie beside the curve where neither edge shows it.
+
+        In a gap it may bend as much more, or less, as it usually bends: so much sags an arc.
+        """
+        shape, blocks = self.shape, self.blocks
+        s = shape.basis.s
+        least = UNSEEN_TURN_MIN_RAD / shape.basis.total_px
+        bend = max(float(np.sqrt(np.mean(shape.k**2))), least)
+        at = s[blocks.node[blocks.seen]]
+        after = np.searchsorted(at, s)
+        before = s - at[np.maximum(after - 1, 0)]
+        ahead = at[np.minimum(after, len(at) - 1)] - s
+        free = before * ahead
+        free = np.where(after == 0, ahead**2, np.where(after == len(at), before**2, free))
+        return np.asarray(0.5 * bend * free)
+
+
+def fit_outline(
+    shape: CurveShape,
+    images: Sequence[GreyImage],
+    optics: Optics,
+    *,
+    width_px: float,
+    prior: FloatArray,
+    rounds: int = ROUNDS,
+) -> OutlineFit | None:
+    """Return the curve between the edges beside a first one; None where they are nowhere seen.
+
+    `images`: the same one in each colour channel in which an edge may show.
+    """
+    fit = None
+    for _ in range(rounds):
+        blocks = measure_blocks(shape, images, optics, width_px)
+        if blocks.seen.sum() < 4:
+            return None
+        fit = _fitted(shape, blocks, prior)
+        shape = fit.shape
+    return fit
+
+
+def measure_blocks(
+    shape: CurveShape, images: Sequence[GreyImage], optics: Optics, width_px: float
+) -> Blocks:
+    """Return both edges beside a curve, block by block."""
+    step = shape.basis.step_px
+    many = max(1, round(max(BLOCK_MIN_PX, BLOCK_RATIO * width_px) / step))
+    across = across_px(width_px)
+    unit = float(across[1] - across[0])
+    size = edge_sizes(shape, images, optics, width_px, many)
+    count = len(size)
+    shift = _best_way(_pair(size, width_px / unit, SHIFT_RATIO * width_px / unit), width_px / unit)
+    room = EDGE_ROOM_RATIO * width_px
+    low, weak = _edge(size, shift * unit - width_px / 2, room, across)
+    high, other = _edge(size, shift * unit + width_px / 2, room, across)
+    strength = np.minimum(weak, other)
+    wide = high - low
+    usual = float(np.median(strength))
+    least, most = OUTLINE_WIDTH_RATIOS
+    seen = strength > OUTLINE_STRENGTH_MIN_RATIO * usual
+    seen &= strength > OUTLINE_STRENGTH_MIN_SIGMAS
+    seen &= (wide > least * width_px) & (wide < most * width_px)
+    # a fitting or a fray shows on one side of few blocks only
+    around = _running_middle(wide, FRAY_HALF_BLOCKS)
+    frayed = max(FRAY_WIDTH_RATIO * width_px + FRAY_WIDTH_PX, FRAY_SIGMAS * _roughness(wide))
+    seen &= np.abs(wide - around) < frayed
+    return Blocks(
+        node=np.minimum((np.arange(count) + 0.5) * many, len(shape.x) - 1).astype(np.int64),
+        middle_px=0.5 * (low + high),
+        width_px=wide,
+        strength=strength,
+        seen=seen,
+    )
+
+
+def across_px(width_px: float) -> FloatArray:
+    """Return places across a strip, to both sides of its middle, beyond its edges."""
+    unit = min(UNIT_MAX_PX, UNIT_RATIO * width_px)
+    reach = (0.5 + SHIFT_RATIO + EDGE_ROOM_RATIO) * width_px + 3 * BLUR_MIN_PX
+    many = math.ceil(reach / unit)
+    return np.asarray(np.arange(-many, many + 1) * unit)
+
+
+def grey_beside(
+    shape: CurveShape, image: GreyImage, optics: Optics, across: FloatArray
+) -> FloatArray:
+    """Return (nodes, places across) the image to the left of a curve; NaN outside."""
+    import cv2
+
+    x = shape.x[:, None] - np.sin(shape.phi)[:, None] * across
+    y = shape.y[:, None] + np.cos(shape.phi)[:, None] * across
+    plane = np.stack([x.ravel(), y.ravel()], axis=1) / optics.px_per_m
+    uv = optics.world_to_pixel(plane).reshape(*x.shape, 2).astype(np.float32)
+    # remap takes no more than this many rows or columns at once
+    parts = [
+        cv2.remap(
+            image.grey,
+            np.ascontiguousarray(part[..., 0]),
+            np.ascontiguousarray(part[..., 1]),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=float("nan"),
+        )
+        for part in np.array_split(uv, 1 + len(uv) // 8192)
+    ]
+    return np.asarray(np.concatenate(parts), dtype=np.float64)
+
+
+def edge_sizes(
+    shape: CurveShape, images: Sequence[GreyImage], optics: Optics, width_px: float, many: int
+) -> FloatArray:
+    """Return (blocks, places across) how much the image changes there, over noise and texture.
+
+    Blocks are of `many` nodes. Of several channels it is the root of the sum of squares: an edge
+    may show in any of them.
+    """
+    across = across_px(width_px)
+    unit = float(across[1] - across[0])
+    blur = max(BLUR_MIN_PX, BLUR_RATIO * width_px)
+    beside = np.abs(across) > (0.5 + 0.5 * SHIFT_RATIO) * width_px
+    count = max(1, len(shape.x) // many)
+    total = np.zeros((count, len(across)))
+    for image in images:
+        rows = grey_beside(shape, image, optics, across)[: count * many]
+        with np.errstate(invalid="ignore"):
+            profiles = rows.reshape(count, many, -1).mean(axis=1)
+        slope = slopes(profiles, blur / unit)
+        texture = float(np.median(np.abs(slope[:, beside]))) / 0.6745
+        pixels = 1.5 * image.noise / math.sqrt(many * shape.basis.step_px * blur)
+        total += (slope / max(texture, pixels)) ** 2
+    return np.asarray(np.sqrt(total / len(images)))
+
+
+def _pair(size: FloatArray, apart: float, reach: float) -> FloatArray:
+    """Return (blocks, shifts) the weaker change of two edges that far apart."""
+    middle = size.shape[1] // 2
+    shifts = np.arange(-int(reach), int(reach) + 1)
+    low = np.round(middle + shifts - apart / 2).astype(int)
+    high = np.round(middle + shifts + apart / 2).astype(int)
+    return np.asarray(np.minimum(size[:, low], size[:, high]))
+
+
+def _best_way(score: FloatArray, width: float) -> FloatArray:
+    """Return (blocks,) the shifts (steps) that show the edges best and change little."""
+    blocks, many = score.shape
+    score = score / max(float(np.median(score.max(axis=1))), 1e-9)
+    score = np.minimum(score, 2.0)
+    apart = (np.arange(many)[:, None] - np.arange(many)[None, :]) / width
+    cost = SHIFT_COST * (4 * apart) ** 2
+    total, came = score[0].copy(), np.zeros((blocks, many), dtype=np.int64)
+    for b in range(1, blocks):
+        options = total[None, :] - cost
+        came[b] = options.argmax(axis=1)
+        total = score[b] + options[np.arange(many), came[b]]
+    way = np.empty(blocks, dtype=np.int64)
+    way[-1] = int(total.argmax())
+    for b in range(blocks - 1, 0, -1):
+        way[b - 1] = came[b, way[b]]
+    return np.asarray(way - many // 2, dtype=np.float64)
+
+
+def _edge(
+    size: FloatArray, place: FloatArray, room: float, across: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return (blocks,) place and size of the largest change near a place, to a part of a step."""
+    near = np.abs(across[None, :] - place[:, None]) <= room
+    near[:, [0, -1]] = False
+    peak = np.where(near, size, -1.0).argmax(axis=1)
+    peak = np.clip(peak, 1, len(across) - 2)
+    rows = np.arange(len(size))
+    before, at, after = (size[rows, peak + q] for q in (-1, 0, 1))
+    bend = before - 2 * at + after
+    beside = np.where(bend < 0, 0.5 * (before - after) / np.where(bend < 0, bend, 1.0), 0.0)
+    unit = float(across[1] - across[0])
+    return across[peak] + np.clip(beside, -1, 1) * unit, at
+
+
+def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray) -> OutlineFit:
+    """Return the smooth curve through the middles of the blocks."""
+    seen = blocks.seen
+    offset = np.where(seen, blocks.middle_px, 0.0)
+    rough = _roughness(blocks.middle_px[seen])
+    width = float(np.median(blocks.width_px[seen]))
+    sigma = max(rough, 0.005 * width, 0.03) * math.sqrt(INDEPENDENT_BLOCKS)
+    modes = shape.normal_modes()[blocks.node]
+    weight = np.where(seen, 1 / sigma**2, 0.0)
+    for _ in range(3):  # Tukey's weights: a fray or a fitting is an outlier
+        normal, pull = information(shape, modes, offset, weight, prior)
+        wanted = averaged(normal, pull, shape.basis.priors, shape.basis.log_weight)
+        left = offset - modes @ (wanted - shape.parameters)
+        scatter = max(sigma, 1.48 * float(np.median(np.abs(left[seen]))))
+        ratio = np.minimum(np.abs(left) / (4.7 * scatter), 1.0)
+        weight = np.where(seen, (1 - ratio**2) ** 2 / scatter**2, 0.0)
+    return OutlineFit(
+        shape=shape.moved(wanted),
+        blocks=blocks,
+        normal=normal,
+        pull=pull,
+        residual_px=float(np.sqrt(np.mean(left[seen] ** 2))),
+        width_scatter_px=_roughness(blocks.width_px[seen]),
+    )
+
+
+def _roughness(values: FloatArray) -> float:
+    """Return the robust standard deviation of values about their running middle."""
+    if len(values) < 5:
+        return float(np.std(values))
+    middle = _running_middle(values, 2)
+    return 1.48 * float(np.median(np.abs(values - middle))) * math.sqrt(1.25)
+
+
+def _running_middle(values: FloatArray, half: int) -> FloatArray:
+    half = min(half, len(values) - 1)
+    windows = np.lib.stride_tricks.sliding_window_view
+    return np.asarray(
+        np.median(windows(np.pad(values, half, mode="reflect"), 2 * half + 1), axis=1)
+    )

@@ -1,0 +1,272 @@
+"""Where a strip is of which little is known: its direction, length and thickness, found first.
+
+A path is searched at each of several widths, in an image reduced to it. The path whose two edges
+change most, over the longest way, is the strip: a line inside a strip or along one of its edges
+changes less, or is shorter.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.image.image import GreyImage
+from labrig.vision.search.ridge_tracing import RidgeMaps, ridge_maps
+from labrig.vision.search.straightened import (
+    resampled,
+    slopes,
+    smoothed,
+    straightened,
+)
+
+FloatArray = npt.NDArray[np.float64]
+MaskArray = npt.NDArray[np.uint8]
+Point = tuple[float, float]
+
+WIDTH_STEP = 1.7  # from one width that is tried to the next
+THINNEST_PX = 2.5
+THICKEST_RATIO = 1 / 6  # of the length, and so of the image's side
+HEADINGS = 32  # all around
+HEADING_SPREAD = (-2, -1, 0, 1, 2)  # around a stated one, in its standard deviations
+BEAM_WIDTH = 400
+STEP_WIDTHS = 2.0  # a step of the search, in widths of the strip
+LONGEST_STEPS = 220
+BEND_QUANTUM_RAD = 0.03  # a coarse path bends in these, a step
+GAIN_MIN = 0.25  # of a step that looks like the strip
+END_RUN_STEPS = 4  # so many steps without it are its end
+END_RUN_SHARE = 0.12  # or this share of what was followed, whichever is more
+TURN_MAX_RAD = 5.5
+WIDTHS_COMPARED = 19
+ONE_EDGE_BLURS = 6.0  # two edges further apart than so many blurs are not one
+STATED_WIDTH_RATIOS = (0.75, 1.45)  # of the width that is seen to one that is stated
+EDGE_BLUR_RATIO = 0.12  # of the width: what an edge is smoothed by
+BORDER_PX = 10.0  # a strip that leaves the image is followed up to here
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Located:
+    """A strip found roughly; all in the image's pixels."""
+
+    path_px: FloatArray  # (n, 2), from where it begins to its end
+    thickness_px: float
+    edge: float  # grey levels: what the two edges change by, in the mean
+    leaves_image: bool
+    sign: float  # +1: brighter than what lies beside it
+
+    @property
+    def length_px(self) -> float:
+        """Length of the path."""
+        return float(np.hypot(*np.diff(self.path_px, axis=0).T).sum())
+
+    @property
+    def worth(self) -> float:
+        """How much speaks for it: the longer and the clearer, the more."""
+        return self.edge * self.length_px
+
+
+def locate(
+    image: GreyImage,
+    clamp_px: Point,
+    *,
+    mask: MaskArray | None = None,
+    clamp_reach_px: float,
+    heading_rad: float | None,
+    heading_sigma_rad: float,
+    signs: tuple[float, ...],
+    length_px: float | None,
+    thickness_px: float | None,
+) -> Located | None:
+    """Return the clearest strip that begins near a place; None where there is none.
+
+    Near: within `clamp_reach_px`. What is None is not known. `signs`: the polarities to try;
+    `mask` (rows, columns): not 0 where something hides the view.
+    """
+    visible = image.filled()
+    best = None
+    for width in _widths(image, thickness_px, length_px):
+        ridges = ridge_maps(visible, width, wide=False)
+        if mask is not None and mask.any():
+            ridges.hide(mask)
+        for sign in signs:
+            path = _path(
+                ridges,
+                sign,
+                width=width,
+                clamp=clamp_px,
+                reach=clamp_reach_px,
+                heading=heading_rad,
+                heading_sigma=heading_sigma_rad,
+                length_px=length_px,
+            )
+            if path is None:
+                continue
+            found = _measured(image, path, width, sign, fixed=thickness_px)
+            if found is not None and (best is None or found.worth > best.worth):
+                best = found
+    return best
+
+
+def _widths(
+    image: GreyImage, thickness_px: float | None, length_px: float | None
+) -> Iterator[float]:
+    if thickness_px is not None:
+        yield max(THINNEST_PX, thickness_px)
+        return
+    most = THICKEST_RATIO * (min(image.grey.shape) if length_px is None else length_px)
+    width = THINNEST_PX
+    while width <= max(most, THINNEST_PX):
+        yield width
+        width *= WIDTH_STEP
+
+
+def _path(
+    ridges: RidgeMaps,
+    sign: float,
+    *,
+    width: float,
+    clamp: Point,
+    reach: float,
+    heading: float | None,
+    heading_sigma: float,
+    length_px: float | None,
+) -> FloatArray | None:
+    """Return the likeliest path (raw pixels) up to where it ends; None without one."""
+    from labrig.vision.search.path_search import search
+
+    scale = ridges.scale
+    rows, columns = ridges.maps.shape[2:]
+    step = STEP_WIDTHS * width / scale
+    longest = (math.hypot(rows, columns) if length_px is None else length_px / scale) / step
+    steps = int(np.clip(round(longest), 6, LONGEST_STEPS))
+    step = longest * step / steps
+    sideways = max(1.0, 0.4 * width / scale)
+    many = math.ceil(reach / scale / sideways)
+    offsets = np.arange(-many, many + 1) * sideways
+    if heading is None:
+        turns = np.arange(HEADINGS) * 2 * math.pi / HEADINGS
+    else:
+        turns = np.array(HEADING_SPREAD) * heading_sigma
+    spread = np.array([(offset, turn, turn) for offset in offsets for turn in turns])
+    u0, v0 = (np.array(clamp) + 0.5) / scale - 0.5
+
+    def traced(steps: int) -> tuple[FloatArray, FloatArray]:
+        path, gains, _ = search(
+            ridges.maps,
+            sign,
+            u0=float(u0),
+            v0=float(v0),
+            heading=heading or 0.0,
+            spread=spread,
+            steps=steps,
+            straight_from=steps,
+            wide_from=steps,
+            length=step,
+            most_bend=_most_bend(step, width / scale),
+            most_turn=TURN_MAX_RAD,
+            width=BEAM_WIDTH,
+            half=5.0,
+            quantum=BEND_QUANTUM_RAD,
+        )
+        return path, gains
+
+    path, gains = traced(steps)
+    if len(path) == 0:
+        return None
+    first, end = _seen_part(gains)
+    if end < steps:  # what lies beyond the end must not draw the path
+        again, more = traced(max(end, 4))
+        if len(again):
+            path, gains = again, more
+            first, end = _seen_part(gains)
+    if end - first < 3:
+        return None
+    return ridges.raw(path[first : end + 1])
+
+
+def _most_bend(step: float, width: float) -> int:
+    """Return the tightest turn of a step that is tried, in quanta: a radius of two widths."""
+    return int(np.clip(round(step / (2 * width) / BEND_QUANTUM_RAD), 3, 16))
+
+
+def _seen_part(gains: FloatArray) -> tuple[int, int]:
+    """Return first step and end of what looks like a strip: it ends where it is long unseen."""
+    seen = gains > GAIN_MIN
+    if not seen.any():
+        return 0, 0
+    first = int(np.argmax(seen))
+    last, unseen = first, 0
+    for at in range(first, len(gains)):
+        unseen = 0 if seen[at] else unseen + 1
+        if seen[at]:
+            last = at
+        elif unseen >= max(END_RUN_STEPS, END_RUN_SHARE * (at - first)):
+            break
+    return first, last + 1
+
+
+def _measured(
+    image: GreyImage, path: FloatArray, width: float, sign: float, *, fixed: float | None
+) -> Located | None:
+    """Return a path with the thickness that its edges show."""
+    step = max(1.0, 0.25 * width)
+    line = smoothed(resampled(path, step), round(2 * width / step))
+    line, leaves = _inside(line, image.grey.shape)
+    if len(line) < 8:
+        return None
+    unit = max(0.5, 0.1 * width)
+    across = np.arange(-3.2 * width, 3.2 * width + unit / 2, unit)
+    many = max(1, round(width / step))
+    strip = straightened(image.grey, line, across)
+    blocks = len(strip) // many
+    if blocks < 4:
+        return None
+    rows = strip[: blocks * many].reshape(blocks, many, -1)
+    profiles = rows.mean(axis=1)
+    found = []
+    low, high = (0.4, 2.2) if fixed is None else STATED_WIDTH_RATIOS
+    for wide in (fixed or width) * np.geomspace(low, high, WIDTHS_COMPARED):
+        blur = max(0.8, EDGE_BLUR_RATIO * wide) / unit
+        slope = slopes(profiles, max(blur, 1.0))
+        edges = _both_edges(
+            slope, wide / unit, 0.7 * width / unit, opposite=wide < ONE_EDGE_BLURS * blur * unit
+        )
+        found.append((edges, wide))
+    edges, wide = max(found, key=lambda each: float(np.median(each[0])))
+    return Located(
+        path_px=line,
+        thickness_px=float(wide),
+        edge=float(np.mean(np.minimum(edges, 2 * np.median(edges)))),
+        leaves_image=leaves,
+        sign=sign,
+    )
+
+
+def _inside(line: FloatArray, shape: tuple[int, ...]) -> tuple[FloatArray, bool]:
+    """Return a line up to where it comes near the border, and whether it does."""
+    room = np.minimum(line, np.array([shape[1], shape[0]]) - 1 - line).min(axis=1)
+    near = np.flatnonzero(room < BORDER_PX)
+    begin = len(line) // 4  # a clamp may lie at the border
+    late = near[near > begin]
+    if len(late) == 0:
+        return line, False
+    return line[: late[0]], True
+
+
+def _both_edges(slope: FloatArray, apart: float, reach: float, *, opposite: bool) -> FloatArray:
+    """Return (blocks,) the clearest pair of edges that far apart: the weaker counts more.
+
+    `opposite`: only a rise with a fall, for two places on one blurred edge are no pair.
+    """
+    middle = slope.shape[1] // 2
+    half = apart / 2
+    shifts = np.arange(-int(reach), int(reach) + 1)
+    low = np.clip(np.round(middle + shifts - half).astype(int), 0, slope.shape[1] - 1)
+    high = np.clip(np.round(middle + shifts + half).astype(int), 0, slope.shape[1] - 1)
+    weaker = np.minimum(np.abs(slope[:, low]), np.abs(slope[:, high]))
+    if opposite:
+        weaker = np.where(slope[:, low] * slope[:, high] < 0, weaker, 0.0)
+    return np.asarray(weaker.max(axis=1))

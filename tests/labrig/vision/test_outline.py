@@ -1,0 +1,188 @@
+"""Strips of which little is stated, or that are thick, short, shaded or in colour."""
+
+import functools
+
+import numpy as np
+import pytest
+
+from labrig.vision import Optics, StripGeometry, neutral_curve
+from labrig.vision.calibration.optics import ColourChannel
+
+SIZE = (150, 220)  # rows, columns
+CLAMP = (30.0, 110.0)
+UNKNOWN = StripGeometry(free_length_m=0.05, thickness_known=False, length_known=False)
+
+
+pytestmark = pytest.mark.slow
+
+
+def arc(length_px, turn_rad, heading_rad=-0.3):
+    """The middle line of a strip that bends evenly, in pixels from the clamp on."""
+    phi = heading_rad + turn_rad * np.linspace(0, 1, 2001)
+    step = length_px / 2000
+    u = CLAMP[0] + np.concatenate([[0.0], np.cumsum(np.cos(phi[1:]) * step)])
+    v = CLAMP[1] + np.concatenate([[0.0], np.cumsum(np.sin(phi[1:]) * step)])
+    return np.stack([u, v], axis=1)
+
+
+def beside(line):
+    """How far each pixel lies beside a line, and how far along it (0 to 1)."""
+    return _beside(line.tobytes())
+
+
+@functools.cache
+def _beside(drawn_line):
+    line = np.frombuffer(drawn_line).reshape(-1, 2)
+    rows, columns = np.mgrid[0 : SIZE[0], 0 : SIZE[1]]
+    places = np.stack([columns.ravel(), rows.ravel()], axis=1).astype(float)
+    few = line[::10]
+    nearest = ((places[:, None] - few[None]) ** 2).sum(axis=2).argmin(axis=1) * 10
+    along = np.gradient(line, axis=0)[nearest]
+    along /= np.hypot(*along.T)[:, None]
+    gap = places - line[nearest]
+    across = gap[:, 1] * along[:, 0] - gap[:, 0] * along[:, 1]
+    ahead = (gap * along).sum(axis=1)
+    inside = (np.abs(ahead) < 2) | ((nearest > 0) & (nearest < len(line) - 1))
+    return (
+        np.where(inside, across, 1e3).reshape(SIZE),
+        (nearest / (len(line) - 1)).reshape(SIZE),
+    )
+
+
+def drawn(line, thick_px, light=200.0, ground=60.0, noise=2.0):
+    """A strip on plain ground; `light` is a number or (rows, columns)."""
+    across, _ = beside(line)
+    share = np.clip(thick_px / 2 - np.abs(across) + 0.5, 0, 1)
+    grey = ground + share * (light - ground)
+    grey = grey + np.random.default_rng(5).normal(0, noise, SIZE)
+    return np.clip(np.round(grey), 0, 255).astype(np.uint8)
+
+
+def stated(clamp=CLAMP, **more):
+    return Optics(px_per_mm=2.0, clamp_px=clamp, clamp_angle_known=False, **more)
+
+
+def beside_px(curve, line):
+    gap = np.hypot(*(curve.points_px[:, None] - line[None]).transpose(2, 0, 1))
+    return gap.min(axis=1)[3:-3]
+
+
+@pytest.mark.parametrize(("length_px", "thick_px"), [(150, 5), (140, 14), (132, 22)])
+def test_clamp_and_ruler_are_enough_for_thin_and_thick_strips(length_px, thick_px):
+    line = arc(length_px, 0.8)
+    curve = neutral_curve(drawn(line, thick_px), stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    assert beside_px(curve, line).max() < 0.05 * thick_px + 0.3
+    assert curve.s_m[-1] * 2000 == pytest.approx(length_px, abs=0.15 * thick_px + 3)
+    assert curve.thickness_m * 2000 == pytest.approx(thick_px, rel=0.15)
+    said = next(text for text in curve.warnings if "not stated" in text)
+    assert "thickness" in said
+    assert "length" in said
+    assert "direction at the clamp" in said
+
+
+def test_the_clamp_within_20_pixels_is_enough():
+    line = arc(150, 0.8)
+    curve = neutral_curve(drawn(line, 6), stated((CLAMP[0] + 9, CLAMP[1] + 14)), UNKNOWN)
+    assert curve.ok, curve.why
+    assert beside_px(curve, line).max() < 0.6
+
+
+def test_what_is_stated_keeps_the_coordinates_where_they_are():
+    """The x axis begins at the stated clamp, wherever the strip was found to begin."""
+    line = arc(150, 0.8)
+    aside = (CLAMP[0], CLAMP[1] + 8.0)
+    curve = neutral_curve(drawn(line, 6), stated(aside), UNKNOWN)
+    assert curve.y_m[0] * 2000 == pytest.approx(8.0, abs=1.5)
+    assert np.allclose(
+        stated(aside).world_to_pixel(np.stack([curve.x_m, curve.y_m], axis=1)), curve.points_px
+    )
+
+
+def test_half_in_shade_or_darker_further_on_it_is_the_same_strip():
+    line = arc(140, 0.8)
+    across, along = beside(line)
+    shaded = np.where(across < 0, 170.0, 20.0)  # brighter than the ground, and darker
+    changing = np.where(along < 0.5, shaded, np.where(across < 0, 30.0, 10.0))
+    curve = neutral_curve(drawn(line, 12, changing, ground=90.0), stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    error = beside_px(curve, line)
+    assert error.max() < 1.0
+    assert (curve.sigma_m.max() * 2000) > error.max() / 3
+
+
+def test_a_bridged_stretch_is_known_less_well():
+    line = arc(150, 0.8)
+    image = drawn(line, 10)
+    _, along = beside(line)
+    image[(along > 0.45) & (along < 0.62)] = 60
+    curve = neutral_curve(image, stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    at = np.linspace(0, 1, len(curve.s_m))
+    bridged = (at > 0.5) & (at < 0.57)
+    assert not curve.seen[bridged].any()
+    assert curve.sigma_m[bridged].min() > 1.3 * np.median(curve.sigma_m[curve.seen])
+
+
+def test_a_strip_on_white_paper():
+    line = arc(150, 0.8)
+    image = drawn(line, 4, light=40.0, ground=300.0)
+    assert (image == 255).mean() > 0.9
+    curve = neutral_curve(image, stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    assert beside_px(curve, line).max() < 0.6
+
+
+def coloured(line, thick_px):
+    """A strip that differs from its ground in colour, and not in brightness: (blue, green, red)."""
+    across, _ = beside(line)
+    share = np.clip(thick_px / 2 - np.abs(across) + 0.5, 0, 1)[:, :, None]
+    ground, strip = np.array([120.0, 110.0, 80.0]), np.array([120.0, 72.0, 155.0])
+    image = ground + share * (strip - ground)
+    image += np.random.default_rng(2).normal(0, 2, image.shape)
+    return np.clip(np.round(image), 0, 255).astype(np.uint8)
+
+
+def test_a_strip_that_differs_in_colour_only_is_found():
+    line = arc(140, 0.8)
+    curve = neutral_curve(coloured(line, 10), stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    assert beside_px(curve, line).max() < 0.8
+    assert any("differences of colours were used" in text for text in curve.warnings)
+
+
+def test_a_channel_may_be_chosen():
+    line = arc(140, 0.8)
+    image = coloured(line, 10)
+    assert not neutral_curve(image, stated(channel=ColourChannel.GREY), UNKNOWN).ok
+    curve = neutral_curve(image, stated(channel=ColourChannel.RED), UNKNOWN)
+    assert curve.ok, curve.why
+    assert not any("colour" in text for text in curve.warnings)
+
+
+def test_transparent_ground_is_white():
+    line = arc(140, 0.8)
+    across, _ = beside(line)
+    image = np.zeros((*SIZE, 4), np.uint8)
+    image[:, :, 3] = 255 * (np.abs(across) < 6)
+    curve = neutral_curve(image, stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    assert curve.polarity == "dark"
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_noise_is_no_strip_and_the_refusal_says_what_to_do(seed):
+    noise = np.random.default_rng(seed).normal(90, 6, SIZE).astype(np.uint8)
+    curve = neutral_curve(noise, stated(), UNKNOWN)
+    assert not curve.ok
+    assert curve.why.startswith(("search failed: ", "check of the "))
+    assert any(remedy in curve.why for remedy in ("--along-px", "clamp_px", "visible"))
+
+
+@pytest.mark.parametrize(("said_px", "side"), [(150, "before"), (95, "after")])
+def test_a_strip_of_another_length_than_stated_is_refused(said_px, side):
+    line = arc(120, 0.8)
+    strip = StripGeometry(free_length_m=said_px / 2000, thickness_m=12 / 2000)
+    curve = neutral_curve(drawn(line, 12), stated(), strip)
+    assert not curve.ok
+    assert side in curve.why or "end" in curve.why
