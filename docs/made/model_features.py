@@ -25,8 +25,8 @@ SECOND = """\
 
 ## The models
 
-`-`: the model predicts nothing that would show it. *held only*: in contact with the load cell, but
-not the shape of the free sheet.
+The columns are the features above. `-`: the model predicts nothing that would show it. *held only*:
+in contact with the load cell, but not the shape of the free sheet.
 """
 END = """\
 
@@ -53,7 +53,7 @@ def _features() -> Iterator[str]:
 
 
 def _models() -> Iterator[str]:
-    yield f"| model | {' | '.join(one.name for one in FEATURES)} |"
+    yield f"| model | {' | '.join(str(number) for number in range(1, len(FEATURES) + 1))} |"
     yield "|---" * (len(FEATURES) + 1) + "|"
     others = [ProbedModel(one.title, respond_of(one)) for one in models().values()]
     for model in (*labrigs_models().values(), *sorted(others, key=lambda one: one.title)):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,8 @@ from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.measurements import Displayed, Measurements, Summary
 from model.sheet.sheet_model import SheetModel
 
+_WIDTH = 98  # letters of a line
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class NextMeasurement(Displayed):
@@ -31,7 +34,7 @@ class NextMeasurement(Displayed):
 
         between = " and ".join(self.proposal.between)
         title = f"NextMeasurement: {self.proposal.extra}" + (f" for {between}" if between else "")
-        return Summary(title, notes=(next_sentence(self.proposal),))
+        return Summary(title, notes=tuple(textwrap.wrap(next_sentence(self.proposal), _WIDTH)))
 
     def save(self, path: AnyPath, *, force: bool = False) -> None:
         """Write protocol.toml. Raises LabrigError where it is there already, unless `force`."""

@@ -166,6 +166,7 @@ def test_the_next_measurement_is_what_the_command_prints(session_file, folder, c
     printed = printed_json(capsys, "next", session_file, "--between", *between)
     assert found.to_json() == printed
     assert len(repr(found).splitlines()) <= 24
+    assert "Separation of the candidates" in " ".join(repr(found).split())
     found.save(folder / "next.toml")
     assert load_protocol(folder / "next.toml")
     with pytest.raises(labrig.LabrigError, match="is already there"):
