@@ -13,6 +13,8 @@ import math
 import threading
 from collections.abc import Callable
 
+INTERRUPTED_S = 5.0  # of the real clock
+
 
 class _Waiter:
     """A thread that takes turns."""
@@ -154,7 +156,7 @@ class VirtualClock:
             me.turn.acquire()
         except BaseException:  # Ctrl-C: it is not our turn, so ask for it, and then raise
             self._set_alarm(self._now, me, wait)
-            me.turn.acquire()
+            me.turn.acquire(timeout=INTERRUPTED_S)  # who has the turn may keep it for ever
             raise
 
 

@@ -32,6 +32,7 @@ PLUGIN_FOLDERS = {
     "labrig/extractors",
     "labrig/panel/pages",
     "labrig/report/sections",
+    "labrig/vision/checks/kinds",
     "drivers/cameras",
     "drivers/positioners",
     "drivers/force_sensors",

@@ -150,7 +150,12 @@ def _object(value: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any] | N
 
 def _named_tables(value: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any] | None:
     """Return the table that each entry of a table is whose keys the user names; None for others."""
-    further = _resolved(value, schema).get("additionalProperties")
+    value = _resolved(value, schema)
+    tables = [_named_tables(one, schema) for one in value.get("anyOf", ())]
+    if any(tables):
+        return next(table for table in tables if table)
+    named = value.get("patternProperties", {})  # where the names themselves are restricted
+    further = next(iter(named.values()), value.get("additionalProperties"))
     if not isinstance(further, dict):
         return None
     table = _object(further, schema)

@@ -148,8 +148,13 @@ def _curves(
         session, given.optics, given.sheets,
         progress=progress, workers=workers, extractor=extractor,
     )  # fmt: skip
+    from labrig.vision.checks.catalogue import origins as curve_check_origins
+
     made_by = _record_of(extractor)
     notes = [f"The curves are those of the curve extractor {made_by}."] if made_by else []
+    if not made_by and (checked_by := curve_check_origins()):
+        named = ", ".join(f"{name} ({origin})" for name, origin in checked_by.items())
+        notes.append(f"The curves were also checked by {named}.")
     return curves, [*notes, *contact_warnings(session, given.sheets, curves, given.optics.px_per_m)]
 
 

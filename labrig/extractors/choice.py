@@ -58,11 +58,11 @@ class ChosenExtractor:
         return NeutralCurve(ok=False, why=f"the curve extractor '{self.name}' {what}.")
 
 
-def chosen_extractor(name: str = BUILT_IN) -> ChosenExtractor:
+def chosen_extractor(name: str = BUILT_IN, *, option: str = "--extractor") -> ChosenExtractor:
     """Return the extractor of this name. Raises BadInputError, which lists those there are."""
     try:
         extractor = EXTRACTORS.get(name)
     except UnknownPartError as error:
-        raise BadInputError(f"--extractor: {error}.") from None
+        raise BadInputError(f"{option}: {error}.") from None
     part = EXTRACTORS.parts()[name]
     return ChosenExtractor(name, f"{part.distribution} {part.version}".strip(), extractor)

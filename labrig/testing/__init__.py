@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import camera_kind_faults as camera_kind_faults
     from labrig.testing.conformance import command_faults as command_faults
     from labrig.testing.conformance import connection_faults as connection_faults
+    from labrig.testing.conformance import curve_check_faults as curve_check_faults
     from labrig.testing.conformance import curve_extractor_faults as curve_extractor_faults
     from labrig.testing.conformance import curve_faults as curve_faults
     from labrig.testing.conformance import data_check_faults as data_check_faults
@@ -62,6 +63,7 @@ _HOMES = {
         "effect_faults",
         "export_format_faults",
         "extra_faults",
+        "curve_check_faults",
         "curve_extractor_faults",
         "force_sensor_faults",
         "force_sensor_kind_faults",

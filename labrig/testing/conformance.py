@@ -29,6 +29,7 @@ from labrig.extractors.conformance import faults_of_curve as curve_faults
 from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
 from labrig.report.sections.conformance import faults as section_faults
+from labrig.vision.checks.conformance import faults as curve_check_faults
 from model.discrepancy.criticism.conformance import faults as verdict_check_faults
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
 from model.effects.conformance import faults as effect_faults
@@ -46,6 +47,7 @@ __all__ = [
     "camera_kind_faults",
     "command_faults",
     "connection_faults",
+    "curve_check_faults",
     "curve_extractor_faults",
     "curve_faults",
     "data_check_faults",

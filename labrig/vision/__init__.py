@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from labrig.vision.extraction.extract import neutral_curve as neutral_curve
     from labrig.vision.image.files import curve_json as curve_json
     from labrig.vision.image.files import load_strip as load_strip
-    from labrig.vision.image.files import write_overlay as write_overlay
+    from labrig.vision.image.overlay import write_overlay as write_overlay
     from labrig.vision.image.reading import read_image as read_image
     from labrig.vision.tracking.contact import contact_from_image as contact_from_image
     from labrig.vision.tracking.frame_average import Comparison as Comparison
@@ -46,7 +46,8 @@ _HOMES = {
     "labrig.vision.tracking.contact": ("contact_from_image",),
     "labrig.vision.curve": ("NeutralCurve", "StripGeometry"),
     "labrig.vision.extraction.extract": ("neutral_curve",),
-    "labrig.vision.image.files": ("curve_json", "load_strip", "write_overlay"),
+    "labrig.vision.image.files": ("curve_json", "load_strip"),
+    "labrig.vision.image.overlay": ("write_overlay",),
     "labrig.vision.image.reading": ("read_image",),
     "labrig.vision.calibration.optics": ("SheetAppearance", "Optics", "load_optics"),
     "labrig.vision.tracking.tracker": ("Tracker",),

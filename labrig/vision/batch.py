@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from labrig.errors import BadInputError
 from labrig.vision.calibration.drawing import is_drawing
-from labrig.vision.calibration.optics import Optics, SheetAppearance, load_optics
+from labrig.vision.calibration.optics import Optics, SheetAppearance, StripPlace, load_optics
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extraction.extract import neutral_curve
-from labrig.vision.image.files import load_strip, write_json, write_overlay
+from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, missing, own_file
+from labrig.vision.image.files import load_strip, write_json
 from labrig.vision.image.image import in_levels
+from labrig.vision.image.mask import Polygons
+from labrig.vision.image.overlay import write_overlay
 from labrig.vision.image.reading import (
     IMAGE_SUFFIXES,
     VIDEO_SUFFIXES,
@@ -25,6 +28,7 @@ from labrig.vision.image.reading import (
     whole_file,
     whole_stem,
 )
+from labrig.vision.image.review import PictureDecision, load_review
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
 from labrig.vision.tracking.tracker import Tracker
 
@@ -43,6 +47,8 @@ class BatchOptions:
     overlays: bool = True
     look: SheetAppearance | None = None  # in place of that in optics.json
     find: FindCurve = neutral_curve
+    mask: Polygons = ()  # of raw pixels that are not used, beside those in optics.json
+    strips: Mapping[str, StripPlace] | None = None  # in place of those in optics.json
     every: int = 1  # of a video's frames and a TIFF's pages the first of each so many
 
 
@@ -84,7 +90,14 @@ def extract_curves(
         _keep_photographs(sources, output)
     output.mkdir(parents=True, exist_ok=True)
     result = BatchResult()
+    written: set[str] = set()
     for label, image, curve in found:
+        if label.file_stem in written:
+            raise BadInputError(
+                f"{label.name} would be written over {label.file_stem}.json of another image; "
+                "rename the image or the strip."
+            )
+        written.add(label.file_stem)
         result.found.append((label, curve))
         write_json(output / f"{label.file_stem}.json", label, curve)
         if options.overlays and image is not None:
@@ -110,7 +123,8 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[Pictur
         )
     _refuse_twins(files)
     _refuse_common_faults(files, options)
-    return (named for path in files for named in _curves_of(path, options))
+    decided = {folder: load_review(folder) for folder in {path.parent for path in files}}
+    return (named for path in files for named in _curves_of(path, options, decided[path.parent]))
 
 
 def _files(sources: Sequence[Path]) -> Iterator[Path]:
@@ -160,24 +174,46 @@ def _keep_photographs(sources: Sequence[Path], output: Path) -> None:
 def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
     """Raise for a fault in a file of several images; one in an own file costs that image only."""
     kinds: tuple[tuple[str, Path | None, Callable[[Path], object]], ...] = (
-        ("optics.json", options.optics, load_optics),
-        ("sheet.toml", options.sheet, lambda path: load_strip(path, options.configuration)),
+        (OPTICS_FILE, options.optics, load_optics),
+        (SHEET_FILE, options.sheet, lambda path: _check_sheet(path, files, options)),
     )
     for kind, given, load in kinds:
-        found = {path: _beside(path, kind, given) for path in files}
+        found = {path: beside(path, kind, given) for path in files}
         if not any(found.values()):
-            raise BadInputError(_missing(files[0], kind))
-        for common in {each for path, each in found.items() if each != _own(path, kind)}:
+            raise BadInputError(missing(files[0], kind))
+        for common in {each for path, each in found.items() if each != own_file(path, kind)}:
             if common is not None:
                 load(common)
 
 
-def _curves_of(path: Path, options: BatchOptions) -> Iterator[PictureCurve]:
+def _check_sheet(sheet: Path, files: list[Path], options: BatchOptions) -> None:
+    """Read a common sheet.toml as the first image that uses it does."""
+    first = next(path for path in files if beside(path, SHEET_FILE, options.sheet) == sheet)
     try:
-        optics, strip = _known(path, options)
-        find = _finder(optics, strip, options.find, follow=is_video(path))
+        names = optics_of(first, options).by_strip()
+    except BadInputError:
+        names = {}  # a fault of that image's own file costs that image only
+    for name in names:
+        load_strip(sheet, options.configuration, name)
+
+
+def _curves_of(
+    path: Path, options: BatchOptions, decided: Mapping[str, PictureDecision]
+) -> Iterator[PictureCurve]:
+    try:
+        known = _known(path, options)
+        finders = {
+            name: _finder(optics, strip, options.find, follow=is_video(path))
+            for name, (optics, strip) in known.items()
+        }
         for picture in pictures_in(path, options.every):
-            yield picture.label, picture.image, _found(picture, find)
+            decision = decided.get(picture.label.name)
+            for name, find in finders.items():
+                if decision is not None and decision.decision == "refused":
+                    curve = NeutralCurve(ok=False, why=decision.why_refused)
+                else:
+                    curve = _found(picture, find)
+                yield picture.label.of_strip(name), picture.image, curve
     except BadInputError as error:
         yield whole_file(path), None, NeutralCurve(ok=False, why=str(error))
 
@@ -199,30 +235,34 @@ def _found(picture: Picture, find: Find) -> NeutralCurve:
         return NeutralCurve(ok=False, why=str(error))
 
 
-def _known(path: Path, options: BatchOptions) -> tuple[Optics, StripGeometry]:
-    """Return what is known of an image from the files beside it, or those for all."""
-    optics = _beside(path, "optics.json", options.optics)
-    sheet = _beside(path, "sheet.toml", options.sheet)
-    if optics is None or sheet is None:
-        raise BadInputError(_missing(path, "sheet.toml" if optics else "optics.json"))
+def _known(path: Path, options: BatchOptions) -> dict[str, tuple[Optics, StripGeometry]]:
+    """Return what is known of each strip of an image, by its name."""
+    found, sheet = optics_of(path, options), sheet_of(path, options)
+    return {
+        name: (optics, load_strip(sheet, options.configuration, name))
+        for name, optics in found.by_strip().items()
+    }
+
+
+def optics_of(path: Path, options: BatchOptions) -> Optics:
+    """Return what is known of an image's camera: from its own file, one for all, or `options`."""
+    optics = beside(path, OPTICS_FILE, options.optics)
+    if optics is None:
+        raise BadInputError(missing(path, OPTICS_FILE))
     known = load_optics(optics)
+    changed: dict[str, object] = {}
     if options.look is not None:
-        known = known.model_copy(update={"look": options.look})
-    return known, load_strip(sheet, options.configuration)
+        changed["look"] = options.look
+    if options.mask:
+        changed["mask_px"] = (known.mask_px or ()) + options.mask
+    if options.strips is not None:
+        changed["strips"] = dict(options.strips)
+    return known.model_copy(update=changed)
 
 
-def _beside(path: Path, kind: str, given: Path | None) -> Path | None:
-    """Return the file of a kind that an image uses; None where there is none."""
-    for candidate in (_own(path, kind), given, path.with_name(kind)):
-        if candidate is not None and (candidate.exists() or candidate is given):
-            return candidate
-    return None
-
-
-def _own(path: Path, kind: str) -> Path:
-    return path.with_name(f"{path.stem}.{kind}")
-
-
-def _missing(path: Path, kind: str) -> str:
-    own = _own(path, kind).name
-    return f"{path}: there is neither {own} nor {kind} beside it; name one for all images."
+def sheet_of(path: Path, options: BatchOptions) -> Path:
+    """Return the sheet.toml that an image uses."""
+    sheet = beside(path, SHEET_FILE, options.sheet)
+    if sheet is None:
+        raise BadInputError(missing(path, SHEET_FILE))
+    return sheet

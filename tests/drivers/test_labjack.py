@@ -352,3 +352,23 @@ def test_a_beat_after_the_output_was_made_safe_leaves_the_line_low():
     with pytest.raises(OutputTakenError):
         watchdog.beat()
     assert not rig.device.level(EIO0)
+
+
+def test_a_request_behind_one_that_is_not_answered_ends_by_itself():
+    rig = virtual()
+    _, output, signals = opened(rig)
+    rig.device.faults.hang = True
+    said = []
+
+    def write():
+        with pytest.raises(DeviceTimeoutError):
+            output.write(0.0)
+        said.append(rig.clock.now())
+
+    began_s = rig.clock.now()
+    thread = rig.clock.start_thread(write, "writing 0 V")
+    rig.clock.sleep_until(began_s + 0.1)
+    with pytest.raises(DeviceTimeoutError):
+        signals.measure(0.01)
+    thread.join()
+    assert max(said[0], rig.clock.now()) < began_s + 5.0

@@ -46,6 +46,7 @@ def compared(tmp_path_factory):
 
 
 @pytest.mark.timeout(900)
+@pytest.mark.thorough
 def test_the_moving_sheet_predicts_best_and_the_report_shows_it(compared, tmp_path, capsys):
     session = tmp_path / "session.h5"
     session.write_bytes((compared / "session.h5").read_bytes())

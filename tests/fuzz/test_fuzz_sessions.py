@@ -26,7 +26,7 @@ from tests.labrig.test_note_command import photograph
 
 CASES = 10
 JOURNALS = 15
-MORE = tuple(pytest.param(part, marks=pytest.mark.thorough) for part in (1, 2))
+MORE = tuple(pytest.param(part, marks=pytest.mark.thorough) for part in range(1, 6))
 RUN = layout.run_path(0)
 
 
@@ -331,7 +331,7 @@ def cut(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "s.h5"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_damaged_journals_are_used_as_far_as_they_are_whole(cut: Path, tmp_path: Path) -> None:
     raw = journal_path(cut).read_bytes()
     path = tmp_path / "s.h5"

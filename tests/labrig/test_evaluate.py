@@ -244,7 +244,7 @@ def test_a_model_file_that_cannot_be_written_is_one_sentence(tmp_path):
         save_model(truth(), tmp_path / "nowhere" / "model.toml")
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_compare_shows_what_large_deflection_and_a_varying_eibm_are_worth(recorded, capsys):
     assert run(["compare", str(recorded), "--json"]) == 0
     told = json.loads(printed(capsys)[0])

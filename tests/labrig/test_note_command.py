@@ -170,7 +170,7 @@ def test_export_that_would_overwrite_a_file_writes_nothing(path, tmp_path, capsy
     assert [one.name for one in out.iterdir()] == ["about.toml"]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_the_report_names_people_and_sample_and_shows_notes_and_photographs(path, tmp_path):
     note(path, "a <b>bubble</b> & $more")
     note(path, "the clamp", "--photograph", photograph(tmp_path / "clamp.jpg", size=(300, 400)))

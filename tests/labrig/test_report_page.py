@@ -138,7 +138,7 @@ def long_alone(tmp_path_factory):
     return write_report(session(folder / "made.h5", measure("long")), folder / "out")
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_second_report_removes_the_figures_that_it_no_longer_has(long_alone, tmp_path):
     out = shutil.copytree(long_alone.parent, tmp_path / "out")
     assert (out / "figures" / "figure-7.png").exists()
@@ -256,6 +256,7 @@ def test_many_warnings_are_counted_at_the_top(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("words_only")
+@pytest.mark.thorough
 def test_the_page_says_of_the_boards_what_they_reported_and_nothing_else(tmp_path):
     def device(simulated: bool) -> RecordedDevice:
         identity = DeviceIdentity(name="PCI6703", product="PCI-6703", is_simulated=simulated)

@@ -24,6 +24,7 @@ KINDS = [
     "command_faults",
     "effect_faults",
     "extra_faults",
+    "curve_check_faults",
     "curve_extractor_faults",
     "force_sensor_kind_faults",
     "data_check_faults",

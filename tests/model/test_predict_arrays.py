@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from time import process_time
-
 import numpy as np
 import pytest
 
@@ -73,20 +71,6 @@ def test_what_is_not_reachable_is_nan_and_says_why(truth: SheetModel):
 def test_two_numbers_give_one_prediction(truth: SheetModel):
     assert isinstance(truth.predict("long", 0.01, 2.0), Prediction)
     assert truth.predict("long", np.array(0.01), 2.0).shape == ()
-
-
-def test_a_batch_takes_a_fraction_of_the_time(truth: SheetModel):
-    positions_m = np.linspace(0.0, 0.03, 200)
-    truth.predict("long", positions_m, 2.0)  # compiled by now
-    one = predict(truth, "long", 0.0, 2.0)
-    began = process_time()
-    for position_m in positions_m:
-        one = predict(truth, "long", float(position_m), 2.0)
-    apart_s = process_time() - began
-    began = process_time()
-    batch = truth.predict("long", positions_m, 2.0)
-    assert process_time() - began < apart_s / 4
-    assert batch.F_N[-1] == pytest.approx(one.F_N, rel=1e-9)
 
 
 @pytest.mark.parametrize(

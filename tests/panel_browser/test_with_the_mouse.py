@@ -33,6 +33,7 @@ def folder(tmp_path, monkeypatch):
 
 
 @pytest.mark.timeout(2 * PATIENCE_S)
+@pytest.mark.thorough
 def test_the_shipped_experiment_from_start_to_report_with_the_mouse_alone(folder, visit, tmp_path):
     with panel(None) as server:
         page = visit(server.address)

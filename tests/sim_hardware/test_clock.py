@@ -225,6 +225,27 @@ def test_an_interrupt_while_another_runs_waits_for_its_turn() -> None:
         signal.signal(signal.SIGALRM, before)
 
 
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="raises by a signal")
+def test_a_thread_that_keeps_its_turn_for_ever_does_not_hold_up_ctrl_c(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sim_hardware.clock.INTERRUPTED_S", 0.05)
+    clock, never = VirtualClock(), threading.Event()
+
+    def interrupt(_number: int, _frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        clock.start_thread(never.wait, "waits by something else")
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        with pytest.raises(KeyboardInterrupt):
+            clock.sleep_until(10.0)
+    finally:
+        never.set()
+        signal.signal(signal.SIGALRM, before)
+
+
 @pytest.mark.slow
 def test_a_change_of_threads_takes_less_than_50_microseconds() -> None:
     clock = VirtualClock()

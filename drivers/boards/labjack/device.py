@@ -17,7 +17,7 @@ from drivers.boards.labjack.registers import (
     range_register,
 )
 from drivers.boards.labjack.wire import Transport, Wire, Write
-from drivers.interfaces import DeviceError, DeviceNotFoundError
+from drivers.interfaces import Clock, DeviceError, DeviceNotFoundError
 
 _GROUND = 199  # as negative input: measure against ground
 
@@ -25,8 +25,10 @@ _GROUND = 199  # as negative input: measure against ground
 class LabJackDevice:
     """One device. `open` finds out which model it is."""
 
-    def __init__(self, address: str, transport: Callable[[], Transport] | None = None) -> None:
-        self.wire = Wire(address, transport)
+    def __init__(
+        self, address: str, clock: Clock, transport: Callable[[], Transport] | None = None
+    ) -> None:
+        self.wire = Wire(address, clock, transport)
         self.serial = 0
         self.firmware = 0.0
         self._model: Model | None = None

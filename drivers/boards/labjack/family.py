@@ -35,7 +35,7 @@ class LabJackBoards:
     ) -> None:
         self.settings = settings
         self._clock = clock
-        self._device = LabJackDevice(settings.address, transport)
+        self._device = LabJackDevice(settings.address, clock, transport)
         self._simulated = transport is not None
         self._output: LabJackOutput | None = None
 

@@ -50,7 +50,7 @@ class LabJackRescue:
     def __init__(self, place: LabJackPlace, clock: Clock) -> None:
         self._place = place
         self._clock = clock
-        self._device = LabJackDevice(place.address)
+        self._device = LabJackDevice(place.address, clock)
         self._stage = OffsetStage(place.terminal, place.zero_V, place.gain)
 
     def open(self) -> None:

@@ -6,18 +6,20 @@ import re
 import socket
 import struct
 import threading
-from collections.abc import Callable, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from typing import NamedTuple, Protocol
 
 from drivers.boards.labjack.errors import refused
 from drivers.boards.labjack.registers import LAST_ERROR, Register
-from drivers.interfaces import DeviceError, DeviceNotFoundError, DeviceTimeoutError
+from drivers.interfaces import Clock, DeviceError, DeviceNotFoundError, DeviceTimeoutError
 
 PORT = 502
 ANSWER_S = 1.0  # a healthy one answers in 1 to 4 ms
 HURRIED_S = 0.5  # one that has just let a request run out of time
 CONNECT_S = 1.0
+_TURN_S = ANSWER_S + CONNECT_S  # a request of another thread takes no longer
+_LOOK_S = 1e-3
 READ, WRITE, FEEDBACK = 3, 16, 76
 MOST_REGISTERS = 124  # in one read
 _HEAD = struct.Struct(">HHHB")  # transaction, protocol 0, length, unit
@@ -84,10 +86,13 @@ class SocketTransport:
 class Wire:
     """Reads and writes registers. Several threads may use it. A failed connection is made anew."""
 
-    def __init__(self, address: str, transport: Callable[[], Transport] | None = None) -> None:
+    def __init__(
+        self, address: str, clock: Clock, transport: Callable[[], Transport] | None = None
+    ) -> None:
         """`transport` opens a connection without a socket: the simulator's."""
         self.where = f"the LabJack at {address}"
         self._address = address
+        self._clock = clock
         self._open = transport or self._connect
         self._transport: Transport | None = None
         self._lock = threading.Lock()
@@ -141,13 +146,32 @@ class Wire:
 
     def _request(self, doing: str, pdu: bytes) -> bytes:
         """Return what follows the function in the answer."""
-        with self._lock:
+        with self._turn(doing):
             answer = self._answer(doing, pdu)
             if answer[0] == pdu[0]:
                 return answer[1:]
             self._require(answer[0] == pdu[0] | 0x80 and len(answer) == 2, doing)
             detail = self._detail()
         raise refused(doing, self.where, answer[1], detail)
+
+    @contextmanager
+    def _turn(self, doing: str) -> Iterator[None]:
+        """Hold the connection. Raises DeviceTimeoutError where another thread keeps it.
+
+        Waits by the clock: a virtual one stands still for a thread that waits by anything else.
+        """
+        until_s = self._clock.now() + _TURN_S
+        while not self._lock.acquire(blocking=False):
+            if self._clock.now() >= until_s:
+                raise DeviceTimeoutError(
+                    f"{doing} failed: {self.where} has not answered an earlier request; check its "
+                    "cable and the network"
+                )
+            self._clock.sleep_until(self._clock.now() + _LOOK_S)
+        try:
+            yield
+        finally:
+            self._lock.release()
 
     def _detail(self) -> int:
         """Return LabJack's own code of the last error; 0: it cannot be asked."""

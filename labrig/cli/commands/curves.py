@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
 from labrig.cli.command import Command, CommandExample
+from labrig.cli.curves.page import serve_page
+from labrig.cli.curves.session import session_curves
 from labrig.cli.screen import print_json_line, say, warn
 from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
-    from labrig.vision import BatchOptions, FrameAverage, NeutralCurve
+    from labrig.vision import BatchOptions, NeutralCurve
     from labrig.vision.image.tables import LabelledCurve
-    from model import Curve
-    from model.measurements import Condition, Contact
 
 
 def curves(
@@ -52,6 +52,33 @@ def curves(
     extractor: Annotated[
         str | None, typer.Option(help="name of a curve extractor; default: the built-in one")
     ] = None,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="compare this curve extractor with the built-in one, or each with the first; "
+            "`--method list` lists all"
+        ),
+    ] = None,
+    mask: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="what is not used: a JSON file of polygons, or one polygon 'U,V U,V U,V'; "
+            "may be repeated"
+        ),
+    ] = None,
+    strip: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="one of several strips: NAME=U,V (its clamp) or NAME=U,V:U,V (and a second pixel "
+            "along the clamped strip); may be repeated"
+        ),
+    ] = None,
+    page: Annotated[
+        Path | None,
+        typer.Option(help="serve a page for the photographs of this folder: click, look, decide"),
+    ] = None,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="of the page; 0: any")] = 8730,
+    open_it: Annotated[bool, typer.Option("--open", help="open the page in the browser")] = False,
 ) -> None:
     """Find the neutral curve of a clamped strip in images.
 
@@ -59,7 +86,22 @@ def curves(
     what --optics and --sheet name. An image without a curve is no error: its reason is printed,
     and it has a row in the tables. Photographs are turned as their EXIF states. Each page of a
     TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image.
+
+    --mask says what of the images is not used. With several strips in a picture (--strip, or
+    `strips` in optics.json) each has its own curve; it takes the table of its name in sheet.toml.
+    --method runs one curve extractor against another; -o FILE.csv keeps the comparison.
+    --page serves a page for a folder: click clamp, direction, ruler and mask for one photograph or
+    for all, look at every curve, accept or refuse. What is clicked stays beside the photographs.
     """
+    if page is not None:
+        if any((sources, optics, sheet, batch, output, summary, overlay, method, mask, strip)):
+            raise BadInputError(
+                "--page FOLDER takes no images and no other files: what is known of the "
+                "photographs lies beside them, or is clicked on the page."
+            )
+        serve_page(page, port, open_it=open_it)
+        return
+    from labrig.cli.curves.options import masks_of, strips_of
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
 
@@ -70,8 +112,13 @@ def curves(
         configuration=configuration,
         look=None if look is None else SheetAppearance(look),
         find=chosen_extractor(name).curve,
+        mask=masks_of(mask),
+        strips=strips_of(strip),
         every=every,
     )
+    if method:
+        _compare(sources, method, options, output, extra=(batch, summary, overlay, extractor))
+        return
     if batch is not None:
         if sources or output is None:
             raise BadInputError("--batch FOLDER takes -o FOLDER and no further images.")
@@ -82,15 +129,37 @@ def curves(
     if not sources:
         raise BadInputError("no image was given; give files, a folder, or --batch FOLDER.")
     if [path.suffix.lower() for path in sources] == [".h5"]:
-        if any((optics, sheet, configuration, look, summary, overlay, every > 1)):
+        if any((optics, sheet, configuration, look, summary, overlay, mask, strip, every > 1)):
             raise BadInputError(
                 "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
-                "--look, --summary, --overlay and --every are for images."
+                "--look, --summary, --overlay, --mask, --strip and --every are for images."
             )
-        _session(sources[0], output, name, as_json=as_json)
+        session_curves(sources[0], output, name, as_json=as_json)
         return
     found = _of_images(sources, options, overlay, as_json=as_json)
     _write_tables(found, output, summary)
+
+
+def _compare(
+    sources: list[Path] | None,
+    methods: list[str],
+    options: BatchOptions,
+    output: Path | None,
+    extra: tuple[object, ...],
+) -> None:
+    from labrig.cli.curves.methods import compare_methods, list_methods
+
+    if any(extra):
+        raise BadInputError(
+            "--method compares curve extractors: leave --batch, --summary, --overlay and "
+            "--extractor out."
+        )
+    if methods == ["list"]:
+        list_methods()
+    elif not sources:
+        raise BadInputError("no image was given; give files or a folder to compare on.")
+    else:
+        compare_methods(sources, methods, options, output)
 
 
 def _of_images(
@@ -150,102 +219,6 @@ def _batch(folder: Path, output: Path, options: BatchOptions) -> None:
 
     result = extract_curves([folder], output, options, progress=progress)
     say(f"{len(result.curves)} images, {len(result.failed)} without a curve; wrote {output}")
-
-
-def _session(path: Path, output: Path | None, extractor: str, *, as_json: bool) -> None:
-    from labrig.analysis import measure
-    from labrig.cli.screen import progress
-    from labrig.session import open_session
-    from labrig.session.tables.write import write_curves
-
-    with open_session(path) as session, progress("curves") as advance:
-        measurements = measure(session, advance, extractor=extractor)
-    for c in measurements.conditions:
-        where = "free" if c.position_m is None else f"{1e3 * c.position_m:g} mm"
-        name = f"{c.configuration}, {where}, {c.voltage_V:+g} V"
-        if as_json:
-            line = {"image": name, "ok": c.curve is not None, **_curve_json(c.curve)}
-            line["by_frame"] = _by_frame_json(c)
-            line["contact"] = _contact_json(c.contact)
-            print_json_line(line)
-        else:
-            points = "no curve" if c.curve is None else f"{len(c.curve.s_m)} points"
-            say(f"{name}: {points}{_by_frame_text(c)}{_contact_text(c.contact)}")
-    for text in measurements.warnings:
-        warn(f"warning: {text}")
-    if output is not None:
-        write_curves(measurements, output)
-        warn(f"wrote {output}")
-
-
-def _by_frame(condition: Condition) -> FrameAverage | None:
-    """Average the curves of a condition's frames: the other path to its curve."""
-    from labrig.analysis.curves import MEAN_OF
-    from labrig.vision import average_of_frames
-
-    counts = [r for r in condition.readings if r.valid and r.kind in MEAN_OF]
-    return average_of_frames([r.curve for r in counts if r.curve is not None])
-
-
-def _by_frame_text(condition: Condition) -> str:
-    average = _by_frame(condition)
-    if average is None:
-        return ""
-    text = f", {average.frames} frames scatter by {1e3 * average.scatter_rms_m:.4f} mm"
-    if condition.curve is not None:
-        text += f", their mean {1e3 * average.apart_m(condition.curve):.4f} mm from it"
-    return text
-
-
-def _by_frame_json(condition: Condition) -> dict[str, Any] | None:
-    average = _by_frame(condition)
-    if average is None:
-        return None
-    apart = None if condition.curve is None else 1e3 * average.apart_m(condition.curve)
-    return {
-        "frames": average.frames,
-        "from_mean_image_mm": apart,
-        "s_mm": 1e3 * average.s_m,
-        "x_mm": 1e3 * average.x_m,
-        "y_mm": 1e3 * average.y_m,
-        "scatter_mm": 1e3 * average.scatter_m,
-    }
-
-
-def _contact_text(contact: Contact | None) -> str:
-    if contact is None:
-        return ""
-    how = "" if contact.rolls_m else " (no rolls seen; where it crosses the arc)"
-    sigma_mm = max(0.01, 1e3 * contact.position_sigma_m)
-    return f", contact at {1e3 * contact.position_m:.2f} ± {sigma_mm:.2f} mm{how}"
-
-
-def _contact_json(contact: Contact | None) -> dict[str, Any] | None:
-    if contact is None:
-        return None
-    return {
-        "position_mm": 1e3 * contact.position_m,
-        "position_sigma_mm": 1e3 * contact.position_sigma_m,
-        "s_mm": 1e3 * contact.s_m,
-        "x_mm": 1e3 * contact.x_m,
-        "y_mm": 1e3 * contact.y_m,
-        "angle_rad": contact.angle_rad,
-        "radius_mm": 1e3 * contact.radius_m,
-        "rolls_mm": [[1e3 * value for value in roll] for roll in contact.rolls_m],
-    }
-
-
-def _curve_json(curve: Curve | None) -> dict[str, Any]:
-    if curve is None:
-        return {}
-    return {
-        "s_mm": 1e3 * curve.s_m,
-        "x_mm": 1e3 * curve.x_m,
-        "y_mm": 1e3 * curve.y_m,
-        "curvature_per_m": curve.curvature_per_m,
-        "sigma_mm": None if curve.sigma_m is None else 1e3 * curve.sigma_m,
-        "curvature_sigma_per_m": curve.curvature_sigma_per_m,
-    }
 
 
 COMMAND = Command(

@@ -21,6 +21,7 @@ class PanelSettings:
     rig: Path | None = None
     session: Path | None = None  # to be replayed
     model: Path | None = None
+    photographs: bool = False  # `data` is a folder of photographs, and nothing else is shown
     host: str = "127.0.0.1"
     port: int = DEFAULT_PORT  # as bound
     certificate: Path | None = None
@@ -29,8 +30,10 @@ class PanelSettings:
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
 
     @property
-    def mode(self) -> Literal["rig", "sessions", "replay"]:
+    def mode(self) -> Literal["rig", "sessions", "replay", "photographs"]:
         """What the page begins with."""
+        if self.photographs:
+            return "photographs"
         if self.rig is not None:
             return "rig"
         return "sessions" if self.session is None else "replay"

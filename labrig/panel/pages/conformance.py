@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-_MODES = {"rig", "sessions", "replay"}
+_MODES = {"rig", "sessions", "replay", "photographs"}
 
 
 def faults(page: object) -> list[str]:

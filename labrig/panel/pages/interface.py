@@ -16,7 +16,8 @@ if TYPE_CHECKING:
 
     from labrig.panel.core.panel import Panel
 
-Mode = Literal["rig", "sessions", "replay"]  # what a panel was started with
+Mode = Literal["rig", "sessions", "replay", "photographs"]  # what a panel was started with
+# but for photographs: such a panel shows its own page and nothing else
 EVERYWHERE: frozenset[Mode] = frozenset({"rig", "sessions", "replay"})
 NOWHERE: frozenset[Mode] = frozenset()
 STATIC = Path(__file__).parents[1] / "static"

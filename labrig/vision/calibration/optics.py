@@ -25,6 +25,25 @@ from labrig.vision.calibration.lens import distort, undistort
 FloatArray = npt.NDArray[np.float64]
 Point = tuple[float, float]
 Row = tuple[float, float, float]
+Polygon = Annotated[tuple[Point, ...], Field(min_length=3)]
+StripName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$")]
+
+
+class StripPlace(ClosedModel):
+    """Where one of several strips of a picture is clamped."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    clamp_px: Point = Field(description="where the strip leaves the clamp, a raw pixel")
+    along_px: Point | None = Field(
+        None, description="a raw pixel further along the clamped strip's line; states its direction"
+    )
+
+    @model_validator(mode="after")
+    def _states_a_direction(self) -> Self:
+        if self.along_px is not None and math.dist(self.along_px, self.clamp_px) < 1:
+            raise ValueError("along_px must be another pixel than clamp_px")
+        return self
 
 
 class SheetAppearance(StrEnum):
@@ -73,6 +92,12 @@ class Optics(ClosedModel):
     )
     bits: int = Field(8, ge=8, le=16)
     rolls_px: tuple[Row, ...] | None = Field(None, description="u, v, radius of each roll")
+    mask_px: tuple[Polygon, ...] | None = Field(
+        None, description="polygons of raw pixels; what is inside of them is not used"
+    )
+    strips: dict[StripName, StripPlace] | None = Field(
+        None, min_length=1, description="several strips in one picture, each with its clamp"
+    )
     method: str | None = Field(None, description="how it was calibrated")
     residual_px: float | None = Field(None, ge=0, description="RMS of the calibration, pixels")
     residual_um: float | None = Field(None, ge=0, description="RMS of the calibration, um")
@@ -102,6 +127,32 @@ class Optics(ClosedModel):
         """Return the text for an optics.json, without the entries that are not known."""
         data: dict[str, Any] = self.model_dump(exclude_none=True)
         return json.dumps(data, indent=1) + "\n"
+
+    def by_strip(self) -> dict[str, Self]:
+        """Return what is known for each strip by its name; one without a name where there is one.
+
+        Without a homography a strip's coordinates begin at its own clamp and run along it.
+        """
+        if not self.strips:
+            return {"": self}
+        return {name: self.at(place) for name, place in self.strips.items()}
+
+    def at(self, place: StripPlace) -> Self:
+        """Return what is known for a strip that is clamped at this place."""
+        changed: dict[str, object] = {"clamp_px": place.clamp_px, "strips": None}
+        ends = (place.clamp_px, place.along_px or place.clamp_px)
+        if self.homography is not None:
+            first, second = self.pixel_to_world(ends)
+            name = "clamp_angle_rad"
+        else:
+            first, second = self.undistorted(ends)
+            name = "roll_rad"
+            changed["origin_px"] = None
+        if place.along_px is not None:
+            if self.homography is None:
+                changed["clamp_angle_rad"] = 0.0
+            changed[name] = math.atan2(second[1] - first[1], second[0] - first[0])
+        return self.model_copy(update=changed)
 
     @property
     def px_per_m(self) -> float:

@@ -1,1 +1,1 @@
-"""Check whether a fitted curve is the sheet."""
+"""Check whether a fitted curve is the sheet: one check a file of `kinds`."""

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
-from labrig.vision.checks.acceptance import check_curve
 from labrig.vision.checks.sheet_end import SheetEnd
+from labrig.vision.checks.verdict import check_curve
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.curve.background_lines import BackgroundLine, hidden_by
 from labrig.vision.curve.shape import CurveShape, make_shape
@@ -17,6 +17,7 @@ from labrig.vision.extraction.refinement import CurveCandidate, Refiner
 from labrig.vision.fit.context import CrossSection
 from labrig.vision.fit.curve_fit import fit_intensities, fit_points
 from labrig.vision.image.image import GreyImage
+from labrig.vision.image.mask import polygon_mask
 from labrig.vision.search.ridge_tracing import RidgeMaps, Trace, ridge_maps, trace_from_clamp
 from labrig.vision.search.straight_lines import OUTSIDE_DISTANCE_PX, find_branches, find_wires
 from labrig.vision.thresholds import (
@@ -25,6 +26,7 @@ from labrig.vision.thresholds import (
 
 FloatArray = npt.NDArray[np.float64]
 
+MASK_MARGIN_PX = 3.0
 LINE_ROUNDS = 2  # of finding lines beside the best curve, and searching without them
 
 
@@ -175,6 +177,9 @@ class CurveSearch(Refiner):
         ridges = ridge_maps(self.image, self.thickness_px, wide=wide)
         if self.wires:
             ridges.hide(hidden_by(self.wires, self.mask.shape))
+        if self.optics.mask_px:
+            # a ridge map shows the border of what is masked as far as its filter reaches
+            ridges.hide(polygon_mask(self.optics, self.image.grey.shape, MASK_MARGIN_PX))
         self.ridges = ridges
         signs = {"bright": [1.0], "dark": [-1.0], "auto": [1.0, -1.0]}[self.optics.polarity]
         if self.known_sign:

@@ -9,14 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
-from labrig.vision.checks.apparent_width import (
-    corrupted_cells,
-    excess_width_px,
-    something_lies_along,
-)
-from labrig.vision.checks.lateral_bias import lateral_bias_px
+from labrig.vision.checks.seen_curve import SeenCurve
+from labrig.vision.checks.verdict import Verdict
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extraction.curve_search import CurveSearch
+from labrig.vision.extraction.metric_curve import refused, reported
 from labrig.vision.extraction.refinement import CurveCandidate
 from labrig.vision.extraction.second_sheet import second_sheet_contrast
 from labrig.vision.fit.curve_fit import fit_intensities
@@ -29,13 +26,12 @@ from labrig.vision.image.downscaling import (
     scaled_curve,
 )
 from labrig.vision.image.image import GreyImage, ImageError, read_grey_image
-from labrig.vision.thresholds import (
-    BRIDGED_SIGMA_MAX_PX,
-    EXCESS_WIDTH_MAX_PX,
-    EXCESS_WIDTH_MAX_RATIO,
-    REFLECTION_CONTRAST_MAX_RATIO,
+from labrig.vision.uncertainty.apparent_width import (
+    corrupted_cells,
+    excess_width_px,
+    something_lies_along,
 )
-from labrig.vision.uncertainty.metric_curve import blamed, report, with_wires
+from labrig.vision.uncertainty.lateral_bias import lateral_bias_px
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -75,54 +71,50 @@ def _found(
     search = CurveSearch(image, optics, strip)
     best = search.follow(start) if start is not None and start.ok else None
     if best is not None and start is not None:
-        curve = report(best.fit, best.context, best.verdict, start.excess_px, start.lateral_bias_px)
-        return replace(curve, wires=start.wires)
+        return reported(_followed(best, start), best.verdict)
     best = search.search()
     if best is None:
         return NeutralCurve(
             ok=False,
             why="search failed: no path that a sheet could take leaves the clamp; check clamp_px.",
         )
-    beside = 0.0 if best.verdict.why else second_sheet_contrast(search, best)
-    if beside > REFLECTION_CONTRAST_MAX_RATIO:
-        return NeutralCurve(
-            ok=False,
-            why="check of the surroundings failed: "
-            "two sheets leave the clamp side by side, and nothing shows which is meant; take "
-            "one away, or mask it in the image.",
-        )
     if best.verdict.why:
-        verdict = blamed(best.verdict) if search.led_by_lines else best.verdict
-        return report(best.fit, best.context, verdict)
+        verdict = _blamed(best.verdict) if search.led_by_lines else best.verdict
+        return refused(_seen(best), best.verdict, verdict)
+    second_sheet = second_sheet_contrast(search, best)
     excess = excess_width_px(best.fit, best.context)
     if something_lies_along(excess, best.fit):
-        return _bridged(search, best, excess)
-    excess = np.maximum(excess, best.wider_px)
-    if excess.max() > max(EXCESS_WIDTH_MAX_PX, EXCESS_WIDTH_MAX_RATIO * search.basis.total_px):
-        return NeutralCurve(
-            ok=False,
-            why="check of the width failed: "
-            f"what was followed looks up to {excess.max():.1f} pixels wider than the sheet is "
-            "thick, and nothing shows which part of it is the sheet's edge; light the edge, or "
-            "check the sheet's thickness.",
-        )
-    # light on one side moves no edge
-    bias_px = None if best.between_edges else lateral_bias_px(best.fit, best.context)
-    curve = report(best.fit, best.context, best.verdict, excess, bias_px)
-    if beside > 0:
-        message = (
-            f"something like the sheet, {beside:.0%} as strong, lies beside it, such as its "
-            "reflection; the stronger of the two was followed"
-        )
-        curve = replace(curve, warnings=(*curve.warnings, message))
-    return with_wires(curve, search.wires, image.grey.shape)
+        return _bridged(search, best, excess, second_sheet)
+    seen = replace(
+        _seen(best),
+        excess_px=np.maximum(excess, best.wider_px),
+        # light on one side moves no edge
+        lateral_bias_px=None if best.between_edges else lateral_bias_px(best.fit, best.context),
+        second_sheet=second_sheet,
+        wires=search.wires,
+    )
+    return reported(seen, best.verdict)
 
 
-def _bridged(search: CurveSearch, found: CurveCandidate, excess: FloatArray) -> NeutralCurve:
-    """Return the curve without the cells where something lies along the sheet.
+def _seen(best: CurveCandidate) -> SeenCurve:
+    return SeenCurve(fit=best.fit, context=best.context, sheet_end=best.sheet_end)
 
-    A refusal where the rest does not show to about a pixel where the sheet is.
-    """
+
+def _followed(best: CurveCandidate, start: NeutralCurve) -> SeenCurve:
+    """Return a followed curve, with what was measured beside the one before."""
+    return replace(
+        _seen(best),
+        followed=True,
+        excess_px=start.excess_px,
+        lateral_bias_px=start.lateral_bias_px,
+        wires=start.wires,
+    )
+
+
+def _bridged(
+    search: CurveSearch, found: CurveCandidate, excess: FloatArray, second_sheet: float
+) -> NeutralCurve:
+    """Return the curve without the cells where something lies along the sheet."""
     before = found.fit.section.corrupted
     corrupted = corrupted_cells(excess)
     section = replace(
@@ -130,16 +122,16 @@ def _bridged(search: CurveSearch, found: CurveCandidate, excess: FloatArray) -> 
     )
     fit = fit_intensities(found.fit.shape, found.context, section)
     again = search.judged(fit, found.context)
-    if not again.verdict.why:
-        excess = excess_width_px(fit, found.context)
-        curve = report(fit, found.context, again.verdict, excess)
-        loose = curve.sigma_m.max() * search.optics.px_per_m > BRIDGED_SIGMA_MAX_PX
-        if not loose and not something_lies_along(excess, fit):
-            message = "something lies along the sheet, such as a wire; it was left out there"
-            return replace(curve, warnings=(*curve.warnings, message))
-    return NeutralCurve(
-        ok=False,
-        why="check of the width failed: "
-        "something lies along the sheet and cannot be separated from it, such as a wire; "
-        "take it away, or mask it in the image.",
+    if not again.verdict.why:  # else the check says what lies along the curve as it was
+        found, excess = again, excess_width_px(fit, found.context)
+    seen = replace(_seen(found), excess_px=excess, second_sheet=second_sheet, left_out_along=True)
+    return reported(seen, found.verdict)
+
+
+def _blamed(verdict: Verdict) -> Verdict:
+    """Return the refusal with the wire named first, as its probable cause."""
+    message = (
+        "search failed: a wire, or something else that is straight, lies along the best path; take "
+        f"it away, or mask it (--mask). Without it: {verdict.why}"
     )
+    return replace(verdict, why=message)

@@ -8,10 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics, SheetAppearance
-from labrig.vision.checks.acceptance import Verdict, check_curve
-from labrig.vision.checks.occlusion import see_through_cells
 from labrig.vision.checks.sheet_end import SheetEnd, find_sheet_end
-from labrig.vision.checks.side_face import SideFaceSearch
+from labrig.vision.checks.verdict import Verdict, check_curve
 from labrig.vision.curve import StripGeometry, smallness
 from labrig.vision.curve.shape import CurveShape, ShapeBasis, coefficients_for, make_basis
 from labrig.vision.fit.context import CrossSection, FitContext, roll_mask
@@ -24,6 +22,8 @@ from labrig.vision.fit.curve_fit import (
     spectral_of,
 )
 from labrig.vision.fit.edges import middle_of_edges
+from labrig.vision.fit.occlusion import see_through_cells
+from labrig.vision.fit.side_face import SideFaceSearch
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.ridge_tracing import Trace, shape_through
 from labrig.vision.thresholds import COVERED_SHARE_GOOD

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.shape import CurveShape
 from labrig.vision.image.image import GreyImage, plane_map
+from labrig.vision.image.mask import polygon_mask
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
@@ -29,7 +30,7 @@ class FitContext:
     sign: float  # +1: the sheet is brighter
     prior: FloatArray  # (2,) standard deviations of clamp offset (px) and angle
     spectral: float  # q in 1/px^3
-    mask: MaskArray  # (rows, columns): not 0 where rolls hide the view
+    mask: MaskArray  # (rows, columns): not 0 where rolls, wires or polygons hide the view
 
     def nodes_px(self, shape: CurveShape) -> FloatArray:
         """Return the curve's nodes in the image (nodes, 2)."""
@@ -68,10 +69,10 @@ class CrossSection:
 
 
 def roll_mask(optics: Optics, shape: tuple[int, int]) -> MaskArray:
-    """Return where the rolls named in the optics hide the view."""
+    """Return where the rolls and polygons named in the optics hide the view."""
     import cv2
 
-    mask = np.zeros(shape, np.uint8)
+    mask = polygon_mask(optics, shape)
     for u, v, radius in optics.rolls_px or ():
         centre = (round(u * 16), round(v * 16))
         cv2.circle(mask, centre, round((radius + ROLL_MARGIN_PX) * 16), 1, -1, cv2.LINE_8, 4)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +24,20 @@ Pixels = npt.NDArray[Any]
 
 @dataclass(frozen=True, kw_only=True)
 class PictureLabel:
-    """What a picture is called: FILE, FILE:PAGE or FILE_FRAME."""
+    """What a picture is called: FILE, FILE:PAGE or FILE_FRAME; with several strips also :STRIP."""
 
     name: str
     file_stem: str  # of the files that are written for it
     frame: int | None = None  # of a video, from 0; of a TIFF with several pages the page, from 1
     time_s: float | None = None  # from the video's begin, as the video states it
+    strip: str = ""  # which one of several strips
+
+    def of_strip(self, strip: str) -> PictureLabel:
+        """Return the label of one of several strips; of the only one, without a name, the same."""
+        if not strip:
+            return self
+        stem = f"{self.file_stem}_{strip}"
+        return replace(self, name=f"{self.name}:{strip}", file_stem=stem, strip=strip)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -61,6 +69,25 @@ def whole_stem(file_stem: str) -> str:
     return re.sub(r"_(\d{6,}|page\d{4,})$", "", file_stem)
 
 
+def labels_in(path: Path) -> list[PictureLabel]:
+    """Return what the pictures of an image file are called; none is decoded.
+
+    Raises BadInputError where it cannot be read.
+    """
+    if path.suffix.lower() not in TIFF_SUFFIXES:
+        return [whole_file(path)]
+    pages = len(_tiff_directories(_bytes(path)))
+    if pages <= 1:
+        return [whole_file(path)]
+    return [_page_label(path, page) for page in range(1, pages + 1)]
+
+
+def _page_label(path: Path, page: int) -> PictureLabel:
+    return PictureLabel(
+        name=f"{path.stem}:{page}", file_stem=f"{path.stem}_page{page:04d}", frame=page
+    )
+
+
 def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
     """Return the pictures of a file; of frames and pages the first of each `every`.
 
@@ -75,9 +102,7 @@ def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
         yield Picture(label=whole_file(path), image=_decoded(data, path))
         return
     for page in range(1, len(directories) + 1, every):
-        label = PictureLabel(
-            name=f"{path.stem}:{page}", file_stem=f"{path.stem}_page{page:04d}", frame=page
-        )
+        label = _page_label(path, page)
         # with its first directory that of the page, a file is read whatever its other pages hold
         place = np.frombuffer(directories[page - 1], dtype=np.uint8)
         begin = len(place)  # 4, or 8 in a large TIFF: there the header names the first directory

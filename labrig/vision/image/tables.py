@@ -18,10 +18,10 @@ LabelledCurve = tuple[PictureLabel, NeutralCurve]
 Cells = dict[str, str]
 
 COLUMNS = ("image", "point", "s_mm", "x_mm", "y_mm", "curvature_per_m", "sigma_mm",
-           "curvature_sigma_per_m", "state", "frame", "time_s", "reason")  # fmt: skip
+           "curvature_sigma_per_m", "state", "frame", "time_s", "reason", "strip")  # fmt: skip
 SUMMARY_COLUMNS = ("image", "frame", "time_s", "state", "tip_x_mm", "tip_y_mm", "tip_sigma_mm",
                    "tip_angle_deg", "mean_curvature_per_m", "covered", "reason",
-                   "warnings")  # fmt: skip
+                   "warnings", "strip")  # fmt: skip
 
 
 def write_points(path: Path, curves: Iterable[LabelledCurve]) -> None:
@@ -87,6 +87,7 @@ def _summary(label: PictureLabel, curve: NeutralCurve) -> Cells:
 def _about(label: PictureLabel) -> Cells:
     return {
         "image": label.name,
+        "strip": label.strip,
         "frame": "" if label.frame is None else str(label.frame),
         "time_s": "" if label.time_s is None else f"{label.time_s:.6f}",
     }

@@ -1,1 +1,1 @@
-"""From a curve in pixels to a curve in metres with its uncertainty."""
+"""How well a curve is known, and what may pull it aside."""

@@ -224,6 +224,7 @@ def test_a_coverage_study_counts_the_intervals_that_hold_the_truth(model_file, t
     assert max(map(abs, errors)) < 5.0
 
 
+@pytest.mark.thorough
 def test_a_sweep_answers_each_combination(model_file, tmp_path):
     out = tmp_path / "out"
     command = ["batch", "design", str(model_file), "-o", str(out), "--workers", "1"]
@@ -234,6 +235,7 @@ def test_a_sweep_answers_each_combination(model_file, tmp_path):
     assert areas[1] > areas[0] > 0
 
 
+@pytest.mark.thorough
 def test_a_session_is_reported(tmp_path, monkeypatch):
     session(tmp_path / "made.h5", measure("long", positions_m=(0.0, 0.015, 0.03)))
     monkeypatch.chdir(tmp_path)

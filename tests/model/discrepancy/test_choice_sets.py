@@ -43,7 +43,7 @@ def test_each_name_has_its_question_and_there_is_one_about_the_rest():
     assert "nonuniform_eibm" not in [a.name for a in rest.alternatives]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_second_name_is_voted_for_beside_the_first():
     """Without the first in place no position would choose it: the first explains more alone."""
     found = {one.considered: one for one in diagnosed(TWO).choice_sets}

@@ -81,7 +81,7 @@ def test_a_falling_eibm_is_named_also_in_another_form():
     assert best.name == "nonuniform_eibm"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_so_strong_an_effect_is_named_that_a_straight_line_leads_beyond_its_bounds():
     found = diagnosed(SOFT_END)
     assert (found.verdict, names(found)) == ("effect_named", ["nonuniform_stiffness"])
@@ -178,7 +178,7 @@ def test_what_is_alike_in_every_set_up_does_not_hide_in_their_scatter():
     assert found.unknown.peak_mm < 5.0
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_is_left_of_a_large_effect_s_form_is_no_second_effect():
     found = diagnosed(DRYING)
     assert (found.verdict, names(found)) == ("effect_named", ["stiffness_drift"])
@@ -192,7 +192,7 @@ def test_a_weak_effect_in_other_rows_is_named_beside_a_strong_one():
     assert sorted(names(found)) == ["charging_lag", "nonuniform_eibm"]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_run_set_up_badly_is_left_out_beside_an_effect():
     found = diagnosed(BADLY_SET)
     assert names(found) == ["nonuniform_eibm"]

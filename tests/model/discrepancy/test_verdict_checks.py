@@ -59,7 +59,13 @@ def test_where_nothing_is_named_nothing_is_checked():
     assert diagnosed().checks == ()
 
 
-@pytest.mark.parametrize("name", FOREIGN)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.thorough) if "curvature" in name else name
+        for name in FOREIGN
+    ],
+)
 def test_what_no_catalogue_has_gets_no_name_with_certainty(name):
     found = foreign(name)
     assert found.verdict == "unknown_effect"
@@ -74,6 +80,7 @@ def test_a_failed_check_is_named_in_the_sentence_and_in_the_json():
     assert "Check 'quantity_structure' failed: the amplitude of clamp angle" in found.sentence
 
 
+@pytest.mark.thorough
 def test_an_amplitude_that_would_be_seen_is_no_name():
     turned = hidden_session(case("load_cell_misalignment", "turned", 0.75, seed=5)).measurements
     found = diagnose(turned)
@@ -82,6 +89,7 @@ def test_an_amplitude_that_would_be_seen_is_no_name():
     assert found.verdict != "effect_named"
 
 
+@pytest.mark.thorough
 def test_a_large_amplitude_that_rigs_do_have_keeps_its_name():
     turned = hidden_session(case("load_cell_misalignment", "turned", 0.52, seed=5)).measurements
     found = diagnose(turned)

@@ -1,0 +1,1 @@
+"""What `labrig curves` does beside measuring images: sessions, options, comparisons."""

@@ -1,0 +1,160 @@
+"""What is clicked on a photograph, as optics.json and sheet.toml beside it."""
+
+from __future__ import annotations
+
+import datetime as dt
+import hashlib
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from labrig.errors import BadInputError
+from labrig.files import write_text
+from labrig.vision import Optics, calibrate_ruler, load_optics
+from labrig.vision.calibration.optics import Point, StripPlace
+from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
+
+CLICK_SIGMA_PX = 2.0  # of a place that was clicked
+UNMOVED_PX = 0.05  # nearer to the known place than that it was not clicked anew
+ALONG_M = 0.005  # from the clamp to the place that shows its direction
+METHOD = "clicked on the page"
+Polygon = tuple[Point, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Clicked:
+    """What was clicked and typed; None: as it was."""
+
+    strips: dict[str, StripPlace]  # one without a name where there is one only
+    ruler_px: tuple[Point, Point] | None = None
+    ruler_mm: float | None = None
+    mask_px: tuple[Polygon, ...] = ()
+    lengths_mm: dict[str, float] | None = None  # free_length_mm, elongation_mm, thickness_mm
+
+
+def changed_optics(base: Optics | None, size: tuple[int, int], clicked: Clicked) -> Optics:
+    """Return the optics of a picture (columns, rows) with what was clicked.
+
+    Raises BadInputError where something is missing.
+    """
+    first = next(iter(clicked.strips.values()), None)
+    if first is None:
+        raise BadInputError("the clamp is missing: click where the strip leaves it.")
+    for place in clicked.strips.values():
+        _check_inside(place, size)
+    optics = _scaled(base, size, clicked, first)
+    changed: dict[str, object] = {"image_size": size, "mask_px": clicked.mask_px or None}
+    if base is not None and _as_before(base, clicked.strips):
+        return optics.model_copy(update=changed)
+    sigma = CLICK_SIGMA_PX / _apart_px(first) if first.along_px else optics.clamp_angle_sigma_rad
+    changed |= {
+        "clamp_sigma_px": max(CLICK_SIGMA_PX, optics.clamp_sigma_px),
+        "clamp_angle_sigma_rad": max(optics.clamp_angle_sigma_rad, math.sqrt(2) * sigma),
+        "strips": clicked.strips if "" not in clicked.strips else None,
+    }
+    return optics.at(first).model_copy(update=changed)
+
+
+def _as_before(base: Optics, strips: dict[str, StripPlace]) -> bool:
+    """Return whether clamps and directions are those that were known, perhaps from a board."""
+    before = base.by_strip()
+    return before.keys() == strips.keys() and all(
+        math.dist(place.clamp_px, before[name].clamp_px) < UNMOVED_PX
+        and (
+            place.along_px is None or math.dist(place.along_px, along_px(before[name])) < UNMOVED_PX
+        )
+        for name, place in strips.items()
+    )
+
+
+def along_px(optics: Optics) -> Point:
+    """Return a pixel further along the clamped strip, which shows its direction."""
+    x, y = optics.clamp_m()
+    angle = optics.clamp_angle_rad
+    ahead = (x + ALONG_M * math.cos(angle), y + ALONG_M * math.sin(angle))
+    u, v = optics.world_to_pixel([ahead])[0]
+    return float(u), float(v)
+
+
+def _scaled(
+    base: Optics | None, size: tuple[int, int], clicked: Clicked, first: StripPlace
+) -> Optics:
+    """Return the optics with a new scale where a ruler was clicked, else as they were."""
+    if clicked.ruler_px is None:
+        if base is None:
+            raise BadInputError(
+                "the scale is missing: click both ends of a ruler and state its length."
+            )
+        return base
+    if clicked.ruler_mm is None:
+        raise BadInputError("the ruler's length is missing: state it in mm.")
+    made = calibrate_ruler(size, *clicked.ruler_px, clicked.ruler_mm, clamp_px=first.clamp_px)
+    scale = {
+        "px_per_mm": made.optics.px_per_mm,
+        "px_per_mm_sigma": made.optics.px_per_mm_sigma,
+        "method": METHOD,
+        "date": made.optics.date,
+    }
+    if base is None or base.homography is not None:
+        return made.optics.model_copy(update=scale)
+    return base.model_copy(update=scale)
+
+
+def _check_inside(place: StripPlace, size: tuple[int, int]) -> None:
+    for name, point in (("clamp", place.clamp_px), ("direction", place.along_px)):
+        if point is not None and not (0 <= point[0] < size[0] and 0 <= point[1] < size[1]):
+            raise BadInputError(f"the {name} lies outside of the picture; click it again.")
+
+
+def _apart_px(place: StripPlace) -> float:
+    return math.dist(place.clamp_px, place.along_px or place.clamp_px)
+
+
+def known_optics(path: Path, *, common: bool = False) -> Optics | None:
+    """Return the optics that a picture uses, or with `common` those of the folder; None: none."""
+    file = path.with_name(OPTICS_FILE) if common else beside(path, OPTICS_FILE, None)
+    return load_optics(file) if file is not None and file.exists() else None
+
+
+def write_known(path: Path, optics: Optics, clicked: Clicked, *, for_all: bool) -> list[str]:
+    """Write what is known beside a picture, for it or for all; return the files' names.
+
+    A file of the user's is kept under another name.
+    """
+    texts = {OPTICS_FILE: optics.model_copy(update={"note": METHOD}).to_json()}
+    if clicked.lengths_mm:
+        lines = [f"{key} = {value:g}" for key, value in clicked.lengths_mm.items()]
+        texts[SHEET_FILE] = "\n".join([f"# {METHOD}", *lines]) + "\n"
+    written = []
+    for kind, text in texts.items():
+        own = own_file(path, kind)
+        places = [path.with_name(kind)] if for_all else [own]
+        if for_all and own.exists():
+            places.append(own)  # its own file stands above that of all
+        for place in places:
+            _keep_once(place)
+            write_text(place, text)
+            written.append(place.name)
+    return written
+
+
+def _keep_once(path: Path) -> None:
+    """Keep a file that the page did not write, as NAME.DATE.bak."""
+    if not path.exists():
+        return
+    text = path.read_text(encoding="utf-8", errors="replace")
+    if METHOD in text:
+        return
+    day = dt.datetime.now(dt.UTC).strftime("%Y-%m-%d")
+    kept = path.with_name(f"{path.name}.{day}.bak")
+    if not kept.exists():
+        write_text(kept, text)
+
+
+def digest_of(path: Path) -> str:
+    """Return what stands for all that is known of a picture; it changes when that does."""
+    found = hashlib.sha256()
+    for kind in (OPTICS_FILE, SHEET_FILE):
+        file = beside(path, kind, None)
+        found.update(b"\0" if file is None or not file.exists() else file.read_bytes())
+    return found.hexdigest()[:32]

@@ -1,0 +1,59 @@
+"""Find the checks of a curve: one a file of `kinds`, and those of other distributions.
+
+A file adds one by its constant `CHECK`; another distribution by an entry point of the group
+`labrig.curve_checks`.
+"""
+
+from __future__ import annotations
+
+from drivers.plugins import OWN, Part, PluginFolder
+from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
+from labrig.vision.checks.seen_curve import SeenCurve
+
+
+def _faults(part: object) -> list[str]:
+    from labrig.vision.checks.conformance import faults
+
+    return faults(part)
+
+
+FOLDER: PluginFolder[CurveCheck] = PluginFolder(
+    what="curve check",
+    package="labrig.vision.checks.kinds",
+    constant="CHECK",
+    group="labrig.curve_checks",
+    faults=_faults,
+)
+
+
+def curve_checks() -> dict[str, CurveCheck]:
+    """Return all checks of a curve by name, in their order."""
+    return {part.name: part.part for part in _in_order()}
+
+
+def origins() -> dict[str, str]:
+    """Return "distribution version" by name of the curve checks of other distributions."""
+    return FOLDER.origins()
+
+
+def findings(seen: SeenCurve, stage: CheckStage) -> list[CurveFinding]:
+    """Return what the checks of a stage say of a curve, in their order."""
+    said = (_asked(part, seen) for part in _in_order() if part.part.stage == stage)
+    return [finding for finding in said if finding is not None]
+
+
+def _in_order() -> list[Part[CurveCheck]]:
+    return sorted(FOLDER.parts().values(), key=lambda part: part.part.order)
+
+
+def _asked(part: Part[CurveCheck], seen: SeenCurve) -> CurveFinding | None:
+    """Return its finding; what another distribution's check raises is a warning of the curve."""
+    if part.distribution == OWN:
+        return part.part.finding(seen)
+    try:
+        return part.part.finding(seen)
+    except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+        return CurveFinding(
+            warning=f"the curve check '{part.name}' of {part.distribution} {part.version} failed "
+            f"with {type(error).__name__}: {error}; the curve was not checked by it"
+        )

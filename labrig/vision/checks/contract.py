@@ -1,0 +1,64 @@
+"""The contract of a check of a curve: one file, one thing that it looks at, one sentence.
+
+A check is asked about a fitted curve and returns a `CurveFinding`, or None where nothing is wrong.
+The refusal of the check with the lowest order is the one that the user reads. A check must not
+block, keeps no state, and changes none of its arguments.
+"""
+
+# ruff: noqa: ARG002 - the method that a check overrides does nothing with what it is given
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.checks.seen_curve import SeenCurve
+
+FloatArray = npt.NDArray[np.float64]
+
+
+class CheckStage(StrEnum):
+    """When a check is asked."""
+
+    CANDIDATE = "candidate"  # each fitted curve, to choose between them
+    CHOSEN = "chosen"  # the chosen curve, once what lies along and beside it was measured
+    UNCERTAINTY = "uncertainty"  # the same with its whole uncertainty, after all widening
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CurveFinding:
+    """What a check says of one curve."""
+
+    refusal: str = ""  # a sentence; empty: no reason to refuse it
+    warning: str = ""  # a sentence without its full stop; empty: none
+    widening_px: FloatArray | None = None  # (nodes,): added to the uncertainty, in quadrature
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurveCheck:
+    """One kind of fault of a curve.
+
+    `refusal` and `warning` are what it says, with a place for each value: `{beyond_mm:.1f}`.
+    """
+
+    name: str  # also of its file
+    looks_at: str  # a noun phrase
+    refusal: str = ""  # names the step that failed, and what mends it
+    warning: str = ""
+    stage: CheckStage = CheckStage.CANDIDATE
+    order: int  # of the sentences; of several refusals the first is told
+
+    def finding(self, seen: SeenCurve) -> CurveFinding | None:
+        """Return what is wrong with this curve; None: nothing."""
+        return None
+
+    def refuse(self, **values: float | str) -> CurveFinding:
+        """Return its refusal with these values."""
+        return CurveFinding(refusal=self.refusal.format(**values))
+
+    def warn(self, widening_px: FloatArray | None = None, **values: float | str) -> CurveFinding:
+        """Return its warning with these values, and what it adds to the uncertainty."""
+        return CurveFinding(warning=self.warning.format(**values), widening_px=widening_px)

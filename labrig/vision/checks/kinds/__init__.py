@@ -1,0 +1,1 @@
+"""The checks of a curve, one a file."""

@@ -1,0 +1,91 @@
+"""The verdict on a curve: what the checks of a stage say together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.checks.catalogue import findings
+from labrig.vision.checks.contract import CheckStage, CurveFinding
+from labrig.vision.checks.gap_continuity import GapJoin
+from labrig.vision.checks.seen_curve import SeenCurve
+from labrig.vision.checks.sheet_end import SheetEnd
+from labrig.vision.fit.context import FitContext
+from labrig.vision.fit.curve_fit import CurveFit
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StageVerdict:
+    """What the checks of one stage say. `why` is empty when the curve passes."""
+
+    why: str
+    warnings: tuple[str, ...]
+    widening_px: FloatArray  # (nodes,): what they add to the uncertainty, in quadrature
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Verdict(StageVerdict):
+    """The judgement on a candidate, and what it is worth beside others."""
+
+    covered: float
+    residual_px: float
+    worth: float  # to choose between candidates: how much of the image the curve explains
+    join: GapJoin  # the least likely one of what is seen before and beyond hidden stretches
+
+
+def check_curve(
+    fit: CurveFit,
+    context: FitContext,
+    sheet_end: SheetEnd,
+    *,
+    followed: bool = False,
+    beside: bool = True,
+) -> Verdict:
+    """Return the verdict on a candidate.
+
+    `followed`: from the image before, whose end and surroundings were checked. `beside`: check
+    what lies beside the curve.
+    """
+    seen = SeenCurve(
+        fit=fit, context=context, sheet_end=sheet_end, followed=followed, beside_checked=beside
+    )
+    found = judge(seen, CheckStage.CANDIDATE)
+    return Verdict(
+        why=found.why,
+        warnings=found.warnings,
+        widening_px=found.widening_px,
+        covered=seen.covered,
+        residual_px=seen.residual_px,
+        worth=_worth(seen) * (0.3 if found.why else 1.0),
+        join=seen.join,
+    )
+
+
+def judge(seen: SeenCurve, stage: CheckStage) -> StageVerdict:
+    """Return what the checks of a stage say of a curve."""
+    found = findings(seen, stage)
+    return StageVerdict(
+        why=next((each.refusal for each in found if each.refusal), ""),
+        warnings=tuple(each.warning for each in found if each.warning),
+        widening_px=_widening_px(found, len(seen.fit.shape.x)),
+    )
+
+
+def _worth(seen: SeenCurve) -> float:
+    fit = seen.fit
+    if not fit.used.any():
+        return 0.0
+    strength = np.abs(fit.contrast[fit.used]) / seen.context.image.noise
+    return float(np.minimum(strength, 50).sum() / len(fit.used))
+
+
+def _widening_px(found: list[CurveFinding], nodes: int) -> FloatArray:
+    square = np.zeros(nodes)
+    for each in found:
+        if each.widening_px is not None:
+            square += each.widening_px**2
+    return np.asarray(np.sqrt(square))

@@ -1,0 +1,27 @@
+"""The files that an image is measured with: its own, those given, or those of its folder."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+OPTICS_FILE = "optics.json"
+SHEET_FILE = "sheet.toml"
+
+
+def beside(path: Path, kind: str, given: Path | None) -> Path | None:
+    """Return the file of a kind that an image uses; None where there is none."""
+    for candidate in (own_file(path, kind), given, path.with_name(kind)):
+        if candidate is not None and (candidate.exists() or candidate is given):
+            return candidate
+    return None
+
+
+def own_file(path: Path, kind: str) -> Path:
+    """Return where a file of this image alone would be: NAME.optics.json beside NAME.png."""
+    return path.with_name(f"{path.stem}.{kind}")
+
+
+def missing(path: Path, kind: str) -> str:
+    """Return the sentence for an image without such a file."""
+    own = own_file(path, kind).name
+    return f"{path}: there is neither {own} nor {kind} beside it; name one for all images."

@@ -1,0 +1,52 @@
+"""The parts of a curve's uncertainty: what noise leaves, and what no averaging removes."""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.fit.context import FitContext
+from labrig.vision.fit.curve_fit import CurveFit, spread
+
+FloatArray = npt.NDArray[np.float64]
+
+SECTION_SIGMA_PX = 0.004
+SIDE_FACE_SIGMA_RATIO = 0.06  # of what a side face adds beside the edge, when it has been taken off
+
+
+def sigma_m(
+    fit: CurveFit, context: FitContext, covariance: FloatArray, widening_px: FloatArray
+) -> FloatArray:
+    """Return (nodes,) one standard deviation of the distance along the normal.
+
+    `widening_px` (nodes,): what is added in quadrature, because something may pull the curve.
+    """
+    in_image = spread(fit.shape.normal_modes(), covariance) ** 2 + widening_px**2
+    ppm = context.optics.px_per_m
+    return np.asarray(np.sqrt(in_image / ppm**2 + systematic_m(fit, context) ** 2))
+
+
+def systematic_m(fit: CurveFit, context: FitContext) -> FloatArray:
+    """Return (nodes,) the part of sigma that no averaging removes, along the normal.
+
+    Scale, rotation and origin of the calibration, and how well the band's template can be right.
+    """
+    shape, optics = fit.shape, context.optics
+    x, y = shape.x / optics.px_per_m, shape.y / optics.px_per_m
+    sine, cosine = np.sin(shape.phi), np.cos(shape.phi)
+    stretch = (y * cosine - x * sine) * optics.px_per_mm_sigma / optics.px_per_mm
+    turn = (x * cosine + y * sine) * optics.roll_sigma_rad
+    shift = optics.origin_sigma_px / optics.px_per_m
+    side_face = (
+        np.append(fit.section.side_face, fit.section.side_face[-1])
+        * fit.section.side_face_share
+        * SIDE_FACE_SIGMA_RATIO
+    )
+    look = np.hypot(SECTION_SIGMA_PX, side_face) / optics.px_per_m
+    return np.asarray(np.sqrt(stretch**2 + turn**2 + shift**2 + look**2))
+
+
+def resolution_px(fit: CurveFit, covariance: FloatArray) -> float:
+    """Return length per effective degree of freedom of the curvature."""
+    free = float(np.trace(covariance @ fit.normal)) - 2.0  # place and angle at the clamp
+    return fit.shape.basis.free_px / max(free, 1.0)
