@@ -2,6 +2,6 @@
 
 from labrig.analysis.features.features import FEATURES, Feature
 from labrig.analysis.features.models import labrigs_models
-from labrig.analysis.features.probe import Answer, ProbedModel, respond_of
+from labrig.analysis.features.probe import FeatureMark, ProbedModel, respond_of
 
-__all__ = ["FEATURES", "Answer", "Feature", "ProbedModel", "labrigs_models", "respond_of"]
+__all__ = ["FEATURES", "Feature", "FeatureMark", "ProbedModel", "labrigs_models", "respond_of"]

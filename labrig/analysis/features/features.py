@@ -11,7 +11,7 @@ import numpy as np
 from labrig.analysis.features.probe import (
     REST_PER_M,
     SHORT,
-    Answer,
+    FeatureMark,
     Respond,
     answered,
     bends_unevenly,
@@ -38,8 +38,8 @@ class Feature:
 
 def _answer(found: bool | None) -> str:
     if found is None:
-        return Answer.UNKNOWN
-    return Answer.YES if found else Answer.NO
+        return FeatureMark.UNKNOWN
+    return FeatureMark.YES if found else FeatureMark.NO
 
 
 def _bending(respond: Respond) -> str:
@@ -49,7 +49,7 @@ def _bending(respond: Respond) -> str:
         if found.curves_m is not None:
             x, y = found.curves_m
             return _answer(bends_unevenly(x[-1], y[-1]))
-    return Answer.UNKNOWN
+    return FeatureMark.UNKNOWN
 
 
 def _initial_curvature(respond: Respond) -> str:
@@ -60,7 +60,7 @@ def _initial_curvature(respond: Respond) -> str:
         shown = [name for name in flat.keys() & bent.keys() if name != "current"]
         if shown:
             return _answer(any(_differ(flat[name], bent[name]) for name in shown))
-    return Answer.UNKNOWN
+    return FeatureMark.UNKNOWN
 
 
 def _large(respond: Respond) -> str:
@@ -68,7 +68,7 @@ def _large(respond: Respond) -> str:
     run = step(0.0, None, BENT_PER_M)
     found = answered(respond, run)
     if found.curves_m is None:
-        return Answer.UNKNOWN
+        return FeatureMark.UNKNOWN
     x, y = (one[-1] for one in found.curves_m)
     length = float(np.sum(np.hypot(np.diff(x), np.diff(y))))
     kept = abs(length / run.sheet.free_length_m - 1.0) < 0.02
@@ -79,10 +79,10 @@ def _eibm(respond: Respond) -> str:
     """Whether a slow voltage bends parts of the free sheet differently."""
     found = answered(respond, ramp())
     if found.curves_m is None:
-        return Answer.UNKNOWN
+        return FeatureMark.UNKNOWN
     x, y = (one[-1] for one in found.curves_m)
     if not _differ(y, found.curves_m[1][0]):
-        return Answer.NO  # it does not follow a voltage
+        return FeatureMark.NO  # it does not follow a voltage
     return _answer(bends_unevenly(x, y))
 
 
@@ -93,7 +93,7 @@ def _force(respond: Respond) -> str:
 def _position(respond: Respond) -> str:
     forces = [numbers(answered(respond, step(1.0, at))).get("force") for at in (0.0, 0.01)]
     if forces[0] is None or forces[1] is None:
-        return Answer.NO
+        return FeatureMark.NO
     return _answer(_differ(forces[0], forces[1]))
 
 
@@ -105,7 +105,7 @@ def _elongation(respond: Respond) -> str:
         for one in (SHORT, bare)
     )
     if longer is None:
-        return Answer.NO
+        return FeatureMark.NO
     return _answer(shorter is None or _differ(longer, shorter))
 
 
@@ -123,7 +123,7 @@ def _linear(respond: Respond) -> str:
                     twice[name] - none[name], 2.0 * change
                 )
     if not every:
-        return Answer.UNKNOWN
+        return FeatureMark.UNKNOWN
     yes = [where for where, linear in every.items() if linear]
     return f"{yes[0]} only" if len(yes) == 1 < len(every) else _answer(bool(yes))
 
@@ -139,7 +139,7 @@ def _moves(respond: Respond) -> str:
             early, late = (values[:, i] if name == "curve" else values[i] for i in (1, -1))
             if name != "current" and _differ(early, late):
                 return "without inertia"
-    return Answer.NO
+    return FeatureMark.NO
 
 
 def _turns(tip: FloatArray) -> int:

@@ -23,7 +23,7 @@ LONG = SheetGeometry(
 SHORT = replace(LONG, free_length_m=4.5e-3, elongation_m=0.04)
 
 
-class Answer(StrEnum):
+class FeatureMark(StrEnum):
     """Whether a model has a feature."""
 
     YES = "yes"
