@@ -36,12 +36,19 @@ if TYPE_CHECKING:
     from labrig.api.design import map_of_elongation as map_of_elongation
     from labrig.api.diagnose import diagnose as diagnose
     from labrig.api.fit import fit as fit
+    from labrig.api.fit_in_time import FitInTime as FitInTime
+    from labrig.api.fit_in_time import fit_in_time as fit_in_time
+    from labrig.api.next_in_time import NextRuns as NextRuns
+    from labrig.api.next_in_time import next_in_time as next_in_time
+    from labrig.api.next_measurement import NextMeasurement as NextMeasurement
+    from labrig.api.next_measurement import next_measurement as next_measurement
     from labrig.api.run import run as run
     from labrig.api.sheet import sheet as sheet
     from labrig.api.simulate import SimulatedConditions as SimulatedConditions
     from labrig.api.simulate import predict as predict
     from labrig.api.simulate import simulate as simulate
     from labrig.api.simulate import simulate_in_time as simulate_in_time
+    from labrig.api.tables import measurements_of_tables as measurements_of_tables
     from labrig.cli.command import Command as Command
     from labrig.cli.command import CommandExample as CommandExample
     from labrig.errors import BadInputError as BadInputError
@@ -112,6 +119,18 @@ _HOMES = {
     ),
     "labrig.api.diagnose": ("diagnose",),
     "labrig.api.fit": ("fit",),
+    "labrig.api.fit_in_time": (
+        "FitInTime",
+        "fit_in_time",
+    ),
+    "labrig.api.next_in_time": (
+        "NextRuns",
+        "next_in_time",
+    ),
+    "labrig.api.next_measurement": (
+        "NextMeasurement",
+        "next_measurement",
+    ),
     "labrig.api.run": ("run",),
     "labrig.api.sheet": ("sheet",),
     "labrig.api.simulate": (
@@ -120,6 +139,7 @@ _HOMES = {
         "simulate",
         "simulate_in_time",
     ),
+    "labrig.api.tables": ("measurements_of_tables",),
     "labrig.cli.command": (
         "Command",
         "CommandExample",

@@ -36,7 +36,7 @@ def load_model(path: Path | str) -> SheetModel:
         raise BadInputError(f"{path}: {error}.") from None
 
 
-def moving_configuration(model: SheetModel, path: Path, wanted: str | None) -> str:
+def moving_configuration(model: SheetModel, path: Path | str, wanted: str | None) -> str:
     """Return the configuration to follow in time; `wanted` is needed where there are several.
 
     Raises BadInputError, which names the file.

@@ -35,7 +35,8 @@ RUN = """
 from {package} import tuples
 from {package}.inner.caller import whole
 Pair = getattr(tuples, "Pair", None) or tuples.Renamed
-print(whole(1.0, Pair(first=100.0, second=1000.0)), sum(whole.stats.cache_hits.values()))
+found = whole(1.0, Pair(first=100.0, second=1000.0))
+print(found, sum(whole.for_python().stats.cache_hits.values()))
 """
 
 
@@ -99,6 +100,20 @@ def test_a_renamed_class_leaves_no_code_that_cannot_be_loaded(package):
     package.edit("tuples", "class Pair", "class Renamed")
     assert package.run() == (1012.0, False)
     assert package.run() == (1012.0, True)
+
+
+def test_python_and_compiled_functions_call_the_same_function(package):
+    code = (
+        f"from {package.name}.called import part\n"
+        f"from {package.name}.inner.caller import whole\n"
+        f"from {package.name}.tuples import Pair\n"
+        "print(whole(1.0, Pair(100.0, 1000.0)), part(x=1.0))"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(package.root)},
+        cwd=package.root, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert ran.stdout.split() == ["1012.0", "2.0"]
 
 
 def test_packages_that_compile_have_equal_modules():

@@ -61,27 +61,6 @@ def measurements_of(data: Data | Sequence[AnyPath], progress: Progress | None) -
     return together([(path, measured(path, progress or silent, tell)) for path in paths])
 
 
-def measurements_of_tables(
-    sheet: AnyPath | None,
-    forces: AnyPath | None,
-    curves: AnyPath | None,
-    signals: AnyPath | None,
-) -> Measurements:
-    """Return the measurements of CSV tables with a sheet.toml; tell what is remarkable in them."""
-    if sheet is None or (forces is None and curves is None):
-        raise BadInputError(
-            "give a session, or CSV tables with --sheet and --forces, --curves or both."
-        )
-    from labrig.config import load_sheet
-    from labrig.session import read_tables
-
-    tables = [None if path is None else path_of(path) for path in (forces, curves, signals)]
-    found = read_tables(load_sheet(path_of(sheet)), *tables)
-    for text in found.warnings:
-        tell(text)
-    return found
-
-
 def model_of(model: AnyPath | SheetModel) -> SheetModel:
     """Return a model as it is, or that of a file."""
     if isinstance(model, SheetModel):

@@ -5,18 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from labrig.api.data import (
-    AnyPath,
-    Data,
-    Progress,
-    measurements_of,
-    measurements_of_tables,
-    model_of,
-    paths_of,
-    several,
-    silent,
-    tell,
-)
+from labrig.api.data import AnyPath, Data, Progress, model_of, paths_of, several, silent, tell
+from labrig.api.tables import GivenTables, Names, data_of
 from labrig.errors import BadInputError, LabrigError
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.measurements import Measurements
@@ -31,6 +21,8 @@ def diagnose(
     forces: AnyPath | None = None,
     curves: AnyPath | None = None,
     signals: AnyPath | None = None,
+    columns: Names = (),
+    values: Names = (),
     model: AnyPath | SheetModel | None = None,
     hold_out: str | Sequence[str] = (),
     symmetric: bool = False,
@@ -49,6 +41,8 @@ def diagnose(
         forces: forces.csv.
         curves: curves.csv.
         signals: signals.csv.
+        columns: which column of the tables is which of labrig's, such as {"force_mN": "F"}.
+        values: what no column says, such as {"configuration": "long"}.
         model: a model (or its file) whose effects are known.
         hold_out: positions to leave out, such as "position=25" (mm).
         symmetric: one |EIBM| for both polarities; asymmetry is then a finding.
@@ -72,7 +66,10 @@ def diagnose(
 
     """
     _require_effects(without)
-    measurements = data_of(sessions, (sheet, forces, curves, signals), progress)
+    tables = GivenTables(
+        sheet=sheet, forces=forces, curves=curves, signals=signals, columns=columns, values=values
+    )
+    measurements = data_of(sessions, tables, progress)
     paths = [] if sessions is None else paths_of(sessions)
     if options is None:
         options = options_for(
@@ -127,20 +124,6 @@ def _require_effects(names: str | Sequence[str]) -> None:
 
     for name in several(names):
         effect(name)
-
-
-def data_of(
-    sessions: Data | Sequence[AnyPath] | None,
-    tables: tuple[AnyPath | None, AnyPath | None, AnyPath | None, AnyPath | None],
-    progress: Progress | None,
-) -> Measurements:
-    """Return the measurements of sessions, or of sheet.toml, forces, curves and signals."""
-    given = sessions is not None and (isinstance(sessions, Measurements) or paths_of(sessions))
-    if given and any(path is not None for path in tables):
-        raise BadInputError("give either a session or CSV tables, not both.")
-    if sessions is not None and given:
-        return measurements_of(sessions, progress)
-    return measurements_of_tables(*tables)
 
 
 def diagnosed(

@@ -37,28 +37,15 @@ def of_sessions_or_tables(
 
     Says how a table was understood that is not written as labrig writes it.
     """
-    tables = any(path is not None for path in (sheet, forces, curves, signals))
-    if sessions and (tables or columns or values):
-        raise BadInputError("give either a session or CSV tables, not both.")
-    if sessions:
-        return of_sessions(sessions)
-    if sheet is None or (forces is None and curves is None):
-        raise BadInputError(
-            "give a session, or CSV tables with --sheet and --forces, --curves or both."
-        )
-    from labrig.config import load_sheet
-    from labrig.session.tables import column_names, read_and_understood
-    from labrig.session.tables.preview import in_one_line, remarks
+    from labrig.api.tables import GivenTables, data_of
 
-    names = column_names(columns, values)
-    found = read_and_understood(load_sheet(sheet), forces, curves, signals, names=names)
-    for table in found.tables:
-        for text in (in_one_line(table), *remarks(table)):
-            if text:
-                warn(text)
-    for text in found.measurements.warnings:
-        warn(text)
-    return found.measurements
+    tables = GivenTables(
+        sheet=sheet, forces=forces, curves=curves, signals=signals,
+        columns=columns or (), values=values or (),
+    )  # fmt: skip
+    if sessions and not tables:
+        return of_sessions(sessions)
+    return data_of(sessions, tables, None)
 
 
 def check_stiffness(stated_Nm2: float | None) -> None:

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.cli.dynamic_fit import DynamicRequest, fitted_in_time
-from labrig.cli.screen import print_table, say
+from labrig.cli.screen import print_table, progress, say
 
 if TYPE_CHECKING:
     from labrig.analysis.motion.dynamic_fit import DynamicFit
@@ -59,14 +58,15 @@ def write_moving_rig(folder: Path) -> tuple[Path, Path, Path]:
 
 def fit_and_draw(session: Path, folder: Path) -> None:
     """Identify the sheet, print it beside the world's own, and draw a pulse with its model."""
-    from labrig.analysis.motion.dynamic_fit import model_of
+    from labrig.api.fit_in_time import fit_in_time
     from labrig.experiment.rig.stand_ins import true_moving_sheet
     from labrig.model_file import save_model
     from labrig.report.figures.motion import compared, motion_figure
     from labrig.report.parts.style import DEFAULT_FORMATS, save_all
 
-    request = DynamicRequest(sessions=[session], configurations=[CONFIGURATION], positions_mm=[])
-    (fit,) = fitted_in_time(request)
+    with progress("read the motion") as advance:
+        found = fit_in_time(session, configuration=CONFIGURATION, progress=advance)
+    fit = found.configurations[CONFIGURATION]
     truth = true_moving_sheet(folder / WORLD, CONFIGURATION)
     columns = ["parameter", "unit", "fitted", "90 % interval", "in the world"]
     print_table("The long sheet in time", columns, parameter_rows(fit, truth))
@@ -78,7 +78,7 @@ def fit_and_draw(session: Path, folder: Path) -> None:
     columns = ["run", "force mN", "current mA", "tip mm"]
     title = "Measured less simulated, root mean square, of single samples and frames"
     print_table(title, columns, [_errors(held), _errors(free)])
-    save_model(model_of([fit], ""), folder / "model.toml")
+    save_model(found.model, folder / "model.toml")
     say(f"wrote {folder / 'model.toml'}")
     for path in save_all(motion_figure(held, free), folder, "motion", DEFAULT_FORMATS):
         say(f"wrote {path}")

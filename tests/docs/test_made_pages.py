@@ -71,3 +71,59 @@ def test_every_key_of_a_configuration_file_is_on_its_page(file):
     assert keys
     shown = ("`{}`", "{}]", "[{}.")
     assert [key for key in keys if not any(form.format(key) in page for form in shown)] == []
+
+
+# -- features of models, the paper's tables 1 and 2
+
+
+def features_of(model):
+    from labrig.analysis.features import FEATURES
+
+    return dict(
+        zip([one.name for one in FEATURES], made("model_features").marks(model), strict=True)
+    )
+
+
+@pytest.mark.slow
+def test_a_model_has_the_features_that_its_predictions_show():
+    from labrig.analysis.features import ProbedModel, respond_of
+    from model.dynamics.models import models
+
+    lee, gonzalez, pugal = (
+        features_of(ProbedModel("", respond_of(models()[name])))
+        for name in ("lee", "gonzalez", "pugal")
+    )
+    assert lee["linearity"] == "yes"
+    assert lee["large deformations"] == "no"
+    assert lee["dynamic behaviour"] == "without inertia"
+    assert gonzalez["dynamic behaviour"] == "no"
+    assert gonzalez["large deformations"] == "yes"
+    assert pugal["non-uniform EIBM"] == "yes"
+    assert pugal["force output"] == "no"
+    assert pugal["linearity"] != "yes"
+
+
+@pytest.mark.slow
+def test_the_papers_model_has_all_but_linearity_and_motion():
+    from labrig.analysis.features import labrigs_models
+
+    found = features_of(labrigs_models()["at rest"])
+    without = [name for name, answer in found.items() if answer == "no"]
+    assert without == ["linearity", "dynamic behaviour"]
+
+
+def test_a_model_that_ignores_its_contact_has_neither_position_nor_elongation():
+    from labrig.analysis.features import ProbedModel
+    from model.dynamics.models import Response
+
+    def blocked(run):
+        return Response(force_N=1e-3 * run.drive_V)
+
+    found = features_of(ProbedModel("", blocked))
+    assert found["force output"] == "yes"
+    assert found["varying load position"] == "no"
+    assert found["elongation"] == "no"
+    assert found["initial curvature"] == "no"
+    assert found["large deformations"] == "-"
+    assert found["linearity"] == "yes"
+    assert found["dynamic behaviour"] == "no"

@@ -7,10 +7,11 @@ import json
 import numpy as np
 import pytest
 
+import labrig
 from labrig.analysis.comparison import compare_fitted
 from labrig.analysis.motion.beginning import StatedValues, beginning
-from labrig.cli import dynamic_fit
-from labrig.cli.dynamic_fit import DynamicRequest, fitted_in_time, spread
+from labrig.api import fit_in_time as fitting
+from labrig.api.motion_data import fits_of, request_of, spread
 from labrig.cli.main import run
 from labrig.errors import BadInputError
 from labrig.model_file import load_model
@@ -38,20 +39,20 @@ def path(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def fits(path):
-    return fitted_in_time(DynamicRequest(sessions=[path], configurations=[], positions_mm=[]))
+    return fits_of(request_of(path, (), (), "air", None), None)
 
 
 @pytest.fixture
 def fitted(monkeypatch, fits):
     """The commands' own search, done once."""
-    monkeypatch.setattr(dynamic_fit, "fitted_in_time", lambda _request: fits)
+    monkeypatch.setattr(fitting, "fits_of", lambda _request, _progress: fits)
 
 
 @pytest.fixture(scope="module")
 def model(fits, path, tmp_path_factory):
     file = tmp_path_factory.mktemp("model") / "model.toml"
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(dynamic_fit, "fitted_in_time", lambda _request: fits)
+        patch.setattr(fitting, "fits_of", lambda _request, _progress: fits)
         assert run(["fit", str(path), "--dynamic", "-o", str(file)]) == 0
     return file
 
@@ -119,6 +120,28 @@ def test_the_model_file_is_what_the_commands_in_time_read(model, capsys):
     assert run(["simulate", str(model), *at_2_V]) == 0
     force_N = json.loads(capsys.readouterr().out)[0]["F_N"]
     assert 1e-3 < force_N < 4e-3
+
+
+def test_the_same_in_python_fits_a_screen_and_a_data_frame(fitted, fits, path, tmp_path):
+    found = labrig.fit_in_time(str(path))
+    assert len(repr(found).splitlines()) <= 24
+    assert "relaxed bending stiffness B" in repr(found)
+    frame = found.to_dataframe()
+    B = frame[frame.parameter == "B"].iloc[0]
+    assert B.value == fits[0].found["B"].parameter.value
+    assert B.low90 < B.value < B.high90
+    labrig.save_model(found.model, tmp_path / "dynamic.toml")
+    assert load_model(tmp_path / "dynamic.toml").moving("long", 0.005)
+    offered = labrig.next_in_time([path], model=found.model)
+    assert len(repr(offered).splitlines()) <= 24
+    assert "release" in repr(offered)
+    rows = offered.to_dataframe()
+    assert set(rows.run) == {"now", "release", "chirp", "load-cell step", "position 15 mm"}
+
+
+def test_an_unknown_fluid_is_one_sentence(path):
+    with pytest.raises(BadInputError, match="--fluid oil: unknown; choose air, water, vacuum"):
+        labrig.fit_in_time(path, fluid="oil")
 
 
 def test_a_stated_file_is_not_overwritten(model, path, capsys):

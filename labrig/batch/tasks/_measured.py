@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from labrig.batch.contract import BatchInput, InputKind, Measure
+from labrig.batch.contract import BatchInput, InputKind, Measure, option
 
 if TYPE_CHECKING:
     from model import Measurements, SheetModel
@@ -15,16 +16,34 @@ MEASURES = (
 )
 
 
-def measurements_of(source: BatchInput) -> Measurements:
-    """Return what was measured; a session that is not analysed yet is analysed, and keeps it."""
+def columns_option() -> Any:
+    """Return the option that says which column of a table is which of labrig's."""
+    text = "the name of a column in the tables, such as force_mN=F; repeatable"
+    return option(text, default=(), metavar="OURS=THEIRS")
+
+
+def values_option() -> Any:
+    """Return the option that says what no column says."""
+    text = "a column that is the same in all lines, such as configuration=long; repeatable"
+    return option(text, default=(), metavar="OURS=VALUE", flag="--value")
+
+
+def measurements_of(
+    source: BatchInput, columns: Sequence[str] = (), values: Sequence[str] = ()
+) -> Measurements:
+    """Return what was measured; a session that is not analysed yet is analysed, and keeps it.
+
+    `columns` and `values` say what names in tables mean.
+    """
     if source.kind is InputKind.TABLES:
         from labrig.config import load_sheet
-        from labrig.session import read_tables
+        from labrig.session import column_names, read_tables
 
         tables = source.tables
         return read_tables(
-            load_sheet(source.path), tables["forces"], tables["curves"], tables["signals"]
-        )
+            load_sheet(source.path), tables["forces"], tables["curves"], tables["signals"],
+            names=column_names(columns, values),
+        )  # fmt: skip
     from labrig.report.data.findings import measured
 
     return measured(source.path, _quiet, _quiet, processes=1)

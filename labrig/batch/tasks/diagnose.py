@@ -11,8 +11,10 @@ from labrig.batch.tasks._measured import (
     MEASURES,
     columns_about,
     columns_of,
+    columns_option,
     diagnose_something,
     measurements_of,
+    values_option,
 )
 
 if TYPE_CHECKING:
@@ -46,11 +48,15 @@ class DiagnoseEach(BatchTask):
     stiffness_Nm2: float | None = option(
         "B of sheets that no force was measured of", default=None, flag="--stiffness-Nm2"
     )
+    columns: tuple[str, ...] = columns_option()
+    values: tuple[str, ...] = values_option()
 
     def check(self) -> None:
         """See `BatchTask.check`."""
+        from labrig.session import column_names
         from model.effects import effect
 
+        column_names(self.columns, self.values)
         for name in self.without:
             effect(name)
         if self.model is not None:
@@ -78,7 +84,7 @@ class DiagnoseEach(BatchTask):
         from model.discrepancy import DiagnoseOptions, diagnose
 
         del folder
-        measurements = measurements_of(item.source)
+        measurements = measurements_of(item.source, self.columns, self.values)
         require_driven(measurements)
         known = None if self.model is None else load_model(self.model)
         options = DiagnoseOptions(

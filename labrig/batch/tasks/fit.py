@@ -10,8 +10,10 @@ from labrig.batch.tasks._measured import (
     MEASURES,
     columns_about,
     columns_of,
+    columns_option,
     fit_something,
     measurements_of,
+    values_option,
 )
 
 
@@ -36,6 +38,14 @@ class FitEach(BatchTask):
     stiffness_Nm2: float | None = option(
         "B of sheets that no force was measured of", default=None, flag="--stiffness-Nm2"
     )
+    columns: tuple[str, ...] = columns_option()
+    values: tuple[str, ...] = values_option()
+
+    def check(self) -> None:
+        """See `BatchTask.check`."""
+        from labrig.session import column_names
+
+        column_names(self.columns, self.values)
 
     def warm_up(self) -> None:
         """See `BatchTask.warm_up`."""
@@ -55,7 +65,7 @@ class FitEach(BatchTask):
             weight_exponent=self.q,
             stiffness_Nm2=self.stiffness_Nm2,
         )
-        fitted = fit_what_can_be(measurements_of(item.source), options)
+        fitted = fit_what_can_be(measurements_of(item.source, self.columns, self.values), options)
         if fitted.fit is None:
             why = "; ".join(dict.fromkeys(fitted.missing.values())) or "nothing was measured"
             raise BadInputError(f"{item.source.path}: no configuration can be fitted: {why}.")

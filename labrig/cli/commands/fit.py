@@ -15,7 +15,7 @@ from labrig.cli.dynamic_fit import (
     DynamicRequest,
     ElongationMass,
     SheetFluid,
-    fit_in_time,
+    print_fit_in_time,
     refuse_others,
     refuse_without_dynamic,
 )
@@ -156,7 +156,7 @@ def fit(
             "--bootstrap": bootstrap, "--q": q != 1.0, "--stiffness-Nm2": stiffness_Nm2,
         }  # fmt: skip
         refuse_others("fit", tables | at_rest)
-        fit_in_time(in_time, output, as_json=as_json)
+        print_fit_in_time(in_time, output, as_json=as_json)
         return
     refuse_without_dynamic(in_time)
     check_stiffness(stiffness_Nm2)

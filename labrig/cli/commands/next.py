@@ -8,15 +8,15 @@ from typing import Annotated
 import typer
 
 from labrig.cli.command import Command, CommandExample
-from labrig.cli.diagnosis import diagnosed, known_model
+from labrig.cli.diagnosis import known_model
 from labrig.cli.dynamic_fit import (
     DynamicFluid,
     DynamicRequest,
     ElongationMass,
     SheetFluid,
+    print_next_in_time,
     refuse_others,
 )
-from labrig.cli.dynamic_next import next_in_time
 from labrig.cli.measurements import of_sessions_or_tables
 from labrig.cli.options import (
     Columns,
@@ -30,7 +30,7 @@ from labrig.cli.options import (
     Symmetric,
     Values,
 )
-from labrig.cli.screen import print_json, say, warn
+from labrig.cli.screen import print_json, progress, say
 from labrig.errors import BadInputError
 from labrig.files import check_free, write_text
 
@@ -75,14 +75,11 @@ def next_measurement(
     With --dynamic, which further run would determine what of the sheet in time: a table of the 90 %
     intervals now and expected. It fits the session as labrig fit --dynamic does, or takes --model.
     """
-    from labrig.experiment.next_measurement.next_protocol import protocol_text
-    from labrig.experiment.next_measurement.proposal import proposal
-    from labrig.report.data.kept_diagnosis import kept_diagnosis
+    from labrig.api.next_measurement import proposed, require_two
     from labrig.report.diagnosis.tables import next_sentence
     from model.discrepancy import DiagnoseOptions
 
-    if between is not None and between[0] == between[1]:
-        raise BadInputError(f"--between names {between[0]} twice; name two different effects.")
+    require_two(between)
     if output is not None:
         check_free(output, force=force)
     if dynamic:
@@ -97,38 +94,23 @@ def next_measurement(
             sessions=sessions, configurations=[], positions_mm=[], fluid=fluid.value,
             elongation_g_per_m=elongation_g_per_m,
         )  # fmt: skip
-        next_in_time(request, model, as_json=as_json)
+        print_next_in_time(request, model, as_json=as_json)
         return
     measurements = of_sessions_or_tables(
         sessions, sheet, forces, curves, signals, columns=columns, values=values
     )
     options = DiagnoseOptions(symmetric=symmetric, model=known_model(model))
-    diagnosis = None
-    if sessions and (between is None or (model is None and not symmetric)):
-        diagnosis = kept_diagnosis(sessions[0])
-        if diagnosis is None and between is None:
-            warn(f"{sessions[0]} holds no diagnosis yet, so it is diagnosed first")
-            from labrig.api.diagnose import keep_in
-
-            diagnosis = diagnosed(measurements, options)
-            keep_in(sessions[0], diagnosis)
-    found = proposal(measurements, diagnosis, between, options)
-    text = protocol_text(found, measurements, sessions[0] if sessions else None)
+    with progress("diagnose") as advance:
+        found = proposed(measurements, sessions or [], between, options, advance)
     if output is not None:
-        write_text(output, text)
+        write_text(output, found.protocol)
     if as_json:
-        from labrig.config.base import parse_toml
-
-        print_json({
-            "why": found.why, "extra": found.extra, "separation_now": found.separation,
-            "separation_expected": found.expected, "minutes": found.minutes,
-            "protocol": parse_toml(text, "protocol.toml"),
-        })  # fmt: skip
+        print_json(found.to_json())
         return
-    say(next_sentence(found))
+    say(next_sentence(found.proposal))
     if output is None:
         say()
-        say(text)
+        say(found.protocol)
     else:
         say(f"wrote {output}")
 

@@ -13,9 +13,11 @@ from pathlib import Path
 import pytest
 
 from labrig.batch.conformance import faults
-from labrig.batch.contract import BatchTask
+from labrig.batch.contract import BatchInput, BatchItem, BatchTask, InputKind
+from labrig.batch.tasks.fit import FitEach
 from labrig.cli.main import run
 from labrig.config import load_sheet
+from labrig.errors import BadInputError
 from labrig.model_file import save_model
 from labrig.session import read_tables
 from labrig.session.tables.write import write_tables
@@ -110,6 +112,8 @@ def test_the_same_command_goes_on_and_a_dry_run_does_nothing(data, capsys):
         (["design", "DATA", "--section", "wide"], "--section 'wide'"),
         (["diagnose", "DATA", "--without", "magic"], "magic"),
         (["analyze", "DATA", "--extractor", "magic"], "magic"),
+        (["fit", "DATA", "--columns", "strength=F"], "'strength' is no column of labrig's"),
+        (["diagnose", "DATA", "--value", "configuration"], "write labrig's column, '='"),
         (["verify", "DATA", "-o", "DATA/notes.txt"], "a folder is needed"),
         (["verify", "DATA", "--scheduler", "tcp://h:1", "--workers", "2"], "give either"),
         (["verify"], "is missing"),
@@ -141,6 +145,18 @@ def test_tables_are_fitted_as_one_by_one(cases, monkeypatch, capsys):
         assert kept == json.loads(json.dumps(alone.to_json()))
     assert run(["batch", "fit", "CASES", "-o", "out"]) == 0  # a folder: the same two
     assert "2 in all, 0 to do" in capsys.readouterr().out
+
+
+def test_tables_with_other_names_of_columns_are_read(cases, tmp_path):
+    case = shutil.copytree(cases / "CASES" / "case1", tmp_path / "case")
+    ours = (case / "forces.csv").read_text()
+    (case / "forces.csv").write_text(ours.replace("force_mN", "F", 1))
+    item = BatchItem(source=BatchInput(InputKind.TABLES, case / "sheet.toml", "case"))
+    with pytest.raises(BadInputError, match="force_mN"):
+        FitEach().work(item, tmp_path)
+    renamed = FitEach(columns=("force_mN=F",)).work(item, tmp_path)
+    (case / "forces.csv").write_text(ours)
+    assert renamed.whole == FitEach().work(item, tmp_path).whole
 
 
 def test_a_diagnosis_in_a_batch_is_the_one_made_alone(cases, monkeypatch):

@@ -12,13 +12,16 @@ import pytest
 
 import labrig
 from labrig.cli.main import run
+from labrig.config import load_protocol
 from labrig.errors import BadInputError
+from labrig.session.tables.examples import write_examples
 from model import ModelError, SheetModel
 from model.sheet.misfit import CURVE, FORCE, FORCE_SIZE
 from tests.labrig.report_data import STIFFNESS, measure, session, truth
 
 FUNCTIONS = (
-    "compare", "design", "diagnose", "fit", "map_of_elongation", "predict", "run", "sheet",
+    "compare", "design", "diagnose", "fit", "fit_in_time", "map_of_elongation",
+    "measurements_of_tables", "next_in_time", "next_measurement", "predict", "run", "sheet",
     "simulate", "simulate_in_time",
 )  # fmt: skip
 MODULES = ("design", "sheet", "simulate")  # the others need a session
@@ -119,6 +122,57 @@ def test_wrong_arguments_of_fit_are_one_sentence(session_file):
         labrig.fit(session_file, configuration="wide")
     with pytest.raises(BadInputError, match="several sessions"):
         labrig.fit(session_file, apart=True)
+
+
+# -- tables of other programs
+
+
+NAMES = {"position_mm": "p", "voltage_V": "U", "force_mN": "F", "sd_mN": "std", "mean_of": "n"}
+
+
+def test_tables_with_other_names_are_read_as_the_command_reads_them(tmp_path):
+    write_examples(tmp_path)
+    files = (tmp_path / "sheet.toml", tmp_path / "labview.txt")
+    with pytest.warns(labrig.LabrigWarning) as told:
+        found = labrig.measurements_of_tables(
+            *files, columns=NAMES, values={"configuration": "long"}
+        )
+    assert "F (N) is force_mN" in " ".join(str(one.message) for one in told)
+    assert len(found.conditions) == 12
+    texts = [f"{ours}={theirs}" for ours, theirs in NAMES.items()]
+    with pytest.warns(labrig.LabrigWarning):
+        same = labrig.measurements_of_tables(*files, columns=texts, values="configuration=long")
+    assert [c.readings[0].force_N for c in same.conditions] == [
+        c.readings[0].force_N for c in found.conditions
+    ]
+
+
+def test_wrong_names_of_columns_are_one_sentence(tmp_path):
+    write_examples(tmp_path)
+    with pytest.raises(BadInputError, match="'strength' is no column of labrig's"):
+        labrig.measurements_of_tables(
+            tmp_path / "sheet.toml", tmp_path / "labview.txt", columns={"strength": "F"}
+        )
+    with pytest.raises(BadInputError, match="either a session or CSV tables"):
+        labrig.diagnose("session.h5", columns={"force_mN": "F"})
+
+
+# -- the next measurement
+
+
+def test_the_next_measurement_is_what_the_command_prints(session_file, folder, capsys):
+    between = ("gravity", "clamp_angle")
+    found = labrig.next_measurement(session_file, between=between)
+    printed = printed_json(capsys, "next", session_file, "--between", *between)
+    assert found.to_json() == printed
+    assert len(repr(found).splitlines()) <= 24
+    assert "Separation of the candidates" in " ".join(repr(found).split())
+    found.save(folder / "next.toml")
+    assert load_protocol(folder / "next.toml")
+    with pytest.raises(labrig.LabrigError, match="is already there"):
+        found.save(folder / "next.toml")
+    with pytest.raises(BadInputError, match="name two different effects"):
+        labrig.next_measurement(session_file, between=("gravity", "gravity"))
 
 
 # -- a sheet from plain numbers

@@ -1,0 +1,131 @@
+"""What `fit_in_time` and `next_in_time` have in common: the motion recorded in sessions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from labrig.analysis.analyze import shunt_ohm
+from labrig.analysis.motion.beginning import StatedValues
+from labrig.analysis.motion.dynamic_fit import DynamicFit, dynamic_fit
+from labrig.analysis.motion.record import MotionRecord, motion_record, moving_configurations
+from labrig.api.data import AnyPath, Progress, paths_of, several, silent, tell
+from labrig.errors import BadInputError
+from labrig.session import RecordedSession, open_session
+
+MOST_POSITIONS: Final = 3  # in contact, unless they are named: each adds seconds
+FLUIDS: Final = ("air", "water", "vacuum")
+GRAM: Final = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionRequest:
+    """What the user states of the sheet in time."""
+
+    sessions: tuple[Path, ...]
+    configurations: tuple[str, ...] = ()  # none: all that moved
+    positions_mm: tuple[float, ...] = ()  # none: `MOST_POSITIONS` of those measured
+    fluid: str = "air"
+    elongation_g_per_m: float | None = None
+
+
+def request_of(
+    sessions: AnyPath | Sequence[AnyPath],
+    configuration: str | Sequence[str],
+    position_mm: float | Sequence[float],
+    fluid: str,
+    elongation_g_per_m: float | None,
+) -> MotionRequest:
+    """Return what is asked for. Raises BadInputError of one sentence."""
+    paths = paths_of(sessions)
+    if not paths:
+        raise BadInputError("--dynamic: give a session.")
+    end = elongation_g_per_m
+    if end is not None and not 0.0 < end < math.inf:
+        raise BadInputError(f"--elongation-g-per-m {end:g}: a positive number is needed.")
+    if fluid not in FLUIDS:
+        raise BadInputError(f"--fluid {fluid}: unknown; choose {', '.join(FLUIDS)}.")
+    return MotionRequest(
+        sessions=tuple(paths), configurations=tuple(several(configuration)),
+        positions_mm=tuple(several(position_mm)), fluid=fluid, elongation_g_per_m=end,
+    )  # fmt: skip
+
+
+def fits_of(request: MotionRequest, progress: Progress | None) -> list[DynamicFit]:
+    """Read the sessions and fit each configuration that moved in them."""
+    with open_session(request.sessions[0]) as session:
+        found = request.configurations or tuple(moving_configurations(session))
+        source_ohm = shunt_ohm(session) or 1.0
+    end = request.elongation_g_per_m
+    stated = StatedValues(
+        fluid=request.fluid, source_ohm=source_ohm,
+        elongation_kg_per_m=None if end is None else GRAM * end,
+    )  # fmt: skip
+    fits = []
+    names: Sequence[str | None] = found or (None,)
+    for name in names:
+        records = records_of(request, name, progress)
+        for text in dict.fromkeys(text for one in records for text in one.missing):
+            tell(text)
+        fits.append(dynamic_fit(records, stated))
+    return fits
+
+
+def records_of(
+    request: MotionRequest, name: str | None, progress: Progress | None
+) -> list[MotionRecord]:
+    """Read one configuration of all sessions."""
+    found = []
+    for path in request.sessions:
+        with open_session(path) as session:
+            found.append(
+                motion_record(
+                    session, name, positions_m=_positions_m(request, session, name),
+                    progress=progress or silent,
+                )
+            )  # fmt: skip
+    return found
+
+
+def _positions_m(request: MotionRequest, session: RecordedSession, name: str | None) -> list[float]:
+    """Return the positions that are fitted: those asked for, or some of all."""
+    there = _measured_positions_m(session, name)
+    for wanted_mm in request.positions_mm:
+        if not any(abs(1e-3 * wanted_mm - at_m) < 1e-6 for at_m in there):
+            known = ", ".join(f"{1e3 * at_m:g}" for at_m in there) or "none"
+            raise BadInputError(
+                f"--position-mm {wanted_mm:g}: {session.path} was measured at {known} mm."
+            )
+    if request.positions_mm:
+        return [1e-3 * wanted_mm for wanted_mm in request.positions_mm]
+    chosen = spread(there, MOST_POSITIONS)
+    if len(chosen) < len(there):
+        at = ", ".join(f"{1e3 * at_m:g}" for at_m in chosen)
+        tell(f"of {len(there)} positions those at {at} mm are used; more with --position-mm.")
+    return chosen
+
+
+def _measured_positions_m(session: RecordedSession, name: str | None) -> list[float]:
+    return sorted({
+        run.planned.position_m
+        for run in session.runs
+        if run.planned.measures and run.completed and run.planned.position_m is not None
+        and name in (None, run.planned.configuration)
+    })  # fmt: skip
+
+
+def spread(values: Sequence[float], most: int) -> list[float]:
+    """Return at most so many of sorted values, the first, the last and some evenly between."""
+    if len(values) <= most:
+        return list(values)
+    return [values[round(k * (len(values) - 1) / (most - 1))] for k in range(most)]
+
+
+def checksum_of(request: MotionRequest) -> str:
+    """Return the checksum of the first session's data, for the model file."""
+    with open_session(request.sessions[0]) as session:
+        checksum: Any = session.data_checksum
+    return str(checksum)
