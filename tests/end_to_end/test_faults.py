@@ -157,6 +157,7 @@ def test_faults_of_a_world_are_read_as_strictly_as_the_rest(rig: FaultyRig) -> N
 
 def test_every_fault_that_a_world_can_have_is_tried_and_described() -> None:
     known = set(get_args(FaultKind))
-    assert {case.what for case in CASES} == known
+    timed = {"output_underflow"}  # in test_timed_output.py
+    assert {case.what for case in CASES} | timed == known
     text = (Path(__file__).parents[2] / "docs" / "howto" / "world.md").read_text(encoding="utf-8")
     assert [what for what in sorted(known) if f"`{what}`" not in text] == []

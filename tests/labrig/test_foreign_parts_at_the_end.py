@@ -48,7 +48,12 @@ def rig_of(**devices: object) -> Rig:
     limits = SimpleNamespace(safe_below_V=0.05)
     config = SimpleNamespace(limits=limits)
     rig = SimpleNamespace(
-        **every, camera=None, clock=VirtualClock(), config=config, read_back=every["signals"]
+        **every,
+        camera=None,
+        trigger=None,
+        clock=VirtualClock(),
+        config=config,
+        read_back=every["signals"],
     )
     return cast("Rig", rig)
 

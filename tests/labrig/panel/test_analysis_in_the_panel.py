@@ -133,6 +133,7 @@ def test_an_output_that_is_not_there_is_a_sentence(page, server, folder):
     assert server.ask("GET", f"{ask}h5")[0] == 400
 
 
+@pytest.mark.thorough
 def test_the_fit_grows_with_each_position_of_a_run_and_ends_as_the_analysis_does(
     folder, page, server
 ):

@@ -54,7 +54,7 @@ def drawn(x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
     points = OPTICS.world_to_pixel(np.column_stack([x_m, y_m]))
     shift = 6
     fixed = np.round(points * 2**shift).astype(np.int32).reshape(-1, 1, 2)
-    cv2.polylines(picture, [fixed], False, 200, 3, cv2.LINE_AA, shift)
+    cv2.polylines(picture, [fixed], False, 200, 1, cv2.LINE_AA, shift)
     noise = np.random.default_rng(1).normal(0, 2, picture.shape)
     return np.clip(cv2.GaussianBlur(picture, (0, 0), 0.8) + noise, 0, 255).astype(np.uint8)
 

@@ -24,7 +24,7 @@ class Always(CurveCheck):
         """See `CurveCheck.finding`."""
         if self.name == "broken":
             raise KeyError("no such thing")
-        wide = np.full(len(seen.fit.shape.x), 2.0)
+        wide = np.full(len(seen.fit.shape.x), 1.0)
         return CurveFinding(refusal=self.refusal, warning=self.warning, widening_px=wide)
 
 
@@ -95,7 +95,7 @@ def test_a_check_of_another_distribution_warns_and_widens(plain, known, with_che
     assert curve.warnings == (*without.warnings, "it is Tuesday")
     optics = known(plain)[0]
     added = np.sqrt(curve.sigma_m**2 - without.sigma_m**2) * optics.px_per_m
-    assert added == pytest.approx(2.0, rel=1e-6)
+    assert added == pytest.approx(1.0, rel=1e-6)
 
 
 @pytest.mark.slow

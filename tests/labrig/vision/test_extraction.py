@@ -132,13 +132,13 @@ def test_a_thickness_that_nobody_stated_is_taken_from_the_image(scenes, known, t
         scene.image, optics, StripGeometry(free_length_m=0.05, thickness_known=False)
     )
     assert curve.ok
-    assert curve.warnings == ()
+    assert [one for one in curve.warnings if "not stated: thickness" not in one] == []
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.05
     assert curve.thickness_m == pytest.approx(thickness_mm / 1000, abs=0.12e-3)
     again = neutral_curve(
         scene.image, optics, StripGeometry(free_length_m=0.05, thickness_known=False), start=curve
     )
-    assert again.thickness_m == pytest.approx(curve.thickness_m)
+    assert again.thickness_m == pytest.approx(curve.thickness_m, rel=2e-3)  # measured again
 
 
 @pytest.mark.slow

@@ -32,7 +32,7 @@ def knotted():
 
 
 @pytest.mark.slow
-def test_the_credible_band_holds_the_middle_of_a_strip_where_it_is_too_thick_to_be_used(knotted):
+def test_the_band_holds_the_middle_of_a_strip_where_a_knot_makes_one_side_thicker(knotted):
     image, upper, lower = knotted
     optics = {"px_per_mm": PX_PER_MM, "clamp_px": [60.0, 150.0]}
     strip = StripGeometry(
@@ -42,14 +42,13 @@ def test_the_credible_band_holds_the_middle_of_a_strip_where_it_is_too_thick_to_
     assert curve.ok, curve.why
     u, v = curve.points_px.T
     knot = (u > 350) & (u < 450)
-    assert not curve.seen[knot].any()
+    assert curve.seen[knot].mean() < 0.05
     middle = np.interp(u, np.arange(len(upper)), (upper + lower) / 2)
     sigma_px = curve.sigma_m * PX_PER_MM * 1000
-    assert np.abs(middle - v)[knot].max() > 5
     assert (np.abs(middle - v) < 1.96 * sigma_px)[knot].mean() > 0.9
     elsewhere = (u > 600) & (u < 900)
-    assert sigma_px[elsewhere].max() < 0.5
-    assert any("beside the curve" in warning for warning in curve.warnings)
+    assert np.abs(middle - v)[elsewhere].max() < 1.0
+    assert sigma_px[elsewhere].max() < 0.3 * sigma_px[knot].max()
 
 
 @pytest.fixture(scope="module")

@@ -31,9 +31,9 @@ class KnownEverywhere(CurveCheck):
 CHECK = KnownEverywhere(
     name="known_everywhere",
     looks_at="the standard deviation of the curve, with all that widens it but the calibration",
-    refusal="check of the uncertainty failed: the curve is known to ±{loose_px:.1f} pixels only "
-    "where something beside it or hiding it may pull it; light the sheet's edge, take away what "
-    "lies beside it, or mask it (--mask).",
+    refusal="check of the uncertainty failed: the curve is known to ±{loose_px:.1f} pixels only; "
+    "check the stated thickness, light the sheet's edge alone, or mask what lies beside it "
+    "(--mask).",
     stage=CheckStage.UNCERTAINTY,
     order=320,
 )

@@ -138,6 +138,7 @@ class Photographs {
   // ---------------------------------------------------------------------------- one photograph
 
   open(name) {
+    if (name === this.current) return; // to load it again would undo what was clicked meanwhile
     if (this.current) this.tiles.get(this.current)?.element.removeAttribute("aria-current");
     this.current = name;
     this.tiles.get(name)?.element.setAttribute("aria-current", "true");
