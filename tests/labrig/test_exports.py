@@ -87,6 +87,7 @@ def test_bluesky_documents_are_valid_and_point_into_the_session(session, tmp_pat
 
 
 @pytest.mark.thorough
+@pytest.mark.filterwarnings("ignore")  # those of Tiled and what it stands on
 def test_tiled_reads_back_what_the_session_holds(session, tmp_path):
     pytest.importorskip("tiled.server", reason="needs tiled[server] and bluesky-tiled-plugins")
     from bluesky_tiled_plugins import TiledWriter
