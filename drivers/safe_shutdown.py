@@ -13,12 +13,23 @@ from functools import partial
 
 import numpy as np
 
-from drivers.interfaces import Clock, DeviceError, DeviceTimeoutError, SignalInput, VoltageOutput
+from drivers.interfaces import (
+    Clock,
+    DeviceError,
+    DeviceTimeoutError,
+    SignalInput,
+    TimedOutput,
+    VoltageOutput,
+)
 
 READ_BACK_S = 0.02
 PATIENCE_S = 1.0  # a device that fails is tried again for so long
 DEVICE_S = 1.5  # a device that does not answer keeps the next one waiting for so long at most
 LAST_S = 1.0  # of a last pass: kept for the read-back
+NOT_READ = (
+    "the drive voltage was not read back: that starts the inputs, and with them a run that the "
+    "board may still hold"
+)
 NOT_SAFE = "THE OUTPUT IS NOT KNOWN TO BE SAFE"
 _AGAIN_S = 0.05
 _FAILED = " failed: "  # between what was tried and why not, in most errors' texts
@@ -74,6 +85,9 @@ def make_safe(
     are opened. Both stay open: closing them is the caller's. The acquisition is stopped, whatever
     was running.
 
+    Where 0 V could not be written to an output that may hold a run, nothing is read back: the start
+    of the inputs would start the run.
+
     `until_s`: a clock time at which all of it ends instead. 0 V is tried until `LAST_S` before it.
     For the last pass, after which nobody else tries.
     """
@@ -95,7 +109,10 @@ def make_safe(
 
     zero = partial(_zero, output, failures)
     written = _insist(failures, clock, "writing 0 V", zero, ends(LAST_S))
-    _insist(failures, clock, "reading the drive voltage back", read_back, ends(0.0))
+    if written or not (isinstance(output, TimedOutput) and output.is_timed):
+        _insist(failures, clock, "reading the drive voltage back", read_back, ends(0.0))
+    else:
+        failures.append(NOT_READ)
     return judge(written, seen[-1] if seen else None, safe_below_V, failures)
 
 

@@ -101,8 +101,9 @@ class OutputRescue(Protocol):
 Transport = Any  # what a family's simulated device is reached through
 
 
-def _no_check(_line: str) -> None:
-    """Any name may be a line."""
+def _any_line(name: str) -> object:
+    """Take any name for a line."""
+    return name.lower()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,8 +143,9 @@ class BoardFamily:
     # Make a rescue of that plain data. Raises DeviceError when it makes no sense. None: such boards
     # cannot be made safe from outside, and no rig is wired with them.
     rescue: Callable[[Mapping[str, Any], Clock], OutputRescue] | None = None
-    # Raise ValueError, with what a line must be, unless [interlock] line may be this family's.
-    check_line: Callable[[str], None] = _no_check
+    # Return what is equal for all names of one digital line. Raise ValueError, with what a line
+    # must be, where there can be none of this name.
+    check_line: Callable[[str], object] = _any_line
     # Say what a watchdog in the boards' hardware does when labrig is silent, from the settings and
     # the interlock's line if any. Empty: there is none, and they hold their voltage.
     own_watchdog: Callable[[Any, str | None], str] = _no_watchdog

@@ -148,15 +148,16 @@ class RigConfig(ClosedModel):
         if len(there) > 1:
             tables = " and ".join(f"[{name}]" for name in there)
             raise ValueError(f"there are the boards {tables}; a rig has one table of boards")
+        lines = []
         if self.interlock is not None:
-            self._check_line(self.interlock.line, "interlock", "line")
+            lines.append(self._line(self.interlock.line, "interlock", "line"))
         if self.trigger_line is not None:
-            self._check_line(self.trigger_line, "camera", "trigger_line")
-            if self.trigger_line == self.interlock_line:
-                raise ValueError(
-                    f"[camera] trigger_line and [interlock] line are both {self.trigger_line}; "
-                    "each needs a line of its own"
-                )
+            lines.append(self._line(self.trigger_line, "camera", "trigger_line"))
+        if len(lines) == 2 and lines[0] == lines[1]:  # its pulses would keep the relay closed
+            raise ValueError(
+                f"[camera] trigger_line and [interlock] line are both {self.trigger_line}; "
+                "each needs a line of its own"
+            )
         wired = self._wired()
         further = [(name, each.input) for name, each in self.channels.items()]
         require_distinct([*((each.name, each.terminal) for each in wired), *further])
@@ -173,10 +174,10 @@ class RigConfig(ClosedModel):
             )
         return wired
 
-    def _check_line(self, line: str, table: str, key: str) -> None:
+    def _line(self, line: str, table: str, key: str) -> object:
         try:
             with raising_value_errors():
-                self.family.check_line(line)
+                return self.family.check_line(line)
         except ValueError as fault:
             error = PydanticCustomError("line", "{why}", {"why": str(fault)})
             details = InitErrorDetails(type=error, loc=(table, key), input=line)

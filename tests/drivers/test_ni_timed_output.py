@@ -6,12 +6,13 @@ from collections.abc import Iterator
 
 import pytest
 
+from drivers.amplifier import Amplifier, SheetDrive
 from drivers.boards.conformance import timed_output_faults
 from drivers.boards.ni.analog_input import InputChannel
 from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.rescue import OutputPlace, shut_down
 from drivers.interfaces import DeviceError, LimitError, TimedVoltage
-from drivers.safe_shutdown import Safety
+from drivers.safe_shutdown import NOT_READ, Safety, make_safe
 from sim_hardware.clock import VirtualClock
 from sim_hardware.ni import LoopbackWires, NiDeviceServer
 from tests.drivers.conftest import NiRig
@@ -133,6 +134,22 @@ def test_the_guard_and_labrig_safe_end_it_from_another_connection(rig: NiRig) ->
     assert volts(rig) == pytest.approx(0.0, abs=1e-3)
     rig.wait(2.0)
     assert volts(rig) == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_read_back_starts_no_run_that_could_not_be_ended(rig: NiRig) -> None:
+    """The run is loaded and not begun when the board stops to end tasks; it still measures."""
+    output, signals = loaded(rig)
+    rig.server.faults.hang.add("ClearTask")
+    amplifier = Amplifier(10.0, 2.0)
+    report = make_safe(SheetDrive(output, amplifier), signals, rig.clock, "drive", 0.05)
+    other = NiConnection("simulated", rig.server.in_process_channel())
+    further = shut_down(other, rig.clock, PLACE, patience_s=1.0)
+    for each in (report, further):
+        assert each.state is Safety.UNKNOWN
+        assert NOT_READ in each.failures
+    for _ in range(40):
+        assert volts(rig) == pytest.approx(0.0, abs=1e-3)
+        rig.wait(0.05)
 
 
 def test_a_board_whose_buffer_runs_empty_is_noticed_and_zero_is_written(rig: NiRig) -> None:

@@ -127,6 +127,43 @@ def test_what_cannot_be_set_is_refused_in_a_sentence(
     assert said in " ".join(capsys.readouterr().err.split())
 
 
+@pytest.mark.parametrize(
+    ("board", "trigger", "interlock"),
+    [
+        ("ni", "pci6703/port0/line1", "PCI6703/port0/line1"),
+        ("labjack", "DIO8", "EIO0"),
+        ("labjack", "EIO3", "DIO11"),
+    ],
+)
+def test_a_line_by_another_name_is_no_line_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], board: str, trigger: str, interlock: str
+) -> None:
+    """The trigger's pulses would keep the interlock's relay closed when the loop hangs."""
+    keys = f'trigger = "hardware"\ntrigger_line = "{trigger}"'
+    keys += f'\n[interlock]\nline = "{interlock}"'
+    folder = triggered_rig(tmp_path, "", keys, board)
+    assert labrig("check", folder / "rig.toml") == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "trigger_line and [interlock] line are both" in said
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        'trigger = "hardware"\ntrigger_line = "FIO1"',
+        'trigger = "free"\n[interlock]\nline = "DIO0"',
+    ],
+)
+def test_a_line_of_the_output_s_own_converter_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], keys: str
+) -> None:
+    folder = triggered_rig(tmp_path, "", keys, "labjack")
+    assert labrig("check", folder / "rig.toml") == 3
+    said = " ".join(capsys.readouterr().err.split())
+    assert "belongs to the LJTick-DAC of [labjack] drive = TDAC0" in said
+    assert "Traceback" not in said
+
+
 @pytest.mark.parametrize("kind", ["opencv", "iidc"])
 def test_a_kind_that_cannot_be_set_says_so_before_anything_is_opened(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str

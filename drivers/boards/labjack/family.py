@@ -16,6 +16,7 @@ from drivers.boards.contract import (
 from drivers.boards.labjack.analog_input import LabJackSignalInput
 from drivers.boards.labjack.analog_output import LabJackOutput, OffsetStage
 from drivers.boards.labjack.device import LabJackDevice
+from drivers.boards.labjack.registers import line_number, tick_dac_lines
 from drivers.boards.labjack.rescue import LabJackPlace, LabJackRescue
 from drivers.boards.labjack.settings import LabJackSettings, check_line
 from drivers.boards.labjack.starter import STARTER
@@ -87,12 +88,24 @@ class LabJackBoards:
 
     def interlock(self, line: str | None) -> Interlock:
         """See `BoardConnection.interlock`."""
+        if line is not None:
+            self._require_free(line)
         stage = stage_of(self.settings)
         return LabJackWatchdog(self._device, self._clock, line, stage, self._check_mark)
 
     def frame_trigger(self, line: str) -> LabJackTrigger:
         """See `TriggersFrames.frame_trigger`."""
+        self._require_free(line)
         return LabJackTrigger(self._device, self._clock, line)
+
+    def _require_free(self, line: str) -> None:
+        """Refuse a line that carries the values of the output."""
+        drive = self.settings.drive
+        if line_number(line) in tick_dac_lines(drive):
+            raise DeviceError(
+                f"the line {line} belongs to the LJTick-DAC of [labjack] drive = {drive}; choose "
+                "another line for the interlock or the trigger"
+            )
 
     def close(self) -> None:
         """See `BoardConnection.close`."""

@@ -93,6 +93,14 @@ def is_tick_dac(name: str) -> bool:
     return name.startswith("TDAC")
 
 
+def tick_dac_lines(name: str) -> tuple[int, ...]:
+    """Return the numbers of the two lines that an LJTick-DAC is plugged into; none: it is none."""
+    if not is_tick_dac(name):
+        return ()
+    first = int(name.removeprefix("TDAC")) // 2 * 2
+    return first, first + 1
+
+
 def output_register(name: str) -> Register:
     """Return the register of TDAC0 to TDAC21, DAC0 or DAC1; ValueError for another name."""
     match = _OUTPUT.fullmatch(name)

@@ -108,6 +108,6 @@ class LabJackSettings:
             )
 
 
-def check_line(value: str) -> None:
-    """Raise ValueError unless a digital line can have this name."""
-    line_number(value)
+def check_line(value: str) -> int:
+    """Return a line's number, whatever its name: EIO0 is DIO8. ValueError where it can be none."""
+    return line_number(value)

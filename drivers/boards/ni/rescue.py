@@ -19,8 +19,15 @@ from drivers.boards.ni.analog_output import OUTPUT_TASK, NiVoltageOutput, write_
 from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.errors import DeviceReservedError
 from drivers.boards.ni.timed_run import is_clocked
-from drivers.interfaces import Clock
-from drivers.safe_shutdown import READ_BACK_S, SafetyReport, attempt, judge, mean_when_low
+from drivers.interfaces import Clock, DeviceError
+from drivers.safe_shutdown import (
+    NOT_READ,
+    READ_BACK_S,
+    SafetyReport,
+    attempt,
+    judge,
+    mean_when_low,
+)
 
 _RETRY_S = 0.01
 _HELD_S = 0.1  # by a task that cannot be attached to
@@ -134,10 +141,24 @@ def shut_down(
     drive = InputChannel("drive", place.drive_channel, place.drive_range_V, place.drive_terminals)
     signals = NiSignalInput(connection, clock, [drive], _RATE_HZ, place.input_task)
     written = attempt(failures, lambda: insist(output.open, free_output))
-    can_read = attempt(failures, lambda: insist(signals.open, free_input))
-    seen_V = _read_back(signals, place.safe_below_V, failures) if can_read else None
+    seen_V = None
+    if not written and _may_hold_run(connection, place):
+        failures.append(NOT_READ)
+    elif attempt(failures, lambda: insist(signals.open, free_input)):
+        seen_V = _read_back(signals, place.safe_below_V, failures)
     attempt(failures, output.close)
     return judge(written, seen_V, place.safe_below_V, failures)
+
+
+def _may_hold_run(connection: NiConnection, place: OutputPlace) -> bool:
+    """Return whether the start of the inputs may start a run of the output; yes where in doubt."""
+    output, drive = (c.partition("/")[0] for c in (place.output_channel, place.drive_channel))
+    if output.lower() != drive.lower():
+        return False
+    try:
+        return connection.has_output_clock(output)
+    except DeviceError:
+        return True
 
 
 def _end_output(task: Any) -> None:

@@ -19,10 +19,11 @@ def check_channel(value: str) -> None:
         raise ValueError("must be a device and a channel, such as PCI6034E/ai0")
 
 
-def check_line(value: str) -> None:
-    """Raise ValueError unless a digital line can have this name."""
+def check_line(value: str) -> str:
+    """Return a line's name as all its spellings have it; ValueError where it can be none."""
     if not _LINE.match(value):
         raise ValueError("must be a digital line, such as PCI6703/port0/line0")
+    return value.lower()
 
 
 def check_address(value: str) -> None:
