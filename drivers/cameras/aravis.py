@@ -27,7 +27,13 @@ from drivers.cameras.capture import POS_MSEC, READ_TIMEOUT_S
 from drivers.cameras.capture_camera import CaptureCamera
 from drivers.cameras.contract import ALL_SETTINGS, CameraKind, CameraSettings
 from drivers.cameras.frame_counter import FrameCounter
-from drivers.cameras.genicam import GenicamSetter, format_of, read_back
+from drivers.cameras.genicam import (
+    SIMULATED_SETTINGS,
+    STARTER_SETTINGS,
+    GenicamSetter,
+    format_of,
+    read_back,
+)
 from drivers.cameras.prompt_call import PromptCall
 from drivers.cameras.socket_buffers import enlarged
 from drivers.identity import says_simulated
@@ -338,20 +344,7 @@ CAMERA = CameraKind(
     starter="""\
 source = "aravis:"                 # the first camera, or "aravis:NAME" as `labrig devices` lists it
 optics = "optics.json"
-exposure_s = 0.005
-# gain = 6.0                       # in the camera's unit, dB on most
-# pixel_format = "Mono8"           # Mono8 to Mono16, plain or packed, or BayerRG8 and its like
-region = [0, 0, 640, 480]          # left, top, width, height in pixels
-# trigger = "hardware"             # the boards begin each exposure, by a wire from ...
-# trigger_line = "LINE"            # ... this line of the boards ...
-# trigger_input = "Line0"          # ... to this input of the camera
-""",
-    simulated_starter="""\
-kind = "aravis"
-source = "simulated"
-optics = "optics.json"
-exposure_s = 0.005                 # of a frame
-# trigger = "hardware"             # the boards begin each exposure, by a wire from ...
-# trigger_line = "LINE"            # ... this line of the boards
-""",
+"""
+    + STARTER_SETTINGS,
+    simulated_starter=f'kind = "aravis"\n{SIMULATED_SETTINGS}',
 )

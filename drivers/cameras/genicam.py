@@ -20,6 +20,24 @@ _PIXEL_FORMAT = "PixelFormat"
 _US_PER_S = 1e6
 _RATE_SWITCH = "AcquisitionFrameRateEnable"
 
+# What `labrig init --camera` writes into rig.toml for each kind of them.
+STARTER_SETTINGS = """\
+exposure_s = 0.005
+# gain = 6.0                       # in the camera's unit, dB on most
+# pixel_format = "Mono8"           # Mono8 to Mono16, plain or packed, or BayerRG8 and its like
+region = [0, 0, 640, 480]          # left, top, width, height in pixels
+# trigger = "hardware"             # the boards begin each exposure, by a wire from ...
+# trigger_line = "LINE"            # ... this line of the boards ...
+# trigger_input = "Line0"          # ... to this input of the camera
+"""
+SIMULATED_SETTINGS = """\
+source = "simulated"
+optics = "optics.json"
+exposure_s = 0.005                 # of a frame
+# trigger = "hardware"             # the boards begin each exposure, by a wire from ...
+# trigger_line = "LINE"            # ... this line of the boards
+"""
+
 
 class Features(Protocol):
     """A camera's features by name. Everything raises DeviceError and nothing else."""

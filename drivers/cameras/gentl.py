@@ -19,7 +19,13 @@ from drivers.cameras.capture import POS_MSEC, READ_TIMEOUT_S
 from drivers.cameras.capture_camera import CaptureCamera
 from drivers.cameras.contract import ALL_SETTINGS, CameraKind, CameraSettings
 from drivers.cameras.frame_counter import FrameCounter
-from drivers.cameras.genicam import GenicamSetter, format_of, read_back
+from drivers.cameras.genicam import (
+    SIMULATED_SETTINGS,
+    STARTER_SETTINGS,
+    GenicamSetter,
+    format_of,
+    read_back,
+)
 from drivers.cameras.prompt_call import PromptCall
 from drivers.identity import says_simulated
 from drivers.interfaces import (
@@ -361,20 +367,7 @@ CAMERA = CameraKind(
 source = "gentl:"                  # the first camera, or "gentl:NAME" as `labrig devices` lists it
 # producer = "/opt/vendor/x.cti"   # by default all in the folders of GENICAM_GENTL64_PATH
 optics = "optics.json"
-exposure_s = 0.005
-# gain = 6.0                       # in the camera's unit, dB on most
-# pixel_format = "Mono8"           # Mono8 to Mono16, plain or packed, or BayerRG8 and its like
-region = [0, 0, 640, 480]          # left, top, width, height in pixels
-# trigger = "hardware"             # the boards begin each exposure, by a wire from ...
-# trigger_line = "LINE"            # ... this line of the boards ...
-# trigger_input = "Line0"          # ... to this input of the camera
-""",
-    simulated_starter="""\
-kind = "gentl"
-source = "simulated"
-optics = "optics.json"
-exposure_s = 0.005                 # of a frame
-# trigger = "hardware"             # the boards begin each exposure, by a wire from ...
-# trigger_line = "LINE"            # ... this line of the boards
-""",
+"""
+    + STARTER_SETTINGS,
+    simulated_starter=f'kind = "gentl"\n{SIMULATED_SETTINGS}',
 )
