@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import sqrt
 
 import numpy as np
 
@@ -175,7 +176,7 @@ def _first_edge_s(run: RecordedRun) -> float:
 
 
 def _misses(chi2: float, count: int) -> bool:
-    usual = max(LEAST_MISFIT, SURE_MISFIT * (2.0 / count) ** 0.5)
+    usual = max(LEAST_MISFIT, SURE_MISFIT * sqrt(2.0 / count))
     return chi2 > count * (1.0 + usual)
 
 
