@@ -32,6 +32,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     )
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Files all of whose tests are thorough are not even imported where those are left out."""
+    if collection_path.suffix != ".py" or "not thorough" not in config.option.markexpr:
+        return None
+    if any(collection_path == Path(name.partition("::")[0]).resolve() for name in config.args):
+        return None  # asked for by its name: pytest says what it leaves out
+    text = collection_path.read_text(encoding="utf-8")
+    return True if "\npytestmark = pytest.mark.thorough\n" in text else None
+
+
 def pytest_itemcollected(item: pytest.Item) -> None:
     system_packages.note(item)
 
