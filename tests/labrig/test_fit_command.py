@@ -269,6 +269,7 @@ def test_bootstrap_says_how_simulated_repeats_scatter(day_1, capsys):
 # -- what is printed and written
 
 
+@pytest.mark.slow
 def test_the_papers_tables_are_printed_with_its_numbers(day_1, capsys):
     out = printed(capsys, day_1)
     places = [out.index(f"Table {number}.") for number in (4, 5, 6)]

@@ -59,6 +59,7 @@ def test_the_text_of_a_pdf_is_text(recorded, tmp_path):
     assert b"/ToUnicode" in data  # and found by a search
 
 
+@pytest.mark.slow
 def test_an_unknown_format_is_refused_before_anything_is_drawn(recorded, tmp_path, capsys):
     assert run(["report", str(recorded), "-o", str(tmp_path / "out"), "--format", "jpg"]) == 2
     assert "--format jpg: give png, svg or pdf." in capsys.readouterr().err

@@ -242,6 +242,7 @@ def test_imported_tables_are_reported_without_what_only_a_recording_has(tmp_path
     assert "Saturation" not in text
 
 
+@pytest.mark.slow
 def test_many_warnings_are_counted_at_the_top(tmp_path):
     many = replace(
         measure("long", curves=False), warnings=tuple(f"curve {i} is odd" for i in range(30))

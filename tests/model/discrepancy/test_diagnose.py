@@ -337,6 +337,7 @@ def test_zero_volts_alone_are_refused():
         prepare(kept(session(), lambda c: c.voltage_V == 0.0), Options())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("condition", "said"),
     [
@@ -349,6 +350,7 @@ def test_what_voltages_do_not_allow_is_said(condition, said: str):
     assert any(said in note for note in notes), notes
 
 
+@pytest.mark.slow
 def test_data_without_curves_or_without_times_can_be_searched_and_say_what_they_lack():
     bare = means_of(session())
     forces = replace(bare, conditions=tuple(replace(c, curve=None) for c in bare.conditions))
@@ -417,6 +419,7 @@ def test_a_sheet_that_cannot_be_used_is_left_out_with_a_note():
     assert any(n.startswith("left out: ") and "'short'" in n for n in ready.notes)
 
 
+@pytest.mark.slow
 def test_a_model_of_another_sheet_is_refused(truth):
     m = session()
     other: SheetGeometry = replace(m.sheets["long"], free_length_m=0.045)
@@ -430,6 +433,7 @@ def test_a_position_that_was_not_measured_cannot_be_held_out():
         prepare(session(), Options(hold_out=(("long", 0.012),)))
 
 
+@pytest.mark.slow
 def test_an_effect_that_does_not_exist_cannot_be_excluded():
     with pytest.raises(ModelError, match="there is no effect called 'gravitty'"):
         diagnose(session(), DiagnoseOptions(exclude=("gravitty",)))
