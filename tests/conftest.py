@@ -7,6 +7,7 @@ import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import settings
@@ -105,6 +106,18 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """No test reads or writes the caches of the user, in this process or in one that it starts."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LABRIG_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def data_unchecked() -> Iterator[None]:
+    """Fits and reports do not look for data stated wrongly, which takes most of their time.
+
+    For modules that test something else; tests/labrig/test_data_warnings.py has that check on.
+    """
+    nothing = SimpleNamespace(suspicions=())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("model.discrepancy.check_data", lambda _measurements: nothing)
         yield
 
 

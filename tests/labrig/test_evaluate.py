@@ -14,6 +14,8 @@ from labrig.session import open_session
 from model import predict
 from tests.labrig.report_data import STIFFNESS, invalid, measure, session, stopped_session, truth
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):

@@ -15,6 +15,8 @@ from model import Along, Parameter, SheetModel, predict
 from model.identification.fit import fit
 from tests.labrig.report_data import STIFFNESS, measure, session, truth
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):

@@ -13,6 +13,8 @@ from labrig.report.figures.shapes import curves_figure
 from labrig.report.parts.style import figure, legend_below
 from tests.labrig.report_data import measure, session
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
