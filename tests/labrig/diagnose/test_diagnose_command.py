@@ -29,6 +29,8 @@ from tests.labrig.diagnose import made
 from tests.labrig.report_data import TEXTS, measure, session
 from tests.labrig.test_report_page import read
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):

@@ -65,7 +65,7 @@ def test_where_nothing_is_hidden_nothing_is_found():
     assert abs(B.value - 1.27e-6) < 4.0 * B.sigma
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_falling_eibm_is_named_also_in_another_form():
     found = diagnosed(OTHER_FORM)
     assert (found.verdict, names(found)) == ("effect_named", ["nonuniform_eibm"])
@@ -114,7 +114,7 @@ def test_late_pictures_that_differ_from_run_to_run_are_named():
     assert found.closed > 0.7
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_late_pictures_that_no_catalogue_has_are_a_matter_of_the_camera():
     found = diagnosed(LATE, WITHOUT_DELAY)
     assert (found.verdict, names(found)) == ("unknown_effect", [])
@@ -168,7 +168,7 @@ def test_an_effect_taken_from_the_catalogue_is_never_replaced_with_confidence():
     assert found.verdict != "nothing_missing"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_is_alike_in_every_set_up_does_not_hide_in_their_scatter():
     """A tilt of the clamp would make each set-up tilted, if nobody asked why always to one side."""
     found = diagnosed(TILTED, DiagnoseOptions(exclude=("clamp_angle",)))
