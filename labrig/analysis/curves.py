@@ -137,7 +137,10 @@ def _job(
 
 
 def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
-    """Return the mean of images as 16 bit, full scale at `MEAN_FULL_SCALE`. Raises ValueError without any."""
+    """Return the mean of images as 16 bit, full scale at `MEAN_FULL_SCALE`.
+
+    Raises ValueError without any.
+    """
     total: FloatArray | None = None
     count = 0
     for image in images:

@@ -162,8 +162,8 @@ def _raise_with_shapes(source_shape: Any, target_shape: Any) -> None:
 
 
 @overload(_raise_with_shapes)  # type: ignore[untyped-decorator]
-def _raise_without_shapes(source_shape: Any, target_shape: Any) -> Any:
-    def raises(source_shape: Any, target_shape: Any) -> None:
+def _raise_without_shapes(source_shape: Any, target_shape: Any) -> Any:  # noqa: ARG001 - by name
+    def raises(source_shape: Any, target_shape: Any) -> None:  # noqa: ARG001
         raise ValueError("cannot assign an array to a part of another size")
 
     return raises
