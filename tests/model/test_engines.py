@@ -41,7 +41,6 @@ def test_without_numba_the_numpy_engine_is_used(monkeypatch):
         solve(few, engine="compiled")
 
 
-@pytest.mark.slow
 def test_unreachable_places_are_told_apart_by_both_engines():
     far = problems(Field.constant(20.0, 0.05), [0.3, 1.4], R)
     for engine in ("compiled", "numpy"):
@@ -50,7 +49,6 @@ def test_unreachable_places_are_told_apart_by_both_engines():
         assert np.isnan(found.nu[1])
 
 
-@pytest.mark.slow
 def test_importing_the_model_compiles_nothing_and_imports_nothing_slow():
     code = (
         "import sys, model; slow = {'numba', 'scipy.optimize', 'matplotlib'} & set(sys.modules);"

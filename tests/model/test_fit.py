@@ -197,7 +197,7 @@ def test_held_out_conditions_are_not_used_and_are_named(measure):
     assert found.model.held_out[-1] == "short, 20 mm, +2 V"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_simulated_repeats_confirm_the_stated_uncertainty(measure):
     found = fit(measure(seed=12), FitOptions(bootstrap=60))
     assert set(found.bootstrap_ratio) >= {"long B", "short EIBM at +2 V"}

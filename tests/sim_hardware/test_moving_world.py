@@ -123,7 +123,6 @@ def test_the_current_has_its_spike_at_the_edge_and_the_force_follows_later() -> 
     assert 1.0 < force_mN[900] - force_mN[0] < 3.0
 
 
-@pytest.mark.slow
 def test_a_free_sheet_still_swings_half_a_second_after_an_edge_and_rests_after_some() -> None:
     world, clock = quiet()
     world.write("b", "ao0", 0.2, 5.0)
@@ -137,7 +136,6 @@ def test_a_free_sheet_still_swings_half_a_second_after_an_edge_and_rests_after_s
     assert away[2] < 0.5
 
 
-@pytest.mark.slow
 def test_the_shape_of_an_exposure_is_blurred_while_the_sheet_moves() -> None:
     world, clock = quiet()
     given: list[list[np.ndarray]] = []
@@ -163,7 +161,6 @@ def test_the_shape_of_an_exposure_is_blurred_while_the_sheet_moves() -> None:
     assert len(given[1]) == 1
 
 
-@pytest.mark.slow
 def test_a_sheet_that_the_rolls_let_go_springs_back() -> None:
     world, clock = quiet()
     free = tip_mm(world, 5.0)
@@ -179,7 +176,6 @@ def test_a_sheet_that_the_rolls_let_go_springs_back() -> None:
     assert world.true_force_N(40.0) == 0.0
 
 
-@pytest.mark.slow
 def test_the_stage_carries_the_sheet_along_without_a_jump() -> None:
     world, clock = quiet()
     world.place(0.005)
@@ -223,7 +219,6 @@ def test_signals_do_not_depend_on_how_reads_are_cut() -> None:
     assert np.array_equal(found[0], found[1])
 
 
-@pytest.mark.slow
 def test_noise_has_drift_and_hum() -> None:
     clock = HandClock()
     world = World(load_world(Path("moving.toml")), clock)
@@ -245,7 +240,6 @@ def test_a_sheet_that_is_pulled_out_of_the_rolls_is_free_from_then_on() -> None:
     assert np.isfinite(world.true_shape(7.0)).all()
 
 
-@pytest.mark.slow
 def test_a_timed_session_runs_in_a_moving_world() -> None:
     train = Train(zero_readings=2, discarded=2, kept=2)
     visits = [Visit(configuration="long", position_m=p) for p in (0.0, None)]
@@ -256,7 +250,6 @@ def test_a_timed_session_runs_in_a_moving_world() -> None:
     assert np.hypot(*(ends[2.0] - ends[-2.0])) > 0.02
 
 
-@pytest.mark.slow
 def test_a_step_takes_a_small_part_of_the_time_that_it_stands_for() -> None:
     world, clock = quiet()
     world.place(0.0)

@@ -72,7 +72,6 @@ def test_the_world_is_a_bench_and_a_scene() -> None:
     assert clock.now() == 5.0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_forces_have_the_order_signs_and_sizes_of_the_rig(seed: int) -> None:
     clock = HandClock()
