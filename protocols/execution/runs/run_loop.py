@@ -22,6 +22,7 @@ from protocols.execution.events import (
     VoltageSet,
 )
 from protocols.execution.readings import ReadingMaker
+from protocols.execution.rules import check_drive
 from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
 from protocols.execution.runs.exposures import Exposures
 from protocols.execution.runs.loop import Loop, Stopped
@@ -302,6 +303,7 @@ class RunLoop:
             self._last_sample_s = now_s
             maker.add_block(block)
             loop.emit(SignalsArrived(block.read_s, self._run.index, block))
+            check_drive(block.volts[self._rows.drive], loop.limit_V, loop.rules)
             loop.devices.protect(block.volts[self._rows.force])
         elif now_s - self._last_sample_s > loop.timing.starved_s:
             raise DeviceTimeoutError(
