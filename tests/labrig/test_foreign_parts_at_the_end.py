@@ -83,7 +83,9 @@ class Acting:
 
     def energised(self, on: bool) -> None: ...
 
-    def act(self) -> SafetyReport:
+    can_act = True
+
+    def act(self, _timeout_s: float) -> SafetyReport:
         return SAFE
 
 

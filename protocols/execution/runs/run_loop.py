@@ -339,9 +339,12 @@ class RunLoop:
         emit = loop.emit if completed else loop.emit_if_possible
         for periods in self._control.not_emitted() if self._control else ():
             emit(periods)
-        if maker is not None and not completed:
-            loop.guarded("last samples", lambda: self._take_samples(maker, loop.clock.now()))
-        failed = loop.guarded("stopping the signal input", devices.signals.stop)
+        failed = None
+        # Where 0 V is still to be written, boards that do not answer may not cost more time.
+        if completed or loop.output.at_zero:
+            if maker is not None and not completed:
+                loop.guarded("last samples", lambda: self._take_samples(maker, loop.clock.now()))
+            failed = loop.guarded("stopping the signal input", devices.signals.stop)
         if devices.camera is not None:
             camera_failed = loop.guarded("stopping the camera", devices.camera.stop)
             failed = failed or camera_failed
