@@ -132,7 +132,7 @@ class BoardsWatch:
         """Greet; a program that is accepted holds `_busy`."""
         ours = secrets.token_hex(16)
         send_line(line, {"labrig_watch": VERSION, "nonce": ours})
-        said = read_line(line)
+        said = read_line(line, _GREETING_S)
         theirs, place = str(said.get("nonce", "")), said.get("place")
         text = json.dumps(place, sort_keys=True)
         if not is_proof(said.get("proof"), proof(self._token, "program", ours, theirs, text)):
