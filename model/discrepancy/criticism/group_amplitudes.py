@@ -8,13 +8,14 @@ one. The factors follow from one linear solution (generalised least squares).
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from model.discrepancy.search.evidence import Projected
 from model.discrepancy.search.form_share import steps_of
 from model.identification.data.data_vector import Index
+from model.identification.likelihood.linearisation import with_only
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
@@ -63,10 +64,8 @@ def amplitudes(
         np.arange(fitted.linear.columns.shape[1]),
         np.arange(fitted.spans[index].start, fitted.spans[index].stop),
     )
-    data = fitted.linear.data
-    data = replace(data, X=data.X[:, :, keep], precision=data.precision[keep], away=data.away[keep])
-    linear = replace(fitted.linear, data=data, columns=fitted.linear.columns[:, keep])
-    A, b = Projected.of(forward, linear, weigh(data, log_sigma)).normal(forward, S)
+    linear = with_only(fitted.linear, keep)
+    A, b = Projected.of(forward, linear, weigh(linear.data, log_sigma)).normal(forward, S)
     covariance = np.linalg.inv(A + VAGUE**-2.0 * np.eye(len(parts)))
     factors, sigma = 1.0 + covariance @ b, np.sqrt(np.diag(covariance))
     return [
