@@ -84,8 +84,8 @@ def _rigid(known: MixedModelFit, final: MixedModelFit) -> Iterator[MixedModelFit
 def _asked_for(known: MixedModelFit) -> bool:
     """Return whether mean forces and curves at left-out positions ask for the inferred forms.
 
-    Between the positions a form is interpolated. One in time leads away from what was measured,
-    since a prediction is one amid the session, and must gain more.
+    Between the positions a form is interpolated, and stays unless it clearly fails. One in time
+    leads away from what was measured, since a prediction is one amid the session: it must gain.
     """
     where, noise = cells(known), variance(known)
     rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
@@ -97,7 +97,7 @@ def _asked_for(known: MixedModelFit) -> bool:
     rigid = replace(known, linear=with_only(known.linear, keep))
     formed, plain = (np.sum(when_left_out(f)[rows] ** 2 / noise[rows]) for f in (known, rigid))
     slow = any(in_time(one.effect) for one in known.found)
-    return bool(plain - formed > (FORM_GAIN_CHI2 if slow else 0.0))
+    return bool(plain - formed > (FORM_GAIN_CHI2 if slow else -FORM_GAIN_CHI2))
 
 
 def _as_unsure(fitted: MixedModelFit, known: MixedModelFit) -> tuple[Found, ...]:
