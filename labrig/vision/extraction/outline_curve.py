@@ -14,7 +14,11 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.extraction.outline_report import outline_fault, outline_in_metres
+from labrig.vision.extraction.outline_report import (
+    RIVAL_STEP,
+    outline_fault,
+    outline_in_metres,
+)
 from labrig.vision.extraction.outline_shape import fitted_outline
 from labrig.vision.fit.context import roll_mask
 from labrig.vision.image.image import GreyImage
@@ -48,7 +52,8 @@ def outline_curve(
     first = None
     for image in images:
         found = _judged(images, optics, strip, _located(image, optics, strip, mask))
-        if found.ok:
+        # where it is not known which edge is the strip's, another channel only hides that
+        if found.ok or found.why.startswith(RIVAL_STEP):
             return found
         first = first or found
     return first or _judged(images, optics, strip, None)
