@@ -19,6 +19,8 @@ from labrig.vision.thresholds import END_PRESENT_RATIO
 
 FloatArray = npt.NDArray[np.float64]
 
+CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
+BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
 BEYOND_WIDTHS = 2.0  # how far beyond the located end the strip is looked for
 COARSE_OFFSET_SIGMA_RATIO = 0.5  # of a located begin, in widths
 COARSE_ANGLE_SIGMA_RAD = 0.4
@@ -65,7 +67,8 @@ def fitted_outline(
     end, seen = _end_px(fit, fit.shape, images, there, width)
     if end < 3 * width:
         return None
-    shape = _cut(fit.shape, end, width)
+    begin = _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
+    shape = _cut(fit.shape, end, width, begin_px=begin)
     again = fit_outline(shape, images, there, width_px=width, prior=prior, rounds=3)
     if again is None:
         return None
@@ -111,8 +114,19 @@ def _first_shape(
     return there, make_shape(basis, plane[0], heading, np.concatenate([[0.0, 0.0], c]))
 
 
-def _cut(shape: CurveShape, length_px: float, width: float) -> CurveShape:
-    """Return the first part of a curve, or all of it led on straight."""
+def _begin_px(fit: OutlineFit, most: float) -> float:
+    """Return where along a curve both edges are first seen, if that is near its begin."""
+    blocks, step = fit.blocks, fit.shape.basis.step_px
+    run = np.convolve(blocks.seen, np.ones(BEGIN_BLOCKS), mode="valid")
+    first = int(np.argmax(run >= BEGIN_BLOCKS)) if (run >= BEGIN_BLOCKS).any() else 0
+    begin = (blocks.node[first] - blocks.node[0]) * step
+    return float(begin) if begin <= most else 0.0
+
+
+def _cut(shape: CurveShape, length_px: float, width: float, *, begin_px: float = 0) -> CurveShape:
+    """Return the first part of a curve without its begin, or all of it led on straight."""
+    if begin_px > 0:
+        return _cut_begin(shape, begin_px, length_px - begin_px, width)
     basis = make_basis(
         round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
     )
@@ -120,6 +134,18 @@ def _cut(shape: CurveShape, length_px: float, width: float) -> CurveShape:
     wanted = np.interp(basis.s, shape.basis.s, shape.phi) - shape.heading - turn
     c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
     return make_shape(basis, shape.start, shape.heading, np.concatenate([shape.parameters[:2], c]))
+
+
+def _cut_begin(shape: CurveShape, begin_px: float, length_px: float, width: float) -> CurveShape:
+    along = shape.basis.s
+    basis = make_basis(
+        round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
+    )
+    start = np.array([np.interp(begin_px, along, each) for each in (shape.x, shape.y)])
+    heading = float(np.interp(begin_px, along, shape.phi))
+    wanted = np.interp(basis.s + begin_px, along, shape.phi) - heading
+    c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
+    return make_shape(basis, start, heading, np.concatenate([[0.0, 0.0], c]))
 
 
 def _end_px(
