@@ -47,6 +47,7 @@ ONE_EDGE_BLURS = 6.0  # two edges further apart than so many blurs are not one
 STATED_WIDTH_RATIOS = (0.75, 1.45)  # of the width that is seen to one that is stated
 EDGE_BLUR_RATIO = 0.12  # of the width: what an edge is smoothed by
 CLEARNESS_OF_NOTHING = 2.0  # of the largest changes that noise makes along any path
+NEAR_REACH_PX = 8.0  # a strip that begins further aside may be another one
 ASIDE_USUAL_PX = 8.0  # from where the clamp is stated to the strip's begin
 BORDER_PX = 10.0  # a strip that leaves the image is followed up to here
 
@@ -105,28 +106,30 @@ def locate(
     Near: within `clamp_reach_px`. What is None is not known. `signs`: the polarities to try;
     `mask` (rows, columns): not 0 where something hides the view.
     """
-    visible = image.filled()
     best = None
     for width in _widths(image, thickness_px, length_px):
-        ridges = ridge_maps(visible, width, wide=False)
+        ridges = ridge_maps(image.filled(), width, wide=False)
         if mask is not None and mask.any():
             ridges.hide(mask)
         for sign in signs:
-            path = _path(
-                ridges,
-                sign,
-                width=width,
-                clamp=clamp_px,
-                reach=clamp_reach_px,
-                heading=heading_rad,
-                heading_sigma=heading_sigma_rad,
-                length_px=length_px,
-            )
-            if path is None:
-                continue
-            found = _measured(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
-            if found is not None and (best is None or found.worth > best.worth):
-                best = found
+            for reach in (clamp_reach_px, NEAR_REACH_PX):
+                path = _path(
+                    ridges,
+                    sign,
+                    width=width,
+                    clamp=clamp_px,
+                    reach=reach,
+                    heading=heading_rad,
+                    heading_sigma=heading_sigma_rad,
+                    length_px=length_px,
+                )
+                if path is None:
+                    break
+                found = _measured(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
+                if found is not None and (best is None or found.worth > best.worth):
+                    best = found
+                if found is None or found.aside_px < NEAR_REACH_PX:
+                    break  # else there may be another one that begins nearer
     return best
 
 
