@@ -27,7 +27,9 @@ from labrig.vision.thresholds import (
 FloatArray = npt.NDArray[np.float64]
 
 MASK_MARGIN_PX = 3.0
-RIVALS_MAX = 8  # other paths that are searched in one image, so that a refusal costs little
+# of one image, so that a refusal costs little:
+BROAD_MAX = 1  # broad searches
+RIVALS_MAX = 5  # other paths than the likeliest
 HEAD_MARGIN = 0.1  # of a share, in which a rival's first part may be seen better
 LINE_ROUNDS = 2  # of finding lines beside the best curve, and searching without them
 
@@ -40,6 +42,7 @@ class CurveSearch(Refiner):
         self.roll_mask = self.mask
         self.wires: tuple[BackgroundLine, ...] = ()
         self.led_by_lines = False  # whether a path that looked best ran with one
+        self.broad = 0  # broad searches, which cost several times a quick one
         self.rivals = 0  # other paths that were searched
         self.known_sign = 0.0  # the polarity, once it is known
 
@@ -127,7 +130,8 @@ class CurveSearch(Refiner):
             if known.confirmed and found[0].confirmed:
                 return found[0]  # what is left of a wire might explain more than a gap in the sheet
         found += self._candidates(width=90, hasty=True)
-        if all(c.verdict.why for c in found):
+        if all(c.verdict.why for c in found) and self.broad < BROAD_MAX:
+            self.broad += 1
             found += self._candidates(width=800, hasty=False)
         best = max(found, key=lambda c: c.rank, default=None)
         if known is not None and best is not None and best.verdict.why:

@@ -63,7 +63,7 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     end_why = _end_fault(outline, optics, strip, total)
     if end_why:
         return end_why
-    if loose > most and has_rival(outline):
+    if loose > most and fit.rival_px is not None and has_rival(outline):
         return (
             f"{RIVAL_STEP}: beside an edge of the strip there is another one that is "
             f"as clear, {np.max(fit.rival_px):.0f} pixels further out; light the strip evenly, "
