@@ -21,6 +21,7 @@ FloatArray = npt.NDArray[np.float64]
 
 CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
+FURTHER_ROUNDS = 12  # in which a strip is followed beyond its located end, at most
 BEYOND_WIDTHS = 2.0  # how far beyond the located end the strip is looked for
 COARSE_OFFSET_SIGMA_RATIO = 0.5  # of a located begin, in widths
 COARSE_ANGLE_SIGMA_RAD = 0.4
@@ -65,6 +66,16 @@ def fitted_outline(
         fit = _with_rivals(fit, images, there)
         return Outline(fit=fit, optics=there, located=located, end_px=end, end_seen=seen)
     end, seen = _end_px(fit, fit.shape, images, there, width)
+    for _ in range(FURTHER_ROUNDS):
+        if seen or located.leaves_image:
+            break
+        # both edges are there up to where it was looked for them: the strip goes on
+        longer = _cut(fit.shape, fit.shape.basis.total_px + BEYOND_WIDTHS * width, width)
+        further = fit_outline(longer, images, there, width_px=width, prior=prior, rounds=2)
+        if further is None:
+            break
+        fit = further
+        end, seen = _end_px(fit, fit.shape, images, there, width)
     if end < 3 * width:
         return None
     begin = _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
