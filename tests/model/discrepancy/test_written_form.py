@@ -28,6 +28,8 @@ from tests.model.discrepancy.sessions import Case, Hiding, base_fit, diagnosed, 
 OWN_FORM = Case((Hiding("nonuniform_eibm"),), seed=6)
 OTHER_FORM = Case((Hiding("nonuniform_stiffness", "line", 0.5),), seed=41)
 IN_NO_CATALOGUE = Case((Hiding("local_eibm", "bump", 60.0),), seed=42)
+DRIFTING = Case((Hiding("force_drift"),), seed=6)
+CASES = [OWN_FORM, OTHER_FORM, IN_NO_CATALOGUE]
 ALIKE = 0.12  # of a wave's length: straight lines between nodes are not quite the finest wave
 
 
@@ -76,7 +78,7 @@ def test_each_basis_shape_of_a_location_is_a_term_that_does_the_same():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("of", [OWN_FORM, OTHER_FORM, IN_NO_CATALOGUE])
+@pytest.mark.parametrize("of", CASES)
 def test_the_written_model_predicts_what_the_fit_says_of_the_measured_conditions(of: Case):
     found, model = diagnosed(of), read_back(of)
     assert any(effect.form for effect in model.effects)
@@ -90,7 +92,7 @@ def test_the_written_model_predicts_what_the_fit_says_of_the_measured_conditions
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("of", [OWN_FORM, OTHER_FORM, IN_NO_CATALOGUE])
+@pytest.mark.parametrize("of", CASES)
 def test_the_written_model_predicts_what_nobody_measured(of: Case):
     truth = unmeasured(of)
     assert len(truth) == 20
@@ -98,6 +100,14 @@ def test_the_written_model_predicts_what_nobody_measured(of: Case):
     base = errors(base_model(session(of), of), truth)
     assert written[0] < 0.5 * base[0]
     assert written[1] < 0.5 * base[1]
+
+
+@pytest.mark.slow
+def test_a_form_that_only_follows_the_session_is_not_written():
+    """A prediction is one amid the session, away from the times that were measured."""
+    model = read_back(DRIFTING)
+    assert [effect.name for effect in model.effects] == ["force_drift"]
+    assert not any(effect.form for effect in model.effects)
 
 
 @pytest.mark.slow
