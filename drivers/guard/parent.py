@@ -94,6 +94,11 @@ class Guard:
         return not (waiting and self._clock.now() - self._confirmed_s > _UNHEARD_S)
 
     @property
+    def can_act(self) -> bool:
+        """Whether it is there to make the output safe, or has done so."""
+        return self._report is not None or self._process.poll() is None
+
+    @property
     def report(self) -> SafetyReport | None:
         """What it did, when it has acted; then this program's tasks are gone."""
         return self._report

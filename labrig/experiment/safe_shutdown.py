@@ -13,7 +13,7 @@ from labrig.experiment.watchdog import NoWatchdog, Watchdog
 
 # All of a shutdown with boards that do not answer ends within 10 s of their last answer: our own
 # devices have their time (`drivers.safe_shutdown`), the boards are let go of, the guard reports.
-# Where no guard can act, our own devices are tried again until the end of that time.
+# Where no guard can act, or it has died, our own devices are tried again until that time is over.
 _RELEASE_S = 0.3
 _ALL_S = 8.0  # that they do not answer is found within 1.5 s
 
@@ -31,8 +31,8 @@ class SafeShutdown:
         end_s = self._rig.clock.now() + _ALL_S
         report = self._by_our_devices()
         if not report.is_safe:
-            nobody = isinstance(self.watchdog, NoWatchdog)
-            report = self._at_last(report, end_s) if nobody else self._by_the_watchdog(report)
+            others = self.watchdog.can_act
+            report = self._by_the_watchdog(report) if others else self._at_last(report, end_s)
         self.report = report
         return report
 

@@ -22,6 +22,10 @@ _GRACE_S = 1.0  # the schedule was checked against the limit; the guard acts whe
 class Watchdog(Protocol):
     """Watches over the process while the output is energised."""
 
+    @property
+    def can_act(self) -> bool:
+        """Whether it is there to make the output safe, or has done so."""
+
     def new_run(self) -> None:
         """Note that a run begins, at 0 V."""
 
@@ -37,6 +41,8 @@ class Watchdog(Protocol):
 
 class NoWatchdog:
     """Does nothing: a simulated output ends with its program."""
+
+    can_act = False
 
     def new_run(self) -> None:
         """See `Watchdog.new_run`."""
@@ -62,6 +68,11 @@ class InterlockWatchdog:
         self.energised = watch.energised
         self.act = watch.act
 
+    @property
+    def can_act(self) -> bool:
+        """See `Watchdog.can_act`."""
+        return self._watch.can_act
+
     def beat(self) -> None:
         """See `Watchdog.beat`."""
         self._watch.beat()
@@ -74,6 +85,11 @@ class FarWatchdog:
     def __init__(self, watch: Watchdog, link: WatchLink) -> None:
         self._watch = watch
         self._link = link
+
+    @property
+    def can_act(self) -> bool:
+        """See `Watchdog.can_act`. The watch acts by itself, whether it is asked or not."""
+        return self._watch.can_act
 
     def new_run(self) -> None:
         """See `Watchdog.new_run`."""

@@ -59,6 +59,11 @@ class WatchedRig:
         for network in self.networks:
             network.cut()
 
+    def mend(self) -> None:
+        """Plug in a new cable: what was connected stays dead."""
+        for network in self.networks:
+            network.mend()
+
     def zeroed_after(self, what: str) -> float:
         """Energise, let that happen to the operator's computer; seconds until 0 V."""
         rig = self.rig

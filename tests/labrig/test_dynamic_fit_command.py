@@ -22,7 +22,11 @@ from tests.labrig.moving_session import TRUTH, moving_session
 from tests.labrig.report_data import measure, session
 
 # a session is recorded, measured and fitted: half a minute of CPU
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1200)]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.timeout(1200),
+    pytest.mark.usefixtures("data_unchecked"),
+]
 
 WANTED = dict(zip(
     [one.name for one in LogParameters(TRUTH).quantities], np.exp(LogParameters(TRUTH).theta),

@@ -172,6 +172,7 @@ def test_a_job_has_a_low_priority_while_a_run_is_on(session, when):
             assert session_priority.read_text().endswith(f"nice {wanted}\n")
 
 
+@pytest.mark.slow
 @posix
 def test_a_process_ends_with_the_panel_that_started_it(session):
     process = AnalysisProcess(AnalysisOrder(kind="analyze", session=str(session)), session.parent)

@@ -367,6 +367,7 @@ class TestStop:
                 raw.sendall(head.encode())
                 assert b" 200 " in raw.recv(64)
 
+    @pytest.mark.slow
     def test_it_answers_while_others_hold_connections_open(self, server, stop):
         held = [socket.create_connection(stop.split(":"), PATIENCE_S) for _ in range(40)]
         try:

@@ -33,6 +33,7 @@ def press(server, door):
     return server.ask("POST", door[1], {"why": "a test"}, netloc=door[0])[0]
 
 
+@pytest.mark.slow
 def test_a_flood_from_the_same_address_has_no_press_refused(server, door):
     with flood(door[0], door[1]) as answered:
         statuses = [press(server, door) for _ in range(80)]
@@ -53,6 +54,7 @@ def test_silent_connections_crowd_nobody_out(server, door):
         assert press(server, door) == 200
 
 
+@pytest.mark.slow
 def test_a_thousand_silent_connections_crowd_nobody_out_either(server, door):
     page = Page(server)
     with silent(door[0], SILENT) as first, ExitStack() as stack:

@@ -17,6 +17,7 @@ def attributes(one: ChoiceSet, name: str):
     return next(a.attributes for a in one.alternatives if a.name == name)
 
 
+@pytest.mark.slow
 def test_nothing_named_leaves_one_question():
     (only,) = diagnosed().choice_sets
     assert only.considered == NOTHING
@@ -27,6 +28,7 @@ def test_nothing_named_leaves_one_question():
     assert len(names) == len(set(names)) > 4
 
 
+@pytest.mark.slow
 def test_each_name_has_its_question_and_there_is_one_about_the_rest():
     first, rest = diagnosed(FALLING).choice_sets
     assert (first.considered, rest.considered) == ("nonuniform_eibm", NOTHING)
