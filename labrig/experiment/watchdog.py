@@ -35,8 +35,11 @@ class Watchdog(Protocol):
     def energised(self, on: bool) -> None:
         """Note that a voltage other than 0 is about to be written, or that 0 V was confirmed."""
 
-    def act(self) -> SafetyReport | None:
-        """Make the output safe in our place, our devices being released; None: it cannot."""
+    def act(self, timeout_s: float) -> SafetyReport | None:
+        """Make the output safe in our place, our devices being released; None: it cannot.
+
+        Returns after `timeout_s` at the latest, also where it still tries.
+        """
 
 
 class NoWatchdog:
@@ -53,7 +56,7 @@ class NoWatchdog:
     def energised(self, on: bool) -> None:
         """See `Watchdog.energised`."""
 
-    def act(self) -> SafetyReport | None:
+    def act(self, timeout_s: float) -> SafetyReport | None:  # noqa: ARG002
         """See `Watchdog.act`."""
         return None
 
@@ -106,9 +109,9 @@ class FarWatchdog:
         self._watch.energised(on)
         self._link.energised(on)
 
-    def act(self) -> SafetyReport | None:
+    def act(self, timeout_s: float) -> SafetyReport | None:
         """See `Watchdog.act`. The watch acts too, unless the guard has read 0 V back."""
-        report = self._watch.act()
+        report = self._watch.act(timeout_s)
         if report is not None and report.is_safe:
             self._link.energised(on=False)
         return report

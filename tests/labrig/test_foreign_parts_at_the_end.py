@@ -85,7 +85,7 @@ class Acting:
 
     def energised(self, on: bool) -> None: ...
 
-    def act(self) -> SafetyReport:
+    def act(self, _timeout_s: float) -> SafetyReport:
         return SAFE
 
 

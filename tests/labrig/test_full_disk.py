@@ -88,6 +88,9 @@ def test_the_process_ends_before_the_library_crashes_at_its_own_end(
     monkeypatch.setattr(os, "_exit", ended.append)
     disk.end_before_the_library_does(5)
     assert ended == []  # nothing has failed
+    disk.end_before_the_library_does(6)
+    assert ended == [6]  # boards that do not answer would be waited for
+    ended.clear()
     disk.note_a_failed_write()
     disk.end_before_the_library_does(5)
     assert ended == [5]
