@@ -104,6 +104,7 @@ def test_a_renamed_class_leaves_no_code_that_cannot_be_loaded(package):
     assert package.run() == (1012.0, True)
 
 
+@pytest.mark.slow
 def test_python_and_compiled_functions_call_the_same_function(package):
     code = (
         f"from {package.name}.called import part\n"

@@ -59,6 +59,10 @@ NEIGHBOUR_FORM_SHARE = 0.08
 # Positions below which cross-validation decides nothing; and the share of its gain that all but
 # the best position may lose.
 FEWEST_POSITIONS, ONE_POSITION_SHARE = 3, 0.1
+# Fall of the squares of left-out mean forces and curves, in units of the noise, from which on an
+# inferred form in time is written; and the rise with which no other form is. It is as much evidence
+# as a name needs. (moves: predictions of benchmarks/worlds)
+FORM_GAIN_CHI2 = 2.0 * EVIDENCE_THRESHOLD_LN
 # Times that conditions may be left out as outliers.
 OUTLIER_ROUNDS = 2
 

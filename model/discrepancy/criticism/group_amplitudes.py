@@ -7,14 +7,15 @@ one. The factors follow from one linear solution (generalised least squares).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from model.discrepancy.search.evidence import Projected
 from model.discrepancy.search.form_share import steps_of
 from model.identification.data.data_vector import Index
+from model.identification.likelihood.linearisation import with_only
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
@@ -47,20 +48,27 @@ def group_amplitudes(
     whole = np.zeros(forward.layout.size)
     for c, step in steps_of(fitted, index):
         whole += forward.rows_of(c, fitted.linear.states[c], step)
-    S = np.zeros((len(whole), len(groups)))
-    for column, group in enumerate(groups):
-        S[group.rows, column] = whole[group.rows]
+    parts = {}
+    for group in groups:
+        parts[group.title] = np.zeros(len(whole))
+        parts[group.title][group.rows] = whole[group.rows]
+    return amplitudes(fitted, index, parts, log_sigma)
+
+
+def amplitudes(
+    fitted: MixedModelFit, index: int, parts: Mapping[str, FloatArray], log_sigma: FloatArray
+) -> list[GroupAmplitude]:
+    """Return the factor of each part of an effect, by title; the parts (N,) add up to it."""
+    forward, S = fitted.problem.forward, np.stack(list(parts.values()), axis=1)
     keep = np.setdiff1d(
         np.arange(fitted.linear.columns.shape[1]),
         np.arange(fitted.spans[index].start, fitted.spans[index].stop),
     )
-    data = fitted.linear.data
-    data = replace(data, X=data.X[:, :, keep], precision=data.precision[keep], away=data.away[keep])
-    linear = replace(fitted.linear, data=data, columns=fitted.linear.columns[:, keep])
-    A, b = Projected.of(forward, linear, weigh(data, log_sigma)).normal(forward, S)
-    covariance = np.linalg.inv(A + VAGUE**-2.0 * np.eye(len(groups)))
+    linear = with_only(fitted.linear, keep)
+    A, b = Projected.of(forward, linear, weigh(linear.data, log_sigma)).normal(forward, S)
+    covariance = np.linalg.inv(A + VAGUE**-2.0 * np.eye(len(parts)))
     factors, sigma = 1.0 + covariance @ b, np.sqrt(np.diag(covariance))
     return [
-        GroupAmplitude(group.title, float(f), float(s))
-        for group, f, s in zip(groups, factors, sigma, strict=True)
+        GroupAmplitude(title, float(f), float(s))
+        for title, f, s in zip(parts, factors, sigma, strict=True)
     ]

@@ -8,16 +8,22 @@ misfit. A base fit that fails and that no change mends is told, too: no effect e
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from model.discrepancy.data_checks.catalogue import data_checks
 from model.discrepancy.data_checks.changed_data import Compared, Trial, compared, of_one
-from model.discrepancy.data_checks.contract import DataCheck, Suspicion
+from model.discrepancy.data_checks.contract import Change, DataCheck, Suspicion
 from model.discrepancy.data_checks.kinds._data import quoted
-from model.discrepancy.data_checks.quick_fit import QuickFit, Tolerances, bare, quick_fit
+from model.discrepancy.data_checks.quick_fit import (
+    QuickFit,
+    Tolerances,
+    bare,
+    fit_with,
+    quick_fit,
+)
 from model.discrepancy.data_checks.swinging_shapes import without_swinging
 from model.discrepancy.thresholds import (
     FAILED_CURVE_SHARE,
@@ -29,6 +35,8 @@ from model.identification.data.outlier_readings import without_outliers
 from model.measurements import Measurements
 
 SAME_SIGMA, SAME_SHARE = 5.0, 0.02  # within which two configurations ask for the same value
+# beyond which one of them contradicts a value that the others ask for
+APART_SIGMA, APART_SHARE = 3.0, 0.01
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +58,16 @@ class CheckedData:
         return (*(one.sentence for one in self.suspicions), *self.notes)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """A change that mends some configurations, and what is said of it."""
+
+    change: Change
+    value: float
+    sigma: float
+    suspicion: Suspicion
+
+
 def check_data(measurements: Measurements) -> CheckedData:
     """Return measurements without wild readings, and what is suspicious; raise nothing."""
     cleaned = without_outliers(measurements)
@@ -69,16 +87,19 @@ def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Sus
     few = bare(data)
     tolerances = Tolerances.of(few)
     stiffness, suspicious = dict[str, float](), list[Compared]()
+    as_stated = dict[str, tuple[Measurements, QuickFit | None]]()
     for name in data.sheets:
         own = of_one(few, name)
         if not any(c.readings and c.position_m is not None for c in own.conditions):
             continue
         stated = quick_fit(own, tolerances)
+        as_stated[name] = own, stated
         if stated is not None and stated.misfit < SUSPICIOUS_MISFIT:
             stiffness[name] = float(np.exp(stated.theta[stated.bases.parts[0].stiffness]))
         else:
             suspicious.append(compared(name, own, stated, tolerances, checks))
-    yield from _changed([one for one in suspicious if _mended(one)])
+    for one in _changed([one for one in suspicious if _mended(one)]):
+        yield _unless_refused(one, as_stated, tolerances)
     yield from (_failed(one) for one in suspicious if not _mended(one) and _fails(one.stated, data))
     for check in checks:
         yield from check.of_stiffness(data, stiffness)
@@ -94,8 +115,36 @@ def _mended(one: Compared) -> Trial | None:
     return best if one.share(best) < LEFT_BY_CHANGED_DATUM else None
 
 
-def _changed(mended: Sequence[Compared]) -> Iterator[Suspicion]:
-    """Return one suspicion for all configurations that ask for the same change."""
+def _unless_refused(
+    told: Told, as_stated: Mapping[str, tuple[Measurements, QuickFit | None]], limits: Tolerances
+) -> Suspicion:
+    """Return what is told as a warning where another configuration asks for another value.
+
+    Then it is no datum of the rig: an effect does to each configuration what it does.
+    """
+    change, suspicion = told.change, told.suspicion
+    if not change.of_rig:
+        return suspicion
+    for name, (own, stated) in as_stated.items():
+        if name in suspicion.configurations or stated is None:
+            continue
+        begin = replace(stated, value=change.stated)
+        other = fit_with(own, limits, change, begin)
+        if other is None or not np.isfinite(other.sigma):
+            continue
+        apart = abs(other.value - told.value)
+        near = max(APART_SHARE * abs(told.value), APART_SIGMA * np.hypot(told.sigma, other.sigma))
+        if apart > near:
+            doubt = (
+                f"; '{name}' asks for {other.value * change.factor:.4g} {change.unit}, so an"
+                " effect may be the reason"
+            )
+            return replace(suspicion, severity="warn", sentence=f"{suspicion.sentence}{doubt}")
+    return suspicion
+
+
+def _changed(mended: Sequence[Compared]) -> Iterator[Told]:
+    """Yield what is told once of all configurations that ask for the same change."""
     left = list(mended)
     while left:
         first = left[0].trials[0]
@@ -113,12 +162,13 @@ def _changed(mended: Sequence[Compared]) -> Iterator[Suspicion]:
         )
         change = first.change
         gap = _gap(alike)
-        yield Suspicion(
+        suspicion = Suspicion(
             check=first.check, severity="stop", where=change.where, configurations=tuple(names),
             value=value * change.factor, sigma=error * change.factor if change.continuous else None,
             unit=change.unit,
             sentence=f"{change.sentence(quoted(names), value, error)}{gap}",
         )  # fmt: skip
+        yield Told(change=change, value=value, sigma=error, suspicion=suspicion)
 
 
 def _same(one: Trial, other: Trial) -> bool:

@@ -70,6 +70,8 @@ class Change:
     bounds: tuple[float, float] = (-np.inf, np.inf)
     unit: str = ""
     factor: float = 1.0  # from the value to `unit`
+    # all configurations have the same: where they ask for several, it is an effect
+    of_rig: bool = False
 
     @property
     def continuous(self) -> bool:

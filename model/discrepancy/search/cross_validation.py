@@ -50,6 +50,18 @@ def left_out(
     return before, after, chosen
 
 
+def when_left_out(fitted: MixedModelFit) -> FloatArray:
+    """Return the residual of each row with its position left out of the fit, (N,)."""
+    none = np.zeros(0, dtype=np.int64)
+    residual, of = (
+        _predicted(fitted, fitted.linear.columns, none), fitted.problem.forward.layout.run_of
+    )  # fmt: skip
+    for runs in position_groups(fitted):
+        rows = np.isin(of, runs)
+        residual[rows] = _predicted(fitted, fitted.linear.columns, runs)[rows]
+    return residual
+
+
 def _information(
     fitted: MixedModelFit, columns: FloatArray, runs: Index, extra: FloatArray | None
 ) -> tuple[FloatArray, FloatArray]:

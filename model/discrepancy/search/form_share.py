@@ -5,10 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from model.discrepancy.verdict.prediction_error import variance
+from model.effects.interface import Effect
 from model.identification.likelihood.form_error import whole_step
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
+
+IN_TIME = frozenset({"time", "session", "wetted", "run"})
+
+
+def in_time(effect: Effect) -> bool:
+    """Return whether its form may differ in time."""
+    return bool(IN_TIME.intersection(effect.form_error_along))
 
 
 def form_share(fitted: MixedModelFit, index: int) -> float:

@@ -85,7 +85,7 @@ def largest_amplitude(effect: Effect) -> float:
         return LARGE_AMPLITUDE
     reach = max(size.high - size.neutral, size.neutral - size.low)
     limit = np.inf if size.instrument_limit is None else size.instrument_limit
-    return float(min(min(reach, limit) / size.prior_scale, max(SIZES)))
+    return float(min(min(reach, limit) / abs(size.prior_scale), max(SIZES)))
 
 
 def detection_limits(

@@ -7,18 +7,23 @@ from there.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from typing import cast
 
 import numpy as np
 
+from model.discrepancy.search.cross_validation import position_groups, when_left_out
+from model.discrepancy.search.form_share import in_time
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
+from model.discrepancy.thresholds import FEWEST_POSITIONS, FORM_GAIN_CHI2
+from model.discrepancy.verdict.prediction_error import cells, variance
 from model.identification.likelihood.form_error import formed
 from model.identification.likelihood.form_ways import sampled
 from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.linearisation import with_only
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.identification.likelihood.model_state import FormWay, Found
 from model.locations import location
@@ -34,10 +39,11 @@ def written(
 ) -> Iterator[MixedModelFit]:
     """Yield fits with the forms in the model, and with what is unknown; the best first.
 
-    `final` is `known` with the columns of the free form, if there is one. The last one is without
-    forms: what `known` would be if the catalogue's were nature's.
+    `final` is `known` with the columns of the free form, if there is one. Inferred forms are in
+    the first one only if left-out positions are predicted better with them: what they add at the
+    times and places of the session may be anything elsewhere.
     """
-    beta, size = final.solution.beta, known.problem.bases.size
+    beta = final.solution.beta
     found = [
         one if one.given is not None
         else formed(known.problem.forward, known.linear, one, _of_form(beta, one, span))
@@ -48,15 +54,50 @@ def written(
     if not any(one.ways for one in found):
         yield final
         return
+    if free is None and not _asked_for(known):
+        yield from _rigid(known, final)
+    yield from _formed(known, final, found)
+    yield from _rigid(known, final)
+    yield known
+
+
+def _formed(
+    known: MixedModelFit, final: MixedModelFit, found: Sequence[Found]
+) -> Iterator[MixedModelFit]:
+    """Yield fits with the forms, begun from all of their deviations and from none."""
+    beta, size = final.solution.beta, known.problem.bases.size
     for theta, share in ((final.theta + beta[:size], 1.0), (known.theta, 0.0)):
         some = tuple(_with_share(one, share) for one in found)
         with suppress(ModelError, np.linalg.LinAlgError):
             fitted = fit_mixed_model(known.problem, theta, some, final.solution.log_sigma)
             yield replace(fitted, found=_as_unsure(fitted, known))
+
+
+def _rigid(known: MixedModelFit, final: MixedModelFit) -> Iterator[MixedModelFit]:
+    """Yield the fit with the catalogue's forms as they are, if there is one."""
+    some = tuple(replace(one, given=one.given or ()) for one in known.found)
     with suppress(ModelError, np.linalg.LinAlgError):
-        rigid = tuple(replace(one, given=one.given or ()) for one in known.found)
-        yield fit_mixed_model(known.problem, known.theta, rigid, final.solution.log_sigma)
-    yield known
+        fitted = fit_mixed_model(known.problem, known.theta, some, final.solution.log_sigma)
+        yield replace(fitted, found=_as_unsure(fitted, known))
+
+
+def _asked_for(known: MixedModelFit) -> bool:
+    """Return whether mean forces and curves at left-out positions ask for the inferred forms.
+
+    Between the positions a form is interpolated, and stays unless it clearly fails. One in time
+    leads away from what was measured, since a prediction is one amid the session: it must gain.
+    """
+    where, noise = cells(known), variance(known)
+    rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
+    if len(position_groups(known)) < FEWEST_POSITIONS or not len(rows):
+        return True
+    pairs = zip(known.found, known.spans, strict=True)
+    forms = [np.arange(span.start + len(one.parameters()), span.stop) for one, span in pairs]
+    keep = np.setdiff1d(np.arange(known.linear.columns.shape[1]), np.concatenate(forms))
+    rigid = replace(known, linear=with_only(known.linear, keep))
+    formed, plain = (np.sum(when_left_out(f)[rows] ** 2 / noise[rows]) for f in (known, rigid))
+    slow = any(in_time(one.effect) for one in known.found)
+    return bool(plain - formed > (FORM_GAIN_CHI2 if slow else -FORM_GAIN_CHI2))
 
 
 def _as_unsure(fitted: MixedModelFit, known: MixedModelFit) -> tuple[Found, ...]:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from model.effects.interface import BeamProblem
+from model.identification.data.data_vector import Index
 from model.identification.likelihood.drive_rise import RISE, rise_columns
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model import Data
@@ -243,6 +244,13 @@ def with_columns(
         away=np.concatenate([linear.data.away, np.broadcast_to(away, q)]),
     )  # fmt: skip
     return replace(linear, columns=np.concatenate([linear.columns, extra], axis=1), data=data)
+
+
+def with_only(linear: Linearisation, keep: Index) -> Linearisation:
+    """Return some of the columns, by number, with their priors."""
+    data = linear.data
+    data = replace(data, X=data.X[:, :, keep], precision=data.precision[keep], away=data.away[keep])
+    return replace(linear, columns=linear.columns[:, keep], data=data)
 
 
 def _prior(bases: Bases, i: int) -> tuple[float, float]:

@@ -126,6 +126,7 @@ def test_whatever_goes_wrong_is_one_sentence(error, says):
     assert "\n" not in sentence
 
 
+@pytest.mark.slow
 def test_jobs_wait_for_each_other_and_the_same_one_is_not_queued_twice(session):
     with analysis_jobs(session.parent) as (jobs, heard):
         first, second = started(jobs, session), started(jobs, session, "fit")

@@ -115,7 +115,7 @@ BAD_FILES = {
     "there is no such file": lambda path, _: None,
     "a folder": lambda path, _: path.mkdir(),
     "this is an empty file": lambda path, _: write(path, b""),
-    "is no HDF5 file": lambda path, _: write(path, b"configuration,position_mm\n"),
+    "is not an HDF5 file": lambda path, _: write(path, b"configuration,position_mm\n"),
     "no labrig session": lambda path, _: plain_hdf5(path),
     "truncated": lambda path, recorded: write(path, recorded.read_bytes()[:-5000]),
     "has format 7": edited(lambda file: file.attrs.__setitem__("labrig_format", 7)),

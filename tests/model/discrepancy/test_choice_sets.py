@@ -54,6 +54,7 @@ def test_a_second_name_is_voted_for_beside_the_first():
         assert own["votes"] == 1.0
 
 
+@pytest.mark.slow
 def test_every_attribute_is_documented_and_of_the_order_of_one():
     for one in (*diagnosed().choice_sets, *diagnosed(FALLING).choice_sets):
         for alternative in one.alternatives:

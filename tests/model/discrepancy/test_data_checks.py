@@ -16,6 +16,7 @@ from model.discrepancy.data_checks.changed_data import of_one
 from model.discrepancy.data_checks.conformance import example_measurements, faults
 from model.discrepancy.data_checks.contract import DataCheck, Suspicion
 from model.identification.data.outlier_readings import without_outliers
+from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
 from tests.model.discrepancy.sessions import session
 
 BY_NAME = {one.name: one for one in MISTAKES}
@@ -81,6 +82,24 @@ def test_a_wrong_datum_is_told_with_the_value_that_would_fit(name, said):
     if np.isfinite(BY_NAME[name].tolerance):
         scale = 1e3 if one.unit else 1.0
         assert one.value == pytest.approx(scale * right, rel=BY_NAME[name].tolerance)
+
+
+@pytest.mark.slow
+def test_a_camera_of_another_scale_is_no_wrong_radius():
+    """The short sheet asks for another radius than the long one."""
+
+    def seen(curve):
+        return replace(curve, s_m=1.07 * curve.s_m, x_m=1.07 * curve.x_m, y_m=1.07 * curve.y_m)
+
+    plain = foreign_session(Foreign(), 3)
+    curves = [replace(c, curve=c.curve and seen(c.curve)) for c in plain.conditions]
+    found = check_data(replace(plain, conditions=tuple(curves)))
+    assert found.stops == ()
+    (radius,) = (one for one in found.suspicions if one.check == "arc_radius")
+    assert radius.severity == "warn"
+    assert radius.configurations == ("long",)
+    assert "'short' asks for" in radius.sentence
+    assert radius.sentence.endswith("so an effect may be the reason")
 
 
 def test_a_length_is_doubted_where_all_curves_end_elsewhere():

@@ -237,6 +237,11 @@ def test_an_effect_is_invisible_where_no_amplitude_of_a_laboratory_would_show_it
     assert told["force_offset"].endswith("Here it is not seen at any size that it can have.")
 
 
+@pytest.mark.parametrize("name", catalogue())
+def test_no_effect_is_invisible_for_the_sign_of_its_prior_scale(name):
+    assert largest_amplitude(effect(name)) > 0.0
+
+
 def test_classes_are_of_effects_closer_than_four_sigma_and_an_effect_is_in_one_at_most(seen):
     _, _, found = seen
     groups = classes(found, {})

@@ -42,6 +42,7 @@ def test_shapes_under_voltage_that_swing_are_told_and_left_out_before_the_search
     assert len(found.measurements.series) == len(swinging().series)
 
 
+@pytest.mark.slow
 def test_where_one_voltage_swings_the_other_goes_too_though_its_pictures_agree():
     data = swinging()
     still = tuple(

@@ -124,16 +124,19 @@ def test_only_an_amplitude_that_nobody_can_overlook_rejects_a_name(angle_rad, co
 
 @pytest.mark.thorough
 def test_offsets_of_opposite_sign_are_no_meniscus():
-    """The sheets are measured one after the other: what differs is a zero that has changed."""
+    """Nor a drift: what is constant with each sheet does not go with the time."""
     apart = Foreign(
         force_N=lambda force, at, volts, gamma, name: (
             (1.5e-4 if name == "long" else -1e-4) + 0.0 * force
         )
     )
     found = diagnose(foreign_session(apart, 2))
-    assert [one.name for one in found.effects] == ["force_drift"]
-    assert found.effects[0].parameters["force_mN"].value < 0.0
-    assert "surface_tension" not in found.effects[0].confusable_with
+    assert found.verdict == "unknown_effect"
+    assert found.unknown is not None
+    assert found.unknown.location == "load_cell"
+    failed = [one.name for one in found.checks if not one.passed]
+    assert failed == ["session_structure"]
+    assert "each configuration has a constant of its own" in found.sentence
 
 
 @pytest.mark.parametrize(("short_mN", "failures"), [(-0.1, 1), (0.1, 0), (-0.01, 0)])

@@ -28,8 +28,8 @@ from tests.model.discrepancy.sessions import Case, Hiding, base_fit, diagnosed, 
 OWN_FORM = Case((Hiding("nonuniform_eibm"),), seed=6)
 OTHER_FORM = Case((Hiding("nonuniform_stiffness", "line", 0.5),), seed=41)
 IN_NO_CATALOGUE = Case((Hiding("local_eibm", "bump", 60.0),), seed=42)
-# The third is searched for the longest: half a minute.
-CASES = [OWN_FORM, OTHER_FORM, pytest.param(IN_NO_CATALOGUE, marks=pytest.mark.thorough)]
+DRIFTING = Case((Hiding("force_drift"),), seed=6)
+CASES = [OWN_FORM, OTHER_FORM, IN_NO_CATALOGUE]
 ALIKE = 0.12  # of a wave's length: straight lines between nodes are not quite the finest wave
 
 
@@ -100,6 +100,14 @@ def test_the_written_model_predicts_what_nobody_measured(of: Case):
     base = errors(base_model(session(of), of), truth)
     assert written[0] < 0.5 * base[0]
     assert written[1] < 0.5 * base[1]
+
+
+@pytest.mark.slow
+def test_a_form_that_only_follows_the_session_is_not_written():
+    """A prediction is one amid the session, away from the times that were measured."""
+    model = read_back(DRIFTING)
+    assert [effect.name for effect in model.effects] == ["force_drift"]
+    assert not any(effect.form for effect in model.effects)
 
 
 @pytest.mark.slow

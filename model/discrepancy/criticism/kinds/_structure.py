@@ -14,6 +14,7 @@ from model.discrepancy.criticism.group_amplitudes import (
     group_amplitudes,
 )
 from model.discrepancy.criticism.named_model import NamedModel, limited_scatter
+from model.discrepancy.search.form_share import in_time
 from model.discrepancy.thresholds import (
     LEAST_GROUP_RATIO,
     LEAST_RIGID_RATIO,
@@ -24,7 +25,6 @@ from model.effects import title
 from model.effects.interface import Along, Effect
 
 LEAST_WHOLE = 0.2  # of the named amplitude, that is in a group without doubt
-IN_TIME = frozenset({"time", "session", "wetted", "run"})
 ALONG_THE_SHEET = frozenset({"s", "curvature", "place"})
 
 
@@ -80,11 +80,6 @@ def least_ratio(effect: Effect, along: Along | None) -> float:
         return LEAST_TIMED_RATIO
     rigid = has_one_weight(effect) and along not in effect.form_error_along
     return LEAST_RIGID_RATIO if rigid else LEAST_GROUP_RATIO
-
-
-def in_time(effect: Effect) -> bool:
-    """Return whether its form may differ in time."""
-    return bool(IN_TIME.intersection(effect.form_error_along))
 
 
 def has_one_weight(effect: Effect) -> bool:

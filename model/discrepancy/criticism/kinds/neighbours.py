@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import NEIGHBOUR_EVIDENCE_LN, SEPARATION_SIGMA
 from model.discrepancy.verdict.posterior import Choice
 from model.effects import title
+from model.identification.likelihood.linearisation import with_only
 from model.identification.likelihood.mixed_model import weigh
 from model.locations import location
 
@@ -66,11 +67,11 @@ def _imitates(named: NamedModel, one: Choice, rival: RankedCandidate) -> bool:
     for c, step in steps_of(fitted, index):
         whole += forward.rows_of(c, fitted.linear.states[c], step)
     keep = np.setdiff1d(np.arange(fitted.linear.columns.shape[1]), np.arange(span.start, span.stop))
-    data = fitted.linear.data
-    data = replace(data, X=data.X[:, :, keep], precision=data.precision[keep], away=data.away[keep])
-    linear = replace(fitted.linear, data=data, columns=fitted.linear.columns[:, keep])
+    linear = with_only(fitted.linear, keep)
     S = np.concatenate([whole[:, None], candidate.columns], axis=1)
-    A, _ = Projected.of(forward, linear, weigh(data, fitted.solution.log_sigma)).normal(forward, S)
+    A, _ = Projected.of(forward, linear, weigh(linear.data, fitted.solution.log_sigma)).normal(
+        forward, S
+    )
     size = max(rival.score.scale, abs(rival.score.amplitude))
     inner = A[1:, 1:] + np.diag(np.full(candidate.columns.shape[1], size**-2.0))
     left = float(A[0, 0] - A[0, 1:] @ np.linalg.solve(inner, A[1:, 0]))

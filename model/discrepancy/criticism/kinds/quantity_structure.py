@@ -9,8 +9,9 @@ from model.discrepancy.criticism.check_result import Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.families import MEANS, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group
-from model.discrepancy.criticism.kinds._structure import contradicted, has_one_weight, in_time
+from model.discrepancy.criticism.kinds._structure import contradicted, has_one_weight
 from model.discrepancy.criticism.named_model import NamedModel
+from model.discrepancy.search.form_share import in_time
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,7 @@ class ArcRadius(DataCheck):
             bounds=(RANGE[0] * stated, RANGE[1] * stated),
             unit="mm",
             factor=1e3,
+            of_rig=True,
         )
 
 
