@@ -7,7 +7,8 @@ residuals of force, current and curves of all runs at once and weak priors.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import sqrt
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from model.dynamics.identification.noise import RecordingNoise, tempered
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.identification.residuals import FINE, coarser
 from model.dynamics.identification.runs import RecordedRun
-from model.dynamics.identification.search import SearchProblem, search
+from model.dynamics.identification.search import SearchPoint, SearchProblem, search
 from model.dynamics.identification.thresholds import GUARD, LEAST_MISFIT, SURE_MISFIT
 from model.dynamics.identification.uncertainty import DynamicParameter, judged, surely
 from model.dynamics.motion import Resolution
@@ -44,8 +45,7 @@ class Identification:
     @property
     def misses_data(self) -> bool:
         """Return whether more is left than the noise explains: a wrong place or a wrong model."""
-        usual = max(LEAST_MISFIT, SURE_MISFIT * (2.0 / self.count) ** 0.5)
-        return self.chi2 > self.count * (1.0 + usual)
+        return _misses(self.chi2, self.count)
 
     @property
     def undetermined(self) -> tuple[str, ...]:
@@ -83,6 +83,8 @@ def identify(
         found, covariance, at.theta, parameters.theta,
         lambda theta: judged(parameters, theta, problem.rough_information(theta), scale)[0],
     )  # fmt: skip
+    if not ended.converged and _misses(at.chi2, problem.count):  # it is not known where it is
+        found = tuple(replace(one, determined=False) for one in found)
     return Identification(
         beam=parameters.beam(at.theta), parameters=found, covariance=covariance, chi2=at.chi2,
         count=problem.count, steps=ended.steps, converged=ended.converged,
@@ -118,8 +120,10 @@ STAGES = (_Stage(0.35, 30.0), _Stage(1.0, 10.0), _Stage(np.inf, 3.0))
 
 
 # A line with r, c and g so many times larger and rho as much smaller looks to the current like the
-# same line so many times longer: only what comes back from its end tells them apart.
-LONGER = (0.0, -1.5, 1.5)  # logarithms, where the search for the electrodes begins
+# same line so many times longer: only what comes back from its end tells them apart. There are
+# minima about every factor of two.
+LONGER = (0.0, -0.7, 0.7, -1.5, 1.5)  # logarithms, where the search for the electrodes begins
+NEXT_LONGER, MOST_LONGER = (-0.7, 0.7), 4  # from the best, and how often it is gone on from
 
 
 def _beginning(
@@ -151,14 +155,29 @@ def _electrodes(
     if not currents:
         return theta
     problem = SearchProblem(parameters, currents, noise, fine)
-    ways = (theta + by * parameters.length_of_line for by in LONGER)
-    return min((search(problem, way, BEGIN).at for way in ways), key=lambda at: at.cost).theta
+
+    def best(begun: FloatArray, lengths: Sequence[float]) -> SearchPoint:
+        ways = (begun + by * parameters.length_of_line for by in lengths)
+        return min((search(problem, way, BEGIN).at for way in ways), key=lambda at: at.cost)
+
+    found = best(theta, LONGER)
+    for _ in range(MOST_LONGER):
+        other = best(found.theta, NEXT_LONGER)
+        if other.cost > found.cost - 1.0:
+            break
+        found = other
+    return found.theta
 
 
 def _first_edge_s(run: RecordedRun) -> float:
     """Return when the voltage first changes; a run may begin under one."""
     edges = run.plan.drive.time_s
     return float(edges[edges > 0.0][0]) if np.any(edges > 0.0) else 0.0
+
+
+def _misses(chi2: float, count: int) -> bool:
+    usual = max(LEAST_MISFIT, SURE_MISFIT * sqrt(2.0 / count))
+    return chi2 > count * (1.0 + usual)
 
 
 def _refuse(runs: Sequence[RecordedRun]) -> None:

@@ -96,25 +96,27 @@ def test_a_start_with_a_wrong_frequency_and_loss_still_leads_to_the_answer():
             assert abs(np.log(p.parameter.value / value)) < p.log_sigma, p.name
 
 
-# an independent pair of electrodes, whose charge hardly reaches the end of the sheet
-SLOW_LINE = ElectrodeLine(
-    electrode_ohm_per_m=2364.0, capacitance_F_per_m=0.182, bulk_ohm_m=0.801, leak_S_per_m=0.17,
-    source_ohm=1.0,
-)  # fmt: skip
+# electrodes of which another line, longer or shorter, explains the first instants
+LINES = {
+    "much longer": (2364.0, 0.182, 0.801, 0.17), "half as long": (7644.0, 0.263, 0.332, 0.036)
+}  # fmt: skip
 CURRENT = RunPlan(
     drive=HeldVoltage(np.array([0.1, 0.5, 0.9, 1.2]), np.array([1.8, -1.8, 1.8, 0.0])),
     time_s=np.arange(0.0, 1.5, 2e-3), force=False,
 )  # fmt: skip
 
 
-def test_electrodes_of_another_line_that_explains_the_first_instants_are_not_settled_for():
+@pytest.mark.parametrize("line", LINES.values(), ids=LINES)
+def test_electrodes_of_another_line_that_explains_the_first_instants_are_not_settled_for(line):
     """A line so many times as long, r, c, g as many times less and rho more, begins the same."""
-    said = predict(replace(SHEET, electrodes=SLOW_LINE), CURRENT, COARSE).current_A
+    names = ("electrode_ohm_per_m", "capacitance_F_per_m", "bulk_ohm_m", "leak_S_per_m")
+    electrodes = ElectrodeLine(source_ohm=1.0, **dict(zip(names, line, strict=True)))
+    said = predict(replace(SHEET, electrodes=electrodes), CURRENT, COARSE).current_A
     noisy = said + 5e-5 * np.random.default_rng(0).standard_normal(len(said))
     found = identify(SHEET, [RecordedRun(plan=CURRENT, current_A=noisy)], NOISE, resolution=COARSE)
     assert found.converged
     assert found.chi2 / found.count == pytest.approx(1.0, abs=0.15)
-    assert found["electrode_resistance"].parameter.value == pytest.approx(2364.0, rel=0.05)
+    assert found["electrode_resistance"].parameter.value == pytest.approx(line[0], rel=0.05)
 
 
 @pytest.mark.slow
