@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import re
 import subprocess
@@ -9,6 +10,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from numba.core import event
 
 ROOT = Path(__file__).parents[1]
 TOPS = ("labrig", "drivers", "protocols", "model", "sim_hardware")
@@ -131,3 +133,30 @@ def test_model_compiles_through_its_module_alone():
         if re.search(r"^\s*(import|from) numba\b", path.read_text(encoding="utf-8"), re.MULTILINE)
     ]
     assert users == ["model/jit.py"]
+
+
+def test_compiling_leaves_the_search_for_garbage_as_it_was():
+    import labrig.vision.jit  # noqa: F401 - a second package that listens
+    from model.jit import jit
+
+    before, called = gc.get_threshold(), []
+
+    @jit
+    def doubled(x):
+        return 2.0 * x
+
+    with event.install_listener("numba:compile", Noting(called)):
+        assert doubled(1.5) == 3.0
+    assert called == [400_000]
+    assert gc.get_threshold() == before
+
+
+class Noting(event.Listener):
+    def __init__(self, into: list[int]) -> None:
+        self.into = into
+
+    def on_start(self, event):
+        self.into.append(gc.get_threshold()[0])
+
+    def on_end(self, event):
+        pass

@@ -71,10 +71,10 @@ def fitted_outline(
             break
         # both edges are there up to where it was looked for them: the strip goes on
         longer = _cut(fit.shape, fit.shape.basis.total_px + BEYOND_WIDTHS * width, width)
-        further = fit_outline(longer, images, there, width_px=width, prior=prior, rounds=2)
-        if further is None:
+        followed = fit_outline(longer, images, there, width_px=width, prior=prior, rounds=2)
+        if followed is None:
             break
-        fit = further
+        fit = followed
         end, seen = _end_px(fit, fit.shape, images, there, width)
     if end < 3 * width:
         return None
