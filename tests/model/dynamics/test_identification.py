@@ -106,6 +106,7 @@ CURRENT = RunPlan(
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("line", LINES.values(), ids=LINES)
 def test_electrodes_of_another_line_that_explains_the_first_instants_are_not_settled_for(line):
     """A line so many times as long, r, c, g as many times less and rho more, begins the same."""
