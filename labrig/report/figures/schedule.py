@@ -49,4 +49,4 @@ def draw_run(axes: Axes, run: PlannedRun) -> None:
     axes.set_xlabel("time (s)")
     axes.set_ylabel("sheet voltage (V)")
     if labelled:
-        axes.legend(loc="upper left", ncols=3)
+        axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=3, borderaxespad=0.0)

@@ -12,8 +12,9 @@ def run_rows(schedule: Schedule) -> list[list[str]]:
     for number, step in enumerate(run.steps):
         readings = [reading for reading in run.readings if reading.step == number]
         kinds = ", ".join(dict.fromkeys(reading.kind.value for reading in readings))
+        without = "end" if number == len(run.steps) - 1 else "-"
         rows.append(
-            [kinds or "end", f"{step.time_s:.2f}", f"{step.voltage_V:+g}", _times(run, number)]
+            [kinds or without, f"{step.time_s:.2f}", f"{step.voltage_V:+g}", _times(run, number)]
         )
     return rows
 
