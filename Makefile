@@ -5,6 +5,7 @@ BIN := $(VENV)/bin
 PYTEST := $(BIN)/python -m pytest
 # Between them they use all that numba compiles; else each worker would compile it for itself. The
 # end of `make test` names what was compiled after all.
+# A test of theirs that compiles must not be marked slow: it would compile beside the others.
 # The two share nothing that is compiled, so that side by side they compile nothing twice.
 MECHANICS := tests/model/test_predict.py tests/model/test_engines.py tests/model/test_design.py \
 	tests/model/test_equilibrium_reference.py tests/model/dynamics/test_numpy_reference.py

@@ -77,7 +77,7 @@ def _picture(path: Path, entry: dict[str, Any]) -> np.ndarray:
 
         with h5py.File(path) as file:
             return np.asarray(file["video"][entry["frame"]])
-    image = read_image(path)
+    image = _frame(path, entry["frame"]) if path.suffix == ".avi" else read_image(path)
     if "crop_px" in entry:
         u, v, width, height = entry["crop_px"]
         image = image[v : v + height, u : u + width]
@@ -90,6 +90,14 @@ def _picture(path: Path, entry: dict[str, Any]) -> np.ndarray:
             image[: rows * by, : columns * by], (columns, rows), interpolation=cv2.INTER_AREA
         )
     )
+
+
+def _frame(path: Path, number: int) -> np.ndarray:
+    import cv2
+
+    video = cv2.VideoCapture(str(path))
+    video.set(cv2.CAP_PROP_POS_FRAMES, number)
+    return np.asarray(video.read()[1])
 
 
 def errors_px(curve: NeutralCurve, trace: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:

@@ -44,6 +44,10 @@ class OverloadError(DeviceError):
     """The load cell is loaded beyond what it stands."""
 
 
+class OvervoltageError(DeviceError):
+    """The sheet has a higher voltage than it may have."""
+
+
 class LostSamplesError(DeviceError):
     """Samples were overwritten before they were read."""
 

@@ -1,4 +1,4 @@
-"""A thread that the system serves before all that computes: the one that writes edges.
+"""Threads that the system serves before all that computes: those that write edges, or watch.
 
 Linux, where the user may have real-time priorities (`ulimit -r` is not 0). Elsewhere nothing
 changes.
@@ -11,7 +11,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-EDGES = 10  # of 1 to 99
+EDGES, WATCH = 10, 20  # of 1 to 99
 
 
 @contextmanager

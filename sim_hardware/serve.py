@@ -103,6 +103,14 @@ def _parser() -> argparse.ArgumentParser:
         "a sine between the channel's limits; lines that nobody writes count",
     )
     add(
+        "--edges",
+        type=_edges,
+        action="append",
+        metavar="TERMINAL=HZ",
+        help="with --wire: a square wave at a terminal, such as Dev1/PFI0=2, that triggers wait "
+        "for (repeatable)",
+    )
+    add(
         "--serial",
         action="append",
         metavar="KIND",
@@ -143,11 +151,22 @@ def _device(text: str) -> tuple[str, str]:
     return _pair(text, "=", "NAME=MODEL, such as PCI6703=PCI-6703")
 
 
+def _edges(text: str) -> tuple[str, float]:
+    wanted = "TERMINAL=HZ, such as Dev1/PFI0=2"
+    name, rate = _pair(text, "=", wanted)
+    try:
+        return name, float(rate)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not {wanted}") from None
+
+
 def _check(options: argparse.Namespace) -> None:
     """Options that make no sense together."""
     if not options.wire:
         if options.test_signals:
             raise ArgumentFaultError("--test-signals is for boards without a world: with --wire")
+        if options.edges:
+            raise ArgumentFaultError("--edges is for boards without a world: with --wire")
         return
     if options.boards != "ni":
         raise ArgumentFaultError("--wire is for the boards of NI")
@@ -179,6 +198,7 @@ def _boards_without_world(options: argparse.Namespace, clock: Clock) -> NiDevice
             strict_ownership=options.strict_ownership,
             seed=options.seed or 0,
             is_wired=wires.is_wired if options.test_signals else None,
+            edges_hz=dict(options.edges or ()),
         )
     except ValueError as fault:
         raise ArgumentFaultError(str(fault)) from fault

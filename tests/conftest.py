@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import settings
@@ -30,6 +32,30 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--rig", type=Path, help="rig.toml of the rig that real_hardware tests may use"
     )
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Files all of whose tests are thorough are not even imported where those are left out."""
+    if collection_path.suffix != ".py" or "not thorough" not in config.option.markexpr:
+        return None
+    if any(collection_path == Path(name.partition("::")[0]).resolve() for name in config.args):
+        return None  # asked for by its name: pytest says what it leaves out
+    text = collection_path.read_text(encoding="utf-8")
+    return True if "\npytestmark = pytest.mark.thorough\n" in text else None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection() -> Iterator[None]:
+    """What is collected stays to the end: the garbage collector need not look at it ever again.
+
+    Else each of its full passes takes a third of a second, in each worker.
+    """
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.freeze()
+        gc.enable()
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
@@ -80,6 +106,18 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """No test reads or writes the caches of the user, in this process or in one that it starts."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("LABRIG_CACHE", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
+@pytest.fixture(scope="module")
+def data_unchecked() -> Iterator[None]:
+    """Fits and reports do not look for data stated wrongly, which takes most of their time.
+
+    For modules that test something else; tests/labrig/test_data_warnings.py has that check on.
+    """
+    nothing = SimpleNamespace(suspicions=())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("model.discrepancy.check_data", lambda _measurements: nothing)
         yield
 
 

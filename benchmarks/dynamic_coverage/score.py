@@ -15,7 +15,7 @@ from benchmarks.report import Report, Table
 from model import ModelError
 from model.dynamics.identification import identify, information
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import FINE, coarser
+from model.dynamics.identification.residuals import FINE
 from model.dynamics.identification.thresholds import MOST_PRIOR, MOST_SIGMA
 
 LINKS, STEP_MS = 160, 0.5
@@ -48,7 +48,7 @@ def scored(seed: int, links: int = LINKS) -> dict[str, Any]:
 def _compared(session: DrawnSession, found: Sequence[Any]) -> dict[str, Any]:
     """Each parameter with its truth, and with what the true information would say of it."""
     quantities = LogParameters(session.truth).quantities
-    told = information(session.truth, session.plans, session.noise, coarser(FINE))
+    told = information(session.truth, session.plans, session.noise, FINE)
     out = {}
     for p, q, best in zip(found, quantities, told, strict=True):
         low, high = p.parameter.interval()

@@ -42,6 +42,8 @@ def main() -> int:
     if ending is Ending.DISARMED:
         attempt([], rescue.close)
         return _SAFE_CODE
+    if ending is Ending.ASKED:
+        _send(ALIVE)  # it is about to act
     sign = watchdog.sign
 
     def end_the_program() -> None:

@@ -94,6 +94,11 @@ class Guard:
         return not (waiting and self._clock.now() - self._confirmed_s > _UNHEARD_S)
 
     @property
+    def can_act(self) -> bool:
+        """Whether it is there to make the output safe, or has done so."""
+        return self._report is not None or self._process.poll() is None
+
+    @property
     def report(self) -> SafetyReport | None:
         """What it did, when it has acted; then this program's tasks are gone."""
         return self._report
@@ -139,12 +144,15 @@ class Guard:
 
         For a program that could not do it itself. It must have closed what it can: with a local
         driver the guard cannot write while this process holds the output. A guard that has not
-        succeeded by the time it reports goes on trying.
+        succeeded by the time it reports, or by ours, goes on trying.
         """
         self._energised = False
+        asked_s = self._clock.now()
         with suppress(DeviceError):
             self._send(ACT)
-        self._heard_out.wait(timeout_s)
+        if not self._heard_out.wait(timeout_s) and self._confirmed_s > asked_s:
+            self._leave_behind()
+            return SafetyReport(Safety.UNKNOWN, None, ("the output guard still tries",))
         self._end()
         if self._report is not None:
             return self._report
@@ -229,11 +237,11 @@ class Guard:
 
         One that has reported an output that is not safe goes on trying, and outlives us.
         """
+        if self._report is not None and not self._report.is_safe and self._process.poll() is None:
+            self._leave_behind()
+            return
         self._ended.set()
         _close(self._process.stdin)
-        if self._report is not None and not self._report.is_safe and self._process.poll() is None:
-            _LEFT_BEHIND.append(self._process)
-            return
         try:
             self._process.wait(_END_S)
         except subprocess.TimeoutExpired:
@@ -241,6 +249,12 @@ class Guard:
             self._process.wait()
         self._reader.join(_END_S)
         _close(self._process.stdout)
+
+    def _leave_behind(self) -> None:
+        """Let it go on trying after we have ended."""
+        self._ended.set()
+        _close(self._process.stdin)
+        _LEFT_BEHIND.append(self._process)
 
 
 def report_from_json(text: str) -> SafetyReport:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import queue
 import threading
@@ -45,7 +46,14 @@ class ParentWatchdog:
         messages: queue.Queue[bytes],
         confirm: Callable[[], None],
         parent_lives: Callable[[], bool],
+        *,
+        grace_s: float | None = None,
     ) -> None:
+        """`grace_s`: how long to listen after a stall of ours, before silence is judged.
+
+        None: the program is on this computer and may have stood still for as long as we have. Then
+        a stall of ours is no silence of its.
+        """
         self._settings = settings
         self._clock = clock
         self._messages = messages
@@ -54,6 +62,8 @@ class ParentWatchdog:
         self._energised_s: float | None = None  # since when
         self._before_s = 0.0  # time under voltage of this run, before that
         self._heard_s = clock.now()
+        self._grace_s = grace_s
+        self._listen_until_s = -math.inf
         self._sign: tuple[bytes, float] | None = None  # the newest since the last beat, and when
 
     @property
@@ -73,11 +83,21 @@ class ParentWatchdog:
             now = self._clock.now()
             late_s = now - ticked_s - _TICK_S
             if late_s > _STARVED_S:
-                self._heard_s += late_s
+                self._excuse(now, late_s)
             ticked_s = now
             ending = self._judge(now)
             if ending is not None:
                 return ending
+
+    def _excuse(self, now: float, late_s: float) -> None:
+        """Take a stall of ours into account; where a grace is given, once in a silence."""
+        if self._grace_s is None:
+            self._heard_s += late_s
+        elif self._is_silent(now) and self._listen_until_s < self._heard_s:
+            self._listen_until_s = now + self._grace_s
+
+    def _is_silent(self, now: float) -> bool:
+        return now - self._heard_s > self._settings.heartbeat_limit_s
 
     def _hear(self) -> Ending | None:
         """Take in what has come, waiting a tick for it at most."""
@@ -117,7 +137,7 @@ class ParentWatchdog:
             return Ending.GONE
         if self._energised_s is None:
             return None
-        if now - self._heard_s > self._settings.heartbeat_limit_s:
+        if self._is_silent(now) and now >= self._listen_until_s:
             return Ending.HUNG
         under_s = self._before_s + now - self._energised_s
         if under_s > _BACKSTOP * self._settings.time_under_voltage_s:

@@ -16,6 +16,7 @@ from drivers.boards import OutputRescue
 from drivers.guard.settings import GuardSettings
 from drivers.guard.watch import Ending, ParentWatchdog
 from drivers.interfaces import Clock, DeviceError
+from drivers.real_time import WATCH, punctual
 from drivers.safe_shutdown import SafetyReport, attempt, report_of
 from drivers.watch.wire import (
     ALIVE,
@@ -33,6 +34,7 @@ from drivers.watch.wire import (
 HEARTBEAT_LIMIT_S = 0.6
 GONE_S = 0.2  # after the connection has ended, for the guard to act first
 SILENT_S = 2.0  # a connection at 0 V without a word is over
+_GRACE_S = 0.2  # to hear what has come while this computer stood still
 _GREETING_S = 2.0  # to prove the token
 _MOST_GREETINGS = 16  # connections that have proven nothing, at a time
 _BETWEEN_TRIES_S = 0.2
@@ -121,7 +123,8 @@ class BoardsWatch:
                 self._greetings.release()
             if program is not None:
                 try:
-                    self._watch(program)
+                    with punctual(WATCH):
+                        self._watch(program)
                 finally:
                     self._busy.release()
 
@@ -129,7 +132,7 @@ class BoardsWatch:
         """Greet; a program that is accepted holds `_busy`."""
         ours = secrets.token_hex(16)
         send_line(line, {"labrig_watch": VERSION, "nonce": ours})
-        said = read_line(line)
+        said = read_line(line, _GREETING_S)
         theirs, place = str(said.get("nonce", "")), said.get("place")
         text = json.dumps(place, sort_keys=True)
         if not is_proof(said.get("proof"), proof(self._token, "program", ours, theirs, text)):
@@ -179,7 +182,9 @@ class BoardsWatch:
             with suppress(OSError):
                 program.said.send(ALIVE)
 
-        watchdog = ParentWatchdog(self._settings, self._clock, messages, confirm, lambda: True)
+        watchdog = ParentWatchdog(
+            self._settings, self._clock, messages, confirm, lambda: True, grace_s=_GRACE_S
+        )
         ending = watchdog.until_end()
         if ending is Ending.DISARMED:
             self._tell(f"the program at {program.name} has finished.")
@@ -226,11 +231,12 @@ def _without_address(place: Mapping[str, Any]) -> dict[str, Any]:
 def _hear(program: _Program, messages: queue.Queue[bytes]) -> None:
     """Put what comes into the queue; an empty message is the end."""
     read: Callable[[], tuple[bytes, str] | None] = program.heard.read
-    while True:
-        try:
-            frame = read()
-        except OSError:  # silent for too long, too
-            frame = None
-        messages.put(b"" if frame is None else frame[0])
-        if frame is None:
-            return
+    with punctual(WATCH):
+        while True:
+            try:
+                frame = read()
+            except OSError:  # silent for too long, too
+                frame = None
+            messages.put(b"" if frame is None else frame[0])
+            if frame is None:
+                return

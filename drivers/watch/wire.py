@@ -9,8 +9,10 @@ from __future__ import annotations
 import hashlib
 import hmac
 import json
+import math
 import socket
 import struct
+import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -66,10 +68,12 @@ def send_line(line: socket.socket, message: Mapping[str, Any]) -> None:
     line.sendall(json.dumps(message, sort_keys=True).encode("utf-8") + b"\n")
 
 
-def read_line(line: socket.socket) -> dict[str, Any]:
-    """Return a line of JSON; empty: the end, or nonsense. Raises OSError."""
-    data = b""
+def read_line(line: socket.socket, within_s: float = math.inf) -> dict[str, Any]:
+    """Return a line of JSON; empty: the end, nonsense, or not all of it in time. Raises OSError."""
+    data, until_s = b"", time.monotonic() + within_s
     while not data.endswith(b"\n"):
+        if time.monotonic() > until_s:  # a byte now and then would keep the connection for ever
+            return {}
         byte = line.recv(1)
         if not byte or len(data) > _LONGEST_LINE:
             return {}

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from multiprocessing import current_process, get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[float, str], None]
 MEAN_OF = ("zero", "kept", "no_contact")  # kinds of readings whose frames make the mean image
+MEAN_FULL_SCALE = 65535.0  # of the mean image
 HOPELESS = 2  # frames without a curve, after a mean image without one
 
 
@@ -136,7 +137,10 @@ def _job(
 
 
 def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
-    """Return the mean of images as 16 bit, full scale at 65535. Raises ValueError without any."""
+    """Return the mean of images as 16 bit, full scale at `MEAN_FULL_SCALE`.
+
+    Raises ValueError without any.
+    """
     total: FloatArray | None = None
     count = 0
     for image in images:
@@ -144,7 +148,7 @@ def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
         count += 1
     if total is None:
         raise ValueError("the mean of no images")
-    scaled: GreyImage = np.rint(total * (65535.0 / full_scale / count)).astype(np.uint16)
+    scaled: GreyImage = np.rint(total * (MEAN_FULL_SCALE / full_scale / count)).astype(np.uint16)
     return scaled
 
 
@@ -170,7 +174,8 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
         warnings += [f"{label}, mean image: {text}" for text in mean.warnings]
         if not mean.ok:
             warnings.append(f"{label}: no curve in the mean image: {mean.why}")
-    by_reading, failed = _frame_by_frame(job, run, mean)
+    near = _in_levels(mean, _full_scale(job, session)) if mean is not None and mean.ok else None
+    by_reading, failed = _frame_by_frame(job, run, near)
     if failed:
         reading, why = next(iter(failed.items()))
         warnings.append(
@@ -190,17 +195,22 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     )
 
 
+def _in_levels(mean: NeutralCurve, full_scale: float) -> NeutralCurve:
+    """Return the curve of a mean image with its contrast in the grey levels of one frame."""
+    return replace(mean, contrast=mean.contrast * full_scale / MEAN_FULL_SCALE)
+
+
 def _frame_by_frame(
-    job: CurveJob, run: RunRecord, start: NeutralCurve | None
+    job: CurveJob, run: RunRecord, near: NeutralCurve | None
 ) -> tuple[dict[int, Curve], dict[int, str]]:
     """Return each reading's own curve, and for those without one the reason.
 
+    Each frame is searched near a curve; where there is none, or it is no longer there, everywhere.
     Where neither the mean image nor the first frames show a sheet, the rest are left out.
     """
     extractor = chosen_extractor(job.extractor)
     found: dict[int, Curve] = {}
     failed: dict[int, str] = {}
-    near = start if start is not None and start.ok else None
     for reading, row in job.rows.items():
         if near is None and not found and len(failed) >= HOPELESS:
             break

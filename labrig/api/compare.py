@@ -120,9 +120,11 @@ def compared(
     """Compare, and show the progress of each step."""
     if static and dynamic:
         raise BadInputError("give --static or --dynamic, or neither for both.")
+    # read first: a wrong file is told before anything is fitted
+    given = None if model is None else (model_of(model), name_of(model))
     with steps("analyze") as advance:
         measurements = measurements_of(session, advance)
-    rows = () if dynamic else _at_rest(session, measurements, model)
+    rows = () if dynamic else _at_rest(session, measurements, given)
     found, why_not = ([], {}) if static else _in_time(session, elongation_g_per_m, steps)
     if dynamic and not found:
         raise BadInputError("; ".join(why_not.values()) or f"{session}: nothing was driven.")
@@ -130,7 +132,7 @@ def compared(
 
 
 def _at_rest(
-    session: Path, measurements: Measurements, model: AnyPath | SheetModel | None
+    session: Path, measurements: Measurements, given: tuple[SheetModel, str] | None
 ) -> tuple[BaselineRow, ...]:
     from model.identification.baselines import compare as compare_models
 
@@ -138,12 +140,12 @@ def _at_rest(
     rows = compare_models(
         measurements, replace(fitted.options, configurations=tuple(fitted.configurations))
     )
-    if model is None:
+    if given is None:
         return rows
     from labrig.report.tables.model_file import model_rows
 
     names = list(fitted.configurations)
-    rows = (*rows, *model_rows(measurements, model_of(model), name_of(model), names))
+    rows = (*rows, *model_rows(measurements, *given, names))
     return tuple(sorted(rows, key=lambda row: names.index(row.configuration)))
 
 

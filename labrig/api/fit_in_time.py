@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -91,14 +91,27 @@ def fit_in_time(
     request = request_of(sessions, configuration, position_mm, fluid, elongation_g_per_m)
     fits = fits_of(request, progress)
     for fit in fits:
-        if not fit.found.converged:
-            tell(f"{fit.sheet.configuration}: the search did not end; take its intervals as rough.")
-        if fit.noise.curve_m > POOR_CURVE_M:
-            tell(
-                f"{fit.sheet.configuration}: the curves are {1e3 * fit.noise.curve_m:.2f} mm off"
-                " the fitted sheet, more than pictures explain; do not trust its mass and loss."
-            )
+        for doubt in doubts(fit):
+            tell(f"{fit.sheet.configuration}: {doubt}")
     return FitInTime(
         configurations={fit.sheet.configuration: fit for fit in fits},
         model=model_of(fits, checksum_of(request)),
     )
+
+
+def doubts(fit: DynamicFit) -> Iterator[str]:
+    """Yield why a fit is not to be trusted."""
+    found = fit.found
+    if not found.converged:
+        yield "the search did not end; take its intervals as rough."
+    if found.misses_data:
+        yield (
+            f"the fitted sheet leaves {found.chi2 / found.count:.1f} times the squares that the"
+            " noise explains: it is not the sheet, or something else acts on it; do not trust its"
+            " parameters (labrig compare shows which quantity is missed)."
+        )
+    if fit.noise.curve_m > POOR_CURVE_M:
+        yield (
+            f"the curves are {1e3 * fit.noise.curve_m:.2f} mm off the fitted sheet, more than"
+            " pictures explain; do not trust its mass and loss."
+        )

@@ -107,9 +107,13 @@ def _check_kind(path: Path, most_bytes: int) -> None:
     if not stat.S_ISREG(found.st_mode):
         raise BadInputError(f"{path}: this is a device or a pipe, an ordinary file is needed.")
     if found.st_size > most_bytes:
+        with path.open("rb") as file:
+            kind = kind_of_bytes(file.read(8))
+        if kind:
+            raise other_kind(path, kind, TEXT)
         raise BadInputError(
             f"{path}: has {found.st_size / 1e6:.0f} MB; such a file has at most "
-            f"{most_bytes / 1e6:.0f} MB, so it is none."
+            f"{most_bytes / 1e6:.0f} MB."
         )
 
 

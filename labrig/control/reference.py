@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from labrig.control.controller_file import ControllerConfig
@@ -41,13 +42,16 @@ def parse_reference(text: str, name: str) -> tuple[tuple[ForceStep, ...], float]
 
 
 def controlled_schedule(
-    schedule: Schedule, controller: ControllerConfig, reference: str, name: str
+    schedule: Schedule, controller: ControllerConfig, reference: str, called: Mapping[str, str]
 ) -> Schedule:
-    """Return the protocol's runs at the controller's place, the reference in the pulses' stead."""
-    steps, end_s = parse_reference(reference, name)
+    """Return the protocol's runs at the controller's place, with the reference for their pulses.
+
+    called: what errors call the files.
+    """
+    steps, end_s = parse_reference(reference, called[REFERENCE])
     try:
         return controlled(
             schedule, controller.configuration, 1e-3 * controller.position_mm, steps, end_s
         )
     except ScheduleError as error:
-        raise BadInputError(f"protocol.toml: {error}.") from None
+        raise BadInputError(f"{called['protocol.toml']}: {error}.") from None

@@ -146,7 +146,7 @@ def _under_control(plan: Plan, called: Mapping[str, str]) -> Plan:
     controller = parse_controller(plan.texts[CONTROLLER], name)
     require_fit(controller, name, plan.rig, plan.sheets, plan.calibration)
     reference = plan.texts[REFERENCE]
-    schedule = controlled_schedule(plan.schedule, controller, reference, called[REFERENCE])
+    schedule = controlled_schedule(plan.schedule, controller, reference, called)
     return replace(plan, controller=controller, schedule=schedule)
 
 

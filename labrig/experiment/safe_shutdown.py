@@ -11,11 +11,13 @@ from drivers.safe_shutdown import SafetyReport, in_time, make_safe
 from labrig.experiment.rig.rig import DRIVE, Rig
 from labrig.experiment.watchdog import NoWatchdog, Watchdog
 
-# All of a shutdown with boards that do not answer ends within 10 s of their last answer: our own
-# devices have their time (`drivers.safe_shutdown`), the boards are let go of, the guard reports.
-# Where no guard can act, our own devices are tried again until the end of that time.
+# Boards that do not answer end a run within 10 s of their last answer. It takes up to 2 s to notice
+# that, here is the rest but for closing the files: our own devices have their time
+# (`drivers.safe_shutdown`), the boards are let go of, the guard acts and reports. Where no guard
+# can act, or it has died, our own devices are tried again until the end of that time.
 _RELEASE_S = 0.3
-_ALL_S = 8.0  # that they do not answer is found within 1.5 s
+_ALL_S = 6.0
+_LEAST_ACT_S = 1.0  # a guard has so long, however late it is asked
 
 
 class SafeShutdown:
@@ -31,8 +33,9 @@ class SafeShutdown:
         end_s = self._rig.clock.now() + _ALL_S
         report = self._by_our_devices()
         if not report.is_safe:
-            nobody = isinstance(self.watchdog, NoWatchdog)
-            report = self._at_last(report, end_s) if nobody else self._by_the_watchdog(report)
+            others = self.watchdog.can_act
+            rest = self._by_the_watchdog if others else self._at_last
+            report = rest(report, end_s)
         self.report = report
         return report
 
@@ -44,15 +47,21 @@ class SafeShutdown:
     def _at_last(self, own: SafetyReport, until_s: float) -> SafetyReport:
         """Try our own devices until the deadline: nobody else is there who would."""
         found = self._by_our_devices(until_s)
+        if not found.is_safe:
+            self._let_go()  # closing would ask the boards once more, and wait for each answer
         return replace(found, failures=tuple(dict.fromkeys((*own.failures, *found.failures))))
 
-    def _by_the_watchdog(self, own: SafetyReport) -> SafetyReport:
-        """Have the guard do it on its own connection, after ours has released the boards."""
+    def _let_go(self) -> None:
+        """Release the boards as they are."""
         rig = self._rig
         for release in (rig.output.abandon, rig.read_back.close, rig.boards.close):
-            with suppress(Exception):  # of other distributions' boards, too: the guard is next
+            with suppress(Exception):  # of other distributions' boards, too
                 in_time(rig.clock, "releasing the boards", release, _RELEASE_S)
-        found = self.watchdog.act()
+
+    def _by_the_watchdog(self, own: SafetyReport, until_s: float) -> SafetyReport:
+        """Have the guard do it on its own connection, after ours has released the boards."""
+        self._let_go()
+        found = self.watchdog.act(max(_LEAST_ACT_S, until_s - self._rig.clock.now()))
         if found is None:
             return own
         return SafetyReport(found.state, found.read_back_V, own.failures + found.failures)

@@ -22,6 +22,10 @@ _GRACE_S = 1.0  # the schedule was checked against the limit; the guard acts whe
 class Watchdog(Protocol):
     """Watches over the process while the output is energised."""
 
+    @property
+    def can_act(self) -> bool:
+        """Whether it is there to make the output safe, or has done so."""
+
     def new_run(self) -> None:
         """Note that a run begins, at 0 V."""
 
@@ -31,12 +35,17 @@ class Watchdog(Protocol):
     def energised(self, on: bool) -> None:
         """Note that a voltage other than 0 is about to be written, or that 0 V was confirmed."""
 
-    def act(self) -> SafetyReport | None:
-        """Make the output safe in our place, our devices being released; None: it cannot."""
+    def act(self, timeout_s: float) -> SafetyReport | None:
+        """Make the output safe in our place, our devices being released; None: it cannot.
+
+        Returns after `timeout_s` at the latest, also where it still tries.
+        """
 
 
 class NoWatchdog:
     """Does nothing: a simulated output ends with its program."""
+
+    can_act = False
 
     def new_run(self) -> None:
         """See `Watchdog.new_run`."""
@@ -47,7 +56,7 @@ class NoWatchdog:
     def energised(self, on: bool) -> None:
         """See `Watchdog.energised`."""
 
-    def act(self) -> SafetyReport | None:
+    def act(self, timeout_s: float) -> SafetyReport | None:  # noqa: ARG002
         """See `Watchdog.act`."""
         return None
 
@@ -62,6 +71,11 @@ class InterlockWatchdog:
         self.energised = watch.energised
         self.act = watch.act
 
+    @property
+    def can_act(self) -> bool:
+        """See `Watchdog.can_act`."""
+        return self._watch.can_act
+
     def beat(self) -> None:
         """See `Watchdog.beat`."""
         self._watch.beat()
@@ -74,6 +88,11 @@ class FarWatchdog:
     def __init__(self, watch: Watchdog, link: WatchLink) -> None:
         self._watch = watch
         self._link = link
+
+    @property
+    def can_act(self) -> bool:
+        """See `Watchdog.can_act`. The watch acts by itself, whether it is asked or not."""
+        return self._watch.can_act
 
     def new_run(self) -> None:
         """See `Watchdog.new_run`."""
@@ -90,9 +109,9 @@ class FarWatchdog:
         self._watch.energised(on)
         self._link.energised(on)
 
-    def act(self) -> SafetyReport | None:
+    def act(self, timeout_s: float) -> SafetyReport | None:
         """See `Watchdog.act`. The watch acts too, unless the guard has read 0 V back."""
-        report = self._watch.act()
+        report = self._watch.act(timeout_s)
         if report is not None and report.is_safe:
             self._link.energised(on=False)
         return report

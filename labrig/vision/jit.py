@@ -15,6 +15,7 @@ equal. Importing it imports numba, which takes the best part of a second.
 from __future__ import annotations
 
 import ast
+import gc
 import hashlib
 import logging
 from collections.abc import Callable, Iterator
@@ -27,11 +28,14 @@ import numba
 import numpy as np
 from numba.core import event
 from numba.core.registry import CPUDispatcher
+from numba.extending import overload
+from numba.np import arrayobj
 
 Array = np.ndarray[Any, Any]
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 SUMS_IN_ANY_ORDER = frozenset({"reassoc", "contract", "nsz", "arcp"})  # NaN and infinity are kept
+_GARBAGE = 400_000  # objects made before the search for garbage, while something is compiled
 _FOLDER = Path(__file__).resolve().parent  # of this package
 _ROOT = _FOLDER.parents[__name__.count(".") - 1]  # the folder from which modules are imported
 _TOP = _ROOT / __name__.partition(".")[0]  # imports from elsewhere are not followed
@@ -138,24 +142,52 @@ class _Inner(CPUDispatcher):  # type: ignore[misc]  # numba has no types
         return self.for_python()(*args, **keywords)
 
 
-class _FirstCompilation(event.Listener):  # type: ignore[misc]  # numba has no types
-    """Says that something is compiled, where none of it was kept."""
+class _Compilations(event.Listener):  # type: ignore[misc]  # numba has no types
+    """Says that something is compiled, where none of it was kept; and collects garbage seldom.
+
+    numba makes so many objects that the search for garbage takes a tenth of the compilation.
+    """
 
     told = False
+    depth = 0  # a function is compiled while one that calls it is
+    threshold: tuple[int, int, int] | None = None  # to go back to; only one package changes it
 
     def on_start(self, event: Any) -> None:
         """Look whether this is the first compilation; called before each one."""
+        if self.depth == 0 and gc.get_threshold()[0] != _GARBAGE:
+            self.threshold = gc.get_threshold()
+            gc.set_threshold(_GARBAGE, *self.threshold[1:])
+        self.depth += 1
         cache = event.data["dispatcher"].stats.cache_path  # None: it is not one of ours
         if not self.told and cache is not None:
             self.told = True
             if not any(Path(cache).glob("*.nbc")):
                 logging.getLogger("labrig.compiling").info("compiling once")
 
-    def on_end(self, event: Any) -> None:
+    def on_end(self, event: Any) -> None:  # noqa: ARG002 - numba's
         """See `on_start`; called after each one."""
+        self.depth -= 1
+        if self.depth == 0 and self.threshold is not None:
+            gc.set_threshold(*self.threshold)
+            self.threshold = None
 
 
-event.register("numba:compile", _FirstCompilation())
+def _raise_with_shapes(source_shape: Any, target_shape: Any) -> None:
+    """Raise the error of an assignment of an array to a part of another size."""
+
+
+@overload(_raise_with_shapes)  # type: ignore[untyped-decorator]
+def _raise_without_shapes(source_shape: Any, target_shape: Any) -> Any:  # noqa: ARG001 - by name
+    def raises(source_shape: Any, target_shape: Any) -> None:  # noqa: ARG001
+        raise ValueError("cannot assign an array to a part of another size")
+
+    return raises
+
+
+# numba's own names both shapes in words. Each function that assigns to a part of an array, and each
+# of its callers, would compile all that text needs: seconds in each process.
+arrayobj.raise_with_shape_context = _raise_with_shapes
+event.register("numba:compile", _Compilations())
 _dropped = lru_cache(maxsize=None)(drop_stale)  # once for each file
 _bytes = lru_cache(maxsize=None)(Path.read_bytes)
 

@@ -194,8 +194,10 @@ OUTLINE_WIDTH_RATIOS: Final = (0.6, 1.5)  # of a block's width to the strip's
 OUTLINE_STRENGTH_MIN_RATIO: Final = 0.3  # of a block's weaker edge to the usual one
 OUTLINE_STRENGTH_MIN_SIGMAS: Final = 3.0  # of a block's weaker edge over noise and texture
 OUTLINE_TAPER_SHARE: Final = 0.3  # of a local change of width that may be in the middle
-OUTLINE_END_SIGMA_RATIO: Final = 0.2  # of sigma at both ends to the thickness; it fades within one
-OUTLINE_END_SIGMA_MAX_PX: Final = 1.5  # and at most
+OUTLINE_END_SIGMA_RATIO: Final = 0.3  # of sigma at both ends to the thickness; it fades within one
+OUTLINE_END_SIGMA_MAX_PX: Final = 3.0  # and at most
+# of another edge's strength to the strip's own: below, it is none; above, it is as likely
+RIVAL_EDGE_RATIOS: Final = (0.45, 0.85)
 OUTLINE_SIGMA_MIN_RATIO: Final = 0.03  # of the thickness: which part of an edge is the edge
 OUTLINE_SIGMA_MIN_PX: Final = 0.1
 OUTLINE_SEEN_SHARE_MIN: Final = 0.6  # of the blocks

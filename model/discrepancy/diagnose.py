@@ -57,12 +57,14 @@ def next_measurement(
 ) -> Next:
     """Return which measurement separates effects best; raise `ModelError` where none does."""
     options = options or Options()
+    if len(between) < 2:
+        raise ModelError("name two effects to be told apart, for example gravity and clamp_angle")
+    for name in between:
+        effect(name)  # a name that nobody knows is told before anything is fitted
     checked, rested = _checked(measurements, options)
     if checked.stops:
         raise ModelError(contradiction(checked))
     chosen = [_in_sessions(name, sessions(checked.measurements)) for name in between]
-    if len(chosen) < 2:
-        raise ModelError("name two effects to be told apart, for example gravity and clamp_angle")
     finding = _searched(checked.measurements, options, lambda *_: None, rested.varied)
     found = finding.separating(chosen)
     if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:

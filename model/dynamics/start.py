@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Callable
 from functools import lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -130,34 +131,52 @@ def _coefficients(panels: Panels, of: _FieldKey) -> FloatArray:
     return np.asarray(values / norms(on))
 
 
-_RESTING: OrderedDict[tuple[bytes, ...], FloatArray] = OrderedDict()  # see `resting`
-MOST_RESTING = 64
+MOST_RESTING, MOST_OF_ONE = 64, 8
+NEAR_MOMENT = 0.02  # of the largest coefficient: the next equilibrium is a few steps from the last
+
+
+class _Resting(NamedTuple):
+    """An equilibrium on the rolls, over B: of a moment Me/B it depends on nothing else."""
+
+    curvature: FloatArray  # (N,) Me/B, coefficients
+    q: FloatArray  # (N,)
+    x: FloatArray  # (3,) N/B, s_hat, phi_hat
+
+
+# the last few of each space and place of the rolls; see `resting`
+_RESTING: OrderedDict[tuple[bytes, ...], deque[_Resting]] = OrderedDict()
 
 
 def resting(
     body: Body, found: Callable[[], Equilibria], moment: FloatArray, clamp_rad: float,
     place: FloatArray,
 ) -> MotionState:  # fmt: skip
-    """Return `at_rest`; of an uncharged sheet it is found once, for it does not depend on B.
+    """Return `at_rest`; the same moment over B is found once, a little more of it from there.
 
     Only N grows with B. A search for B and all else asks for hundreds of motions from there.
     """
-    if moment.any():
-        return at_rest(body, found(), moment, clamp_rad, place)
-    on, size = body.space, body.space.size
+    on = body.space
     B = body.stiffness[0] / on.breaks_m[1]
+    bent = moment / body.stiffness
     key = (
         on.breaks_m.tobytes(), on.first_dof.tobytes(), body.rest.tobytes(), place.tobytes(),
         np.float64(clamp_rad).tobytes(),
     )  # fmt: skip
-    kept = _RESTING.get(key)
-    if kept is None:
-        state = at_rest(body, found(), moment, clamp_rad, place)
-        _RESTING[key] = np.concatenate([state.q, [state.x[0] / B], state.x[1:]])
-        while len(_RESTING) > MOST_RESTING:
-            _RESTING.popitem(last=False)
-        return state
-    return _state(body, kept[:size], kept[size:] * np.array([B, 1.0, 1.0]))
+    known = _RESTING.setdefault(key, deque(maxlen=MOST_OF_ONE))
+    state = None
+    if known:
+        off = [float(np.max(np.abs(one.curvature - bent))) for one in known]
+        kept = known[int(np.argmin(off))]
+        if min(off) == 0.0:
+            return _state(body, kept.q, kept.x * np.array([B, 1.0, 1.0]))
+        if min(off) < NEAR_MOMENT * np.max(np.abs(kept.q)):
+            begun = np.concatenate([kept.q, [kept.x[0] * B, kept.x[1]]])
+            state = _solved(body, begun, moment, clamp_rad, place)
+    state = state or at_rest(body, found(), moment, clamp_rad, place)
+    known.append(_Resting(bent, state.q.copy(), state.x / np.array([B, 1.0, 1.0])))
+    while len(_RESTING) > MOST_RESTING:
+        _RESTING.popitem(last=False)
+    return state
 
 
 def at_rest(
@@ -172,6 +191,18 @@ def at_rest(
     k[:bends] = shape.curvature_per_m[0]
     B = body.stiffness[0] / on.breaks_m[1]
     u = np.concatenate([projection(on) @ k / norms(on), [found.nu[0] * B, found.s_hat_m[0]]])
+    state = _solved(body, u, moment, clamp_rad, place)
+    if state is None:
+        raise ModelError("no equilibrium to begin from was found in the chosen space")
+    return state
+
+
+def _solved(
+    body: Body, u: FloatArray, moment: FloatArray, clamp_rad: float, place: FloatArray
+) -> MotionState | None:
+    """Return the equilibrium near u = (q, N, s_hat); None: none was found."""
+    on = body.space
+    B = body.stiffness[0] / on.breaks_m[1]
     scale = np.concatenate([
         np.full(on.size, 1.0 / on.length_m), [B / on.length_m**2, on.length_m]
     ])  # fmt: skip
@@ -180,7 +211,7 @@ def at_rest(
         u, scale, SMALL,
     )  # fmt: skip
     if solved is None:
-        raise ModelError("no equilibrium to begin from was found in the chosen space")
+        return None
     q, x = solved[: on.size], solved[on.size :]
     turned = at_contact(on, x[1:])[0][0] @ q + clamp_rad
     return _state(body, q, np.append(x, turned))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from drivers.interfaces import FloatArray, Frame
+from drivers.interfaces import FloatArray, Frame, OvervoltageError
 from protocols.execution.channels import Channel
 
 _COARSE = slice(None, None, 4)  # of rows and columns: enough to see whether there is a picture
@@ -61,6 +61,20 @@ def wrong_drive(drive_V: float, written_V: float, rules: Rules) -> Iterator[str]
     """Yield a reason when the sheet did not get what was written."""
     if abs(drive_V - written_V) > rules.drive_tolerance_V:
         yield f"the drive reads back {drive_V:.3g} V instead of {written_V:g} V"
+
+
+def check_drive(drive_V: FloatArray, limit_V: float, rules: Rules) -> None:
+    """Raise OvervoltageError when the read-back is beyond the limit, whatever was written.
+
+    A single sample, or an edge's overshoot, is not enough: most of the block must be beyond it.
+    """
+    finite = drive_V[np.isfinite(drive_V)]
+    seen_V = float(np.median(finite)) if finite.size else 0.0
+    if abs(seen_V) > limit_V + rules.drive_tolerance_V:
+        raise OvervoltageError(
+            f"the drive reads back {seen_V:.3g} V, beyond the limit of {limit_V:g} V; measure the "
+            "amplifier's gain, correct [amplifier] gain or the wiring of the read-back"
+        )
 
 
 def bad_frame(frame: Frame, before: Frame | None, reach_s: float, rules: Rules) -> Iterator[str]:

@@ -159,6 +159,7 @@ class Scheduler:
             rules=self._rules,
             timing=timing,
             keep_all_frames=keep_all_frames,
+            limit_V=limits.sheet_voltage_V,
             longest_timed_s=limits.time_under_voltage_s,
         )
         self._status = Status()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,6 +12,8 @@ from sim_hardware.ni.boards.contract import BoardModel, DigitalPort
 from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.names import split_device
 
+_IN_CHASSIS = re.compile(r"^(.+)Mod([1-9][0-9]?)$")
+
 
 @dataclass(frozen=True)
 class Device:
@@ -18,6 +21,20 @@ class Device:
 
     name: str
     board: BoardModel
+
+    @property
+    def chassis(self) -> tuple[str, int] | None:
+        """Name of its chassis and its slot, from a name such as cDAQ1Mod1.
+
+        None: it has none, or it was given another name, which does not tell.
+        """
+        found = _IN_CHASSIS.match(self.name) if self.board.in_chassis else None
+        return found and (found[1], int(found[2]))
+
+    @property
+    def engine_name(self) -> str:
+        """The device with the timing engine, which its terminals belong to."""
+        return self.chassis[0] if self.chassis else self.name
 
     @property
     def serial_number(self) -> int:
@@ -66,13 +83,31 @@ class DeviceRegistry:
     """All boards, found by name without regard to case, as the driver does."""
 
     def __init__(self, models: Mapping[str, str]) -> None:
-        """`models` maps a device's name to its product type; UnknownPartError for another."""
+        """`models` maps a device's name to its product type; UnknownPartError for another.
+
+        ValueError for a module whose name has a chassis or slot that is not there.
+        """
         self._devices = {
             name.lower(): Device(name, board_model(model)) for name, model in models.items()
         }
+        for device in self._devices.values():
+            if device.chassis is not None:
+                self._check_slot(device, *device.chassis)
 
     def __iter__(self) -> Iterator[Device]:
         return iter(self._devices.values())
+
+    def _check_slot(self, module: Device, chassis: str, slot: int) -> None:
+        holder = self._devices.get(chassis.lower())
+        if holder is None or not 1 <= slot <= holder.board.slots:
+            raise ValueError(
+                f"{module.name} is a module in slot {slot} of the chassis {chassis}, which is not "
+                f"there or has no such slot: name one too, such as {chassis}=cDAQ-9174"
+            )
+
+    def modules(self, chassis: Device) -> list[Device]:
+        """Return the modules in a chassis."""
+        return [device for device in self if (device.chassis or ("",))[0] == chassis.name]
 
     def find(self, name: str) -> Device:
         """Return the device of that name; -200220 when there is none."""

@@ -20,6 +20,10 @@ class Code(IntEnum):
     NO_SUCH_DEVICE = -200220
     ARRAY_TOO_SMALL = -200229
     INVALID_TERMINAL = -200254
+    REFERENCE_NOT_DONE = -200281
+    NO_REFERENCE_TRIGGER = -200282
+    REFERENCE_WHEN_CONTINUOUS = -200358
+    REFERENCE_ON_DEMAND = -200907
     FIFO_UNDERFLOW = -200621
     GENERATION_UNDERFLOW = -200290
     NEGATIVE_READ_SAMPLE = -200277
@@ -74,6 +78,13 @@ TEXTS: dict[int, str] = {
     Code.NO_SUCH_DEVICE: "Device identifier is invalid.",
     Code.ARRAY_TOO_SMALL: "Buffer is too small to fit read data.",
     Code.INVALID_TERMINAL: "Terminal for the device is invalid.",
+    Code.REFERENCE_NOT_DONE: "Attempted to read samples relative to the reference trigger before "
+    "the acquisition was complete.",
+    Code.NO_REFERENCE_TRIGGER: "Attempted to read samples relative to the reference trigger or the "
+    "first pretrigger sample, but no reference trigger is configured.",
+    Code.REFERENCE_WHEN_CONTINUOUS: "Reference trigger cannot be used when the sample mode is "
+    "continuous.",
+    Code.REFERENCE_ON_DEMAND: "Reference trigger is not supported for the timing type of the task.",
     Code.FIFO_UNDERFLOW: "Onboard device memory underflow: the generation was stopped because the "
     "samples did not reach the device fast enough.",
     Code.GENERATION_UNDERFLOW: "The generation has stopped to prevent the regeneration of old "

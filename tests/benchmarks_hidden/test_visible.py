@@ -11,6 +11,8 @@ from benchmarks.hidden_effects.in_common import in_common
 from benchmarks.hidden_effects.visible import Yardstick
 from model.measurements import Condition, Measurements
 
+pytestmark = pytest.mark.thorough
+
 HIDING = case("force_offset", size=0.5, seed=4, streams="means")
 
 

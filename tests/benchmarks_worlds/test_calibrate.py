@@ -29,6 +29,8 @@ from model.discrepancy.answers.calibrated_answers import (
 )
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
 
+pytestmark = pytest.mark.thorough
+
 TRUE = {"behind": -1.5, "uneven": -3.0, "nothing": -1.0, "nothing_gain": -1.0, "unknown": -2.0}
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -20,34 +20,60 @@ _LINK = re.compile(r"\]\((?!https?:|mailto:)([^)\s#]*)(?:#([^)\s]*))?\)")
 _HEADING = re.compile(r"^#+ (.*)$", re.MULTILINE)
 
 
-def _made() -> dict[Path, str]:
-    """The pages that the build makes from the code, with their texts."""
-    sys.path.insert(0, str(DOCS))
-    try:
-        from made import modules_of, pages_of
-    finally:
-        sys.path.remove(str(DOCS))
-    folder = DOCS / "reference" / "made"
-    pages = [pages_of(name) for name in modules_of(DOCS / "made")]
-    return {folder / f"{name}.md": text for made in pages for name, text in made.items()}
-
-
-MADE = _made()
+# Pages that the build makes from the code take seconds: they are made where a test reads them.
+_MAKERS = {path.stem: path.read_text() for path in sorted((DOCS / "made").glob("[a-z]*.py"))}
+MAKERS = list(_MAKERS)
+OF_ONE_PAGE = [name for name, code in _MAKERS.items() if "def page()" in code]  # of its own name
+MADE = DOCS / "reference" / "made"
 DRAWN = {DOCS / "images" / "made" / f"{p.stem}.svg" for p in (DOCS / "drawings").glob("[a-z]*.py")}
 
 
-@pytest.mark.parametrize("page", [*PAGES, *MADE], ids=lambda page: str(page.relative_to(ROOT)))
-def test_links_resolve(page):
-    text = _FENCED.sub("", MADE[page] if page in MADE else page.read_text(encoding="utf-8"))
-    for target, anchor in _LINK.findall(text):
+@cache
+def pages_made_by(maker: str) -> dict[Path, str]:
+    """The pages of one module of docs/made, with their texts."""
+    from made import pages_of
+
+    return {MADE / f"{name}.md": text for name, text in pages_of(maker).items()}
+
+
+def made(page: Path) -> str | None:
+    """The text of a page that the build makes; None where no module makes it."""
+    if page.parent != MADE:
+        return None
+    makers = [page.stem] if page.stem in OF_ONE_PAGE else MAKERS
+    return next((pages_made_by(m)[page] for m in makers if page in pages_made_by(m)), None)
+
+
+def is_there(to: Path) -> bool:
+    """Whether a link may lead to this file."""
+    known = to.parent == MADE and to.stem in OF_ONE_PAGE
+    return known or to in DRAWN or to.exists() or made(to) is not None
+
+
+def check_links(page: Path, text: str) -> None:
+    for target, anchor in _LINK.findall(_FENCED.sub("", text)):
         to = (page.parent / target).resolve() if target else page
-        assert to in MADE or to in DRAWN or to.exists(), f"{page.name}: {target} is not there"
+        assert is_there(to), f"{page.name}: {target} is not there"
         if anchor and to.suffix == ".md":
             assert anchor in _anchors(to), f"{page.name}: {target} has no heading #{anchor}"
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_resolve(page):
+    check_links(page, page.read_text(encoding="utf-8"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("maker", MAKERS)
+def test_links_of_made_pages_resolve(maker):
+    pages = pages_made_by(maker)
+    assert pages
+    for page, text in pages.items():
+        check_links(page, text)
+
+
 def _anchors(page: Path) -> set[str]:
-    text = MADE[page] if page in MADE else page.read_text(encoding="utf-8")
+    text = made(page) or page.read_text(encoding="utf-8")
     return {_slug(heading) for heading in _HEADING.findall(_FENCED.sub("", text))}
 
 

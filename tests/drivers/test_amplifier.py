@@ -48,6 +48,7 @@ def test_nothing_reaches_the_board_beyond_the_limit(asked):
     assert board.volts == []
 
 
+@pytest.mark.slow
 @given(gain=st.floats(0.1, 1000.0), limit=st.floats(0.01, 30.0), share=st.floats(-1.0, 1.0))
 def test_every_allowed_sheet_voltage_is_within_the_boards_limit(gain, limit, share):
     amplifier = Amplifier(gain, limit)

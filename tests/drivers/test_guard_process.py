@@ -341,6 +341,15 @@ def test_a_module_of_the_users_named_drivers_does_not_keep_the_guard_from_starti
     guard.disarm()
 
 
+def test_a_guard_that_was_killed_can_not_act(remote):
+    guard = Guard.start(remote.settings)
+    assert guard.can_act
+    os.kill(guard.pid, signal.SIGKILL)
+    guard._process.wait(5.0)
+    assert not guard.can_act
+    guard.disarm()
+
+
 def test_disarming_while_energised_makes_the_guard_act(remote):
     """Nobody has confirmed 0 V, whatever the program believes."""
     guard = Guard.start(remote.settings)

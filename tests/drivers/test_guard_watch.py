@@ -137,6 +137,28 @@ def test_a_guard_that_got_no_processor_does_not_blame_the_program():
     assert watch(Pipe(*gap, stalls=(2.0, 3.0)))[0] is Ending.DISARMED
 
 
+@pytest.mark.parametrize(
+    ("stalls", "least_s", "most_s"),
+    [((2.1, 2.5), 2.5, 2.75), ((2.1, 4.0), 4.0, 4.25), ((2.1, 2.2), 2.35, 2.45)],
+)
+def test_a_watch_at_another_computer_adds_none_of_its_own_stalls_to_a_silence(
+    stalls: tuple[float, float], least_s: float, most_s: float
+) -> None:
+    """The program stands still from 2.0 s on; the watch gets no processor for a while."""
+    pipe = Pipe((0.1, ENERGISED), *beats(0.15, 2.0), stalls=stalls)
+    watchdog = ParentWatchdog(SETTINGS, pipe, pipe, pipe.confirm, lambda: True, grace_s=0.2)
+    assert watchdog.until_end() is Ending.HUNG
+    assert least_s <= pipe.time_s <= most_s
+
+
+def test_a_watch_that_got_no_processor_hears_what_has_come_meanwhile() -> None:
+    words = [(0.1, ENERGISED), *beats(0.15, 5.0), (5.0, AT_ZERO), (6.0, DISARM)]
+    gap = [word for word in words if not 2.0 < word[0] < 3.1]
+    pipe = Pipe(*gap, stalls=(2.0, 3.0))
+    watchdog = ParentWatchdog(SETTINGS, pipe, pipe, pipe.confirm, lambda: True, grace_s=0.2)
+    assert watchdog.until_end() is Ending.DISARMED
+
+
 def test_a_hang_that_begins_during_such_a_gap_is_still_found():
     words = [(0.1, ENERGISED), *beats(0.15, 2.0)]
     ending, when = watch(Pipe(*words, stalls=(2.0, 3.0)))

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import socket
+import threading
+import time
 
 import numpy as np
 import pytest
@@ -17,6 +21,7 @@ from drivers.boards.conformance import (
 )
 from drivers.boards.labjack.errors import OutputTakenError
 from drivers.boards.labjack.settings import LabJackSettings
+from drivers.boards.labjack.wire import SocketTransport
 from drivers.interfaces import (
     DeviceError,
     DeviceNotFoundError,
@@ -372,3 +377,24 @@ def test_a_request_behind_one_that_is_not_answered_ends_by_itself():
         signals.measure(0.01)
     thread.join()
     assert max(said[0], rig.clock.now()) < began_s + 5.0
+
+
+def test_an_answer_that_comes_byte_by_byte_is_given_up_in_time():
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+
+        def dribble() -> None:
+            line, _ = listener.accept()
+            with line, contextlib.suppress(OSError):
+                line.recv(100)
+                for byte in bytes(6) * 20:
+                    line.send(bytes([byte or 1]))
+                    time.sleep(0.1)  # noqa: TID251 - a device in real time
+
+        threading.Thread(target=dribble, daemon=True).start()
+        host, port = listener.getsockname()
+        transport = SocketTransport(host, port)
+        began_s = time.monotonic()
+        with pytest.raises(TimeoutError):
+            transport.exchange(b"anything", 0.3)
+        assert time.monotonic() - began_s < 1.0
+        transport.close()

@@ -64,6 +64,7 @@ def loaded(rig: NiRig):
     return output, signals
 
 
+@pytest.mark.slow
 def test_it_keeps_its_contract(rig: NiRig) -> None:
     output, signals = rig.output(trigger=START), rig.signals(RATE_HZ)
     output.open()

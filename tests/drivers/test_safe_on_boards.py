@@ -65,6 +65,7 @@ def test_a_run_under_way_is_made_safe(simulated_ni):
     assert board_volts(simulated_ni) == pytest.approx(0.0, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_a_run_whose_tasks_were_cleared_from_outside_is_made_safe(simulated_ni):
     drive, signals = energised(simulated_ni)
     for name in ("labrig-output", "labrig-input"):

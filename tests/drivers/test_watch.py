@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 import threading
 from collections.abc import Iterator
@@ -13,7 +14,7 @@ from drivers.guard import GuardSettings
 from drivers.interfaces import DeviceError, RealClock
 from drivers.safe_shutdown import Safety, SafetyReport
 from drivers.watch import BoardsWatch, WatchLink, read_token
-from drivers.watch.wire import Frames, NotProvenError
+from drivers.watch.wire import Frames, NotProvenError, read_line
 
 TOKEN = b"0123456789abcdef0123456789abcdef"
 PLACE = {"address": "local", "output_channel": "PCI6703/ao0", "limit_board_V": 0.25}
@@ -181,6 +182,20 @@ def test_silent_connections_and_floods_keep_nobody_from_being_watched(scene):
     link.energised(on=False)
     for line in idle:
         line.close()
+
+
+def test_a_greeting_that_comes_byte_by_byte_is_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("drivers.watch.server._GREETING_S", 0.3)
+    scene = Scene()
+    with socket.create_connection(("127.0.0.1", scene.port)) as line:
+        read_line(line)
+        began_s = CLOCK.now()
+        with contextlib.suppress(OSError):  # where it has been cut off
+            while CLOCK.now() < began_s + 3.0:
+                line.send(b"x")
+                wait(0.1)
+        assert CLOCK.now() - began_s < 1.5
+    scene.watch.stop()
 
 
 def test_a_frame_that_was_changed_or_sent_again_ends_the_connection():

@@ -1,4 +1,7 @@
-"""A network between two programs, which a test can cut: bytes stop, and no end is told."""
+"""A network between two programs, which a test can cut: bytes stop, and no end is told.
+
+`mend` serves new connections again. Those that were cut stay dead.
+"""
 
 from __future__ import annotations
 
@@ -22,6 +25,10 @@ class Relay:
         """Pull the cable."""
         self._is_cut.set()
 
+    def mend(self) -> None:
+        """Plug a new cable in."""
+        self._is_cut = threading.Event()
+
     def stop(self) -> None:
         """Close everything."""
         for end in (self._listener, *self._ends):
@@ -39,12 +46,14 @@ class Relay:
             self._ends += [client, server]
             for source, sink in ((client, server), (server, client)):
                 source.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                threading.Thread(target=self._pump, args=(source, sink), daemon=True).start()
+                ends = (source, sink, self._is_cut)
+                threading.Thread(target=self._pump, args=ends, daemon=True).start()
 
-    def _pump(self, source: socket.socket, sink: socket.socket) -> None:
+    @staticmethod
+    def _pump(source: socket.socket, sink: socket.socket, is_cut: threading.Event) -> None:
         with contextlib.suppress(OSError):
             while data := source.recv(65536):
-                if not self._is_cut.is_set():
+                if not is_cut.is_set():
                     sink.sendall(data)
-            if not self._is_cut.is_set():
+            if not is_cut.is_set():
                 sink.shutdown(socket.SHUT_RDWR)

@@ -31,7 +31,7 @@ swing_s = 1.0
 """
 WORLD = Path(__file__).parents[2] / "sim_hardware" / "world" / "moving.toml"
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("data_unchecked")]
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ from tests.end_to_end.real_rig import ServedRig, serving
 from tests.end_to_end.small_rig import labrig
 from tests.labrig.simple_controller import write_control
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("data_unchecked")]
 BEFORE, FAILED, UNKNOWN, DONE = 3, 5, 6, 0
 AMPLIFIER = 10.0
 LIMIT_V = 2.0

@@ -25,7 +25,9 @@ def distance_m(points: np.ndarray, polyline: np.ndarray) -> np.ndarray:
 
 @pytest.mark.slow
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize("configuration", ["long", "short"])
+@pytest.mark.parametrize(
+    "configuration", ["long", pytest.param("short", marks=pytest.mark.thorough)]
+)
 @pytest.mark.parametrize(
     "seed", [1, *(pytest.param(s, marks=pytest.mark.thorough) for s in (2, 3))]
 )

@@ -6,6 +6,7 @@ import itertools
 import json
 import re
 import sys
+from collections.abc import Callable
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
@@ -31,19 +32,19 @@ FREE_POSITION_M = {"long": 15e-3, "short": 5e-3}  # where the undriven sheet res
 E_PA = {"long": 150e6, "short": 100e6}  # of the default world
 THICKNESS_M, WIDTH_M = 0.21e-3, 11e-3
 NUMBER = re.compile(r"(?<![\w.])\d[\d.]*(?![\w.])")
-POSITIONS = {"demo": 7}  # of each configuration; other sessions have four
-OTHER = """
+FEWER_POSITIONS = "[0, 10, 20, 25]"  # of each configuration, where the demo has seven
+OTHER = f"""
 [pulse_train]
 zero_readings = 3
 readings_per_voltage = 3
 
 [[places]]
 configuration = "long"
-positions_mm = [0, 10, 20, 25]
+positions_mm = {FEWER_POSITIONS}
 
 [[places]]
 configuration = "short"
-positions_mm = [0, 10, 20, 25]
+positions_mm = {FEWER_POSITIONS}
 
 [extras]
 mode = "paper"
@@ -66,17 +67,33 @@ def run_demo(folder: Path) -> Demo:
 
 
 @pytest.fixture(scope="module")
-def demo(tmp_path_factory: pytest.TempPathFactory) -> Demo:
-    """All positions, voltages and steps of it, with fewer readings."""
+def demo(tmp_path_factory: pytest.TempPathFactory, data_unchecked: None) -> Demo:
+    """All configurations, voltages and steps of it, with fewer positions and readings."""
 
     def make(folder: Path) -> None:
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(demo_command, "READINGS", 3)
+            fewer = with_fewer_positions(demo_command._state_readings)
+            patch.setattr(demo_command, "_state_readings", fewer)
             made = run_demo(folder)
         kept_beside(folder).write_text(json.dumps([made.printed, made.code]))
 
     folder = made_once(tmp_path_factory, "demo", make)
     return Demo(folder, *json.loads(kept_beside(folder).read_text()))
+
+
+def with_fewer_positions(state_readings: Callable[[Path], None]) -> Callable[[Path], None]:
+    """What writes the demo's protocol, with fewer positions."""
+
+    def write(protocol: Path) -> None:
+        state_readings(protocol)
+        text, count = re.subn(
+            r"(?m)^positions_mm = \[.*\]", f"positions_mm = {FEWER_POSITIONS}", protocol.read_text()
+        )
+        assert count == 2
+        protocol.write_text(text)
+
+    return write
 
 
 def kept_beside(folder: Path) -> Path:
@@ -88,7 +105,9 @@ def kept_beside(folder: Path) -> Path:
 def test_as_shipped_it_prints_and_leaves_the_same(tmp_path: Path) -> None:
     shipped = run_demo(tmp_path / "demo")
     test_the_demo_prints_the_papers_tables_and_leaves_a_report(shipped)
-    test_the_fit_finds_the_worlds_stiffness(load_measurements(shipped.folder / "session.h5"))
+    measurements = load_measurements(shipped.folder / "session.h5")
+    assert all(len(forces(measurements, name)) == 7 for name in ("long", "short"))
+    test_the_fit_finds_the_worlds_stiffness(measurements)
 
 
 def test_the_demo_prints_the_papers_tables_and_leaves_a_report(demo: Demo) -> None:
@@ -190,10 +209,10 @@ def forces(measurements: Measurements, configuration: str) -> dict[float, dict[f
 
 @pytest.mark.parametrize("configuration", ["long", "short"])
 def test_forces_have_the_papers_order_and_signs(
-    measurements: Measurements, seed: int | str, configuration: str
+    measurements: Measurements, configuration: str
 ) -> None:
     by_position = forces(measurements, configuration)
-    assert len(by_position) == POSITIONS.get(str(seed), 4)
+    assert len(by_position) == 4
     for by_voltage in by_position.values():
         assert by_voltage[2.0] > by_voltage[0.0] > by_voltage[-2.0]
         assert all(abs(force) < 6e-3 for force in by_voltage.values())

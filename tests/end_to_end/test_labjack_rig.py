@@ -26,7 +26,7 @@ from tests.end_to_end.test_faults import (
     Case,
 )
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("data_unchecked")]
 PAPER = """
 [pulse_train]
 zero_readings = 2

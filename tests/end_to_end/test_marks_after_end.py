@@ -9,7 +9,7 @@ import pytest
 from labrig.session import load_measurements, open_session
 from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig, run_rig
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("data_unchecked")]
 
 
 def test_a_fit_after_a_mark_analyses_again_and_leaves_the_reading_out(

@@ -107,6 +107,7 @@ def test_its_frames_show_a_sheet_that_swings(rig: Path) -> None:
         assert_swings(session)
 
 
+@pytest.mark.thorough
 @pytest.mark.alone
 @pytest.mark.skipif(sys.platform == "win32", reason="the simulated stage needs a pty")
 def test_over_sockets_a_release_and_a_position_are_recorded_as_on_the_virtual_clock(

@@ -119,6 +119,15 @@ def path(request, tmp_path_factory) -> str:
     return request.param(tmp_path_factory.mktemp("tree"))
 
 
+# Of what takes long one way is enough: that a part is found is tested both ways by all others.
+BY_EACH_WAY = pytest.mark.parametrize(
+    "path",
+    [installed, pytest.param(copied, marks=pytest.mark.thorough)],
+    indirect=True,
+    scope="module",
+)
+
+
 def python(path: str, folder: Path, *arguments: object) -> str:
     """Run Python as a process of its own with these parts; what it prints."""
     done = subprocess.run(
@@ -198,6 +207,7 @@ def test_devices_are_kinds_of_rig_toml_with_keys_of_their_own(path, tmp_path):
     assert kinds == ["pico", "bar", "stepper", "balance"]
 
 
+@BY_EACH_WAY
 def test_a_protocol_and_an_extra_are_planned_and_run_and_recorded(path, tmp_path):
     protocol = ONE_POSITION.replace("[pulse_train]", "[triangle]\npeak_V = 1.5")
     protocol = re.sub(r"(zero_readings|readings_per_voltage) = \d+\n", "", protocol)
@@ -222,6 +232,7 @@ def test_an_extractor_finds_a_curve(path, tmp_path):
     assert "strip: 30.0 mm" in said
 
 
+@BY_EACH_WAY
 def test_a_section_a_command_and_a_batch_task_use_an_analysed_session(path, tmp_path):
     session(tmp_path / "made.h5", measure("long", curves=False))
     labrig(path, tmp_path, "report", "made.h5", "-o", "report")

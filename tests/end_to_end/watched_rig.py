@@ -7,7 +7,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO
@@ -59,12 +59,21 @@ class WatchedRig:
         for network in self.networks:
             network.cut()
 
-    def zeroed_after(self, what: str) -> float:
-        """Energise, let that happen to the operator's computer; seconds until 0 V."""
+    def mend(self) -> None:
+        """Plug in a new cable: what was connected stays dead."""
+        for network in self.networks:
+            network.mend()
+
+    def zeroed_after(self, what: str, before: Callable[[], object] = lambda: None) -> float:
+        """Energise, let that happen to the operator's computer; seconds until 0 V.
+
+        `before` is called right before it happens.
+        """
         rig = self.rig
         process = rig.energised()
         rig.until(rig.is_energised)
         everything = (*children(process.pid), process.pid)
+        before()
         begin_s = float(rig.rows()[-1]["time_s"])
         if what == "network gone":
             self.cut()

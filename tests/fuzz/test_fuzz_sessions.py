@@ -67,6 +67,7 @@ def look_at(path: Path, only: tuple[str, ...] = ()) -> set[int]:
     return codes
 
 
+@pytest.mark.slow
 def test_the_sound_session_passes(sound: Path) -> None:
     assert look_at(sound) == {0}
 

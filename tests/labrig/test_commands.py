@@ -95,6 +95,7 @@ def documented_example(language: str) -> str:
     return text.split(f"```{language}\n")[1].split("```")[0]
 
 
+@pytest.mark.slow
 def test_the_command_of_the_docs_works_as_it_stands_there(tmp_path: Path) -> None:
     session(tmp_path / "session.h5", measure("long"))
     points = tomllib.loads(documented_example("toml"))["project"]["entry-points"]
@@ -130,6 +131,7 @@ def labrig_with(folder: Path, *arguments: str) -> subprocess.CompletedProcess[st
     )
 
 
+@pytest.mark.slow
 def test_a_command_of_another_distribution_is_listed_and_runs(tmp_path: Path) -> None:
     install(tmp_path, "counting", "count-lines", COUNT)
     shown = labrig_with(tmp_path, "--help")
@@ -138,6 +140,7 @@ def test_a_command_of_another_distribution_is_listed_and_runs(tmp_path: Path) ->
     assert labrig_with(tmp_path, "count-lines", "counting.py").stdout == "9\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("point", "code", "why"),
     [

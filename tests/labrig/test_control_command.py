@@ -56,6 +56,17 @@ def test_a_controller_for_one_rig_names_it(path: Path) -> None:
     assert load_controller(file).rig is not None
 
 
+def test_a_limit_beyond_that_of_the_rig_is_refused(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_templates(path.parent, simulated=True)
+    rig = path.parent / "rig.toml"
+    options = ["--position-mm", 5, "--limit-V", 10, "--rig", rig, "-o", path.parent / "c.toml"]
+    assert labrig("control", path, *options) == 2
+    assert f"--limit-V 10: {rig} allows 2" in capsys.readouterr().err
+    assert not (path.parent / "c.toml").exists()
+
+
 @pytest.mark.parametrize("output", ["force", "tip", "current"])
 def test_a_response_is_a_figure_and_two_tables(
     path: Path, output: str, capsys: pytest.CaptureFixture[str]
@@ -86,6 +97,7 @@ def test_a_response_is_a_figure_and_two_tables(
         (["control", "--position-mm", 5, "--delay-ms", -1], "--delay-ms -1: a number from 0 to"),
         (["control", "--position-mm", 5, "--limit-V", 100], "--limit-V 100: a positive voltage"),
         (["control", "--position-mm", 90], "cannot be reached"),
+        (["response", "--position-mm", 5, "-o", "bode.csv"], "-o is a folder: bode.csv"),
     ],
 )
 def test_what_cannot_be_answered_is_one_sentence(

@@ -65,6 +65,16 @@ def test_a_plan_has_the_reference_at_the_controllers_place_and_nothing_else(fold
     assert {"controller.toml", "reference.csv"} <= set(found.texts)
 
 
+def test_a_place_that_the_protocol_does_not_measure_names_its_file(folder: Path) -> None:
+    change(folder, position_mm=12.5)
+    (folder / "protocol.toml").rename(folder / "pulses.toml")
+    control = ControlFiles(folder / "controller.toml", folder / "force.csv")
+    with pytest.raises(BadInputError) as caught:
+        load_plan(folder / "rig.toml", folder / "pulses.toml", folder / "sheet.toml",
+                  control=control)  # fmt: skip
+    assert str(caught.value).startswith(f"{folder / 'pulses.toml'}: the protocol does not measure")
+
+
 def test_a_model_file_that_has_changed_is_noticed(folder: Path) -> None:
     (folder / "model.toml").write_text(MODEL_TEXT + "# another fit\n")
     assert "was made from another model.toml than the one that lies beside it" in said(folder)

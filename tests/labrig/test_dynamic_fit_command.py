@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import labrig
 from labrig.analysis.comparison import compare_fitted
 from labrig.analysis.motion.beginning import StatedValues, beginning
 from labrig.api import fit_in_time as fitting
+from labrig.api.fit_in_time import doubts
 from labrig.api.motion_data import fits_of, request_of, spread
 from labrig.cli.main import run
 from labrig.errors import BadInputError
@@ -22,7 +24,11 @@ from tests.labrig.moving_session import TRUTH, moving_session
 from tests.labrig.report_data import measure, session
 
 # a session is recorded, measured and fitted: half a minute of CPU
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1200)]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.timeout(1200),
+    pytest.mark.usefixtures("data_unchecked"),
+]
 
 WANTED = dict(zip(
     [one.name for one in LogParameters(TRUTH).quantities], np.exp(LogParameters(TRUTH).theta),
@@ -205,6 +211,13 @@ def test_what_only_the_user_knows_is_asked_for(path):
 def test_few_positions_are_chosen_evenly():
     assert spread([0.0, 1.0, 2.0, 3.0, 4.0], 3) == [0.0, 2.0, 4.0]
     assert spread([1.0], 3) == [1.0]
+
+
+def test_a_fit_that_leaves_more_than_the_noise_explains_is_not_to_be_trusted(fits):
+    assert list(doubts(fits[0])) == []
+    found = replace(fits[0].found, chi2=2.0 * fits[0].found.count)
+    (doubt,) = doubts(replace(fits[0], found=found))
+    assert "leaves 2.0 times the squares that the noise explains" in doubt
 
 
 def test_models_of_others_are_ranked_beside_a_fit_that_is_there(fits):

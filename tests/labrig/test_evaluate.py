@@ -14,6 +14,8 @@ from labrig.session import open_session
 from model import predict
 from tests.labrig.report_data import STIFFNESS, invalid, measure, session, stopped_session, truth
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
@@ -109,6 +111,7 @@ def test_fit_leaves_out_and_names_a_configuration_that_cannot_be_fitted(tmp_path
     assert "short: could not be fitted" in err
 
 
+@pytest.mark.slow
 def test_fit_refuses_a_negative_weight_exponent(recorded, capsys):
     assert run(["fit", str(recorded), "--q", "-1"]) == 2
     assert "q must not be negative" in printed(capsys)[1]
@@ -138,6 +141,7 @@ def test_analyze_keeps_what_it_found_in_the_session(tmp_path, capsys):
     assert "long, 0 mm, +2 V" in out
 
 
+@pytest.mark.slow
 def test_analyze_of_a_session_without_runs_is_one_sentence(tmp_path, capsys):
     path = stopped_session(tmp_path / "none.h5", after_runs=0)
     assert run(["analyze", str(path)]) == 2

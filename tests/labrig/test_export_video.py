@@ -25,6 +25,7 @@ def frames_of(path) -> list[np.ndarray]:
         found.append(frame[..., 0])
 
 
+@pytest.mark.slow
 def test_each_run_becomes_a_video_of_its_frames(session_file, tmp_path, capsys):
     assert run(["export", str(session_file), "-o", str(tmp_path), "--as", "video"]) == 0
     names = sorted(path.name for path in tmp_path.glob("*.avi"))

@@ -25,6 +25,7 @@ def session(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_parquet_has_the_columns_and_values_of_csv(session, tmp_path):
     import pandas as pd
 
@@ -40,6 +41,7 @@ def test_parquet_has_the_columns_and_values_of_csv(session, tmp_path):
         assert (table["configuration"] == again["configuration"]).all()
 
 
+@pytest.mark.slow
 def test_xarray_has_named_dimensions_units_and_the_values_of_the_session(session, tmp_path):
     import xarray
 
@@ -64,6 +66,7 @@ def read_documents(path):
     return [json.loads(line) for line in path.read_text(encoding="utf-8").splitlines()]
 
 
+@pytest.mark.slow
 def test_bluesky_documents_are_valid_and_point_into_the_session(session, tmp_path):
     from event_model import DocumentNames, schema_validators
 
@@ -147,6 +150,7 @@ def test_a_format_that_is_not_there_is_refused_with_those_that_are(session, tmp_
         export(session, tmp_path, "netcdf")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["xarray", "bluesky"])
 def test_a_file_that_is_there_is_not_replaced(session, tmp_path, name):
     export(session, tmp_path, name)

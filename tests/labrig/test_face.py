@@ -26,6 +26,7 @@ def test_an_unknown_name_is_an_attribute_error(package: ModuleType) -> None:
         _ = package.nothing
 
 
+@pytest.mark.slow
 def test_the_optics_wait_for_no_compiler() -> None:
     code = "import sys, labrig.vision.calibration.optics; assert 'numba' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)

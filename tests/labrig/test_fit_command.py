@@ -15,6 +15,8 @@ from model import Along, Parameter, SheetModel, predict
 from model.identification.fit import fit
 from tests.labrig.report_data import STIFFNESS, measure, session, truth
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
@@ -269,6 +271,7 @@ def test_bootstrap_says_how_simulated_repeats_scatter(day_1, capsys):
 # -- what is printed and written
 
 
+@pytest.mark.slow
 def test_the_papers_tables_are_printed_with_its_numbers(day_1, capsys):
     out = printed(capsys, day_1)
     places = [out.index(f"Table {number}.") for number in (4, 5, 6)]

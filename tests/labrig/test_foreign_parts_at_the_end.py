@@ -77,13 +77,15 @@ def test_an_output_that_breaks_when_released_is_not_known_to_be_safe() -> None:
 class Acting:
     """A watchdog that makes the output safe."""
 
+    can_act = True
+
     def new_run(self) -> None: ...
 
     def beat(self) -> None: ...
 
     def energised(self, on: bool) -> None: ...
 
-    def act(self) -> SafetyReport:
+    def act(self, _timeout_s: float) -> SafetyReport:
         return SAFE
 
 

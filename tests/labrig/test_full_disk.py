@@ -38,6 +38,7 @@ def the_library_is_well(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(disk, "_failed_writes", 0)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("full")
 @pytest.mark.parametrize(
     "asked",
@@ -62,6 +63,7 @@ def test_no_half_of_a_file_is_left(
     assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["good.h5"]
 
 
+@pytest.mark.slow
 def test_a_session_is_not_called_damaged_when_its_copy_finds_no_room(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -86,6 +88,9 @@ def test_the_process_ends_before_the_library_crashes_at_its_own_end(
     monkeypatch.setattr(os, "_exit", ended.append)
     disk.end_before_the_library_does(5)
     assert ended == []  # nothing has failed
+    disk.end_before_the_library_does(6)
+    assert ended == [6]  # boards that do not answer would be waited for
+    ended.clear()
     disk.note_a_failed_write()
     disk.end_before_the_library_does(5)
     assert ended == [5]

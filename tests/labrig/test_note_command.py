@@ -50,6 +50,7 @@ def refused(capsys, path, *more):
     return line
 
 
+@pytest.mark.slow
 def test_a_note_is_by_the_operator_unless_somebody_else_is_named(path, capsys):
     assert note(path, "a bubble at the clamp") == 0
     assert note(path, "gone again", "--who", "Bo") == 0
@@ -60,6 +61,7 @@ def test_a_note_is_by_the_operator_unless_somebody_else_is_named(path, capsys):
     assert all(check.ok for check in verify(path))
 
 
+@pytest.mark.slow
 def test_a_note_during_a_run_waits_beside_the_file(tmp_path, capsys):
     path = tmp_path / "s.h5"
     schedule = small_schedule(positions_m=(0.0,))
@@ -84,6 +86,7 @@ def test_a_photograph_is_kept_byte_by_byte_with_its_caption(path, tmp_path, suff
         assert opened.photograph(found.identifier) == file.read_bytes()
 
 
+@pytest.mark.slow
 def test_a_photograph_is_known_by_its_content_not_by_its_name(path, tmp_path, capsys):
     good = photograph(tmp_path / "really.png", kind=".jpg")
     assert note(path, "--photograph", good) == 0
@@ -93,6 +96,7 @@ def test_a_photograph_is_known_by_its_content_not_by_its_name(path, tmp_path, ca
     assert "neither a JPEG nor a PNG" in refused(capsys, path, "--photograph", tmp_path / "no.jpg")
 
 
+@pytest.mark.slow
 def test_photographs_that_cannot_be_are_refused(path, tmp_path, capsys):
     torn = photograph(tmp_path / "torn.png")
     torn.write_bytes(torn.read_bytes()[:40])
@@ -111,6 +115,7 @@ def test_photographs_that_cannot_be_are_refused(path, tmp_path, capsys):
         assert opened.notes == []
 
 
+@pytest.mark.slow
 def test_show_names_people_sample_and_notes(path, capsys):
     note(path, "a bubble")
     capsys.readouterr()
@@ -142,6 +147,7 @@ def test_list_shows_the_sample(path, capsys):
     assert (found["title"], found["project"]) == ("Blocked force of aged sheets", "Sheets 2026")
 
 
+@pytest.mark.slow
 def test_export_writes_people_sample_and_notes_and_import_reads_them(path, tmp_path, capsys):
     file = photograph(tmp_path / "clamp.jpg")
     note(path, "a bubble, at the clamp")

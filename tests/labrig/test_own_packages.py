@@ -56,6 +56,7 @@ def test_the_script_names_a_module_on_the_path(tmp_path: Path) -> None:
     assert_told(ended([str(script), "--help"], ROOT, path=str(tmp_path)), tmp_path / "drivers.py")
 
 
+@pytest.mark.slow
 def test_the_script_runs_in_a_folder_with_a_module_of_that_name(tmp_path: Path) -> None:
     script = shutil.which("labrig", path=str(Path(sys.executable).parent))
     if script is None:

@@ -13,6 +13,8 @@ from labrig.report.figures.shapes import curves_figure
 from labrig.report.parts.style import figure, legend_below
 from tests.labrig.report_data import measure, session
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
@@ -59,6 +61,7 @@ def test_the_text_of_a_pdf_is_text(recorded, tmp_path):
     assert b"/ToUnicode" in data  # and found by a search
 
 
+@pytest.mark.slow
 def test_an_unknown_format_is_refused_before_anything_is_drawn(recorded, tmp_path, capsys):
     assert run(["report", str(recorded), "-o", str(tmp_path / "out"), "--format", "jpg"]) == 2
     assert "--format jpg: give png, svg or pdf." in capsys.readouterr().err

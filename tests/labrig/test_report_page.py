@@ -21,6 +21,7 @@ from labrig.session import export_session, import_session, open_session
 from labrig.session.format.devices import RecordedDevice
 from tests.labrig.report_data import TEXTS, invalid, measure, session, stopped_session
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
 VOID = {"meta", "br", "hr", "img", "link", "input"}
 
 
@@ -53,7 +54,7 @@ def read(path: Path) -> str:
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
+def whole(tmp_path_factory, data_unchecked):
     folder = tmp_path_factory.mktemp("report")
     path = session(folder / "made.h5", measure())
     return write_report(path, folder / "out")
@@ -242,6 +243,7 @@ def test_imported_tables_are_reported_without_what_only_a_recording_has(tmp_path
     assert "Saturation" not in text
 
 
+@pytest.mark.slow
 def test_many_warnings_are_counted_at_the_top(tmp_path):
     many = replace(
         measure("long", curves=False), warnings=tuple(f"curve {i} is odd" for i in range(30))

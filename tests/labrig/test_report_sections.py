@@ -53,6 +53,7 @@ def content(findings: Findings, folder: Path, *sections: ReportSection) -> Repor
     return report_content(findings, FigureFolder(folder / "figures"), known)
 
 
+@pytest.mark.slow
 def test_marks_stand_in_the_report_with_who_when_and_why(tmp_path):
     path = session(tmp_path / "marked.h5", None)
     add_mark(path, Mark(run=1, reading=None, why="a bubble", who="A. P."))
@@ -75,6 +76,7 @@ def test_marks_stand_in_the_report_with_who_when_and_why(tmp_path):
     assert not any("Marks" in getattr(item, "title", "") for item in record.items)
 
 
+@pytest.mark.slow
 def test_a_report_without_marks_has_no_section_of_them(findings):
     assert not SECTIONS.get("marks").applies(findings)
 
@@ -97,6 +99,7 @@ def test_sections_stand_in_the_order_of_their_numbers():
     assert orders == sorted(orders)
 
 
+@pytest.mark.slow
 def test_a_section_that_fails_is_left_out_with_a_sentence_and_the_others_are_written(
     findings, tmp_path
 ):
@@ -128,6 +131,7 @@ def test_a_section_that_cannot_decide_whether_it_applies_is_left_out_too(finding
     assert "RuntimeError: no idea." in found.left_out[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "says"),
     [
@@ -161,6 +165,7 @@ def draw_dot(_findings, figures):
     return Section(figures.draw("dot", "Dot", "A dot.", dot))
 
 
+@pytest.mark.slow
 def test_two_sections_or_figures_of_one_name_cannot_stand_on_a_page(findings, tmp_path):
     found = content(
         findings, tmp_path,
@@ -172,6 +177,7 @@ def test_two_sections_or_figures_of_one_name_cannot_stand_on_a_page(findings, tm
     assert "two figures called dot" in found.left_out[1]
 
 
+@pytest.mark.slow
 def test_figures_that_are_no_longer_drawn_lose_their_files(findings, tmp_path):
     figures = tmp_path / "figures"
     figures.mkdir()
@@ -183,6 +189,7 @@ def test_figures_that_are_no_longer_drawn_lose_their_files(findings, tmp_path):
     assert [path.name for path in figures.iterdir()] == ["mine.png"]
 
 
+@pytest.mark.slow
 def test_a_figure_that_cannot_be_written_ends_the_report(findings, tmp_path):
     (tmp_path / "figures" / "dot.png.part").mkdir(parents=True)
     with pytest.raises(BadInputError, match="dot"):

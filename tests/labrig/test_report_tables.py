@@ -49,6 +49,7 @@ def test_table_3_tells_this_session_from_the_paper(measured, fit):
     assert "24.0 to 6.9" in cell(table, "initial curvature k0, 1/m", "long, this session")
 
 
+@pytest.mark.slow
 def test_table_4_has_the_true_parameters_within_their_intervals(fit):
     table = table_4(fit)
     for name, B in STIFFNESS.items():
@@ -226,6 +227,7 @@ def test_a_simulated_force_curve_has_the_single_predictions_and_gaps_where_none_
     assert np.isnan(force[3])
 
 
+@pytest.mark.slow
 def test_what_shapes_alone_leave_open_is_taken_and_their_ratio_is_told():
     whole = measure()
     bare = tuple(replace(c, readings=()) for c in whole.conditions if c.configuration == "long")

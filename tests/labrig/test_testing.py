@@ -69,6 +69,7 @@ def test_the_fake_devices_have_the_drivers_interfaces() -> None:
     assert hasattr(operator, "ask")
 
 
+@pytest.mark.slow
 def test_nothing_that_runs_an_experiment_loads_the_test_tools() -> None:
     code = (
         "import sys, labrig.cli.main, labrig.experiment.run; print('labrig.testing' in sys.modules)"

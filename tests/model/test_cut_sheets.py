@@ -66,6 +66,7 @@ def test_a_place_keeps_its_curvature_however_long_the_sheet_is(truth, effects):
     assert np.ptp(found, axis=0).max() < 1e-4  # of 100
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", MATERIAL.values(), ids=MATERIAL)
 def test_what_lies_beyond_the_contact_changes_nothing(truth, effects):
     model = truth.with_effects(*effects)

@@ -115,6 +115,7 @@ def test_the_constant_eibm_of_a_falling_one_is_its_mean_up_to_the_contact(fallin
     assert one.rmse["varying"].force_N < 0.5 * one.rmse["constant"].force_N
 
 
+@pytest.mark.slow
 def test_json_has_exactly_the_agreed_keys(measure):
     answer = fit(measure(seed=5, names=("short",))).to_json()
     assert set(answer) == {"configurations", "rmse"}
@@ -153,6 +154,7 @@ def test_measured_rest_curvature_is_found_from_the_curves(truth, measure):
         assert one.B.value == pytest.approx(LONG_B, rel=0.04)
 
 
+@pytest.mark.slow
 def test_a_wrong_stated_curvature_is_noted_and_hardly_moves_the_stiffness(truth, measure):
     data = measure(seed=8, names=("short",))
     sheet = data.sheets["short"]
@@ -162,6 +164,7 @@ def test_a_wrong_stated_curvature_is_noted_and_hardly_moves_the_stiffness(truth,
     assert any("differ from the stated initial curvature" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_one_eibm_for_both_polarities_when_asked(measure, truth):
     one = truth.sheet("short")
     even = {
@@ -176,6 +179,7 @@ def test_one_eibm_for_both_polarities_when_asked(measure, truth):
     np.testing.assert_allclose(along[2.0][0], -along[-2.0][0])
 
 
+@pytest.mark.slow
 def test_forces_alone_give_stiffness_and_constant_eibm(measure, truth):
     found = fit(measure(seed=10, curves=False))
     for name, B in (("long", LONG_B), ("short", SHORT_B)):
@@ -193,7 +197,7 @@ def test_held_out_conditions_are_not_used_and_are_named(measure):
     assert found.model.held_out[-1] == "short, 20 mm, +2 V"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_simulated_repeats_confirm_the_stated_uncertainty(measure):
     found = fit(measure(seed=12), FitOptions(bootstrap=60))
     assert set(found.bootstrap_ratio) >= {"long B", "short EIBM at +2 V"}

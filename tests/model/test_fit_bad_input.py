@@ -94,6 +94,7 @@ def test_all_readings_invalid_is_said_with_the_reason(data):
         fit(replace(data, conditions=conditions))
 
 
+@pytest.mark.slow
 def test_invalid_conditions_are_left_out_and_noted(measure):
     data = measure(names=("short",))
     last = data.conditions[-1]

@@ -30,6 +30,7 @@ def diagnosed(*hidden: Hiding) -> Diagnosis:
     return diagnose(of_long(session(Case(hidden, seed=3))))
 
 
+@pytest.mark.slow
 def test_shapes_determine_the_ratio_of_eibm_and_stiffness():
     found = fitted().configurations["long"]
     for voltage, wanted in EIBM_OVER_B_PER_M.items():
@@ -63,18 +64,21 @@ def test_a_stiffness_that_is_none_is_refused(stiffness_Nm2):
         fit(of_long(session(Case(seed=3))), FitOptions(stiffness_Nm2=stiffness_Nm2))
 
 
+@pytest.mark.slow
 def test_with_nothing_hidden_nothing_is_found_in_shapes():
     assert diagnosed().verdict == "nothing_missing"
     assert set(diagnosed().base["long"]) == {"EIBM/B -2 V", "EIBM/B +2 V"}
     assert any("B is not determined" in note for note in diagnosed().notes)
 
 
+@pytest.mark.slow
 def test_what_changes_shapes_is_found_in_them():
     found = diagnosed(Hiding("camera_scale"))
     assert [one.name for one in found.effects] == ["camera_scale"]
     assert "load_cell_hysteresis" in found.invisible
 
 
+@pytest.mark.slow
 def test_a_stated_stiffness_is_that_of_the_model_that_is_written():
     data = of_long(session(Case(seed=3)))
     found = diagnose(data, DiagnoseOptions(stiffness_Nm2=2e-6))

@@ -74,6 +74,7 @@ def made(measure) -> Measurements:
     return measure(force_N=5e-6, curve_m=2e-6, scatter=0.0, positions_mm=(0, 15, 30), free=True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", [0.05, -0.05, 0.15])
 @pytest.mark.parametrize("seen", [pictured, along_the_sheet])
 def test_a_scale_is_what_it_is(made: Measurements, seen, error: float):
@@ -82,6 +83,7 @@ def test_a_scale_is_what_it_is(made: Measurements, seen, error: float):
     assert half < 0.01 * abs(error)
 
 
+@pytest.mark.slow
 def test_a_perspective_is_what_it_is(made: Measurements):
     session = pictured(made, askew(0.05))
     value, half = interval(fitted(session, "camera_perspective", direction_rad=0.0))

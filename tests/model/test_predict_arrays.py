@@ -35,6 +35,7 @@ POSITIONS_M, VOLTAGES = np.array([0.0, 0.012, 0.03]), np.array([-2.0, 0.0, 1.0, 
 SETTLED_M = 1e-8  # effects that depend on the force are repeated until they settle
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effects", EFFECTS.values(), ids=EFFECTS)
 def test_a_batch_says_the_same_as_one_condition_after_the_other(truth: SheetModel, effects):
     model = truth.with_effects(*effects)

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory):
+def pages(tmp_path_factory, data_unchecked):
     """The report of a session with a diagnosis in it, and the diagnosis's own page."""
     folder = tmp_path_factory.mktemp("reports")
     path = session(folder / "made.h5", measure())

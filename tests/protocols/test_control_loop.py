@@ -224,6 +224,7 @@ def test_samples_that_are_lost_from_the_last_period_end_the_run():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("device", ["output", "signals", "camera"])
 def test_a_device_that_dies_at_any_moment_of_control_leaves_0_V(device):
     """Every seventh call fails once; the output's own zero is tried again by the safe shutdown."""

@@ -70,6 +70,7 @@ def test_a_device_that_fails_once_at_any_call_leaves_0_V_and_an_end(device):
             assert any(f"call {k} ({name}) failed" in w.text for w in rig.of_kind(Warned))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("device", ["signals", "camera", "stage", "operator"])
 def test_a_device_that_fails_for_good_at_any_call_leaves_0_V_and_an_end(device):
     for k in range(len(healthy_calls(device))):
@@ -95,6 +96,7 @@ def test_an_output_that_fails_for_good_is_unknown_and_stays_guarded():
             assert rig.guarded[-1] is True  # so the guard, hearing no beat, acts
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("device", ["signals", "camera"])
 def test_0_V_is_written_before_anything_is_told_of_a_failure(device):
     energised_failures = 0

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from labrig.testing.fake_rig import LIMITS, FakeRig, short_schedule
+from labrig.testing.fake_devices import LIMITS
+from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols import Place, SafetyLimits, ScheduleError, check_schedule, make_schedule
 from protocols.kinds.pulse_train import PulseTrain
 from protocols.planning.schedule import VoltageStep

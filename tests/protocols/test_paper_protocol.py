@@ -4,7 +4,8 @@ from collections import Counter
 
 import pytest
 
-from labrig.testing.fake_rig import LIMITS, FakeRig
+from labrig.testing.fake_devices import LIMITS
+from labrig.testing.fake_rig import FakeRig
 from protocols import (
     Place,
     Purpose,

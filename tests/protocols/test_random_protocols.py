@@ -96,6 +96,7 @@ extras = st.builds(
 WIDE = SafetyLimits(2.5, 1e4)
 
 
+@pytest.mark.slow
 @given(protocols, extras)
 def test_every_schedule_begins_at_0_s_returns_to_0_V_and_reads_inside_its_steps(protocol, extra):
     schedule = make_schedule(protocol, [Place("long", (0.0, 0.01))], extras=extra)
@@ -118,6 +119,7 @@ def test_every_schedule_survives_json(protocol, extra):
     assert schedule_from_dict(json.loads(json.dumps(schedule_to_dict(schedule)))) == schedule
 
 
+@pytest.mark.slow
 @given(protocols, st.floats(0.0, 2.5), st.floats(0.0, 20.0))
 def test_a_schedule_passes_the_check_exactly_when_it_is_within_the_limits(
     protocol, limit_V, limit_s

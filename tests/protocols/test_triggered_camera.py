@@ -16,7 +16,8 @@ from drivers.interfaces import (
     Frame,
     TriggerPulse,
 )
-from labrig.testing.fake_rig import FakeCamera, FakeRig, short_schedule
+from labrig.testing.fake_devices import FakeCamera
+from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols.execution.events import Outcome, ReadingTaken, RunStopped, SessionStopped, VoltageSet
 from protocols.execution.runs.exposures import Exposures
 

@@ -195,6 +195,7 @@ def test_a_thread_the_clock_does_not_know_may_ask_the_time_but_not_wait() -> Non
     assert clock.now() == 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer signal")
 def test_an_interrupt_while_another_runs_waits_for_its_turn() -> None:
     clock = VirtualClock()

@@ -232,6 +232,7 @@ def test_the_force_converges_with_the_square_of_the_step_and_of_the_links() -> N
     assert of_links[0] / of_links[1] == pytest.approx(4.6, abs=0.9)
 
 
+@pytest.mark.slow
 def test_a_sheet_under_a_voltage_that_stays_comes_to_rest_as_the_chain_at_rest() -> None:
     for name, position_m in (("long", 0.005), ("short", 0.01), ("long", None)):
         one = sheet(world(step_ms=2.0), position_m, name)
@@ -247,6 +248,7 @@ def test_a_sheet_under_a_voltage_that_stays_comes_to_rest_as_the_chain_at_rest()
         assert found.rows[-1, march.FORCE] == pytest.approx(force_N, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_work_of_the_moment_is_energy_and_loss() -> None:
     """Energy stored and lost against the work of Me, of a driven sheet with all its losses."""
     for position_m in (None, 0.0):

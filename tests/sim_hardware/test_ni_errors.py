@@ -299,7 +299,7 @@ def test_a_failed_read_tells_how_many_samples_it_got(ni: Any) -> None:
 @pytest.mark.parametrize(
     "ask",
     [
-        lambda ni: ni.input().triggers.reference_trigger.cfg_dig_edge_ref_trig("/M/PFI0", 9),
+        lambda ni: ni.input().triggers.reference_trigger.cfg_anlg_edge_ref_trig("APFI0", 9),
         lambda ni: ni.task().ai_channels.add_ai_thrmcpl_chan("PCI6034E/ai0"),
         lambda ni: ni.task().ci_channels.add_ci_count_edges_chan("PCI6034E/ctr0"),
         lambda ni: ni.system.devices["PCI6034E"].ai_current_rngs,

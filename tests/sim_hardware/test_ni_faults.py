@@ -54,6 +54,7 @@ def test_a_hung_write_is_not_made_up_for_later(make_ni: Any) -> None:
     assert abs(ni.input().read()) < 2e-3
 
 
+@pytest.mark.slow
 def test_a_read_that_outlives_its_deadline_ends_with_it(ni: Any) -> None:
     task = ni.input()
     task.timing.cfg_samp_clk_timing(10, sample_mode=AcquisitionType.CONTINUOUS)

@@ -132,6 +132,7 @@ def test_a_cleared_task_is_gone_and_its_output_stays(ni: Any) -> None:
     assert ni.input().read() == pytest.approx(3.0, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_reset_frees_the_channel_and_leaves_the_voltage(ni: Any) -> None:
     task = ni.output()
     task.start()

@@ -149,6 +149,7 @@ def test_drying_goes_on_in_any_form_and_is_the_same_after_a_minute() -> None:
     assert early[0] < early[1] < early[2]  # with drying_s = 8 s the last is all but over at 10 s
 
 
+@pytest.mark.slow
 def test_a_slow_share_of_the_moment_comes_late_and_tiredness_stays() -> None:
     slow = one(
         world(eibm__relaxation=-0.5, eibm__relaxation_s=0.5),

@@ -39,6 +39,7 @@ def test_the_curve_errors_are_as_stated() -> None:
         assert (c.x_m[0], c.y_m[0]) == (0.0, 0.0)
 
 
+@pytest.mark.slow
 def test_the_truth_is_the_world_s_without_scatter() -> None:
     settings = load_world()
     sessions = [reduced_session(settings, seed) for seed in range(6)]

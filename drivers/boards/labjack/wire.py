@@ -6,6 +6,7 @@ import re
 import socket
 import struct
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import NamedTuple, Protocol
@@ -63,19 +64,24 @@ class SocketTransport:
 
     def exchange(self, request: bytes, answer_s: float) -> bytes:
         """See `Transport.exchange`."""
+        until_s = time.monotonic() + answer_s
         self._socket.settimeout(answer_s)
         self._socket.sendall(request)
-        head = self._exactly(_HEAD.size)
+        head = self._exactly(_HEAD.size, until_s)
         length = _HEAD.unpack(head)[2]
-        return head + self._exactly(length - 1)
+        return head + self._exactly(length - 1, until_s)
 
     def close(self) -> None:
         """See `Transport.close`."""
         self._socket.close()
 
-    def _exactly(self, count: int) -> bytes:
+    def _exactly(self, count: int, until_s: float) -> bytes:
         data = b""
         while len(data) < count:
+            left_s = until_s - time.monotonic()
+            if left_s <= 0.0:  # it sends a little now and then
+                raise TimeoutError("the answer has not come as a whole")
+            self._socket.settimeout(left_s)
             piece = self._socket.recv(count - len(data))
             if not piece:
                 raise ConnectionError("it has closed the connection")

@@ -17,7 +17,7 @@ from drivers.boards.ni.errors import TaskGoneError
 from drivers.boards.ni.timed_run import load_run, samples_of
 from drivers.interfaces import Clock, DeviceError, LimitError, TimedVoltage
 
-WRITE_TIMEOUT_S = 1.0
+WRITE_TIMEOUT_S = 0.2  # a write on demand has nothing to wait for
 OUTPUT_TASK = "labrig-output"
 
 

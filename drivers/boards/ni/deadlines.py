@@ -12,10 +12,10 @@ from typing import Any
 
 import grpc
 
-QUICK_S = 1.2  # reads, writes and attributes: about 1 ms each on a healthy network
+QUICK_S = 1.0  # reads, writes and attributes: about 1 ms each on a healthy network
 # Of a server that has just let a call run out of time: it may have recovered, and else it must not
 # take that time again with each call of a shutdown. One that answers has its full time again.
-HURRIED_QUICK_S, HURRIED_SLOW_S = 0.6, 1.0
+HURRIED_QUICK_S, HURRIED_SLOW_S = 0.5, 1.0
 SLOW_S = 10.0  # making, starting, clearing a task: an old driver may load itself first
 _SLOW_CALLS = frozenset(
     {"CreateTask", "ClearTask", "StartTask", "StopTask", "TaskControl", "ResetDevice"}

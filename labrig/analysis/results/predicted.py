@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.special import stdtrit
 
 from labrig.analysis.results.measured import NORMAL_90, in_mm, known, plain_curve, rounded
 from labrig.analysis.results.models import CandidateModel
@@ -77,6 +76,8 @@ def _knows(model: SheetModel, name: str, voltage_V: float) -> bool:
 def _with_bands(
     model: CandidateModel, name: str, places: Sequence[Place]
 ) -> list[tuple[_PlacePrediction, _Band]]:
+    from scipy.special import stdtrit  # slow to import, and the panel imports this module
+
     best = _answers(model.model, name, places)
     others = [_answers(one, name, places) for one in model.displaced[name]]
     reach = float(stdtrit(model.model.sheets[name].B.freedom, 0.95))

@@ -82,7 +82,13 @@ def control(
         raise BadInputError(
             f"--limit-V {limit_V:g}: a positive voltage of at most {HIGHEST_V:g} V is needed."
         )
-    most_V = DEFAULT_LIMIT_V if rig is None else min(DEFAULT_LIMIT_V, rig_limit_V(rig))
+    allowed_V = HIGHEST_V if rig is None else rig_limit_V(rig)
+    if limit_V is not None and limit_V > allowed_V:
+        raise BadInputError(
+            f"--limit-V {limit_V:g}: {rig} allows {allowed_V:g} V at the sheet at most ([limits]"
+            " sheet_voltage_V); give no more."
+        )
+    most_V = min(DEFAULT_LIMIT_V, allowed_V)
     loop = LoopGoal(
         method=method.value,
         rate_hz=rate_hz,

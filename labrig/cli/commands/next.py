@@ -35,11 +35,24 @@ from labrig.errors import BadInputError
 from labrig.files import check_free, write_text
 
 
+def _two_effects(between: tuple[str, str] | None) -> tuple[str, str] | None:
+    """Return two names; an option in place of the second one would leave it to the sessions."""
+    if between is not None and between[1].startswith("-"):
+        raise BadInputError(
+            f"--between {between[0]}: name two effects, such as --between gravity clamp_angle."
+        )
+    return between
+
+
 def next_measurement(
     sessions: Sessions = None,
     between: Annotated[
         tuple[str, str] | None,
-        typer.Option(help="two effects to be told apart; default: those of the diagnosis"),
+        typer.Option(
+            callback=_two_effects,
+            is_eager=True,
+            help="two effects to be told apart; default: those of the diagnosis",
+        ),
     ] = None,
     sheet: SheetFile = None,
     forces: ForcesFile = None,

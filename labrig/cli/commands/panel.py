@@ -87,7 +87,7 @@ def _settings(
     rig, session = (None, what) if is_session else (what, None)
     if session is not None and not session.resolve().is_relative_to(folder):
         raise BadInputError(f"{session}: does not lie in the data folder {folder}.")
-    _require_readable(session, model)
+    _require_readable(rig, session, model)
     return PanelSettings(
         data=folder,
         rig=None if rig is None else rig.resolve(),
@@ -111,8 +111,12 @@ def _with_token(settings: PanelSettings, *, other: bool) -> PanelSettings:
     return replace(settings, token=make(settings.data))
 
 
-def _require_readable(session: Path | None, model: Path | None) -> None:
+def _require_readable(rig: Path | None, session: Path | None, model: Path | None) -> None:
     """Raise BadInputError, as reading the file later would, if it cannot be read."""
+    if rig is not None:
+        from labrig.config import load_rig
+
+        load_rig(rig)
     if session is not None:
         from labrig.session import open_session
 

@@ -13,6 +13,8 @@ from labrig.cli.options import FigureFormats, ModelFile
 from labrig.cli.screen import print_table, say
 from labrig.errors import BadInputError
 
+_OF_FILES = (".csv", ".png", ".svg", ".pdf", ".h5", ".toml", ".json")
+
 
 class Driven(StrEnum):
     """What drives the sheet."""
@@ -56,6 +58,11 @@ def response(
     from labrig.report.parts.style import known_formats, save_all
 
     wanted = known_formats(formats)
+    if folder.suffix.lower() in _OF_FILES and not folder.is_dir():
+        raise BadInputError(
+            f"-o is a folder: {folder} would hold a figure and two tables; leave out"
+            f" {folder.suffix}."
+        )
     if output is Answered.FORCE and position_mm is None:
         raise BadInputError("a free sheet presses on nothing: give --position-mm for the force.")
     place = None if position_mm is None else 1e-3 * position_mm

@@ -22,7 +22,6 @@ from labrig.panel.photographs.known import (
     write_known,
 )
 from labrig.panel.photographs.photograph import Found, Photograph
-from labrig.vision.batch import BatchOptions, curves_of
 from labrig.vision.calibration.drawing import is_drawing
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
 from labrig.vision.image.files import load_strip
@@ -271,6 +270,8 @@ class _Measured:
 
 
 def _measured(path: Path) -> _Measured:
+    from labrig.vision.batch import BatchOptions, curves_of  # slow to import: numba
+
     out = _Measured()
     try:
         for label, image, curve in curves_of([path], BatchOptions()):

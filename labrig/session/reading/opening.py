@@ -86,7 +86,7 @@ def check_is_hdf5(path: Path) -> None:
         kind = "" if has_journal else kind_of_file(path)
         if kind:
             raise other_kind(path, kind, SESSION)
-        said = "is empty" if not begin else "is no HDF5 file"
+        said = "is empty" if not begin else "is not an HDF5 file"
         hint = f"; run labrig recover {path}" if has_journal else ""
         raise BadInputError(f"{path}: {said}, so it is no session{hint}.")
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, ExitCode
 from labrig.files import discard, family_of
 
 
@@ -63,12 +63,14 @@ def note_a_failed_write() -> None:
 
 
 def end_before_the_library_does(code: int) -> None:
-    """End the process at once where the HDF5 library could not write something.
+    """End the process at once where a library would not end well.
 
-    It would try once more at its own end, and crash. Everything else has ended by now, and what
-    is to be recovered lies in the journal. Else nothing happens.
+    The HDF5 library, where it could not write something, would try once more at its own end, and
+    crash. Where the output is not known to be safe, gRPC would wait for boards that do not answer:
+    whoever waits for the exit code has to act now. Everything else has ended by now, and what is
+    to be recovered lies in the journal. Else nothing happens.
     """
-    if not _failed_writes:
+    if not _failed_writes and code != ExitCode.OUTPUT_UNKNOWN:
         return
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):

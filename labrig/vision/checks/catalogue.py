@@ -6,9 +6,12 @@ A file adds one by its constant `CHECK`; another distribution by an entry point 
 
 from __future__ import annotations
 
+from typing import cast
+
 from drivers.plugins import OWN, Part, PluginFolder
 from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
 from labrig.vision.checks.seen_curve import SeenCurve
+from labrig.vision.checks.seen_outline import SeenOutline
 
 
 def _faults(part: object) -> list[str]:
@@ -39,6 +42,16 @@ def origins() -> dict[str, str]:
 def findings(seen: SeenCurve, stage: CheckStage) -> list[CurveFinding]:
     """Return what the checks of a stage say of a curve, in their order."""
     said = (_asked(part, seen) for part in _in_order() if part.part.stage == stage)
+    return [finding for finding in said if finding is not None]
+
+
+def foreign_findings(seen: SeenOutline) -> list[CurveFinding]:
+    """Return what other distributions' checks of all stages say of a curve between two edges.
+
+    labrig's own look at a fit of intensities; such a curve has others (`outline_report`).
+    """
+    shared = cast("SeenCurve", seen)  # what both have is the contract; see `contract`
+    said = (_asked(part, shared) for part in _in_order() if part.distribution != OWN)
     return [finding for finding in said if finding is not None]
 
 

@@ -3,6 +3,9 @@
 A check is asked about a fitted curve and returns a `CurveFinding`, or None where nothing is wrong.
 The refusal of the check with the lowest order is the one that the user reads. A check must not
 block, keeps no state, and changes none of its arguments.
+
+A thick strip, or one of which little is stated, is found between its edges. The checks of other
+distributions are then asked once, with a `SeenOutline`, which has what both kinds share.
 """
 
 # ruff: noqa: ARG002 - the method that a check overrides does nothing with what it is given

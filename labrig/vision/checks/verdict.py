@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.checks.catalogue import findings
+from labrig.vision.checks.catalogue import findings, foreign_findings
 from labrig.vision.checks.contract import CheckStage, CurveFinding
 from labrig.vision.checks.gap_continuity import GapJoin
 from labrig.vision.checks.seen_curve import SeenCurve
+from labrig.vision.checks.seen_outline import SeenOutline
 from labrig.vision.checks.sheet_end import SheetEnd
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit
@@ -67,11 +68,19 @@ def check_curve(
 
 def judge(seen: SeenCurve, stage: CheckStage) -> StageVerdict:
     """Return what the checks of a stage say of a curve."""
-    found = findings(seen, stage)
+    return _together(findings(seen, stage), len(seen.fit.shape.x))
+
+
+def judge_outline(seen: SeenOutline) -> StageVerdict:
+    """Return what other distributions' checks say of a curve between two edges."""
+    return _together(foreign_findings(seen), len(seen.fit.shape.x))
+
+
+def _together(found: list[CurveFinding], nodes: int) -> StageVerdict:
     return StageVerdict(
         why=next((each.refusal for each in found if each.refusal), ""),
         warnings=tuple(each.warning for each in found if each.warning),
-        widening_px=_widening_px(found, len(seen.fit.shape.x)),
+        widening_px=_widening_px(found, nodes),
     )
 
 

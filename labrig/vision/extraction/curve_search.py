@@ -27,6 +27,10 @@ from labrig.vision.thresholds import (
 FloatArray = npt.NDArray[np.float64]
 
 MASK_MARGIN_PX = 3.0
+# of one image, so that a refusal costs little:
+BROAD_MAX = 1  # broad searches
+RIVALS_MAX = 5  # other paths than the likeliest
+HEAD_MARGIN = 0.1  # of a share, in which a rival's first part may be seen better
 LINE_ROUNDS = 2  # of finding lines beside the best curve, and searching without them
 
 
@@ -38,6 +42,8 @@ class CurveSearch(Refiner):
         self.roll_mask = self.mask
         self.wires: tuple[BackgroundLine, ...] = ()
         self.led_by_lines = False  # whether a path that looked best ran with one
+        self.broad = 0  # broad searches, which cost several times a quick one
+        self.rivals = 0  # other paths that were searched
         self.known_sign = 0.0  # the polarity, once it is known
 
     def follow(self, start: NeutralCurve) -> CurveCandidate | None:
@@ -124,7 +130,8 @@ class CurveSearch(Refiner):
             if known.confirmed and found[0].confirmed:
                 return found[0]  # what is left of a wire might explain more than a gap in the sheet
         found += self._candidates(width=90, hasty=True)
-        if all(c.verdict.why for c in found):
+        if all(c.verdict.why for c in found) and self.broad < BROAD_MAX:
+            self.broad += 1
             found += self._candidates(width=800, hasty=False)
         best = max(found, key=lambda c: c.rank, default=None)
         if known is not None and best is not None and best.verdict.why:
@@ -193,14 +200,19 @@ class CurveSearch(Refiner):
                 found.append(self.refine(trace, sign))
                 if not found[-1].confirmed:
                     enough = 0.75 if found[-1].verdict.why else 0.7
-                    found += self._rivals(ridges, trace, sign, width, enough)
+                    found += self._rivals(ridges, trace, found[-1], width, enough)
         return found
 
     def _rivals(
-        self, ridges: RidgeMaps, trace: Trace, sign: float, width: int, enough: float
+        self, ridges: RidgeMaps, trace: Trace, first: CurveCandidate, width: int, enough: float
     ) -> list[CurveCandidate]:
         """Return other paths that the sheet may take where a wire may have been followed."""
+        used, sign = first.fit.used, first.context.sign
         for share in (0.7, 0.45):
+            head = float(used[: round(share * len(used))].mean())
+            if share * head + 1 - share < enough - HEAD_MARGIN or self.rivals >= RIVALS_MAX:
+                continue  # they share its first part: it could not be seen enough
+            self.rivals += 1
             tail = trace.path[round(share * len(trace.path)) :]
             with ridges.without(tail, 1.5 + 0.5 * self.thickness_px):
                 rival = trace_from_clamp(ridges, self.optics, self.strip, sign, width=width)

@@ -14,8 +14,12 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.extraction.outline_report import outline_fault, outline_in_metres
-from labrig.vision.extraction.outline_shape import fitted_outline
+from labrig.vision.extraction.outline_report import (
+    RIVAL_STEP,
+    outline_fault,
+    outline_in_metres,
+)
+from labrig.vision.extraction.outline_shape import CLAMP_REACH_PX, fitted_outline
 from labrig.vision.fit.context import roll_mask
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located, locate
@@ -23,7 +27,7 @@ from labrig.vision.search.locate import Located, locate
 FloatArray = npt.NDArray[np.float64]
 MaskArray = npt.NDArray[np.uint8]
 
-CLAMP_REACH_PX = 20.0  # how far beside the stated place an unknown strip may begin
+COMPARABLE_RATIO = 0.4  # of a channel's worth to the best one's
 
 
 def outline_curve(
@@ -46,12 +50,26 @@ def outline_curve(
         if followed.ok:
             return followed
     first = None
-    for image in images:
-        found = _judged(images, optics, strip, _located(image, optics, strip, mask))
-        if found.ok:
+    for located in _likeliest_first(images, optics, strip, mask):
+        found = _judged(images, optics, strip, located)
+        # where it is not known which edge is the strip's, another channel only hides that
+        if found.ok or found.why.startswith(RIVAL_STEP):
             return found
         first = first or found
     return first or _judged(images, optics, strip, None)
+
+
+def _likeliest_first(
+    images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, mask: MaskArray
+) -> list[Located]:
+    """Return what each channel shows, without what is far less clear than another's."""
+    found = []
+    for image in images:
+        located = _located(image, optics, strip, mask)
+        if located is not None:
+            found.append(located)
+    found.sort(key=lambda each: -each.evidence)
+    return [each for each in found if each.evidence > COMPARABLE_RATIO * found[0].evidence]
 
 
 def _from_before(start: NeutralCurve) -> Located:

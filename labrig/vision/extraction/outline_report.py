@@ -7,6 +7,8 @@ import math
 import numpy as np
 
 from labrig.vision.calibration.optics import Optics
+from labrig.vision.checks.seen_outline import OutlineContext, SeenOutline
+from labrig.vision.checks.verdict import judge_outline
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extraction.outline_shape import Outline
 from labrig.vision.fit.curve_fit import spread
@@ -24,6 +26,8 @@ from labrig.vision.thresholds import (
 )
 from labrig.vision.uncertainty.parts import calibration_m
 
+RIVAL_STEP = "check of the edges failed"  # the step that a refusal for rival edges names
+
 
 def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str:
     """Return why an outline is no strip's, as a sentence; empty where it passes."""
@@ -32,7 +36,7 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     width = located.thickness_px
     eighth = max(2, len(blocks.seen) // 8)
     share = float(blocks.seen.mean())
-    loose = float(fit.sigma_px.max())
+    loose = float(fit.inner_sigma_px.max())
     most = min(OUTLINE_SIGMA_MAX_PX, OUTLINE_SIGMA_MAX_RATIO * width)
     most = max(HIDDEN_SIGMA_MAX_PX, most)
     if share < OUTLINE_SEEN_SHARE_MIN:
@@ -59,12 +63,26 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     end_why = _end_fault(outline, optics, strip, total)
     if end_why:
         return end_why
+    if loose > most and fit.rival_px is not None and has_rival(outline):
+        return (
+            f"{RIVAL_STEP}: beside an edge of the strip there is another one that is "
+            f"as clear, {np.max(fit.rival_px):.0f} pixels further out; light the strip evenly, "
+            "state the thickness, or mask what lies beside it (--mask)."
+        )
     if loose > most:
         return (
             "check of hidden parts failed: where the strip is hidden or unclear it is known to "
             f"±{loose:.1f} pixels only; make more of it visible."
         )
     return ""
+
+
+def has_rival(outline: Outline) -> bool:
+    """Return whether it is not known which of two edges is the strip's."""
+    rival = outline.fit.rival_px
+    return rival is not None and bool(
+        rival.max() > max(HIDDEN_SIGMA_MAX_PX, 0.2 * outline.fit.width_px)
+    )
 
 
 def _end_fault(outline: Outline, optics: Optics, strip: StripGeometry, total: float) -> str:
@@ -87,7 +105,7 @@ def _end_fault(outline: Outline, optics: Optics, strip: StripGeometry, total: fl
 def outline_in_metres(
     outline: Outline, image: GreyImage, optics: Optics, strip: StripGeometry
 ) -> NeutralCurve:
-    """Return the curve in metres."""
+    """Return the curve in metres, or why another distribution's check refuses it."""
     fit, shape, ppm = outline.fit, outline.fit.shape, optics.px_per_m
     covariance = fit.covariance
     unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
@@ -96,16 +114,26 @@ def outline_in_metres(
     for node in fit.blocks.node[fit.blocks.seen]:
         seen[max(0, node - many // 2 - 1) : node + many // 2 + 2] = True
     contrast = float(np.median(fit.blocks.strength[fit.blocks.seen]))
+    sigma_m = np.hypot(
+        fit.sigma_px / ppm, calibration_m(shape.x / ppm, shape.y / ppm, shape.phi, optics)
+    )
+    said = judge_outline(
+        SeenOutline(
+            fit=fit,
+            context=OutlineContext(image=image, optics=outline.optics, sign=outline.located.sign),
+            sigma_px=sigma_m * ppm,
+        )
+    )
+    if said.why:
+        return NeutralCurve(ok=False, why=said.why)
     return NeutralCurve(
         ok=True,
-        warnings=(*image.warnings, *_assumed(outline, optics, strip)),
+        warnings=(*image.warnings, *_assumed(outline, optics, strip), *said.warnings),
         s_m=shape.basis.s / ppm,
         x_m=shape.x / ppm,
         y_m=shape.y / ppm,
         curvature_per_m=shape.k * ppm,
-        sigma_m=np.hypot(
-            fit.sigma_px / ppm, calibration_m(shape.x / ppm, shape.y / ppm, shape.phi, optics)
-        ),
+        sigma_m=np.hypot(sigma_m, said.widening_px / ppm),
         curvature_sigma_per_m=spread(shape.basis.curvature, covariance[2:, 2:]) * ppm,
         curvature_resolution_m=shape.basis.free_px / ppm / max(1, shape.basis.size - 2),
         points_px=outline.optics.world_to_pixel(np.stack([shape.x, shape.y], axis=1) / ppm),

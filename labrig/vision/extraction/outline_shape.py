@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -12,15 +12,20 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry
 from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
 from labrig.vision.fit.outline import OutlineFit, across_px, edge_sizes, fit_outline
+from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located
 from labrig.vision.thresholds import END_PRESENT_RATIO
 
 FloatArray = npt.NDArray[np.float64]
 
+CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
+BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
+FURTHER_ROUNDS = 12  # in which a strip is followed beyond its located end, at most
 BEYOND_WIDTHS = 2.0  # how far beyond the located end the strip is looked for
 COARSE_OFFSET_SIGMA_RATIO = 0.5  # of a located begin, in widths
 COARSE_ANGLE_SIGMA_RAD = 0.4
+END_GAP_WIDTHS, END_GAP_SHARE = 3.0, 0.12  # of a gap beyond which no end is looked for
 END_ROOM_RATIO = 0.06  # of a stated length: how far beyond it the strip is looked for
 LONGEST_CELL_PX = 1.0
 COEFFICIENTS = (6, 41)
@@ -58,15 +63,33 @@ def fitted_outline(
         # a strip that continues beyond its stated length is another one, or longer
         further = _cut(fit.shape, length + BEYOND_WIDTHS * width + END_ROOM_RATIO * length, width)
         end, seen = _end_px(fit, further, images, there, width)
+        fit = _with_rivals(fit, images, there)
         return Outline(fit=fit, optics=there, located=located, end_px=end, end_seen=seen)
     end, seen = _end_px(fit, fit.shape, images, there, width)
+    for _ in range(FURTHER_ROUNDS):
+        if seen or located.leaves_image:
+            break
+        # both edges are there up to where it was looked for them: the strip goes on
+        longer = _cut(fit.shape, fit.shape.basis.total_px + BEYOND_WIDTHS * width, width)
+        followed = fit_outline(longer, images, there, width_px=width, prior=prior, rounds=2)
+        if followed is None:
+            break
+        fit = followed
+        end, seen = _end_px(fit, fit.shape, images, there, width)
     if end < 3 * width:
         return None
-    shape = _cut(fit.shape, end, width)
+    begin = _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
+    shape = _cut(fit.shape, end, width, begin_px=begin)
     again = fit_outline(shape, images, there, width_px=width, prior=prior, rounds=3)
     if again is None:
         return None
+    again = _with_rivals(again, images, there)
     return Outline(fit=again, optics=there, located=located, end_px=end, end_seen=seen)
+
+
+def _with_rivals(fit: OutlineFit, images: Sequence[GreyImage], optics: Optics) -> OutlineFit:
+    rivals = rival_px(fit.shape, images, optics, fit.blocks, fit.width_px)
+    return replace(fit, rival_px=rivals)
 
 
 def _coefficients(length_px: float, width_px: float) -> int:
@@ -102,8 +125,19 @@ def _first_shape(
     return there, make_shape(basis, plane[0], heading, np.concatenate([[0.0, 0.0], c]))
 
 
-def _cut(shape: CurveShape, length_px: float, width: float) -> CurveShape:
-    """Return the first part of a curve, or all of it led on straight."""
+def _begin_px(fit: OutlineFit, most: float) -> float:
+    """Return where along a curve both edges are first seen, if that is near its begin."""
+    blocks, step = fit.blocks, fit.shape.basis.step_px
+    run = np.convolve(blocks.seen, np.ones(BEGIN_BLOCKS), mode="valid")
+    first = int(np.argmax(run >= BEGIN_BLOCKS)) if (run >= BEGIN_BLOCKS).any() else 0
+    begin = (blocks.node[first] - blocks.node[0]) * step
+    return float(begin) if begin <= most else 0.0
+
+
+def _cut(shape: CurveShape, length_px: float, width: float, *, begin_px: float = 0) -> CurveShape:
+    """Return the first part of a curve without its begin, or all of it led on straight."""
+    if begin_px > 0:
+        return _cut_begin(shape, begin_px, length_px - begin_px, width)
     basis = make_basis(
         round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
     )
@@ -113,12 +147,24 @@ def _cut(shape: CurveShape, length_px: float, width: float) -> CurveShape:
     return make_shape(basis, shape.start, shape.heading, np.concatenate([shape.parameters[:2], c]))
 
 
+def _cut_begin(shape: CurveShape, begin_px: float, length_px: float, width: float) -> CurveShape:
+    along = shape.basis.s
+    basis = make_basis(
+        round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
+    )
+    start = np.array([np.interp(begin_px, along, each) for each in (shape.x, shape.y)])
+    heading = float(np.interp(begin_px, along, shape.phi))
+    wanted = np.interp(basis.s + begin_px, along, shape.phi) - heading
+    c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
+    return make_shape(basis, start, heading, np.concatenate([[0.0, 0.0], c]))
+
+
 def _end_px(
     fit: OutlineFit, shape: CurveShape, images: Sequence[GreyImage], optics: Optics, width: float
 ) -> tuple[float, bool]:
     """Return where along a fitted curve, or a longer one, both edges end; and whether they do."""
-    across = across_px(width)
-    many = max(1, round(0.2 * width / shape.basis.step_px))
+    across, step = across_px(width), shape.basis.step_px
+    many = max(1, round(0.2 * width / step))
     size = edge_sizes(shape, images, optics, width, many)
     count = len(size)
     usual = float(np.median(fit.blocks.width_px[fit.blocks.seen]))
@@ -133,5 +179,15 @@ def _end_px(
     present = weaker / max(float(np.median(middle)), 1e-9)
     # up to the end it is there, beyond it is not: the place where that is truest
     gain = np.cumsum(np.minimum(present, 1.0) - END_PRESENT_RATIO)
-    at = int(gain.argmax()) + 1
-    return at * many * shape.basis.step_px, at < count - 1
+    at = int(gain[: _before_gap(present, END_GAP_WIDTHS * width / (many * step))].argmax()) + 1
+    return at * many * step, at < count - 1
+
+
+def _before_gap(present: FloatArray, longest: float) -> int:
+    """Return how many blocks lie before a long gap: what is seen beyond it may be another thing."""
+    unseen = 0
+    for at, there in enumerate(present > END_PRESENT_RATIO):
+        unseen = 0 if there else unseen + 1
+        if unseen > max(longest, END_GAP_SHARE * at):
+            return max(1, at - unseen + 1)
+    return len(present)

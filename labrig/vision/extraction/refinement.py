@@ -33,6 +33,8 @@ SIDE_FACE_ROUNDS = 3
 EDGE_ROUNDS = 3
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the image
 
+FACES_OF_REFUSED_MAX = 2  # searches for a side face beside curves that are refused without one
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurveCandidate:
@@ -76,6 +78,7 @@ class Refiner:
             LONGEST_STEP_M / max(1.0, smallness(strip.length_m)) * optics.px_per_m,
         )
         self.mask = roll_mask(optics, image.grey.shape)
+        self.faces = 0  # searches for a side face, in this image
 
     def context(self, sign: float) -> FitContext:
         """Return the fit context for a sheet of this brightness against the background."""
@@ -149,6 +152,10 @@ class Refiner:
         separable = self.strip.thickness_known or self.optics.look != SheetAppearance.AUTO
         if plain.verdict.covered < 0.5 or not separable:
             return plain
+        # the dearest step: after some tries only for what passes without it
+        if plain.verdict.why and self.faces >= FACES_OF_REFUSED_MAX:
+            return plain
+        self.faces += 1
         search = SideFaceSearch(plain.fit, plain.context)
         found, side_face = plain, search.first()
         for turn in range(SIDE_FACE_ROUNDS):  # the curve moves when the face is separated

@@ -42,6 +42,7 @@ BLOCK_MIN_PX = 3.0
 UNIT_RATIO = 0.04  # step across, in widths
 UNIT_MAX_PX = 0.5
 BLUR_RATIO = 0.1  # of an edge, in widths
+FINE_BLUR_RATIO = 0.04  # where sharp edges are looked for
 BLUR_MIN_PX = 0.8
 SHIFT_RATIO = 0.6  # how far beside the curve the strip is looked for
 EDGE_ROOM_RATIO = 0.22  # how far from its place in a strip of the usual width an edge may be
@@ -51,6 +52,7 @@ SHIFT_COST = 6.0  # of a shift by one width from block to block, squared
 FRAY_HALF_BLOCKS = 4
 FRAY_WIDTH_RATIO, FRAY_WIDTH_PX = 0.12, 1.0  # by which a block's width may leave its neighbours'
 FRAY_SIGMAS = 4.0  # or so many of their scatter
+TAPER_DEGREE = 2  # of the polynomial that a strip's width follows along it
 INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
 
 
@@ -81,6 +83,7 @@ class OutlineFit:
     pull: FloatArray
     residual_px: float
     width_scatter_px: float
+    rival_px: FloatArray | None = None  # (2, nodes): see `fit.rival_edges`
 
     @property
     def width_px(self) -> float:
@@ -101,25 +104,30 @@ class OutlineFit:
         """(nodes,) what no averaging removes: which part of an edge's slope is the strip's edge.
 
         Where a strip looks thinner or thicker than elsewhere, it may taper, or one edge is not
-        its own but that of light or shade on it.
+        its own but that of light or shade on it. So it is where the width wanders along it, and
+        where a second edge lies outside of one.
         """
         blocks = self.blocks
         at, wide = blocks.node[blocks.seen], blocks.width_px[blocks.seen]
         usual = self.width_px
         least = max(OUTLINE_SIGMA_MIN_PX, OUTLINE_SIGMA_MIN_RATIO * usual)
-        few = _running_middle(wide, FRAY_HALF_BLOCKS)
+        few = running_middle(wide, FRAY_HALF_BLOCKS)
         apart = np.interp(np.arange(len(self.shape.x)), at, np.abs(few - usual))
-        return np.asarray(
-            np.hypot(max(least, 0.5 * self.width_scatter_px), OUTLINE_TAPER_SHARE * apart)
-        )
+        unsure = np.hypot(max(least, 0.5 * self.width_scatter_px), 0.5 * _wander(few))
+        if self.rival_px is not None:  # if it is the strip's edge, the middle lies half as far out
+            unsure = np.hypot(unsure, 0.5 * np.hypot(*self.rival_px))
+        return np.asarray(np.hypot(unsure, OUTLINE_TAPER_SHARE * apart))
 
     @property
     def sigma_px(self) -> FloatArray:
         """(nodes,) standard deviation along the normal."""
+        return np.asarray(np.hypot(self.inner_sigma_px, self.end_px))
+
+    @property
+    def inner_sigma_px(self) -> FloatArray:
+        """(nodes,) the same without what both ends' own edges may pull."""
         loose = spread(self.shape.normal_modes(), self.covariance)
-        return np.asarray(
-            np.sqrt(loose**2 + self.systematic_px**2 + self.unseen_px**2 + self.end_px**2)
-        )
+        return np.asarray(np.sqrt(loose**2 + self.systematic_px**2 + self.unseen_px**2))
 
     @property
     def end_px(self) -> FloatArray:
@@ -193,7 +201,7 @@ def measure_blocks(
     seen &= strength > OUTLINE_STRENGTH_MIN_SIGMAS
     seen &= (wide > least * width_px) & (wide < most * width_px)
     # a fitting or a fray shows on one side of few blocks only
-    around = _running_middle(wide, FRAY_HALF_BLOCKS)
+    around = running_middle(wide, FRAY_HALF_BLOCKS)
     frayed = max(FRAY_WIDTH_RATIO * width_px + FRAY_WIDTH_PX, FRAY_SIGMAS * _roughness(wide))
     seen &= np.abs(wide - around) < frayed
     return Blocks(
@@ -239,7 +247,13 @@ def grey_beside(
 
 
 def edge_sizes(
-    shape: CurveShape, images: Sequence[GreyImage], optics: Optics, width_px: float, many: int
+    shape: CurveShape,
+    images: Sequence[GreyImage],
+    optics: Optics,
+    width_px: float,
+    many: int,
+    *,
+    blur_ratio: float = BLUR_RATIO,
 ) -> FloatArray:
     """Return (blocks, places across) how much the image changes there, over noise and texture.
 
@@ -248,7 +262,7 @@ def edge_sizes(
     """
     across = across_px(width_px)
     unit = float(across[1] - across[0])
-    blur = max(BLUR_MIN_PX, BLUR_RATIO * width_px)
+    blur = max(BLUR_MIN_PX, blur_ratio * width_px)
     beside = np.abs(across) > (0.5 + 0.5 * SHIFT_RATIO) * width_px
     count = max(1, len(shape.x) // many)
     total = np.zeros((count, len(across)))
@@ -337,11 +351,21 @@ def _roughness(values: FloatArray) -> float:
     """Return the robust standard deviation of values about their running middle."""
     if len(values) < 5:
         return float(np.std(values))
-    middle = _running_middle(values, 2)
+    middle = running_middle(values, 2)
     return 1.48 * float(np.median(np.abs(values - middle))) * math.sqrt(1.25)
 
 
-def _running_middle(values: FloatArray, half: int) -> FloatArray:
+def _wander(widths: FloatArray) -> float:
+    """Return how much a strip's width leaves a smooth taper, over lengths of many blocks."""
+    if len(widths) < 2 * FRAY_HALF_BLOCKS:
+        return 0.0
+    along = np.linspace(-1, 1, len(widths))
+    smooth = np.polynomial.polynomial.polyfit(along, widths, TAPER_DEGREE)
+    return float(np.std(widths - np.polynomial.polynomial.polyval(along, smooth)))
+
+
+def running_middle(values: FloatArray, half: int) -> FloatArray:
+    """Return (n,) the median over `half` values to each side."""
     half = min(half, len(values) - 1)
     windows = np.lib.stride_tricks.sliding_window_view
     return np.asarray(

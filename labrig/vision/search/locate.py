@@ -22,6 +22,7 @@ from labrig.vision.search.straightened import (
     smoothed,
     straightened,
 )
+from labrig.vision.thresholds import END_PRESENT_RATIO
 
 FloatArray = npt.NDArray[np.float64]
 MaskArray = npt.NDArray[np.uint8]
@@ -35,7 +36,8 @@ HEADING_SPREAD = (-2, -1, 0, 1, 2)  # around a stated one, in its standard devia
 BEAM_WIDTH = 400
 STEP_WIDTHS = 2.0  # a step of the search, in widths of the strip
 LONGEST_STEPS = 220
-BEND_QUANTUM_RAD = 0.03  # a coarse path bends in these, a step
+LONGER = 2.0  # than the image's diagonal: a strip that turns back
+BEND_QUANTUM_RAD = 0.045  # a coarse path bends in these, a step
 GAIN_MIN = 0.25  # of a step that looks like the strip
 END_RUN_STEPS = 4  # so many steps without it are its end
 END_RUN_SHARE = 0.12  # or this share of what was followed, whichever is more
@@ -44,6 +46,9 @@ WIDTHS_COMPARED = 19
 ONE_EDGE_BLURS = 6.0  # two edges further apart than so many blurs are not one
 STATED_WIDTH_RATIOS = (0.75, 1.45)  # of the width that is seen to one that is stated
 EDGE_BLUR_RATIO = 0.12  # of the width: what an edge is smoothed by
+CLEARNESS_OF_NOTHING = 2.0  # of the largest changes that noise makes along any path
+NEAR_REACH_PX = 8.0  # a strip that begins further aside may be another one
+ASIDE_USUAL_PX = 8.0  # from where the clamp is stated to the strip's begin
 BORDER_PX = 10.0  # a strip that leaves the image is followed up to here
 
 
@@ -56,6 +61,9 @@ class Located:
     edge: float  # grey levels: what the two edges change by, in the mean
     leaves_image: bool
     sign: float  # +1: brighter than what lies beside it
+    likeness: float = 1.0  # 0 to 1: how alike both sides of it are, against its edges
+    clearness: float = 0.0  # its edges over what changes beside it
+    aside_px: float = 0.0  # from the stated place to where it begins
 
     @property
     def length_px(self) -> float:
@@ -64,8 +72,21 @@ class Located:
 
     @property
     def worth(self) -> float:
-        """How much speaks for it: the longer and the clearer, the more."""
-        return self.edge * self.length_px
+        """How much speaks for it: the longer and the clearer, the more.
+
+        The same ground lies to both sides of a strip, and not of its rim or of half of it.
+        """
+        return self.edge * self._share_px
+
+    @property
+    def evidence(self) -> float:
+        """The same over what noise and texture show: to compare channels with."""
+        return max(self.clearness - CLEARNESS_OF_NOTHING, 0.01) * self._share_px
+
+    @property
+    def _share_px(self) -> float:
+        near = math.exp(-0.5 * (self.aside_px / ASIDE_USUAL_PX) ** 2)
+        return self.length_px * self.likeness**2 * near
 
 
 def locate(
@@ -85,28 +106,30 @@ def locate(
     Near: within `clamp_reach_px`. What is None is not known. `signs`: the polarities to try;
     `mask` (rows, columns): not 0 where something hides the view.
     """
-    visible = image.filled()
     best = None
     for width in _widths(image, thickness_px, length_px):
-        ridges = ridge_maps(visible, width, wide=False)
+        ridges = ridge_maps(image.filled(), width, wide=False)
         if mask is not None and mask.any():
             ridges.hide(mask)
         for sign in signs:
-            path = _path(
-                ridges,
-                sign,
-                width=width,
-                clamp=clamp_px,
-                reach=clamp_reach_px,
-                heading=heading_rad,
-                heading_sigma=heading_sigma_rad,
-                length_px=length_px,
-            )
-            if path is None:
-                continue
-            found = _measured(image, path, width, sign, fixed=thickness_px)
-            if found is not None and (best is None or found.worth > best.worth):
-                best = found
+            for reach in (clamp_reach_px, NEAR_REACH_PX):
+                path = _path(
+                    ridges,
+                    sign,
+                    width=width,
+                    clamp=clamp_px,
+                    reach=reach,
+                    heading=heading_rad,
+                    heading_sigma=heading_sigma_rad,
+                    length_px=length_px,
+                )
+                if path is None:
+                    break
+                found = _measured(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
+                if found is not None and (best is None or found.worth > best.worth):
+                    best = found
+                if found is None or found.aside_px < NEAR_REACH_PX:
+                    break  # else there may be another one that begins nearer
     return best
 
 
@@ -133,6 +156,7 @@ def _path(
     heading: float | None,
     heading_sigma: float,
     length_px: float | None,
+    longer: float = 1.0,
 ) -> FloatArray | None:
     """Return the likeliest path (raw pixels) up to where it ends; None without one."""
     from labrig.vision.search.path_search import search
@@ -140,9 +164,9 @@ def _path(
     scale = ridges.scale
     rows, columns = ridges.maps.shape[2:]
     step = STEP_WIDTHS * width / scale
-    longest = (math.hypot(rows, columns) if length_px is None else length_px / scale) / step
-    steps = int(np.clip(round(longest), 6, LONGEST_STEPS))
-    step = longest * step / steps
+    reach_px = (math.hypot(rows, columns) if length_px is None else length_px / scale) * longer
+    steps = int(np.clip(round(reach_px / step), 6, LONGEST_STEPS))
+    step = reach_px / steps
     sideways = max(1.0, 0.4 * width / scale)
     many = math.ceil(reach / scale / sideways)
     offsets = np.arange(-many, many + 1) * sideways
@@ -177,6 +201,20 @@ def _path(
     if len(path) == 0:
         return None
     first, end = _seen_part(gains)
+    if end == steps and length_px is None and longer == 1.0:  # longer than the image is wide
+        further = _path(
+            ridges,
+            sign,
+            width=width,
+            clamp=clamp,
+            reach=reach,
+            heading=heading,
+            heading_sigma=heading_sigma,
+            length_px=None,
+            longer=LONGER,
+        )
+        if further is not None:
+            return further
     if end < steps:  # what lies beyond the end must not draw the path
         again, more = traced(max(end, 4))
         if len(again):
@@ -209,7 +247,13 @@ def _seen_part(gains: FloatArray) -> tuple[int, int]:
 
 
 def _measured(
-    image: GreyImage, path: FloatArray, width: float, sign: float, *, fixed: float | None
+    image: GreyImage,
+    path: FloatArray,
+    width: float,
+    sign: float,
+    *,
+    fixed: float | None,
+    clamp: Point,
 ) -> Located | None:
     """Return a path with the thickness that its edges show."""
     step = max(1.0, 0.25 * width)
@@ -234,15 +278,56 @@ def _measured(
         edges = _both_edges(
             slope, wide / unit, 0.7 * width / unit, opposite=wide < ONE_EDGE_BLURS * blur * unit
         )
-        found.append((edges, wide))
-    edges, wide = max(found, key=lambda each: float(np.median(each[0])))
+        edges = edges[: _end_block(edges)]
+        beside = np.abs(slope[: len(edges), np.abs(across) > 1.2 * wide])
+        texture = max(float(np.median(beside)) / 0.6745 if beside.size else 0.0, 1e-3)
+        found.append((float(np.minimum(edges, 2 * np.median(edges)).sum()), edges, wide, texture))
+    _, edges, wide, texture = max(found, key=lambda each: each[0])
+    if len(edges) < 4:
+        return None
+    if len(edges) < blocks:
+        line, leaves = line[: len(edges) * many + 1], False
+        profiles = profiles[: len(edges)]
     return Located(
         path_px=line,
         thickness_px=float(wide),
         edge=float(np.mean(np.minimum(edges, 2 * np.median(edges)))),
         leaves_image=leaves,
         sign=sign,
+        clearness=float(np.mean(np.minimum(edges, 2 * np.median(edges)))) / texture,
+        likeness=_likeness(profiles, across, float(wide)),
+        aside_px=float(np.hypot(*(line - np.array(clamp)).T).min()),
     )
+
+
+def _end_block(edges: FloatArray) -> int:
+    """Return how many blocks show the strip: a path goes on beyond its end.
+
+    Up to the end its edges are there, beyond it they are not: the place where that is truest.
+    """
+    usual = float(np.median(edges[: max(END_RUN_STEPS, len(edges) // 8)]))
+    there = np.minimum(edges / max(usual, 1e-9), 1.0) - END_PRESENT_RATIO
+    unseen = 0
+    for at, more in enumerate(there):
+        unseen = 0 if more > 0 else unseen + 1
+        if unseen > max(END_RUN_STEPS, END_RUN_SHARE * at):
+            there = there[: at + 1]
+            break
+    return int(np.cumsum(there).argmax()) + 1
+
+
+def _likeness(profiles: FloatArray, across: FloatArray, wide: float) -> float:
+    """Return how alike the ground to both sides is, against how the strip differs from it."""
+    out = (np.abs(across) > 0.6 * wide) & (np.abs(across) < 0.6 * wide + max(2.0, 0.3 * wide))
+    left, right = (_mean(profiles[:, out & (sign * across > 0)]) for sign in (-1, 1))
+    inside = _mean(profiles[:, np.abs(across) < 0.4 * wide])
+    apart = np.abs(left - right)
+    differs = np.abs(inside - left) + np.abs(inside - right)
+    return float(1 - np.median(apart / np.maximum(np.maximum(differs, apart), 1e-9)))
+
+
+def _mean(values: FloatArray) -> FloatArray:
+    return np.asarray(np.where(np.isfinite(values), values, 0.0).mean(axis=1))
 
 
 def _inside(line: FloatArray, shape: tuple[int, ...]) -> tuple[FloatArray, bool]:

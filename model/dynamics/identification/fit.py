@@ -6,8 +6,9 @@ residuals of force, current and curves of all runs at once and weak priors.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
 
 import numpy as np
 
@@ -16,8 +17,8 @@ from model.dynamics.identification.noise import RecordingNoise, tempered
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.identification.residuals import FINE, coarser
 from model.dynamics.identification.runs import RecordedRun
-from model.dynamics.identification.search import SearchEnd, SearchProblem, search
-from model.dynamics.identification.thresholds import GUARD
+from model.dynamics.identification.search import SearchPoint, SearchProblem, search
+from model.dynamics.identification.thresholds import GUARD, LEAST_MISFIT, SURE_MISFIT
 from model.dynamics.identification.uncertainty import DynamicParameter, judged, surely
 from model.dynamics.motion import Resolution
 from model.measurements import FloatArray, ModelError
@@ -40,6 +41,11 @@ class Identification:
     def __getitem__(self, name: str) -> DynamicParameter:
         """Return a parameter by name."""
         return next(p for p in self.parameters if p.name == name)
+
+    @property
+    def misses_data(self) -> bool:
+        """Return whether more is left than the noise explains: a wrong place or a wrong model."""
+        return _misses(self.chi2, self.count)
 
     @property
     def undetermined(self) -> tuple[str, ...]:
@@ -65,17 +71,20 @@ def identify(
     parameters from the begin of each run, then from everything. Raises ModelError.
     """
     parameters = LogParameters(start)
-    problem, ended = _found(
-        parameters, runs, noise, resolution=resolution or FINE, tolerance=tolerance, near=near
-    )
+    _refuse(runs)
+    by = resolution or FINE
+    begun = parameters.theta if near else _beginning(parameters, runs, noise, by)
+    problem = SearchProblem(parameters, runs, noise, by)
+    ended = search(problem, begun, tolerance, finish=True)
     at = ended.at
     scale = max(1.0, at.chi2 / problem.count)
-    data = problem.information(at.theta)
-    found, covariance = judged(parameters, at.theta, data, scale, GUARD)
+    found, covariance = judged(parameters, at.theta, ended.information(problem), scale, GUARD)
     found = surely(
-        found, covariance, at.theta,
-        lambda theta: judged(parameters, theta, problem.information(theta), scale)[0],
+        found, covariance, at.theta, parameters.theta,
+        lambda theta: judged(parameters, theta, problem.rough_information(theta), scale)[0],
     )  # fmt: skip
+    if not ended.converged and _misses(at.chi2, problem.count):  # it is not known where it is
+        found = tuple(replace(one, determined=False) for one in found)
     return Identification(
         beam=parameters.beam(at.theta), parameters=found, covariance=covariance, chi2=at.chi2,
         count=problem.count, steps=ended.steps, converged=ended.converged,
@@ -92,23 +101,11 @@ def best_sheet(
     near: bool = False,
 ) -> DynamicBeam:
     """Return the sheet of `identify` alone: intervals cost as much as several steps of a search."""
-    parameters = LogParameters(start)
-    _, ended = _found(
-        parameters, runs, noise, resolution=resolution or FINE, tolerance=tolerance, near=near
-    )
-    return parameters.beam(ended.at.theta)
-
-
-def _found(
-    parameters: LogParameters, runs: Sequence[RecordedRun], noise: RecordingNoise, *,
-    resolution: Resolution, tolerance: float, near: bool,
-) -> tuple[SearchProblem, SearchEnd]:  # fmt: skip
     _refuse(runs)
-    theta = parameters.theta
-    for some, louder, by in () if near else _beginnings(runs, noise, resolution):
-        theta = search(SearchProblem(parameters, some, louder, by), theta, BEGIN).at.theta
-    problem = SearchProblem(parameters, runs, noise, resolution)
-    return problem, search(problem, theta, tolerance)
+    parameters, by = LogParameters(start), resolution or FINE
+    begun = parameters.theta if near else _beginning(parameters, runs, noise, by)
+    problem = SearchProblem(parameters, runs, noise, by)
+    return parameters.beam(search(problem, begun, tolerance).at.theta)
 
 
 @dataclass(frozen=True)
@@ -122,27 +119,65 @@ class _Stage:
 STAGES = (_Stage(0.35, 30.0), _Stage(1.0, 10.0), _Stage(np.inf, 3.0))
 
 
-def _beginnings(
-    runs: Sequence[RecordedRun], noise: RecordingNoise, fine: Resolution
-) -> Iterator[tuple[list[RecordedRun], RecordingNoise, Resolution]]:
-    """Yield what leads near the answer for little time: each knows the last one's place.
+# A line with r, c and g so many times larger and rho as much smaller looks to the current like the
+# same line so many times longer: only what comes back from its end tells them apart. There are
+# minima about every factor of two.
+LONGER = (0.0, -0.7, 0.7, -1.5, 1.5)  # logarithms, where the search for the electrodes begins
+NEXT_LONGER, MOST_LONGER = (-0.7, 0.7), 4  # from the best, and how often it is gone on from
+
+
+def _beginning(
+    parameters: LogParameters, runs: Sequence[RecordedRun], noise: RecordingNoise, fine: Resolution
+) -> FloatArray:
+    """Return logarithms near the answer for little time: each stage knows the last one's place.
 
     One swing first, so that no period is counted wrongly; noise taken for stronger than it is, so
     that the loss does not run away to explain a frequency that is still wrong.
     """
-    currents = [run.current_alone() for run in runs if run.plan.current]
-    if currents:
-        yield currents, noise, fine
+    theta = _electrodes(parameters, runs, noise, fine)
     coarse = coarser(fine)
     for stage in STAGES:
         some = [run.until(_first_edge_s(run) + stage.until_s) for run in runs]
-        yield some, tempered(noise, stage.temper), coarse
+        problem = SearchProblem(parameters, some, tempered(noise, stage.temper), coarse)
+        theta = search(problem, theta, BEGIN).at.theta
+    return theta
+
+
+def _electrodes(
+    parameters: LogParameters, runs: Sequence[RecordedRun], noise: RecordingNoise, fine: Resolution
+) -> FloatArray:
+    """Return logarithms with the electrodes that explain the current best, of several beginnings.
+
+    The current alone takes milliseconds: the sheet need not move for it.
+    """
+    theta = parameters.theta
+    currents = [run.current_alone() for run in runs if run.plan.current]
+    if not currents:
+        return theta
+    problem = SearchProblem(parameters, currents, noise, fine)
+
+    def best(begun: FloatArray, lengths: Sequence[float]) -> SearchPoint:
+        ways = (begun + by * parameters.length_of_line for by in lengths)
+        return min((search(problem, way, BEGIN).at for way in ways), key=lambda at: at.cost)
+
+    found = best(theta, LONGER)
+    for _ in range(MOST_LONGER):
+        other = best(found.theta, NEXT_LONGER)
+        if other.cost > found.cost - 1.0:
+            break
+        found = other
+    return found.theta
 
 
 def _first_edge_s(run: RecordedRun) -> float:
     """Return when the voltage first changes; a run may begin under one."""
     edges = run.plan.drive.time_s
     return float(edges[edges > 0.0][0]) if np.any(edges > 0.0) else 0.0
+
+
+def _misses(chi2: float, count: int) -> bool:
+    usual = max(LEAST_MISFIT, SURE_MISFIT * sqrt(2.0 / count))
+    return chi2 > count * (1.0 + usual)
 
 
 def _refuse(runs: Sequence[RecordedRun]) -> None:

@@ -68,6 +68,13 @@ class LogParameters:
         """Return 1/variance of each prior."""
         return np.array([q.prior_sigma**-2 for q in self.quantities])
 
+    @cached_property
+    def length_of_line(self) -> FloatArray:
+        """Return the direction (p,) in which the electrodes are those of a longer line."""
+        along = dict.fromkeys(("electrode_resistance", "capacitance", "leak"), 1.0)
+        along["bulk_resistance"] = -1.0
+        return np.array([along.get(q.name, 0.0) for q in self.quantities])
+
     def values(self, theta: FloatArray) -> dict[str, float]:
         """Return the values by name; a moment per volt keeps its sign."""
         found = np.exp(theta) * np.sign([q.value for q in self.quantities])

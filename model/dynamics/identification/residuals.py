@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +28,11 @@ def coarser(fine: Resolution) -> Resolution:
         degrees=tuple(min(pair) for pair in zip(fine.degrees, COARSE_DEGREES, strict=False)),
         free_degrees=min(fine.free_degrees, COARSE_DEGREES[0]),
     )  # fmt: skip
+
+
+def in_milliseconds(fine: Resolution) -> Resolution:
+    """Return a resolution that is right about what is lost in milliseconds, for half the time."""
+    return replace(fine, step_s=max(fine.step_s, 1e-3), after_edges=1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,6 +113,12 @@ class RunResiduals:
             Whitening(noise.current, run.time_s[self._away], noise.mains_hz)
             if run.current else None
         )  # fmt: skip
+
+    def with_resolution(self, resolution: Resolution) -> RunResiduals:
+        """Return the same with other steps; the whitening, dear to prepare, is shared."""
+        other = copy(self)
+        other._resolution, other._break_m = resolution, None
+        return other
 
     def count(self, data: RecordedRun) -> int:
         """Return the number of values that are compared."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from model.dynamics.identification.noise import RecordingNoise
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import RunResiduals, coarser
+from model.dynamics.identification.residuals import RunResiduals, coarser, in_milliseconds
 from model.dynamics.identification.runs import RecordedRun
 from model.dynamics.motion import Resolution
 from model.measurements import FloatArray, ModelError
@@ -41,8 +41,10 @@ class SearchProblem:
     ) -> None:  # fmt: skip
         self.parameters, self.runs = parameters, runs
         self.forward = [RunResiduals(run.plan, noise, resolution) for run in runs]
-        coarse = coarser(resolution)
-        self._rough = [RunResiduals(run.plan, noise, coarse) for run in runs]
+        self._rough, self._between = (
+            [of.with_resolution(by) for of in self.forward]
+            for by in (coarser(resolution), in_milliseconds(resolution))
+        )
 
     def point(self, theta: FloatArray) -> SearchPoint:
         """Evaluate the model. Raises ModelError."""
@@ -65,9 +67,15 @@ class SearchProblem:
         Long steps are good enough, but where data say next to nothing: what is compared with the
         data is computed with short ones. exact: short steps and central differences.
         """
+        by = self.forward if exact else self._rough
+        return self._jacobians(by, theta, symmetric=symmetric or exact)
+
+    def _jacobians(
+        self, by: list[RunResiduals], theta: FloatArray, *, symmetric: bool
+    ) -> list[FloatArray]:
         out = []
-        for of, run in zip(self.forward if exact else self._rough, self.runs, strict=True):
-            J = of.sensitivity(self.parameters, theta, symmetric=symmetric or exact)
+        for of, run in zip(by, self.runs, strict=True):
+            J = of.sensitivity(self.parameters, theta, symmetric=symmetric)
             if run.x_m is not None and run.y_m is not None:
                 J[len(J) - run.x_m.size :][~np.isfinite(run.x_m + run.y_m).ravel()] = 0.0
             out.append(J)
@@ -88,10 +96,9 @@ class SearchProblem:
         length = np.sqrt(gradient @ np.linalg.solve(hessian, gradient) / len(gradient))
         return hessian, gradient, float(length)
 
-    def information(self, theta: FloatArray) -> FloatArray:
-        """Return J'J (p, p) of all runs, what the data say of the parameters."""
-        matrices = self.jacobians(theta, symmetric=True)
-        return np.asarray(sum(J.T @ J for J in matrices))
+    def rough_information(self, theta: FloatArray) -> FloatArray:
+        """Return J'J (p, p) of all runs with steps of a millisecond, to compare places."""
+        return squares(self._jacobians(self._between, theta, symmetric=True))
 
     @property
     def count(self) -> int:
@@ -106,22 +113,39 @@ class SearchEnd:
     at: SearchPoint
     steps: int
     converged: bool
+    exact: list[FloatArray] | None = None  # derivatives with short steps, if any were taken
+
+    def information(self, problem: SearchProblem) -> FloatArray:
+        """Return J'J (p, p) with short steps: long ones misjudge what is faster than they are."""
+        return squares(self.exact or problem.jacobians(self.at.theta, exact=True))
 
 
-def search(problem: SearchProblem, theta: FloatArray, tolerance: float) -> SearchEnd:
+def squares(jacobians: list[FloatArray]) -> FloatArray:
+    """Return J'J (p, p) of all runs, what the data say of the parameters."""
+    return np.asarray(sum(J.T @ J for J in jacobians))
+
+
+def search(
+    problem: SearchProblem, theta: FloatArray, tolerance: float, *, finish: bool = False
+) -> SearchEnd:
     """Step until a step is short; a step shorter by far than the last needs no new matrices.
 
-    Where derivatives with long steps lead nowhere, those with short ones are taken.
+    Where derivatives with long steps lead nowhere, those with short ones are taken; with `finish`
+    also for the last steps.
     """
     at = problem.point(theta)
-    exact = False
+    exact = precise = False  # are short steps asked for, are the matrices those of short steps
     jacobians, fresh, damping, before = problem.jacobians(at.theta), True, 0.0, 0.0
     steps, length = 0, np.inf
     while steps < MOST_STEPS:
         steps += 1
         hessian, gradient, length = problem.equations(at, jacobians)
         if not fresh and length > CONTRACTION * before:
-            jacobians, fresh = problem.jacobians(at.theta, exact=exact), True
+            jacobians, fresh, precise = problem.jacobians(at.theta, exact=exact), True, exact
+            hessian, gradient, length = problem.equations(at, jacobians)
+        if finish and not precise and length < tolerance:
+            exact = precise = fresh = True
+            jacobians = problem.jacobians(at.theta, exact=True)
             hessian, gradient, length = problem.equations(at, jacobians)
         most = MOST_DAMPING if exact else ROUGH_DAMPING
         cost = at.cost
@@ -131,7 +155,7 @@ def search(problem: SearchProblem, theta: FloatArray, tolerance: float) -> Searc
             break
         exact = exact or (fresh and not moved)
         before, fresh = length if moved else 0.0, False
-    return SearchEnd(at, steps, length < max(tolerance, NEAR))
+    return SearchEnd(at, steps, length < max(tolerance, NEAR), jacobians if precise else None)
 
 
 def _step(

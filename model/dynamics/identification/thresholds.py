@@ -6,4 +6,9 @@ MOST_SIGMA = 0.5  # of its logarithm: the 90 % interval spans a factor of 5
 # A fit calls determined what would be so with an uncertain one at either end of its interval,
 UNCERTAIN_SIGMA = 0.1  # of a logarithm: less moves the others' information by little
 INTERVAL_SIGMAS = 1.645
+# and with more of what has no effect, and hides nothing of the others, where it was found too small
+UNSEEN = ("viscous_time",)
 GUARD = 0.8  # and keeps this part of both limits: the information is itself an estimate
+# A fit misses its data where chi2 per value is larger than 1 by both of these:
+LEAST_MISFIT = 0.25  # smaller ones only widen the intervals a little
+SURE_MISFIT = 5.0  # standard deviations of chi2 per value

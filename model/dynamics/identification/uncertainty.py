@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from model.dynamics.identification.thresholds import (
     MOST_PRIOR,
     MOST_SIGMA,
     UNCERTAIN_SIGMA,
+    UNSEEN,
 )
 from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter
@@ -69,24 +70,43 @@ def judged(
 
 def surely(
     found: tuple[DynamicParameter, ...], covariance: FloatArray, theta: FloatArray,
-    there: Callable[[FloatArray], tuple[DynamicParameter, ...]],
+    begun: FloatArray, there: Callable[[FloatArray], tuple[DynamicParameter, ...]],
 ) -> tuple[DynamicParameter, ...]:  # fmt: skip
-    """Return the parameters; determined is what is so at the ends of uncertain intervals too.
+    """Return the parameters as they are at other likely places too: where least is known of each.
 
     A share that was found too large tells its time too well: with a smaller share, just as likely,
-    the same data would not. there: what is found at other logarithms; it may raise ModelError.
+    the same data would not. begun: the logarithms that the priors are about. there: what is found
+    at other logarithms; it may raise ModelError.
     """
-    for k, one in enumerate(found):
-        if not one.determined or one.log_sigma < UNCERTAIN_SIGMA:
+    for place in _likely_places(found, covariance, theta, begun):
+        try:
+            others = there(place)
+        except ModelError:  # no sheet, or one that leaves the rolls
             continue
-        along = INTERVAL_SIGMAS * covariance[:, k] / one.log_sigma
-        for end in (theta - along, theta + along):
-            try:
-                others = there(end)
-            except ModelError:  # no sheet, or one that leaves the rolls
-                continue
-            found = tuple(
-                replace(p, determined=p.determined and q.determined)
-                for p, q in zip(found, others, strict=True)
-            )
+        found = tuple(_less_sure(p, q) for p, q in zip(found, others, strict=True))
     return found
+
+
+def _likely_places(
+    found: tuple[DynamicParameter, ...], covariance: FloatArray, theta: FloatArray,
+    begun: FloatArray,
+) -> Iterator[FloatArray]:  # fmt: skip
+    """Yield logarithms: the ends of uncertain intervals, and more of what was too little to see."""
+    for k, one in enumerate(found):
+        along = covariance[:, k] / one.log_sigma  # the others follow
+        if one.determined and one.log_sigma >= UNCERTAIN_SIGMA:
+            yield theta - INTERVAL_SIGMAS * along
+            yield theta + INTERVAL_SIGMAS * along
+        elif one.name in UNSEEN and not one.determined:
+            usual = (begun[k] - theta[k]) / one.log_sigma + 1.0
+            yield theta + max(INTERVAL_SIGMAS, usual) * along
+
+
+def _less_sure(one: DynamicParameter, other: DynamicParameter) -> DynamicParameter:
+    """Return a parameter with the wider of two intervals, determined where it is so in both."""
+    sigma, value = max(one.log_sigma, other.log_sigma), abs(one.parameter.value)
+    return replace(
+        one, determined=one.determined and other.determined, log_sigma=sigma,
+        prior_share=max(one.prior_share, other.prior_share),
+        parameter=replace(one.parameter, sigma=sigma * value),
+    )  # fmt: skip

@@ -33,6 +33,7 @@ class Loop:
     rules: Rules
     timing: LoopTiming
     keep_all_frames: bool
+    limit_V: float  # at the sheet
     longest_timed_s: float = 0.0  # a run that its board may put out by itself
 
     def guarded(self, what: str, act: Callable[[], object]) -> Exception | None:

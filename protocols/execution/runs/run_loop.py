@@ -22,6 +22,7 @@ from protocols.execution.events import (
     VoltageSet,
 )
 from protocols.execution.readings import ReadingMaker
+from protocols.execution.rules import check_drive
 from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
 from protocols.execution.runs.exposures import Exposures
 from protocols.execution.runs.loop import Loop, Stopped
@@ -302,6 +303,7 @@ class RunLoop:
             self._last_sample_s = now_s
             maker.add_block(block)
             loop.emit(SignalsArrived(block.read_s, self._run.index, block))
+            check_drive(block.volts[self._rows.drive], loop.limit_V, loop.rules)
             loop.devices.protect(block.volts[self._rows.force])
         elif now_s - self._last_sample_s > loop.timing.starved_s:
             raise DeviceTimeoutError(
@@ -337,9 +339,12 @@ class RunLoop:
         emit = loop.emit if completed else loop.emit_if_possible
         for periods in self._control.not_emitted() if self._control else ():
             emit(periods)
-        if maker is not None and not completed:
-            loop.guarded("last samples", lambda: self._take_samples(maker, loop.clock.now()))
-        failed = loop.guarded("stopping the signal input", devices.signals.stop)
+        failed = None
+        # Where 0 V is still to be written, boards that do not answer may not cost more time.
+        if completed or loop.output.at_zero:
+            if maker is not None and not completed:
+                loop.guarded("last samples", lambda: self._take_samples(maker, loop.clock.now()))
+            failed = loop.guarded("stopping the signal input", devices.signals.stop)
         if devices.camera is not None:
             camera_failed = loop.guarded("stopping the camera", devices.camera.stop)
             failed = failed or camera_failed

@@ -89,6 +89,18 @@ DEVICE: Table[Device] = {
         "Int32Array", lambda _: [_VOLTAGE_OUTPUT]
     ),
     pb.DEVICE_ATTRIBUTE_AO_SAMP_CLK_SUPPORTED: _output("Bool", lambda ao: ao.clocked),
+    pb.DEVICE_ATTRIBUTE_COMPACT_DAQ_CHASSIS_DEV_NAME: _device(
+        "String", lambda d: d.chassis and d.chassis[0]
+    ),
+    pb.DEVICE_ATTRIBUTE_COMPACT_DAQ_SLOT_NUM: _device(
+        "UInt32", lambda d: d.chassis and d.chassis[1]
+    ),
+    pb.DEVICE_ATTRIBUTE_CHASSIS_MODULE_DEV_NAMES: Attribute(
+        "String",
+        lambda engine, d: (
+            join_list([m.name for m in engine.devices.modules(d)]) if d.board.slots else None
+        ),
+    ),
     pb.DEVICE_ATTRIBUTE_AO_MAX_RATE: _output("Double", lambda ao: ao.max_rate_hz),
 }
 

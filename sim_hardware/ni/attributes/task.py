@@ -15,9 +15,11 @@ from sim_hardware.ni.names import join_list
 from sim_hardware.ni.signals.acquisition import (
     CURRENT_READ_POSITION,
     DO_NOT_OVERWRITE,
+    FIRST_PRETRIGGER_SAMPLE,
     FIRST_SAMPLE,
     MOST_RECENT_SAMPLE,
     OVERWRITE,
+    REFERENCE_TRIGGER,
     ReadPosition,
 )
 from sim_hardware.ni.signals.timing import SampleMode, TaskTiming, TimingType
@@ -108,12 +110,14 @@ TIMING: Table[Task] = {
         lambda _, t, value: _change(t, "source", value),
         lambda _, t: _change(t, "source", ""),
     ),
+    pb.TIMING_ATTRIBUTE_REF_CLK_SRC: _noted("String", "reference_clock"),
+    pb.TIMING_ATTRIBUTE_REF_CLK_RATE: _noted("Double", "reference_clock_hz"),
 }
 
 
 def _timebase_of(task: Task) -> str:
     side = "ao" if task.outputs else "ai"
-    return f"/{task.channels[0].device.name}/{side}/SampleClockTimebase"
+    return f"/{task.channels[0].device.engine_name}/{side}/SampleClockTimebase"
 
 
 def _max_rate(task: Task) -> float | None:
@@ -146,7 +150,11 @@ def _default_count(engine: Engine, task: Task) -> int:
     if timing.kind is TimingType.ON_DEMAND:
         return 1
     if timing.mode is SampleMode.FINITE and not task.read_all_available:
-        return timing.samples - (acquisition.position if acquisition else 0)
+        left = acquisition.left if acquisition else None
+        if left is not None:
+            return left
+        done = acquisition.position if acquisition and task.starts_again else 0
+        return timing.samples - done % timing.samples
     return _available(engine, task)
 
 
@@ -207,7 +215,14 @@ READ: Table[Task] = {
     _DEFAULT_NUMBER_TO_READ: Attribute("UInt32", _default_count),
     pb.READ_ATTRIBUTE_OVERWRITE: _of_reads("overwrite", (OVERWRITE, DO_NOT_OVERWRITE)),
     pb.READ_ATTRIBUTE_RELATIVE_TO: _of_reads(
-        "relative_to", (FIRST_SAMPLE, CURRENT_READ_POSITION, MOST_RECENT_SAMPLE)
+        "relative_to",
+        (
+            FIRST_SAMPLE,
+            CURRENT_READ_POSITION,
+            REFERENCE_TRIGGER,
+            FIRST_PRETRIGGER_SAMPLE,
+            MOST_RECENT_SAMPLE,
+        ),
     ),
     pb.READ_ATTRIBUTE_OFFSET: _of_reads("offset"),
 }
@@ -215,7 +230,7 @@ READ: Table[Task] = {
 BUFFER: Table[Task] = {
     pb.BUFFER_ATTRIBUTE_INPUT_BUF_SIZE: Attribute(
         "UInt32",
-        lambda _, t: t.timing.buffer_size(),
+        lambda _, t: t.buffer_size(),
         lambda _, t, value: _change(t, "buffer", value),
         lambda _, t: _change(t, "buffer", None),
     ),

@@ -39,7 +39,11 @@ def board_model(product_type: str) -> BoardModel:
 
 def output_board() -> str:
     """Return the product type of a board that has analog outputs alone."""
-    return next(name for name, b in board_models().items() if b.analog_out and not b.analog_in)
+    return next(
+        name
+        for name, b in board_models().items()
+        if b.analog_out and not b.analog_in and not b.in_chassis
+    )
 
 
 def input_board(ranges_V: Iterable[tuple[float, float]], *, outputs: bool) -> str:
@@ -56,7 +60,11 @@ def input_board(ranges_V: Iterable[tuple[float, float]], *, outputs: bool) -> st
         return all(side.range_for(-ask, ask) == took for ask, took in pairs), side.resolution_bits
 
     pairs = tuple(ranges_V)
-    able = [b for b in board_models().values() if b.analog_in and bool(b.analog_out) is outputs]
+    able = [
+        b
+        for b in board_models().values()
+        if b.analog_in and bool(b.analog_out) is outputs and not b.in_chassis
+    ]
     return max(able, key=fit).product_type
 
 

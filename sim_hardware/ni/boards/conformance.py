@@ -37,14 +37,21 @@ def _of_board(board: BoardModel) -> Iterator[str]:
         yield f"category = {board.category!r} must be a nidaqmx.constants.ProductCategory"
     if not isinstance(board.bus, BusType):
         yield f"bus = {board.bus!r} must be a nidaqmx.constants.BusType"
-    if board.analog_in is None and board.analog_out is None and not board.ports:
-        yield "it has neither inputs, outputs nor ports"
+    yield from _of_chassis(board)
     if board.analog_in is not None:
         yield from _of_inputs(board.analog_in)
     if board.analog_out is not None:
         yield from _of_outputs(board.analog_out)
     for number, port in enumerate(board.ports):
         yield from _of_port(number, port)
+
+
+def _of_chassis(board: BoardModel) -> Iterator[str]:
+    has_channels = bool(board.analog_in or board.analog_out or board.ports)
+    if not has_channels and not board.slots:
+        yield "it has neither inputs, outputs nor ports, and no slots for modules"
+    if board.slots < 0 or (board.slots and (has_channels or board.in_chassis)):
+        yield f"slots = {board.slots} must be 0 but of a chassis, which has no channels of its own"
 
 
 def _of_inputs(side: AnalogInputs) -> Iterator[str]:

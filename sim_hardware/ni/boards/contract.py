@@ -103,6 +103,8 @@ class BoardModel:
     analog_in: AnalogInputs | None = None
     analog_out: AnalogOutputs | None = None
     ports: tuple[DigitalPort, ...] = ()
+    in_chassis: bool = False  # a C Series module: it is named after its chassis and slot
+    slots: int = 0  # of a chassis
 
 
 def _range_for(ranges_V: tuple[float, ...], low_V: float, high_V: float) -> float | None:

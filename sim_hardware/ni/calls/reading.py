@@ -113,23 +113,22 @@ def _buffered(engine: Engine, task: Task, wanted: int, timeout_s: float, call: C
         going = engine.wait_until(min(due_s, limit_s), call)
         if not going or task.acquisition is not acquisition:
             raise StatusError(Code.NEVER_AVAILABLE, task=task.name, samples_read=0)
-    first_s = acquisition.time_of(acquisition.first(engine.now()) + 1)
+    first_s = acquisition.nominal_s(acquisition.first(engine.now()))
     got = ReadSamples(acquisition.read(count, engine.now()), first_s=first_s)
-    if task.started_by_read and acquisition.position == acquisition.plan.total:
+    if task.started_by_read and acquisition.left == 0:
         engine.stop(task)
     return got
 
 
 def _how_many(engine: Engine, task: Task, acquisition: Acquisition, wanted: int) -> int:
     """Return how many samples a read gets: of a finite acquisition what is left of it."""
-    total = acquisition.plan.total
+    left = acquisition.left
     if wanted == ALL_AVAILABLE:
-        if total is None or task.read_all_available:
+        if left is None or task.read_all_available:
             return acquisition.available(engine.now())
-        return total - acquisition.position
-    if total is None:
+        return left
+    if left is None:
         return wanted
-    left = total - acquisition.position
     if left == 0 and wanted > 0:
         raise StatusError(Code.NEVER_AVAILABLE, task=task.name, samples_read=0)
     return min(wanted, left)

@@ -11,7 +11,7 @@ from sim_hardware.ni.errors import Code, StatusError
 from sim_hardware.ni.rpc import Call, Message, raw_enum
 from sim_hardware.ni.signals.timing import SampleMode, TimingType
 from sim_hardware.ni.tasks.engine import Engine
-from sim_hardware.ni.tasks.task import StartTrigger, Task, TaskState
+from sim_hardware.ni.tasks.task import ReferenceTrigger, StartTrigger, Task, TaskState
 
 _START, _STOP, _VERIFY, _COMMIT, _RESERVE, _UNRESERVE, _ABORT = range(7)  # constants.TaskMode
 
@@ -109,7 +109,8 @@ def cfg_dig_edge_start_trig(engine: Engine, request: Message, call: Call) -> Mes
     """Note the trigger; it is checked when the task is verified."""
     task = task_of(engine, request, call)
     task.refuse_while_running()
-    task.trigger = StartTrigger(request.trigger_source, raw_enum(request, "trigger_edge"))
+    edge, again = raw_enum(request, "trigger_edge"), task.trigger.retriggerable
+    task.trigger = StartTrigger(request.trigger_source, edge, again)
     task.changed()
     return pb.CfgDigEdgeStartTrigResponse()
 
@@ -121,6 +122,25 @@ def disable_start_trig(engine: Engine, request: Message, call: Call) -> Message:
     task.trigger = StartTrigger()
     task.changed()
     return pb.DisableStartTrigResponse()
+
+
+def cfg_dig_edge_ref_trig(engine: Engine, request: Message, call: Call) -> Message:
+    """Note the reference trigger; it is checked when the task is verified."""
+    task = task_of(engine, request, call)
+    task.refuse_while_running()
+    edge = raw_enum(request, "trigger_edge")
+    task.reference = ReferenceTrigger(request.trigger_source, edge, request.pretrigger_samples)
+    task.changed()
+    return pb.CfgDigEdgeRefTrigResponse()
+
+
+def disable_ref_trig(engine: Engine, request: Message, call: Call) -> Message:
+    """Acquire all samples from the start on."""
+    task = task_of(engine, request, call)
+    task.refuse_while_running()
+    task.reference = ReferenceTrigger()
+    task.changed()
+    return pb.DisableRefTrigResponse()
 
 
 def cfg_input_buffer(engine: Engine, request: Message, call: Call) -> Message:
@@ -169,6 +189,8 @@ HANDLERS = {
     "CfgSampClkTiming": cfg_samp_clk_timing,
     "CfgDigEdgeStartTrig": cfg_dig_edge_start_trig,
     "DisableStartTrig": disable_start_trig,
+    "CfgDigEdgeRefTrig": cfg_dig_edge_ref_trig,
+    "DisableRefTrig": disable_ref_trig,
     "CfgInputBuffer": cfg_input_buffer,
     "CfgOutputBuffer": cfg_output_buffer,
 }

@@ -25,6 +25,7 @@ from sim_hardware.simulated_rig import AnalogSide
 
 # constants.ReadRelativeTo, OverwriteMode
 FIRST_SAMPLE, CURRENT_READ_POSITION, MOST_RECENT_SAMPLE = 10424, 10425, 10428
+REFERENCE_TRIGGER, FIRST_PRETRIGGER_SAMPLE = 10426, 10427
 OVERWRITE, DO_NOT_OVERWRITE = 10252, 10159
 
 
@@ -134,8 +135,23 @@ class Acquisition:
         """Return the samples per channel acquired so far."""
         if self._stopped_at is not None:
             return self._stopped_at
-        count = max(0, self.timebase.edges(now_s, self._last_channel_s) - self._skipped)
-        return count if self.plan.total is None else min(count, self.plan.total)
+        count, total = self._converted(now_s), self.total
+        return count if total is None else min(count, total)
+
+    @property
+    def total(self) -> int | None:
+        """Samples per channel after which it ends; None: it does not end, as it looks now."""
+        return self.plan.total
+
+    @property
+    def left(self) -> int | None:
+        """Samples per channel that remain to be read; None: without end."""
+        total = self.total
+        return None if total is None else total - self.position
+
+    def _converted(self, now_s: float) -> int:
+        """Return for how many samples the clock has come, whether they are kept or not."""
+        return max(0, self.timebase.edges(now_s, self._last_channel_s) - self._skipped)
 
     def time_of(self, count: int) -> float:
         """Return when `count` samples of every channel have been acquired."""
@@ -143,13 +159,16 @@ class Acquisition:
 
     def first(self, now_s: float) -> int:
         """Return the sample at which a read begins now. -200277: before the first one."""
-        base = {
-            FIRST_SAMPLE: 0,
-            MOST_RECENT_SAMPLE: self.acquired(now_s),
-        }.get(self._reads.relative_to, self.position)
+        base = self._base(self._reads.relative_to, now_s)
         if base + self._reads.offset < 0:
             raise StatusError(Code.NEGATIVE_READ_SAMPLE, samples_read=0)
         return base + self._reads.offset
+
+    def _base(self, relative_to: int, now_s: float) -> int:
+        if relative_to in (REFERENCE_TRIGGER, FIRST_PRETRIGGER_SAMPLE):
+            raise StatusError(Code.NO_REFERENCE_TRIGGER, samples_read=0)
+        found = {FIRST_SAMPLE: 0, MOST_RECENT_SAMPLE: self.acquired(now_s)}
+        return found.get(relative_to, self.position)
 
     def available(self, now_s: float) -> int:
         """Return the samples per channel to be read; -200279 once they were overwritten."""
@@ -176,8 +195,12 @@ class Acquisition:
 
     def is_done(self, now_s: float) -> bool:
         """Return whether a finite acquisition has all its samples, or has been stopped."""
-        total = self.plan.total
+        total = self.total
         return self._stopped_at is not None or (total is not None and self.acquired(now_s) >= total)
+
+    def nominal_s(self, sample: int) -> float:
+        """Return the time of a sample as if its clock had never paused: that of waveforms."""
+        return self.timebase.start_s + (self._skipped + sample) / self.timebase.rate_hz
 
     def end(self, now_s: float) -> None:
         """Acquire no more samples."""
@@ -193,8 +216,7 @@ class Acquisition:
 
     def _new(self, first: int, count: int, now_s: float) -> Samples:
         """Compute samples; those that were passed over are never computed."""
-        index = self._skipped + np.arange(first, first + count)
-        times_s = self.timebase.start_s + index / self.timebase.rate_hz
+        times_s = self.timebase.times(self._skipped + np.arange(first, first + count))
         samples = self._sampler.sample(times_s, self.plan.convert_s, now_s)
         if first > self._sampled:
             self._recent.clear()  # there is a gap before them

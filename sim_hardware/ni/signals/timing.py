@@ -41,14 +41,19 @@ class TaskTiming:
     samples: int = 1000
     buffer: int | None = None  # as set by the client; None: the driver chooses
     convert_rate_hz: float | None = None
+    reference_clock: str = ""  # that the board's oscillator is locked to
+    reference_clock_hz: float = 10e6
 
-    def buffer_size(self) -> int:
-        """Return the samples per channel that the driver keeps in the computer's memory."""
+    def buffer_size(self, *, starts_again: bool = False) -> int:
+        """Return the samples per channel that the driver keeps in the computer's memory.
+
+        A task that each trigger starts again (`starts_again`) has that of one without an end.
+        """
         if self.kind is TimingType.ON_DEMAND:
             return 0
         if self.buffer is not None:
             return self.buffer
-        if self.mode is SampleMode.FINITE:
+        if self.mode is SampleMode.FINITE and not starts_again:
             return self.samples
         return max(self.samples, _default_buffer(self.rate_hz))
 

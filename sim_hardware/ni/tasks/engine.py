@@ -20,6 +20,8 @@ from sim_hardware.ni.signals.adc import Converter
 from sim_hardware.ni.signals.digital_lines import Lines
 from sim_hardware.ni.signals.generation import Generation
 from sim_hardware.ni.signals.line_sampler import LineSampler
+from sim_hardware.ni.signals.outside_edges import OutsideEdges
+from sim_hardware.ni.signals.referenced_acquisition import ReferencedAcquisition
 from sim_hardware.ni.signals.shown_signals import LimitSine
 from sim_hardware.ni.signals.timing import InputPlan, OutputPlan
 from sim_hardware.ni.tasks.channels import AnalogInputChannel
@@ -50,9 +52,11 @@ class Engine:
         strict_ownership: bool,
         clock_error_ppm: float = 0.0,
         is_wired: Callable[[str, str], bool] | None = None,
+        edges_hz: Mapping[str, float] | None = None,
     ) -> None:
         """`clock_error_ppm`: how much faster the boards' oscillators are than `clock`.
 
+        `edges_hz`: square waves that come to PFI terminals.
         With `is_wired` (device, channel), inputs that are not wired show test signals.
         """
         self._is_wired = is_wired
@@ -71,7 +75,11 @@ class Engine:
         self._reservations: Reservations[Task] = Reservations()
         self.playback = Playback(clock, self.lock, self._put_out, faults)
         self.clocks = TaskClocks(
-            self.devices, clock_error_ppm, self.sessions.all, self.playback.begin
+            self.devices,
+            clock_error_ppm,
+            self.sessions.all,
+            self.playback.begin,
+            OutsideEdges(self.devices, edges_hz or {}),
         )
 
     def now(self) -> float:
@@ -119,16 +127,26 @@ class Engine:
         """Make what acquires or puts out; its clock does not run yet."""
         plan = task.verify()
         if isinstance(plan, InputPlan):
-            base = self.clocks.timebase(plan.rate_hz)
-            sampler = self._sampler(task) if task.inputs else self.line_sampler(task)
-            task.acquisition = Acquisition(plan, sampler, len(task.channels), base, task.reads)
+            task.acquisition = self._acquisition(task, plan)
         elif isinstance(plan, OutputPlan):
             if task.output.written == 0:
                 raise StatusError(Code.OUTPUT_BUFFER_EMPTY, task=task.name)
-            base = self.clocks.timebase(plan.rate_hz)
+            base = self.clocks.timebase(task, plan.rate_hz)
             task.generation = Generation(plan, task.output, base)
         elif task.inputs:
             task.on_demand = self._sampler(task)
+
+    def _acquisition(self, task: Task, plan: InputPlan) -> Acquisition:
+        base = self.clocks.timebase(task, plan.rate_hz)
+        sampler = self._sampler(task) if task.inputs else self.line_sampler(task)
+        parts = (plan, sampler, len(task.channels), base, task.reads)
+        if not task.reference.source:
+            return Acquisition(*parts)
+        return ReferencedAcquisition(
+            *parts,
+            pretrigger=task.reference.pretrigger_samples,
+            next_edge=self.clocks.next_reference(task),
+        )
 
     def stop(self, task: Task) -> None:
         """End the acquisition; the task keeps its resources if it had been committed before.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from nidaqmx._stubs import nidaqmx_pb2 as pb
@@ -46,7 +47,7 @@ class _TimedEvents:
         count = registration.samples
         total = self.timed.plan.total
         while total is None or count <= total:
-            self._wait(self.timed.time_of(count))
+            self._wait(lambda: self.timed.time_of(count))  # noqa: B023 - asked at once
             if not self._send(registration.stream, event):
                 return
             count += registration.samples
@@ -54,17 +55,15 @@ class _TimedEvents:
     def done(self, stream: Stream) -> None:
         """Send the end: a finite acquisition's with its last sample, any other's by an overflow."""
         total = self.timed.plan.total
-        while total is None:
-            overflow_s = self.timed.overflow_s()
-            self._wait(overflow_s)
+        if total is None:
+            self._wait(self.timed.overflow_s)
             if self._over or stream.closed:
                 return
-            if self.timed.overflow_s() <= overflow_s:
-                output = isinstance(self.timed, Generation)
-                status = Code.GENERATION_UNDERFLOW if output else Code.OVERWRITTEN
-                self._send(stream, pb.RegisterDoneEventResponse(status=int(status)))
-                return
-        self._wait(self.timed.time_of(total))
+            output = isinstance(self.timed, Generation)
+            status = Code.GENERATION_UNDERFLOW if output else Code.OVERWRITTEN
+            self._send(stream, pb.RegisterDoneEventResponse(status=int(status)))
+            return
+        self._wait(lambda: self.timed.time_of(total))
         self._send(stream, pb.RegisterDoneEventResponse(status=0))
 
     @property
@@ -72,10 +71,10 @@ class _TimedEvents:
         """Whether the task has been stopped, or started again."""
         return self.task.timed is not self.timed
 
-    def _wait(self, when: float) -> None:
-        """Wait until `when`, or until the acquisition is over."""
-        while not self._over and self.clock.now() < when:
-            self.clock.sleep_until(min(when, self.clock.now() + _WAIT_PIECE_S))
+    def _wait(self, when: Callable[[], float]) -> None:
+        """Wait until a time that may change meanwhile, or until the acquisition is over."""
+        while not self._over and self.clock.now() < (when_s := when()):
+            self.clock.sleep_until(min(when_s, self.clock.now() + _WAIT_PIECE_S))
 
     def _send(self, stream: Stream, event: Message) -> bool:
         """Send an event of an acquisition that is still the task's; False when it is not."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
@@ -14,6 +14,7 @@ from sim_hardware.ni.signals.timing import (
     RISING,
     InputPlan,
     OutputPlan,
+    SampleMode,
     TaskTiming,
     TimingType,
     plan_input,
@@ -28,6 +29,9 @@ from sim_hardware.ni.tasks.channels import (
     DigitalChannel,
 )
 from sim_hardware.ni.tasks.events import TaskEvents
+
+NO_SYNC = 10230  # constants.SyncType.NONE
+LEAST_PRETRIGGER, LEAST_POSTTRIGGER = 2, 2  # samples, of the boards' timing engines
 
 
 class TaskState(IntEnum):
@@ -46,6 +50,16 @@ class StartTrigger:
 
     source: str = ""
     edge: int = RISING
+    retriggerable: bool = False  # a finite task waits for the next one when it is done
+
+
+@dataclass
+class ReferenceTrigger:
+    """What an acquisition ends with; an empty source: nothing."""
+
+    source: str = ""
+    edge: int = RISING
+    pretrigger_samples: int = 2
 
 
 @dataclass(eq=False, kw_only=True)
@@ -68,10 +82,17 @@ class Task:
     reads: ReadPosition = field(default_factory=ReadPosition)
     output: OutputBuffer = field(default_factory=OutputBuffer)
     trigger: StartTrigger = field(default_factory=StartTrigger)
+    reference: ReferenceTrigger = field(default_factory=ReferenceTrigger)
+    sync_type: int = NO_SYNC
     acquisition: Acquisition | None = None  # while it runs by a sample clock
     generation: Generation | None = None  # while it puts out by a sample clock
     on_demand: Sampler | None = None  # while it runs without
     events: TaskEvents = field(default_factory=TaskEvents)
+
+    @property
+    def starts_again(self) -> bool:
+        """Whether each trigger starts it again."""
+        return self.trigger.retriggerable and bool(self.trigger.source)
 
     @property
     def running(self) -> bool:
@@ -107,6 +128,11 @@ class Task:
     def device_names(self) -> list[str]:
         """The boards it uses."""
         return list(dict.fromkeys(channel.device.name for channel in self.channels))
+
+    @property
+    def engine_names(self) -> list[str]:
+        """The boards that time it: a chassis times its modules."""
+        return list(dict.fromkeys(channel.device.engine_name for channel in self.channels))
 
     def add(self, channel: Channel) -> None:
         """One more channel, of the type the others have."""
@@ -147,11 +173,46 @@ class Task:
             output.verified_range()
         for channel in self.inputs:
             channel.verified_range()
+        self._verify_triggers()
         if self.timing.kind is TimingType.ON_DEMAND:
             if self.events.every_n is not None:
                 raise StatusError(Code.EVENT_NOT_BUFFERED, task=self.name)
             return None
-        return self._plan()
+        plan = self._plan()
+        if not self.starts_again:
+            return plan
+        if isinstance(plan, OutputPlan):
+            return replace(plan, total=None)
+        return replace(plan, total=None, buffer=self.buffer_size())
+
+    def buffer_size(self) -> int:
+        """Return the samples per channel that the driver keeps in the computer's memory."""
+        return self.timing.buffer_size(starts_again=self.starts_again)
+
+    def _verify_triggers(self) -> None:
+        """Check what the triggers ask of the timing."""
+        finite = self.timing.mode is SampleMode.FINITE
+        if self.starts_again and not finite:
+            raise StatusError(Code.NOT_SUPPORTED, "Property: DAQmx_StartTrig_Retriggerable")
+        if not self.reference.source:
+            return
+        if self.outputs or self.digital:
+            raise StatusError(Code.NOT_SUPPORTED, "Property: DAQmx_RefTrig_Type", self.name)
+        if self.timing.kind is TimingType.ON_DEMAND:
+            raise StatusError(Code.REFERENCE_ON_DEMAND, task=self.name)
+        if not finite:
+            raise StatusError(Code.REFERENCE_WHEN_CONTINUOUS, task=self.name)
+        if self.starts_again:
+            raise StatusError(Code.NOT_SUPPORTED, "Reference triggers do not start again.")
+        least, most = LEAST_PRETRIGGER, self.timing.samples - LEAST_POSTTRIGGER
+        if not least <= self.reference.pretrigger_samples <= most:
+            raise StatusError(
+                Code.INVALID_VALUE,
+                "Property: DAQmx_RefTrig_PretrigSamples\n"
+                f"Requested Value: {self.reference.pretrigger_samples}\n"
+                f"Maximum Value: {most}\nMinimum Value: {least}",
+                self.name,
+            )
 
     def _plan(self) -> InputPlan | OutputPlan:
         board = self.channels[0].device.board

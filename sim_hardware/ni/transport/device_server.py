@@ -39,6 +39,7 @@ class NiDeviceServer:
         seed: int | None = 0,
         clock_error_ppm: float = 0.0,
         is_wired: Callable[[str, str], bool] | None = None,
+        edges_hz: Mapping[str, float] | None = None,
     ) -> None:
         """`devices` maps names to product types (None: those of the shipped world).
 
@@ -48,6 +49,7 @@ class NiDeviceServer:
         `clock_error_ppm`: how much faster the boards' oscillators are than `clock`.
         `is_wired`: inputs (device, channel) that are not show what NI's simulated devices do: a
         sine between the channel's limits; and lines that nobody writes count.
+        `edges_hz`: square waves that come to PFI terminals, such as {"Dev1/PFI0": 2.0}.
         """
         self.faults = Faults()
         self._strict = strict_ownership
@@ -63,6 +65,7 @@ class NiDeviceServer:
             strict_ownership=strict_ownership,
             clock_error_ppm=clock_error_ppm,
             is_wired=is_wired,
+            edges_hz=edges_hz,
         )
         self._methods = methods()
         self._tcp: TcpServer | None = None

@@ -48,6 +48,7 @@ def writes(shift_s):
     return change(ev.VoltageSet, shift)
 
 
+@pytest.mark.slow
 def test_forces_are_those_of_the_samples_at_the_sampling_points(tmp_path):
     path = record_with(tmp_path / "s.h5", small_schedule())
     with open_session(path) as session:
@@ -63,6 +64,7 @@ def test_forces_are_those_of_the_samples_at_the_sampling_points(tmp_path):
                 assert reading.drive_V == pytest.approx(reading.voltage_V, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_live_readings_do_not_matter(tmp_path):
     wrong = change(
         ev.ReadingTaken,

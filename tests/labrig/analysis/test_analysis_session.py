@@ -49,6 +49,7 @@ def distance_m(curve, wanted):
     return np.min(np.hypot(*(points[:, None] - wanted[None]).transpose(2, 0, 1)), axis=1)
 
 
+@pytest.mark.slow
 def test_conditions_hold_all_that_was_measured(tmp_path):
     path = record_with(tmp_path / "s.h5", small_schedule(), frame_shape=None)
     with open_session(path) as session:
@@ -202,6 +203,7 @@ def test_frames_without_a_sheet_are_reported_once_for_each_condition(tmp_path):
     assert len([text for text in found.warnings if "no curve in the mean image" in text]) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("texts", "said"),
     [

@@ -5,6 +5,8 @@ from __future__ import annotations
 import subprocess
 import sys
 
+import pytest
+
 SCRIPT = """
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,6 +16,7 @@ list(shared_out(SimpleNamespace(path=Path("day1.h5")), [None] * 4, workers=2))
 """
 
 
+@pytest.mark.slow
 def test_a_script_that_its_own_workers_begin_anew_is_told_so_in_one_sentence(tmp_path):
     script = tmp_path / "evaluate.py"
     script.write_text(SCRIPT, encoding="utf-8")

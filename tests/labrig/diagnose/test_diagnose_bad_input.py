@@ -136,6 +136,7 @@ def test_a_position_to_leave_out_must_be_one_that_was_measured(
     assert says in told(capsys)
 
 
+@pytest.mark.slow
 def test_a_model_of_another_sheet_is_refused(measured, tmp_path, capsys):
     model = truth("long")
     one = model.sheet("long")

@@ -29,6 +29,8 @@ from tests.labrig.diagnose import made
 from tests.labrig.report_data import TEXTS, measure, session
 from tests.labrig.test_report_page import read
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
@@ -57,6 +59,7 @@ def lines_in_order(text: str, *wanted: str) -> None:
     assert places == sorted(places), dict(zip(wanted, places, strict=True))
 
 
+@pytest.mark.slow
 def test_everything_is_printed_in_the_order_in_which_it_was_found(finding, recorded, capsys):
     finding(made.found)
     assert run(["diagnose", str(recorded)]) == 0
@@ -83,6 +86,7 @@ def test_everything_is_printed_in_the_order_in_which_it_was_found(finding, recor
     assert "\x1b" not in captured.out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", made.ALL)
 def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recorded, capsys):
     finding(make)
@@ -109,6 +113,7 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
         assert len(found["unknown"]["s_mm"]) == len(found["unknown"]["profile"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "says"),
     [
@@ -129,6 +134,7 @@ def test_each_verdict_is_a_plain_sentence(make, says, finding, recorded, capsys)
     assert says in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_json_has_the_class_the_closed_gap_and_the_separations(finding, recorded, capsys):
     finding(made.indistinguishable)
     assert run(["diagnose", str(recorded), "--json"]) == 0
@@ -162,6 +168,7 @@ def test_values_of_one_configuration_say_whose_they_are(finding, recorded, capsy
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_probability_beside_a_parameter_is_that_of_its_effect_alone(finding, recorded, capsys):
     finding(made.indistinguishable)
     assert run(["diagnose", str(recorded)]) == 0
@@ -171,6 +178,7 @@ def test_the_probability_beside_a_parameter_is_that_of_its_effect_alone(finding,
     assert "97 %" not in row
 
 
+@pytest.mark.slow
 def test_options_reach_the_procedure(finding, recorded, tmp_path):
     asked = finding(made.found)
     known = tmp_path / "known.toml"
@@ -186,6 +194,7 @@ def test_options_reach_the_procedure(finding, recorded, tmp_path):
     assert [e.name for e in used.model.effects] == ["nonuniform_eibm"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [made.found, made.unknown])
 def test_the_model_file_predicts_with_what_was_found(make, finding, recorded, tmp_path, capsys):
     finding(make)
@@ -375,6 +384,7 @@ def test_next_writes_a_protocol_that_can_be_run(extra, proposing, recorded, tmp_
         assert voltages == {0.0, 2.0, -2.0}
 
 
+@pytest.mark.slow
 def test_next_without_a_file_prints_the_protocol(proposing, recorded, capsys):
     proposing("free_shapes")
     assert run(["next", str(recorded), "--between", "gravity", "clamp_angle"]) == 0
@@ -385,6 +395,7 @@ def test_next_without_a_file_prints_the_protocol(proposing, recorded, capsys):
     assert found["separation_expected"] == 9.0
 
 
+@pytest.mark.slow
 def test_next_needs_no_names_where_the_diagnosis_has_them(finding, monkeypatch, recorded, capsys):
     finding(made.indistinguishable)
     assert run(["diagnose", str(recorded)]) == 0
@@ -404,6 +415,7 @@ def test_next_needs_no_names_where_the_diagnosis_has_them(finding, monkeypatch, 
     assert asked == [("nonuniform_eibm", "load_cell_hysteresis")]
 
 
+@pytest.mark.slow
 def test_next_and_the_diagnosis_give_one_distance_for_a_pair(finding, recorded, capsys):
     finding(made.indistinguishable)
     assert run(["diagnose", str(recorded)]) == 0
@@ -414,6 +426,7 @@ def test_next_and_the_diagnosis_give_one_distance_for_a_pair(finding, recorded, 
     assert (found["separation_now"], found["separation_expected"]) == (1.8, 14.0)
 
 
+@pytest.mark.slow
 def test_a_measurement_made_as_proposed_is_compared_with_its_promise(finding, tmp_path, capsys):
     first = session(tmp_path / "first.h5", measure("long"))
     asked = finding(made.indistinguishable)
@@ -441,6 +454,7 @@ def test_a_measurement_made_as_proposed_is_compared_with_its_promise(finding, tm
     assert asked[-1].promised == (promise,)  # a promise stays with the session
 
 
+@pytest.mark.slow
 def test_next_says_so_where_nothing_needs_to_be_told_apart(finding, recorded, capsys):
     finding(made.nothing_missing)
     assert run(["diagnose", str(recorded)]) == 0
@@ -450,6 +464,7 @@ def test_next_says_so_where_nothing_needs_to_be_told_apart(finding, recorded, ca
     )
 
 
+@pytest.mark.slow
 def test_the_hint_at_the_next_measurement_is_a_command_that_works(finding, recorded, capsys):
     finding(made.indistinguishable)
     assert run(["diagnose", str(recorded)]) == 0
@@ -460,6 +475,7 @@ def test_the_hint_at_the_next_measurement_is_a_command_that_works(finding, recor
     assert run(words[1:]) == 0
 
 
+@pytest.mark.slow
 def test_next_diagnoses_first_what_was_not_diagnosed_yet(finding, tmp_path, capsys):
     path = session(tmp_path / "new.h5", measure("long"))
     asked = finding(made.indistinguishable)

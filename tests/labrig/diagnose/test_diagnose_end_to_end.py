@@ -28,7 +28,7 @@ def imported(tmp_path_factory):
     return session
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.timeout(900)
 def test_a_hidden_effect_is_named_added_and_then_nothing_is_missing(imported, tmp_path, capsys):
     model = tmp_path / "model+.toml"

@@ -50,6 +50,7 @@ def test_what_an_older_version_did_not_write_takes_its_default():
         from_plain(Diagnosis, plain)
 
 
+@pytest.mark.slow
 def test_it_is_kept_beside_the_measurements_and_changes_nothing_else(recorded):
     before = load_measurements(recorded)
     assert kept_diagnosis(recorded) is None
@@ -62,6 +63,7 @@ def test_it_is_kept_beside_the_measurements_and_changes_nothing_else(recorded):
     assert all(check.ok for check in verify(recorded)), [c for c in verify(recorded) if not c.ok]
 
 
+@pytest.mark.slow
 def test_it_goes_with_the_measurements_it_was_made_from(recorded):
     path = recorded
     keep_diagnosis(path, found())

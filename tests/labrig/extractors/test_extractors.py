@@ -125,6 +125,7 @@ def overwrite(curve, image):
     return curve
 
 
+@pytest.mark.slow
 def test_every_extractor_of_the_folder_fulfils_the_contract():
     assert {name: faults(part.part) for name, part in EXTRACTORS.parts().items()} == {
         name: [] for name in EXTRACTORS.parts()
@@ -156,6 +157,7 @@ def test_what_is_wrong_with_an_extractor_is_said(alter, fault):
     assert fault in "; ".join(faults(Altered(alter)))
 
 
+@pytest.mark.slow
 def test_an_extractor_that_sees_a_strip_everywhere_is_at_fault():
     seen = neutral_curve(examples()[0].image, examples()[0].optics, STRIP)
     part = Altered(lambda curve, _image: curve if curve.ok else seen)
@@ -180,6 +182,7 @@ def test_an_unknown_extractor_is_answered_with_those_there_are(strip_image, caps
     assert "did you mean 'intensity_fit'?" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_an_installed_extractor_finds_the_curves_of_images(other, strip_image, capsys):
     tips = []
     for name in ("intensity_fit", "shifted"):

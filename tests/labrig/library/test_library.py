@@ -54,6 +54,7 @@ def looked(monkeypatch):
     return names
 
 
+@pytest.mark.slow
 def test_an_entry_says_what_the_session_says(session):
     entry = read_entry(session, "one.h5")
     changes = []
@@ -72,6 +73,7 @@ def test_an_entry_says_what_the_session_says(session):
     assert (entry.runs, entry.runs_complete) == (3, 3)
 
 
+@pytest.mark.slow
 def test_a_file_is_opened_once_and_again_only_when_it_has_changed(folder, looked):
     assert Library(folder).refresh() == 0
     assert sorted(looked) == ["a.h5", "b.h5", "below/c.h5", "broken.h5"]
@@ -95,6 +97,7 @@ def test_a_damaged_file_is_listed_with_its_fault(folder):
     assert str(folder) not in broken.error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damage", ["empty", "text", "zeros", "half", "no_table", "no_entry"])
 def test_a_cache_that_is_damaged_is_made_anew(folder, looked, damage):
     library = Library(folder)
@@ -203,6 +206,7 @@ def test_links_to_other_folders_are_not_followed(folder, tmp_path_factory):
     assert not {"way/d.h5", "e.h5"} & {entry.name for entry in library.entries()}
 
 
+@pytest.mark.slow
 def test_the_newest_model_of_a_session_is_shown_with_it(folder, model_file):
     with open_session(folder / "a.h5") as opened:
         checksum = opened.checksum
@@ -315,6 +319,7 @@ def test_an_unknown_column_is_named_with_those_that_are_known():
         SessionQuery(sort="colour")
 
 
+@pytest.mark.slow
 def test_the_command_lists_and_says_what_cannot_be_read(folder, capsys):
     from labrig.cli.main import run
 

@@ -126,6 +126,7 @@ def test_whatever_goes_wrong_is_one_sentence(error, says):
     assert "\n" not in sentence
 
 
+@pytest.mark.slow
 def test_jobs_wait_for_each_other_and_the_same_one_is_not_queued_twice(session):
     with analysis_jobs(session.parent) as (jobs, heard):
         first, second = started(jobs, session), started(jobs, session, "fit")
@@ -172,6 +173,7 @@ def test_a_job_has_a_low_priority_while_a_run_is_on(session, when):
             assert session_priority.read_text().endswith(f"nice {wanted}\n")
 
 
+@pytest.mark.slow
 @posix
 def test_a_process_ends_with_the_panel_that_started_it(session):
     process = AnalysisProcess(AnalysisOrder(kind="analyze", session=str(session)), session.parent)

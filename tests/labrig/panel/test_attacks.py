@@ -16,6 +16,7 @@ from websockets.sync.client import connect
 
 from tests.labrig.panel.page import Page
 
+pytestmark = pytest.mark.slow  # a panel is a process
 PATIENCE_S = 30.0  # with another process, on a busy computer
 ACTING = [
     ("POST", "/api/control", {"do": "take", "name": "Eve"}),
@@ -229,7 +230,6 @@ class TestWhoIsRefused:
         sent = sent_until_refused(raw, f"{head[1]}Content-Length: {1 << 30}\r\n\r\n")
         assert sent < 32 << 20  # what the sockets hold back included
 
-    @pytest.mark.slow
     def test_is_not_waited_for_for_ever(self, head, raw):
         raw.sendall(f"{head[1]}Content-Length: 1000\r\n\r\n".encode())
         raw.settimeout(10)
@@ -296,7 +296,6 @@ def test_words_that_make_no_sense_change_nothing(server):
     page.close()
 
 
-@pytest.mark.slow
 def test_a_flood_is_answered_with_a_refusal_and_ends(server):
     request = f"GET /favicon.ico HTTP/1.1\r\nHost: {server.netloc}\r\n\r\n".encode()
     seen = b""
@@ -354,7 +353,6 @@ class TestStop:
             assert answer.getheader("Access-Control-Allow-Origin") == wanted
             connection.close()
 
-    @pytest.mark.slow
     def test_nonsense_with_the_token_is_a_stop_all_the_same(self, server, stop):
         for body in (b"", b"{", b"[]", b"\xff"):
             status, answer = server.ask("POST", "/stop", body, netloc=stop)

@@ -35,6 +35,7 @@ def until(holds):
 # ------------------------------------------------------------------------- what the process reads
 
 
+@pytest.mark.slow
 def test_runs_are_measured_one_by_one_as_the_whole_analysis_measures_them(tmp_path):
     path = record_with(tmp_path / "s.h5", small_schedule(), frame_shape=None)
     with open_session(path) as session:
@@ -49,6 +50,7 @@ def test_runs_are_measured_one_by_one_as_the_whole_analysis_measures_them(tmp_pa
     assert running.measure_next() is None
 
 
+@pytest.mark.slow
 def test_a_session_is_measured_while_it_is_recorded_and_again_when_a_run_is_marked(tmp_path):
     path, schedule = tmp_path / "s.h5", small_schedule()
     texts = {"texts": TEXTS | {"load_cell.toml": LOAD_CELL}, "frame_shape": None}

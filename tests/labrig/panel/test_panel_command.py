@@ -27,7 +27,7 @@ from tests.labrig.panel.page import Server
         (["--host", "192.0.2.1", "--insecure"], "cannot listen"),
         (["sheet.toml"], "this is a sheet.toml; a rig.toml is needed"),
         (["replayed.toml"], "this rig is a recorded session"),
-        (["none.h5"], "is no HDF5 file"),
+        (["none.h5"], "is not an HDF5 file"),
         (["rig.toml", "--model", "sheet.toml"], "this is a sheet.toml; a model file is needed"),
     ],
 )
@@ -41,6 +41,13 @@ def test_a_wrong_start_is_told_in_a_sentence(rig_folder, monkeypatch, capsys, op
     assert told in said
     assert shown.out == ""  # no address that nobody serves
     assert "Traceback" not in said
+
+
+def test_a_refused_rig_leaves_no_token(tmp_path, capsys):
+    (tmp_path / "sheet.toml").write_text("[arc]\nradius_mm = 40\n")
+    assert run(["panel", str(tmp_path / "sheet.toml")]) == 2
+    assert "this is a sheet.toml" in capsys.readouterr().err
+    assert not (tmp_path / ".labrig").exists()
 
 
 def test_a_session_outside_the_data_folder_is_refused(rig_folder, tmp_path, capsys):

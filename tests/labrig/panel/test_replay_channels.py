@@ -49,6 +49,7 @@ def _with_warmth(event):
     return event
 
 
+@pytest.mark.slow
 def test_a_session_without_a_current_is_replayed_with_the_channels_it_has(other_channels):
     recording = Recording(other_channels, "other.h5")
     try:

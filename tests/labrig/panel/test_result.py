@@ -138,7 +138,7 @@ def test_a_session_that_is_not_analysed_shows_its_forces_and_what_to_press(serve
 
 
 def test_what_is_no_session_is_refused_in_a_sentence(server):
-    assert "is no HDF5 file" in get(server, "?session=damaged.h5", 400)["error"]
+    assert "is not an HDF5 file" in get(server, "?session=damaged.h5", 400)["error"]
     get(server, "?session=gone.h5", 404)
     get(server, "?session=../a.h5", 400)
     get(server, "/reading?session=a.h5&condition=500&index=0", 400)

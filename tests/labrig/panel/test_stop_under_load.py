@@ -12,6 +12,7 @@ from tests.labrig.panel.load import flood, silent
 from tests.labrig.panel.page import Page
 from tests.panel_browser.rig_world import energised_page, rig_world
 
+pytestmark = pytest.mark.slow  # a panel is a process
 SILENT = 200
 PATIENCE_S = 30.0
 DEADLINE_S = 10.0  # well above what a head may take
@@ -74,14 +75,12 @@ def closed(connection):
         return True
 
 
-@pytest.mark.slow
 def test_a_connection_that_stays_silent_is_closed(server, door):
     with silent(door[0], 1) as (one,):
         one.settimeout(DEADLINE_S)
         assert closed(one)
 
 
-@pytest.mark.slow
 def test_a_head_that_trickles_in_does_not_put_off_the_deadline(server, door):
     with silent(door[0], 1) as (one,):
         one.settimeout(0.1)
@@ -103,7 +102,6 @@ def closed_while_sending(connection, limit_s):
     return False
 
 
-@pytest.mark.slow
 @pytest.mark.alone
 @pytest.mark.parametrize("where", ["panel", "stop"])
 def test_the_voltage_is_gone_at_once_though_connections_and_requests_abound(tmp_path, where):

@@ -37,6 +37,7 @@ def assert_one_screen(shown: Displayed) -> None:
     assert len(shown._repr_html_()) < 20_000
 
 
+@pytest.mark.slow
 def test_large_measurements_fit_one_screen(measured):
     many = replace(measured, conditions=measured.conditions * 50, warnings=("a",) * 30)
     assert_one_screen(many)
@@ -52,6 +53,7 @@ def test_each_part_of_measurements_fits_one_screen(measured):
     assert "50 x 11 x 0.21 mm" in repr(measured.sheets["long"])
 
 
+@pytest.mark.slow
 def test_models_and_predictions_fit_one_screen():
     model = truth("long", "short")
     for shown in (model, model.sheets["long"], model.sheets["long"].eibm[2.0]):
@@ -62,6 +64,7 @@ def test_models_and_predictions_fit_one_screen():
     assert "not reachable" in repr(far)
 
 
+@pytest.mark.slow
 def test_a_session_shows_its_runs_and_that_it_is_closed(session_file):
     with labrig.open_session(session_file) as opened:
         assert_one_screen(opened)
@@ -89,6 +92,7 @@ def test_html_is_escaped():
 # -- data frames
 
 
+@pytest.mark.slow
 def test_readings_become_rows_in_si_units(measured):
     frame = measured.to_dataframe("readings")
     assert len(frame) == sum(len(c.readings) for c in measured.conditions)

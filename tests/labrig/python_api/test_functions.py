@@ -160,6 +160,7 @@ def test_wrong_names_of_columns_are_one_sentence(tmp_path):
 # -- the next measurement
 
 
+@pytest.mark.slow
 def test_the_next_measurement_is_what_the_command_prints(session_file, folder, capsys):
     between = ("gravity", "clamp_angle")
     found = labrig.next_measurement(session_file, between=between)
@@ -255,6 +256,7 @@ def test_an_eibm_of_ones_own_takes_the_models_place(model_file, tmp_path, capsys
     assert constant[0]["F_N"] == number[0].F_N
 
 
+@pytest.mark.slow
 def test_sheet_toml_and_numbers_need_no_model_file(tmp_path, capsys):
     sheet = tmp_path / "sheet.toml"
     sheet.write_text(
@@ -300,6 +302,7 @@ def test_simulate_asks_for_what_is_missing():
 # -- design
 
 
+@pytest.mark.slow
 def test_design_is_what_the_command_prints(model_file, capsys):
     printed = printed_json(
         capsys, "design", model_file, "--section", "0:20", "--configuration", "short"

@@ -53,6 +53,7 @@ def test_the_eibm_of_a_model_is_drawn_along_the_whole_sheet(axes):
     assert lines_of(axes)["+2 V"].tolist() == [[0.0, 36.0], [50.0, 36.0]]
 
 
+@pytest.mark.slow
 def test_curves_and_shapes_have_equal_aspect(axes):
     labrig.plot.curves(measure("long"), ax=axes)
     assert axes.get_aspect() == 1.0

@@ -69,11 +69,13 @@ def test_a_group_that_was_added_is_found(session):
     assert failed(session)["datasets"] == "/session/run_000/more"
 
 
+@pytest.mark.slow
 def test_comparison_names_the_object_whose_attribute_differs(session, recorded):
     change(session, "/session/run_000", "position_m", 0.006)
     assert compare_sessions(session, recorded) == ["/session/run_000 differs: its attributes."]
 
 
+@pytest.mark.slow
 def test_attributes_come_back_from_the_journal(recorded, tmp_path, monkeypatch):
     crashed = tmp_path / "crashed.h5"
     monkeypatch.setattr(Journal, "remove", Journal.close)
@@ -88,6 +90,7 @@ def test_attributes_come_back_from_the_journal(recorded, tmp_path, monkeypatch):
         assert file["session/run_000/signals/force"].attrs["units"] == "V"
 
 
+@pytest.mark.slow
 def test_the_checksum_of_the_recording_covers_its_attributes(recorded, tmp_path):
     record(tmp_path / "b.h5", small_schedule(readings=1, positions_m=(0.006,)))
     with open_session(recorded) as a, open_session(tmp_path / "b.h5") as b:

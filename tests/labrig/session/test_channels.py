@@ -62,10 +62,12 @@ def check_temperature(path):
         }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_fourth_channel_is_recorded_with_unit_and_conversion(tmp_path):
     check_temperature(recorded(tmp_path / "s.h5"))
 
 
+@pytest.mark.slow
 def test_a_fourth_channel_survives_a_crash(tmp_path):
     crashed = tmp_path / "crashed.h5"
     setup = setup_of(settings(small_schedule()) | {"channels": FOUR})
@@ -79,6 +81,7 @@ def test_a_fourth_channel_survives_a_crash(tmp_path):
     check_temperature(tmp_path / "whole.h5")
 
 
+@pytest.mark.slow
 def test_a_rig_without_a_current_channel_has_no_current_in_its_readings(tmp_path):
     two = (CHANNELS[0], CHANNELS[2])
     with SessionWriter(tmp_path / "s.h5", **settings(small_schedule()) | {"channels": two}) as w:

@@ -56,6 +56,7 @@ def test_boards_are_told_as_they_are(states, simulated, said):
     assert boards_in_words(devices, simulated=simulated) == said
 
 
+@pytest.mark.slow
 def test_devices_are_recorded_shown_and_survive_a_crash(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(Journal, "remove", Journal.close)
     devices = (board("PCI6703", False), board("PCI6034E", True), CELL)
@@ -80,6 +81,7 @@ def test_devices_are_recorded_shown_and_survive_a_crash(tmp_path, monkeypatch, c
     assert read_entry(tmp_path / "whole.h5", "whole.h5").boards.startswith("PCI6703 real")
 
 
+@pytest.mark.slow
 def test_of_a_session_without_devices_real_boards_are_not_claimed(tmp_path):
     record(tmp_path / "s.h5", SHORT, simulated=False)
     for path in (tmp_path / "s.h5", DATA / "version_2.hdf5"):

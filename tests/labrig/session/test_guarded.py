@@ -47,6 +47,7 @@ def test_an_output_that_the_guard_could_not_make_safe_is_told_as_such(cut):
         open_session(cut)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("report", "state"), [(SAFE, OutputState.SAFE), (UNKNOWN, OutputState.UNKNOWN)]
 )
@@ -57,12 +58,14 @@ def test_what_is_recovered_keeps_what_the_guard_has_found(cut, report, state):
         assert "The output guard has ended this run (the program hangs)" in session.reason
 
 
+@pytest.mark.slow
 def test_recovered_in_place_the_session_says_it_itself(cut):
     guard_report_path(cut).write_text(json.dumps(SAFE))
     recover(cut, in_place=True)
     assert not guard_report_path(cut).exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["", '{"why": "the prog', "[]", '{"state": "fine"}', "null"])
 def test_a_report_that_is_not_whole_is_none(cut, text):
     guard_report_path(cut).write_text(text)

@@ -182,6 +182,7 @@ def test_an_error_of_the_hdf5_library_is_put_in_words(tmp_path, monkeypatch):
             writer.close()
 
 
+@pytest.mark.slow
 def test_a_disk_that_does_not_answer_is_noticed(tmp_path, monkeypatch):
     answer = threading.Event()
     plain = Journal.append
@@ -211,6 +212,7 @@ def test_nothing_can_be_recorded_after_the_close(tmp_path):
         writer.handle(ev.Warned(0.0, "late"))
 
 
+@pytest.mark.slow
 def test_a_recording_that_nobody_ended_has_failed(tmp_path):
     SessionWriter(tmp_path / "s.h5", **settings(small_schedule())).close()
     with open_session(tmp_path / "s.h5") as session:

@@ -65,6 +65,7 @@ def valid(path, run=0):
         return opened.runs[run].readings["valid"].tolist()
 
 
+@pytest.mark.slow
 def test_a_marked_reading_is_invalid_and_the_recording_is_as_it_was(session, recorded):
     add_mark(session, mark(0, 1))
     assert [i for i, good in enumerate(valid(session)) if not good] == [1]
@@ -80,6 +81,7 @@ def test_a_marked_reading_is_invalid_and_the_recording_is_as_it_was(session, rec
             np.testing.assert_array_equal(file["session"][name][()], original["session"][name][()])
 
 
+@pytest.mark.slow
 def test_a_whole_run_is_marked_and_a_mark_is_taken_back_but_never_removed(session, recorded):
     add_mark(session, mark(1))
     assert not any(valid(session, 1))
@@ -92,6 +94,7 @@ def test_a_whole_run_is_marked_and_a_mark_is_taken_back_but_never_removed(sessio
     assert failed(session) == {}
 
 
+@pytest.mark.slow
 def test_a_mark_of_the_session_itself_can_be_taken_back_after_its_end(tmp_path):
     path = tmp_path / "s.h5"
     with SessionWriter(path, **settings(SHORT)) as writer:
@@ -153,6 +156,7 @@ def test_a_session_that_is_not_closed_cannot_be_marked(session):
         add_mark(session, mark(0, 1))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", ["why", "order", "first one gone"])
 def test_a_mark_that_was_changed_is_found_and_the_recording_still_proved(session, change):
     for reading in range(3):
@@ -183,6 +187,7 @@ def test_marks_that_are_damaged_leave_the_recording_proved(session):
     assert not all(found.values())
 
 
+@pytest.mark.slow
 def test_programs_that_mark_at_once_all_do(session):
     threads = [
         threading.Thread(target=add_mark, args=(session, mark(0, reading))) for reading in range(4)
@@ -242,6 +247,7 @@ def analysed(path):
     store_measurements(path, replace(measurements(), checksum=data))
 
 
+@pytest.mark.slow
 def test_an_analysis_of_before_is_out_of_date_until_the_mark_is_taken_back(session, tmp_path):
     analysed(session)
     assert load_measurements(session).warnings == measurements().warnings
@@ -281,6 +287,7 @@ def labrig(*arguments):
 MARK = ("--run", 1, "--reading", 2, "--who", "A")
 
 
+@pytest.mark.slow
 def test_the_command_marks_and_show_and_list_say_so(session, capsys):
     analysed(session)
     assert labrig("mark", session, *MARK, "--why", "a bubble") == 0

@@ -65,6 +65,7 @@ def test_pynxtools_sees_the_entry_and_what_it_declares(session):
     assert "required" not in said  # nothing that the definition requires is missing
 
 
+@pytest.mark.slow
 def test_silx_plots_the_force_of_all_readings(session):
     import silx.io
     from silx.io import nxdata
@@ -113,6 +114,7 @@ def test_every_column_states_its_unit(session):
         assert file["session/events"].attrs["column_units"][0] == "s"
 
 
+@pytest.mark.slow
 def test_anybody_may_add_anything_to_the_additional_group(session, tmp_path):
     path = tmp_path / "s.h5"
     path.write_bytes(session.read_bytes())
@@ -137,6 +139,7 @@ def test_a_link_to_anything_but_a_sensor_is_refused(session, tmp_path):
     assert "/session/data/force_N is a link" in verify(path)[0].found
 
 
+@pytest.mark.slow
 def test_readings_of_all_runs_come_back_from_the_journal(session, tmp_path, monkeypatch):
     monkeypatch.setattr(Journal, "remove", Journal.close)
     crashed = tmp_path / "crashed.h5"

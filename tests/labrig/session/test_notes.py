@@ -62,6 +62,7 @@ def checksum_of(path):
         return session.checksum
 
 
+@pytest.mark.slow
 def test_a_note_on_a_closed_session_is_in_the_file_and_the_recording_is_untouched(closed):
     before = checksum_of(closed)
     assert add_note(closed, note("first"))
@@ -83,6 +84,7 @@ def test_a_photograph_comes_back_byte_by_byte(closed):
             session.photograph("another")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("what", ["author", "description", "date", "sequence_index", "data"])
 def test_verify_finds_a_note_that_was_changed(closed, what):
     add_note(closed, note("before", media_type="image/png", photograph=b"abc"))
@@ -93,6 +95,7 @@ def test_verify_finds_a_note_that_was_changed(closed, what):
     assert failed(closed) == ["notes"]
 
 
+@pytest.mark.slow
 def test_verify_finds_a_note_that_was_taken_out(closed):
     add_note(closed, note("before"))
     add_note(closed, note("after"))
@@ -101,6 +104,7 @@ def test_verify_finds_a_note_that_was_taken_out(closed):
     assert failed(closed) == ["notes"]
 
 
+@pytest.mark.slow
 def test_nothing_is_added_to_notes_that_another_program_has_changed(closed):
     add_note(closed, note("before"))
     with h5py.File(closed, "r+") as file:
@@ -112,6 +116,7 @@ def test_nothing_is_added_to_notes_that_another_program_has_changed(closed):
     assert failed(closed) == ["notes"]
 
 
+@pytest.mark.slow
 def test_a_note_during_a_run_is_on_the_disk_at_once_and_in_the_file_at_the_close(tmp_path):
     path = tmp_path / "s.h5"
     events = list(session_events(small_schedule(positions_m=(0.0,))))
@@ -158,6 +163,7 @@ def test_a_kill_loses_no_note_and_recover_doubles_none(tmp_path, in_place):
         assert texts_of(path) == [*wanted, "later"]
 
 
+@pytest.mark.slow
 def test_a_kill_between_file_and_clearing_doubles_no_note(closed, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr(waiting_module.WaitingNotes, "clear", lambda _self: None)
@@ -169,6 +175,7 @@ def test_a_kill_between_file_and_clearing_doubles_no_note(closed, monkeypatch):
     assert not failed(closed)
 
 
+@pytest.mark.slow
 def test_a_note_that_the_file_does_not_take_is_kept_beside_it_and_added_later(
     closed, monkeypatch, tmp_path
 ):
@@ -184,6 +191,7 @@ def test_a_note_that_the_file_does_not_take_is_kept_beside_it_and_added_later(
     assert not waiting_path(closed).exists()
 
 
+@pytest.mark.slow
 def test_a_note_and_an_analysis_at_the_same_time_are_both_in_the_file(closed):
     threads = [
         threading.Thread(target=add_note, args=(closed, note(f"note {k}"))) for k in range(3)
@@ -198,6 +206,7 @@ def test_a_note_and_an_analysis_at_the_same_time_are_both_in_the_file(closed):
     assert not failed(closed)
 
 
+@pytest.mark.slow
 def test_what_waits_beside_a_whole_session_is_added_by_recover_in_place(closed):
     with open_session(closed) as session:
         identifier = session.identifier
@@ -209,6 +218,7 @@ def test_what_waits_beside_a_whole_session_is_added_by_recover_in_place(closed):
     assert texts_of(closed) == ["left behind"]
 
 
+@pytest.mark.slow
 def test_a_record_that_was_torn_by_a_kill_costs_itself_alone(closed):
     with open_session(closed) as session:
         identifier = session.identifier
@@ -234,6 +244,7 @@ def test_notes_of_another_session_are_not_taken_for_those_of_this_one(closed):
     assert not journal_path(closed).exists()
 
 
+@pytest.mark.slow
 def test_notes_from_many_threads_at_once_are_all_kept(closed):
     threads = [
         threading.Thread(target=add_note, args=(closed, note(f"note {k}"))) for k in range(8)

@@ -87,6 +87,7 @@ def test_a_session_of_version_1_is_read_with_the_units_of_its_channels(old):
     assert all(check.ok for check in verify(old))
 
 
+@pytest.mark.slow
 @of_each
 def test_an_older_session_is_recovered_from_its_journal_in_its_own_version(old, version, tmp_path):
     crashed = tmp_path / "crashed.h5"
@@ -106,6 +107,7 @@ def test_an_older_session_is_recovered_from_its_journal_in_its_own_version(old, 
     assert any("session/outcome" in text for text in compare_sessions(tmp_path / "whole.h5", old))
 
 
+@pytest.mark.slow
 @of_each
 def test_the_runs_of_an_older_session_are_copied_into_a_new_one_when_it_is_resumed(
     old, version, tmp_path

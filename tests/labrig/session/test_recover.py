@@ -69,6 +69,7 @@ def readings_of(path):
         return [len(run.readings) for run in session.runs]
 
 
+@pytest.mark.slow
 def test_a_session_that_is_being_recorded_is_refused_with_what_to_do(cut):
     with pytest.raises(BadInputError, match=r"recorded right now, or .*labrig recover"):
         open_session(cut)
@@ -92,6 +93,7 @@ def test_a_session_left_by_a_crash_is_not_live(cut):
         open_session(cut, live=True)
 
 
+@pytest.mark.slow
 def test_recovery_keeps_every_reading_and_says_crashed(cut):
     report = recover(cut)
     assert report.output == cut.with_name("s-recovered.h5")
@@ -120,12 +122,14 @@ def test_what_was_recovered_equals_what_a_whole_session_holds(cut, tmp_path):
         np.testing.assert_array_equal(a.runs[1].frame(3), b.runs[1].frame(3))
 
 
+@pytest.mark.slow
 def test_the_original_is_left_as_it_is(cut):
     before = cut.read_bytes(), journal_path(cut).read_bytes()
     recover(cut)
     assert (cut.read_bytes(), journal_path(cut).read_bytes()) == before
 
 
+@pytest.mark.slow
 def test_in_place_the_session_takes_its_own_name_and_the_journal_goes(cut):
     report = recover(cut, in_place=True)
     assert report.output == cut
@@ -133,6 +137,7 @@ def test_in_place_the_session_takes_its_own_name_and_the_journal_goes(cut):
     assert readings_of(cut) == [8, 4, 0]
 
 
+@pytest.mark.slow
 def test_without_its_journal_the_file_itself_is_enough(cut):
     journal_path(cut).unlink()
     report = recover(cut)
@@ -155,6 +160,7 @@ def test_without_the_file_its_journal_is_enough(cut, damage):
     assert all(check.ok for check in verify(report.output))
 
 
+@pytest.mark.slow
 def test_rows_that_only_the_file_still_holds_are_added_to_those_of_the_journal(cut):
     raw = journal_path(cut).read_bytes()
     journal_path(cut).write_bytes(raw[: len(raw) * 2 // 3])
@@ -178,6 +184,7 @@ def test_a_session_that_is_still_alive_is_not_recovered(tmp_path):
         recover(tmp_path / "s.h5")
 
 
+@pytest.mark.slow
 def test_a_whole_session_needs_no_recovery(tmp_path):
     record(tmp_path / "s.h5", small_schedule())
     report = recover(tmp_path / "s.h5")

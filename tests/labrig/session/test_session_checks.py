@@ -30,12 +30,14 @@ def failed(path):
     return {check.name: check.found for check in verify(path) if not check.ok}
 
 
+@pytest.mark.slow
 def test_a_whole_session_passes_every_check(recorded):
     checks = verify(recorded)
     assert all(check.ok for check in checks)
     assert {"opens", "outcome", "checksums", "run 2: readings"} <= {check.name for check in checks}
 
 
+@pytest.mark.slow
 def test_one_changed_sample_is_found(session):
     with h5py.File(session, "r+") as file:
         file["session/run_001/signals/force"][1234] += 1e-9
@@ -58,6 +60,7 @@ def test_a_reading_that_is_missing_is_found(session):
     assert failed(session)["run 2: readings"] == "5 of 8"
 
 
+@pytest.mark.slow
 def test_two_recordings_of_the_same_run_are_equal_however_the_samples_came(recorded, tmp_path):
     record(tmp_path / "b.h5", small_schedule(), block=173)
     assert compare_sessions(recorded, tmp_path / "b.h5") == []
@@ -66,6 +69,7 @@ def test_two_recordings_of_the_same_run_are_equal_however_the_samples_came(recor
         assert a.checksum == b.checksum
 
 
+@pytest.mark.slow
 def test_comparison_names_what_differs_and_where(session, recorded):
     with h5py.File(session, "r+") as file:
         file["session/run_001/signals/force"][1234] += 1e-9
@@ -111,7 +115,7 @@ BAD_FILES = {
     "there is no such file": lambda path, _: None,
     "a folder": lambda path, _: path.mkdir(),
     "this is an empty file": lambda path, _: write(path, b""),
-    "is no HDF5 file": lambda path, _: write(path, b"configuration,position_mm\n"),
+    "is not an HDF5 file": lambda path, _: write(path, b"configuration,position_mm\n"),
     "no labrig session": lambda path, _: plain_hdf5(path),
     "truncated": lambda path, recorded: write(path, recorded.read_bytes()[:-5000]),
     "has format 7": edited(lambda file: file.attrs.__setitem__("labrig_format", 7)),

@@ -34,6 +34,7 @@ def session(recorded, tmp_path):
     return shutil.copy(recorded, tmp_path / "s.h5")
 
 
+@pytest.mark.slow
 def test_measurements_come_back_to_the_last_bit(session):
     store_measurements(session, measurements())
     assert same(load_measurements(session), measurements())
@@ -44,6 +45,7 @@ def test_nothing_measured_comes_back_too(session):
     assert same(load_measurements(session), Measurements(sheets={}, conditions=()))
 
 
+@pytest.mark.slow
 def test_raw_data_are_the_same_before_and_after(session, recorded):
     store_measurements(session, measurements())
     assert all(check.ok for check in verify(session))
@@ -54,6 +56,7 @@ def test_raw_data_are_the_same_before_and_after(session, recorded):
     assert compare_sessions(session, recorded) == []
 
 
+@pytest.mark.slow
 def test_measurements_made_again_replace_the_old_and_the_file_does_not_grow(session):
     store_measurements(session, measurements())
     size = session.stat().st_size
@@ -77,6 +80,7 @@ def test_a_crash_while_storing_leaves_the_session_as_it_was(session, monkeypatch
     assert list(session.parent.iterdir()) == [session]
 
 
+@pytest.mark.slow
 def test_measurements_that_were_changed_afterwards_are_noticed(session):
     store_measurements(session, measurements())
     with h5py.File(session, "r+") as file:

@@ -38,6 +38,7 @@ def recorded(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_what_was_planned_is_in_the_file(recorded):
     with open_session(recorded) as session:
         assert session.schedule == small_schedule()
@@ -108,6 +109,7 @@ def test_the_log_has_one_line_for_each_event_in_order(recorded):
         assert session.events[1].subject == "move"
 
 
+@pytest.mark.slow
 def test_a_long_warning_is_not_cut(tmp_path):
     schedule = small_schedule()
     text = "Grüße " * 200
@@ -120,6 +122,7 @@ def test_a_long_warning_is_not_cut(tmp_path):
         assert [line.text for line in session.events if line.kind == "warned"] == [text]
 
 
+@pytest.mark.slow
 def test_a_mark_makes_a_reading_invalid_and_the_raw_row_stays(tmp_path):
     schedule = small_schedule()
     with SessionWriter(tmp_path / "s.h5", **settings(schedule)) as writer:
@@ -143,6 +146,7 @@ def test_a_mark_makes_a_reading_invalid_and_the_raw_row_stays(tmp_path):
         assert file["session/run_001/readings"]["valid"].all()
 
 
+@pytest.mark.slow
 def test_samples_that_were_lost_leave_a_gap_of_nan(tmp_path):
     schedule = small_schedule()
     with SessionWriter(tmp_path / "s.h5", **settings(schedule)) as writer:
@@ -156,6 +160,7 @@ def test_samples_that_were_lost_leave_a_gap_of_nan(tmp_path):
         assert np.isfinite(session.runs[0].time_s).all()
 
 
+@pytest.mark.slow
 def test_a_session_without_a_camera_has_no_frames(tmp_path):
     record(tmp_path / "s.h5", small_schedule(), frame_shape=None)
     with open_session(tmp_path / "s.h5") as session:
@@ -209,6 +214,7 @@ with h5py.File(sys.argv[1], "r"):
 """
 
 
+@pytest.mark.slow
 def test_a_viewer_that_has_the_new_file_open_does_not_end_the_recording(tmp_path, monkeypatch):
     path = tmp_path / "looked_at.h5"
     viewers = []
@@ -244,6 +250,7 @@ with open(sys.argv[2], "w+b") as journal, h5py.File(sys.argv[1], "r+", libver=LI
 """
 
 
+@pytest.mark.slow
 def test_a_session_that_is_just_beginning_can_be_looked_at(tmp_path):
     """The file cannot be read between its opening for writing and its switch to shared reading."""
     path = tmp_path / "beginning.h5"

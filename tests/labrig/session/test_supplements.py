@@ -42,6 +42,7 @@ def failed(path):
     return {check.name: check.found for check in verify(path) if not check.ok}
 
 
+@pytest.mark.slow
 def test_a_supplement_leaves_the_recording_and_its_checksum_as_they_were(noted, recorded):
     assert failed(noted) == {}
     with open_session(noted) as after, open_session(recorded) as before:
@@ -64,6 +65,7 @@ def test_whatever_is_changed_in_a_supplement_is_found_and_the_recording_is_whole
     assert failed(noted) == {"notes": "changed since they were stored"}
 
 
+@pytest.mark.slow
 def test_a_supplement_survives_the_analysis_and_the_analysis_it(noted):
     store_measurements(noted, measurements())
     store_supplement(noted, layout.NOTES, lambda group: put_text(group, "text", "another"))
@@ -86,6 +88,7 @@ def test_a_supplement_that_fails_leaves_the_session_as_it_was(noted):
     assert [path.name for path in noted.parent.iterdir()] == ["s.h5"]
 
 
+@pytest.mark.slow
 def test_recover_keeps_the_supplements_that_are_whole(noted, tmp_path):
     store_measurements(noted, measurements())
     with h5py.File(noted, "r+") as file:

@@ -70,7 +70,9 @@ def test_an_image_knows_no_scale(scenes, known):
     assert len(curve.s_m) == pytest.approx(len(usual.s_m), abs=1)
 
 
-@pytest.fixture(scope="module", params=[0.3, 0.6, 1.0])
+@pytest.fixture(
+    scope="module", params=[0.6, *(pytest.param(s, marks=pytest.mark.thorough) for s in (0.3, 1.0))]
+)
 def faced(request, scenes):
     """A sheet whose side face shows beside its edge: grey, nearly as strong, a silhouette."""
     strength = request.param

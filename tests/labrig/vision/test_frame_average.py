@@ -35,6 +35,7 @@ def session(plain, known, amplitude_px):
     return compare_with_frames(mean, curves, optics.px_per_mm)
 
 
+@pytest.mark.slow
 def test_frames_of_a_sheet_at_rest_agree_with_their_mean(plain, known):
     found = session(plain, known, 0)
     assert found.agree

@@ -5,8 +5,11 @@ import functools
 import numpy as np
 import pytest
 
+from drivers.plugins import Part
 from labrig.vision import Optics, StripGeometry, neutral_curve
 from labrig.vision.calibration.optics import ColourChannel
+from labrig.vision.checks import catalogue
+from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
 
 SIZE = (150, 220)  # rows, columns
 CLAMP = (30.0, 110.0)
@@ -186,3 +189,70 @@ def test_a_strip_of_another_length_than_stated_is_refused(said_px, side):
     curve = neutral_curve(drawn(line, 12), stated(), strip)
     assert not curve.ok
     assert side in curve.why or "end" in curve.why
+
+
+def beside_its_shade(line, thick_px):
+    """A tube lit from one side: as clear as its dark edge is the edge of its shade."""
+    across, _ = beside(line)
+    light = np.where(across < 0.1 * thick_px, 230.0, 130.0)
+    return drawn(line, thick_px, light, ground=30.0)
+
+
+def test_where_another_edge_is_as_clear_no_curve_is_known_well():
+    line = arc(140, 0.5)
+    curve = neutral_curve(beside_its_shade(line, 20), stated(), UNKNOWN)
+    if curve.ok:
+        assert beside_px(curve, line).max() < max(1.0, 3 * curve.sigma_m.max() * 2000)
+    else:
+        assert "check of the" in curve.why or "search failed" in curve.why
+
+
+def test_a_strip_longer_than_the_image_is_wide_is_followed_to_its_end():
+    line = arc(300, 5.2, heading_rad=-1.2)
+    line = line - line.min(axis=0) + 16
+    curve = neutral_curve(drawn(line, 6), stated(tuple(line[0])), UNKNOWN)
+    assert curve.ok, curve.why
+    assert curve.s_m[-1] * 2000 == pytest.approx(300, rel=0.05)
+
+
+def test_of_two_strips_the_one_at_the_clamp_is_meant():
+    line = arc(150, 0.4)
+    other = line - [0.0, 14.0]
+    image = np.maximum(drawn(line, 4, light=150.0), drawn(other, 4, light=210.0))
+    curve = neutral_curve(image, stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    assert beside_px(curve, line).max() < 1.0
+
+
+class Extra(CurveCheck):
+    """A check of another distribution that says the same of every curve."""
+
+    def finding(self, seen):
+        """See `CurveCheck.finding`."""
+        assert seen.fit.shape.x.shape == seen.sigma_px.shape
+        assert seen.context.optics.px_per_mm == 2.0
+        assert seen.context.nodes_px(seen.fit.shape).shape == (len(seen.sigma_px), 2)
+        assert 0 < seen.covered <= 1
+        assert seen.length_mm > 0
+        wide = np.full(len(seen.sigma_px), 1.0)
+        return CurveFinding(refusal=self.refusal, warning=self.warning, widening_px=wide)
+
+
+@pytest.mark.parametrize("stage", list(CheckStage))
+def test_checks_of_other_distributions_are_asked_for_a_curve_between_edges(monkeypatch, stage):
+    image, told = drawn(arc(140, 0.8), 14), (stated(), UNKNOWN)
+    without = neutral_curve(image, *told)
+
+    def with_check(**said):
+        check = Extra(name="extra", looks_at="nothing", stage=stage, order=1, **said)
+        parts = catalogue.FOLDER.parts() | {"extra": Part("extra", check, "labrig-extra", "0.1")}
+        monkeypatch.setattr(catalogue, "FOLDER", type("F", (), {"parts": lambda _: parts})())
+        return neutral_curve(image, *told)
+
+    warned = with_check(warning="it is Tuesday")
+    assert warned.warnings == (*without.warnings, "it is Tuesday")
+    added = np.sqrt(warned.sigma_m**2 - without.sigma_m**2) * 2000
+    assert added == pytest.approx(1.0, rel=1e-6)
+    refused = with_check(refusal="check of the day failed: it is Tuesday.")
+    assert not refused.ok
+    assert refused.why == "check of the day failed: it is Tuesday."

@@ -16,6 +16,7 @@ def refused(image, optics, strip, said):
     assert curve.points_px.shape == (0, 2)
 
 
+@pytest.mark.slow
 def test_a_refusal_names_the_step_that_failed(plain, known):
     optics, strip = known(plain)
     refused(np.zeros_like(plain.image), optics, strip, "check of the image failed: the image is")

@@ -49,7 +49,13 @@ def test_a_lens_far_out_of_focus_is_not_taken_for_a_side_face(scenes, known, rad
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "face"), [(960_061, 0.85), (960_029, 0.85), (3_100_054, 0.85)])
+@pytest.mark.parametrize(
+    ("seed", "face"),
+    [
+        (960_061, 0.85),
+        *(pytest.param(s, 0.85, marks=pytest.mark.thorough) for s in (960_029, 3_100_054)),
+    ],
+)
 def test_a_face_that_is_not_separated_from_the_edge_widens_the_credible_band(
     scenes, known, seed, face
 ):

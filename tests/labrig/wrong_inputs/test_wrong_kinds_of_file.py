@@ -126,3 +126,25 @@ def test_a_file_that_is_not_there_is_told(
     assert len(said.splitlines()) == 1
     assert f"{name}: " in said
     assert told in said
+
+
+def test_a_large_session_in_place_of_a_text_is_told_as_a_session(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    large = tmp_path / "large.h5"
+    with large.open("wb") as file:
+        file.write(b"\x89HDF\r\n\x1a\n")
+        file.truncate(100_000_000)
+    said = refused(f"design {large} --section 0:10", capsys)
+    assert said.endswith("large.h5: this is a session; a text file is needed.")
+
+
+def test_a_wrong_model_is_refused_before_the_session_is_analysed(
+    files: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def analysed(*_given: object) -> None:
+        raise AssertionError("the session was analysed first")
+
+    monkeypatch.setattr("labrig.api.compare.measurements_of", analysed)
+    monkeypatch.chdir(files)
+    assert "this is a rig.toml" in refused("compare session.h5 --model rig.toml", capsys)

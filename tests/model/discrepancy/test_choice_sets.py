@@ -17,6 +17,7 @@ def attributes(one: ChoiceSet, name: str):
     return next(a.attributes for a in one.alternatives if a.name == name)
 
 
+@pytest.mark.slow
 def test_nothing_named_leaves_one_question():
     (only,) = diagnosed().choice_sets
     assert only.considered == NOTHING
@@ -27,6 +28,7 @@ def test_nothing_named_leaves_one_question():
     assert len(names) == len(set(names)) > 4
 
 
+@pytest.mark.slow
 def test_each_name_has_its_question_and_there_is_one_about_the_rest():
     first, rest = diagnosed(FALLING).choice_sets
     assert (first.considered, rest.considered) == ("nonuniform_eibm", NOTHING)
@@ -52,6 +54,7 @@ def test_a_second_name_is_voted_for_beside_the_first():
         assert own["votes"] == 1.0
 
 
+@pytest.mark.slow
 def test_every_attribute_is_documented_and_of_the_order_of_one():
     for one in (*diagnosed().choice_sets, *diagnosed(FALLING).choice_sets):
         for alternative in one.alternatives:

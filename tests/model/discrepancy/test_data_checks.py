@@ -55,6 +55,7 @@ def test_each_data_check_conforms(name):
     assert faults(data_checks()[name]) == []
 
 
+@pytest.mark.slow
 def test_nothing_is_suspicious_about_a_usual_session():
     found = check_data(session())
     assert found.suspicions == ()

@@ -65,7 +65,7 @@ def test_where_nothing_is_hidden_nothing_is_found():
     assert abs(B.value - 1.27e-6) < 4.0 * B.sigma
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_falling_eibm_is_named_also_in_another_form():
     found = diagnosed(OTHER_FORM)
     assert (found.verdict, names(found)) == ("effect_named", ["nonuniform_eibm"])
@@ -114,7 +114,7 @@ def test_late_pictures_that_differ_from_run_to_run_are_named():
     assert found.closed > 0.7
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_late_pictures_that_no_catalogue_has_are_a_matter_of_the_camera():
     found = diagnosed(LATE, WITHOUT_DELAY)
     assert (found.verdict, names(found)) == ("unknown_effect", [])
@@ -168,7 +168,7 @@ def test_an_effect_taken_from_the_catalogue_is_never_replaced_with_confidence():
     assert found.verdict != "nothing_missing"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_is_alike_in_every_set_up_does_not_hide_in_their_scatter():
     """A tilt of the clamp would make each set-up tilted, if nobody asked why always to one side."""
     found = diagnosed(TILTED, DiagnoseOptions(exclude=("clamp_angle",)))
@@ -337,6 +337,7 @@ def test_zero_volts_alone_are_refused():
         prepare(kept(session(), lambda c: c.voltage_V == 0.0), Options())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("condition", "said"),
     [
@@ -349,6 +350,7 @@ def test_what_voltages_do_not_allow_is_said(condition, said: str):
     assert any(said in note for note in notes), notes
 
 
+@pytest.mark.slow
 def test_data_without_curves_or_without_times_can_be_searched_and_say_what_they_lack():
     bare = means_of(session())
     forces = replace(bare, conditions=tuple(replace(c, curve=None) for c in bare.conditions))
@@ -417,6 +419,7 @@ def test_a_sheet_that_cannot_be_used_is_left_out_with_a_note():
     assert any(n.startswith("left out: ") and "'short'" in n for n in ready.notes)
 
 
+@pytest.mark.slow
 def test_a_model_of_another_sheet_is_refused(truth):
     m = session()
     other: SheetGeometry = replace(m.sheets["long"], free_length_m=0.045)
@@ -430,6 +433,7 @@ def test_a_position_that_was_not_measured_cannot_be_held_out():
         prepare(session(), Options(hold_out=(("long", 0.012),)))
 
 
+@pytest.mark.slow
 def test_an_effect_that_does_not_exist_cannot_be_excluded():
     with pytest.raises(ModelError, match="there is no effect called 'gravitty'"):
         diagnose(session(), DiagnoseOptions(exclude=("gravitty",)))

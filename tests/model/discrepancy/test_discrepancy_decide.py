@@ -90,16 +90,17 @@ def named(name: str, gain: float, confidence: float, of_location: float) -> Choi
 @pytest.mark.parametrize(
     ("second", "dropped"),
     [
-        (named("eibm_drift", 12.0, 0.5, 1.0), 1),  # time beside time, and no clear name
-        (named("eibm_drift", 12.0, 0.9, 1.0), None),  # a clear name
-        (named("roll_offset", 12.0, 0.5, 0.5), 1),  # several locations would do
-        (named("roll_offset", 12.0, 0.5, 0.9), None),  # a class, but of one location
-        (named("eibm_drift", 200.0, 0.5, 1.0), None),  # the stronger of the two
+        (("eibm_drift", 12.0, 0.5, 1.0), 1),  # time beside time, and no clear name
+        (("eibm_drift", 12.0, 0.9, 1.0), None),  # a clear name
+        (("roll_offset", 12.0, 0.5, 0.5), 1),  # several locations would do
+        (("roll_offset", 12.0, 0.5, 0.9), None),  # a class, but of one location
+        (("eibm_drift", 200.0, 0.5, 1.0), None),  # the stronger of the two
     ],
 )
 def test_what_several_effects_explain_as_well_is_the_rest_of_a_stronger_one(second, dropped):
-    assert rest_of_another([named("viscoelastic_creep", 100.0, 1.0, 1.0), second]) == dropped
-    assert rest_of_another([second]) is None
+    weaker = named(*second)
+    assert rest_of_another([named("viscoelastic_creep", 100.0, 1.0, 1.0), weaker]) == dropped
+    assert rest_of_another([weaker]) is None
     assert rest_of_another([]) is None
 
 

@@ -344,6 +344,7 @@ def test_every_row_stands_once_and_in_the_run_it_comes_from():
     assert np.count_nonzero(padded) == flat.size
 
 
+@pytest.mark.slow
 def test_means_alone_have_neither_sways_nor_pulses():
     part = prepare(means_of(session()), Options()).problem.forward.part(0)
     timed = forward().part(0)

@@ -190,6 +190,7 @@ def test_the_load_cell_s_shapes_leave_the_curves_alone_and_the_camera_s_the_forc
     assert not any(np.any(s.rows[means]) for s in shapes(base, "camera"))
 
 
+@pytest.mark.slow
 def test_there_is_one_candidate_for_each_slot_and_none_for_what_nobody_could_see(measure):
     found = [c.name for c in unknowns(base_fit()) if not c.part]
     assert found == [f"unknown:{s}" for s in locations()]
@@ -270,6 +271,7 @@ def test_what_is_looked_for_alone_has_a_profile_to_be_told():
         )
 
 
+@pytest.mark.slow
 def test_whatever_is_unknown_can_be_told():
     base = base_fit()
     for one in unknowns(base):
@@ -287,6 +289,7 @@ def test_whatever_is_unknown_can_be_told():
         assert (told.unit == "mm") == in_mm
 
 
+@pytest.mark.slow
 def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
     """Error at both polarities alike and error of opposite sign are not added up, nor are times."""
     base = base_fit()

@@ -50,6 +50,7 @@ def test_what_is_no_more_than_a_load_cell_s_wander_is_not_told(size_N):
     assert wave_in(looks(beating(session(), size_N, 3.3, "time_s"))) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [NOTHING, WANDERING], ids=["quiet", "wandering"])
 def test_where_nothing_comes_again_nothing_is_found(case):
     assert wave_in(looks(session(case))) is None
@@ -61,6 +62,7 @@ def test_a_few_readings_are_no_wave():
     assert wave_in(looks(few)) is None
 
 
+@pytest.mark.slow
 def test_an_eibm_that_breathes_is_seen_in_the_curves_where_the_forces_do_not_show_it():
     found = wave_in(looks(session(BREATHING)))
     assert found is not None

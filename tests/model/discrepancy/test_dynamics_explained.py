@@ -46,6 +46,7 @@ def spreading() -> tuple[Measurements, SheetModel]:
 # ---------------------------------------------------------------- what is taken off
 
 
+@pytest.mark.slow
 def test_at_0_V_and_at_rest_nothing_is_taken_off(spreading):
     data, model = spreading
     found = at_rest(data, model).measurements
@@ -58,6 +59,7 @@ def test_at_0_V_and_at_rest_nothing_is_taken_off(spreading):
                 assert b.force_N == pytest.approx(a.force_N, abs=1e-7)
 
 
+@pytest.mark.slow
 def test_what_a_lumped_quick_line_says_at_the_sampling_point_is_the_static_model():
     """Charged at once and evenly, half a second is long; held sheets are at rest by then."""
     data = session(SEED, ())
@@ -68,6 +70,7 @@ def test_what_a_lumped_quick_line_says_at_the_sampling_point_is_the_static_model
     assert found.dynamics["long"].free_m > 1e-3
 
 
+@pytest.mark.slow
 def test_without_the_dynamics_forces_and_curves_are_those_of_one_stiffness_and_eibm(spreading):
     from model.discrepancy.data_checks.quick_fit import Tolerances, bare, quick_fit
 
@@ -83,6 +86,7 @@ def test_without_the_dynamics_forces_and_curves_are_those_of_one_stiffness_and_e
     assert pytest.approx(model.sheets["long"].B.value, rel=0.02) == B
 
 
+@pytest.mark.slow
 def test_a_curve_is_compared_at_the_instant_of_its_own_frame(spreading):
     data, model = spreading
     late = replace(
@@ -181,6 +185,7 @@ def test_without_dynamics_the_charge_that_spreads_has_names_of_effects():
     assert "nonuniform_eibm" in names(diagnosed(SPREADING, dynamics=False))
 
 
+@pytest.mark.slow
 def test_with_dynamics_the_charge_that_spreads_has_no_name():
     found = diagnosed(SPREADING)
     assert found.verdict == "nothing_missing"

@@ -52,7 +52,7 @@ def test_the_written_model_predicts_each_session():
     assert model.merit["force_rmse_N"] < 0.06e-3
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_zero_that_is_the_same_on_both_days_is_an_offset():
     names = [one.name for one in diagnose(two_days((0.3, 0.3))).effects]
     assert names == ["force_offset"]

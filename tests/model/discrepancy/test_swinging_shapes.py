@@ -31,6 +31,7 @@ def spread_m(data: Measurements) -> float:
     return float(np.max(np.ptp(ends, axis=0)))
 
 
+@pytest.mark.slow
 def test_shapes_under_voltage_that_swing_are_told_and_left_out_before_the_search():
     found = check_data(swinging())
     (told,) = [one for one in found.suspicions if one.check == "swinging"]
@@ -41,6 +42,7 @@ def test_shapes_under_voltage_that_swing_are_told_and_left_out_before_the_search
     assert len(found.measurements.series) == len(swinging().series)
 
 
+@pytest.mark.slow
 def test_where_one_voltage_swings_the_other_goes_too_though_its_pictures_agree():
     data = swinging()
     still = tuple(
@@ -52,6 +54,7 @@ def test_where_one_voltage_swings_the_other_goes_too_though_its_pictures_agree()
     assert free_voltages(without_swinging(replace(data, conditions=still))[0]) == {0.0}
 
 
+@pytest.mark.slow
 def test_shapes_at_rest_stay():
     data = session(SEED, (), loss="small", free_shapes=1)
     calm = tuple(
@@ -65,6 +68,7 @@ def test_shapes_at_rest_stay():
     assert not any("left out" in note for note in found.notes)
 
 
+@pytest.mark.slow
 def test_with_dynamics_the_shapes_are_those_at_rest_and_stay():
     data = swinging()
     model = true_model(SEED, {}, data.sheets["long"], "small")

@@ -51,6 +51,7 @@ def test_the_check_on_the_page_about_extending_conforms():
     assert faults(there["CHECK"]) == []
 
 
+@pytest.mark.slow
 def test_a_right_name_passes_every_check():
     found = diagnosed(FALLING)
     assert [n.name for n in found.effects] == ["nonuniform_eibm"]
@@ -58,14 +59,16 @@ def test_a_right_name_passes_every_check():
     assert all(one.passed for one in found.checks)
 
 
+@pytest.mark.slow
 def test_where_nothing_is_named_nothing_is_checked():
     assert diagnosed().checks == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [
-        pytest.param(name, marks=pytest.mark.thorough) if "curvature" in name else name
+        name if "torsion" in name else pytest.param(name, marks=pytest.mark.thorough)
         for name in FOREIGN
     ],
 )
@@ -75,6 +78,7 @@ def test_what_no_catalogue_has_gets_no_name_with_certainty(name):
     assert all(one.confidence < CERTAIN for one in found.effects)
 
 
+@pytest.mark.slow
 def test_a_failed_check_is_named_in_the_sentence_and_in_the_json():
     found = foreign("a torsion spring of the wires")
     failed = [one for one in found.to_json()["checks"] if not one["passed"]]
@@ -118,6 +122,7 @@ def test_only_an_amplitude_that_nobody_can_overlook_rejects_a_name(angle_rad, co
     assert [failure.consequence for failure in failures] == consequence
 
 
+@pytest.mark.thorough
 def test_offsets_of_opposite_sign_are_no_meniscus():
     """Nor a drift: what is constant with each sheet does not go with the time."""
     apart = Foreign(
@@ -145,6 +150,7 @@ def test_a_meniscus_that_pulls_both_ways_fails_the_check_of_signs(short_mN, fail
     assert len(found) == failures
 
 
+@pytest.mark.thorough
 def test_an_effect_that_another_name_stands_in_for_is_unknown():
     drift = hidden_session(case("force_drift", "line", seed=7)).measurements
     found = diagnose(drift, DiagnoseOptions(exclude=("force_drift",)))

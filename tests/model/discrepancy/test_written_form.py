@@ -29,6 +29,7 @@ OWN_FORM = Case((Hiding("nonuniform_eibm"),), seed=6)
 OTHER_FORM = Case((Hiding("nonuniform_stiffness", "line", 0.5),), seed=41)
 IN_NO_CATALOGUE = Case((Hiding("local_eibm", "bump", 60.0),), seed=42)
 DRIFTING = Case((Hiding("force_drift"),), seed=6)
+CASES = [OWN_FORM, OTHER_FORM, IN_NO_CATALOGUE]
 ALIKE = 0.12  # of a wave's length: straight lines between nodes are not quite the finest wave
 
 
@@ -77,7 +78,7 @@ def test_each_basis_shape_of_a_location_is_a_term_that_does_the_same():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("of", [OWN_FORM, OTHER_FORM, IN_NO_CATALOGUE])
+@pytest.mark.parametrize("of", CASES)
 def test_the_written_model_predicts_what_the_fit_says_of_the_measured_conditions(of: Case):
     found, model = diagnosed(of), read_back(of)
     assert any(effect.form for effect in model.effects)
@@ -91,7 +92,7 @@ def test_the_written_model_predicts_what_the_fit_says_of_the_measured_conditions
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("of", [OWN_FORM, OTHER_FORM, IN_NO_CATALOGUE])
+@pytest.mark.parametrize("of", CASES)
 def test_the_written_model_predicts_what_nobody_measured(of: Case):
     truth = unmeasured(of)
     assert len(truth) == 20

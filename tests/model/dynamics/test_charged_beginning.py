@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from model.dynamics import ContactSetup, HeldVoltage, Simulation, simulate
+from model.dynamics import ContactSetup, HeldVoltage, Simulation, simulate, start
 from model.dynamics.identification import RunPlan
 from model.dynamics.identification.residuals import predict
 from model.dynamics.motion import Resolution
@@ -46,3 +46,21 @@ def test_the_current_alone_begins_with_the_same_charge():
 def test_nothing_held_before_is_a_discharged_sheet():
     one = Simulation(driven(), None, HeldVoltage(np.zeros(1), np.ones(1)))
     assert np.array_equal(one.state.q, one.body.rest)  # no moment bends it
+
+
+def test_an_equilibrium_that_is_gone_on_from_is_the_one_found_alone():
+    """One begun near the last, and one that is known, are not touched by the motions from them."""
+
+    def begun(volts):
+        return Simulation(driven(), ROLLS, HeldVoltage(HELD.time_s, np.array([volts, -volts])))
+
+    start._RESTING.clear()
+    alone = begun(1.502).state
+    start._RESTING.clear()
+    first = begun(1.5)
+    kept = first.state.q.copy()
+    first.advance(HELD, TIMES)
+    assert begun(1.5).state.q == pytest.approx(kept, rel=1e-12, abs=1e-12)
+    near = begun(1.502).state
+    assert near.q == pytest.approx(alone.q, rel=1e-9, abs=1e-9)
+    assert near.x == pytest.approx(alone.x, rel=1e-9)

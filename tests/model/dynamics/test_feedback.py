@@ -32,6 +32,7 @@ def bandwidth_hz(plant, controller):
     return f[np.flatnonzero(gain < np.sqrt(0.5))[0]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rate_hz", "delay_s", "wanted_hz"),
     [(200.0, 3e-3, 5.6), (1000.0, 5e-4, 4.0), (25.0, 0.04, 2.4)],
@@ -45,6 +46,7 @@ def test_a_pi_loop_is_as_fast_as_the_delay_and_the_light_mode_allow(
     assert bandwidth_hz(plant, controller) == pytest.approx(wanted_hz, rel=0.06)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["pi", "lqg"])
 def test_a_loop_is_stable_within_its_margin_and_reaches_the_reference(long_sheet, method):
     plant, controller = loop_of(long_sheet, method)
@@ -89,6 +91,7 @@ def test_a_voltage_at_its_limit_for_long_winds_nothing_up(long_sheet, method):
         assert wound_V[1000:1100].min() == LIMIT_V
 
 
+@pytest.mark.slow
 def test_a_sheet_that_pushes_the_other_way_gets_the_same_loop_with_the_other_sign(long_sheet):
     turned = replace(long_sheet, C=-long_sheet.C)
     _, controller = loop_of(turned, "pi")
@@ -107,6 +110,7 @@ def test_a_noisier_force_makes_lqg_gentler(long_sheet):
     assert noisy.integral_gain < 0.5 * calm.integral_gain
 
 
+@pytest.mark.slow
 def test_a_controller_for_another_rate_is_refused(long_sheet):
     _, controller = loop_of(long_sheet, "pi")
     with pytest.raises(ModelError, match="the controller runs at 200 Hz, its model at 100 Hz"):

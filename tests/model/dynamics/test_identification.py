@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from model import ModelError
-from model.dynamics import AIR, ContactSetup, HeldVoltage, Resolution
+from model.dynamics import AIR, ContactSetup, ElectrodeLine, HeldVoltage, Resolution
 from model.dynamics.identification import (
     ChannelNoise,
     RecordedRun,
@@ -96,6 +96,30 @@ def test_a_start_with_a_wrong_frequency_and_loss_still_leads_to_the_answer():
             assert abs(np.log(p.parameter.value / value)) < p.log_sigma, p.name
 
 
+# electrodes of which another line, longer or shorter, explains the first instants
+LINES = {
+    "much longer": (2364.0, 0.182, 0.801, 0.17), "half as long": (7644.0, 0.263, 0.332, 0.036)
+}  # fmt: skip
+CURRENT = RunPlan(
+    drive=HeldVoltage(np.array([0.1, 0.5, 0.9, 1.2]), np.array([1.8, -1.8, 1.8, 0.0])),
+    time_s=np.arange(0.0, 1.5, 2e-3), force=False,
+)  # fmt: skip
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", LINES.values(), ids=LINES)
+def test_electrodes_of_another_line_that_explains_the_first_instants_are_not_settled_for(line):
+    """A line so many times as long, r, c, g as many times less and rho more, begins the same."""
+    names = ("electrode_ohm_per_m", "capacitance_F_per_m", "bulk_ohm_m", "leak_S_per_m")
+    electrodes = ElectrodeLine(source_ohm=1.0, **dict(zip(names, line, strict=True)))
+    said = predict(replace(SHEET, electrodes=electrodes), CURRENT, COARSE).current_A
+    noisy = said + 5e-5 * np.random.default_rng(0).standard_normal(len(said))
+    found = identify(SHEET, [RecordedRun(plan=CURRENT, current_A=noisy)], NOISE, resolution=COARSE)
+    assert found.converged
+    assert found.chi2 / found.count == pytest.approx(1.0, abs=0.15)
+    assert found["electrode_resistance"].parameter.value == pytest.approx(line[0], rel=0.05)
+
+
 @pytest.mark.slow
 def test_what_the_release_shows_is_determined(found):
     assert {"B", "mass_per_length", "share_2", "time_2", "capacitance"}.isdisjoint(
@@ -156,11 +180,36 @@ def test_determined_is_what_is_so_at_the_ends_of_uncertain_intervals_too():
 
     found, covariance = at(theta)
     assert all(one.determined for one in found)
-    sure = surely(found, covariance, theta, lambda where: at(where)[0])
+    sure = surely(found, covariance, theta, theta, lambda where: at(where)[0])
     assert [one.name for one in sure if not one.determined] == ["time_1"]
+    assert sure[time].log_sigma > found[time].log_sigma  # its interval is the wider one
+    assert sure[time].parameter.interval()[1] > found[time].parameter.interval()[1]
     # the guard keeps away from the limits themselves
     assert found[time].prior_share > 0.5 * MOST_PRIOR
     assert not at(theta, guard=0.5)[0][time].determined
+
+
+def test_a_viscous_loss_found_too_small_to_be_seen_hides_nothing_of_the_others():
+    """Its logarithm has no effect then, so that the first Prony term seems to be known alone."""
+    parameters = LogParameters(SHEET)
+    names = [one.name for one in parameters.quantities]
+    eta, time = names.index("viscous_time"), names.index("time_1")
+    begun = parameters.theta
+    theta = begun - 3.0 * (np.arange(len(names)) == eta)
+
+    def at(where):
+        """Data tell the time, beside as much of the loss as there is."""
+        told = 1e4 * np.eye(len(names))
+        seen = np.zeros(len(names))
+        seen[time], seen[eta] = 1.0, np.exp(where[eta] - begun[eta])
+        told[eta] = told[:, eta] = told[time] = told[:, time] = 0.0
+        return judged(parameters, where, told + 100.0 * np.outer(seen, seen))
+
+    found, covariance = at(theta)
+    assert found[time].determined
+    assert not found[eta].determined
+    sure = surely(found, covariance, theta, begun, lambda where: at(where)[0])
+    assert [one.name for one in sure if not one.determined] == ["viscous_time", "time_1"]
 
 
 def test_worse_residuals_than_the_noise_explains_widen_the_intervals():
@@ -171,6 +220,8 @@ def test_worse_residuals_than_the_noise_explains_widen_the_intervals():
     one, other = (identify(SHEET, [noisy], n, resolution=COARSE) for n in (NOISE, quiet))
     assert one.chi2 / one.count == pytest.approx(1.0, abs=0.2)
     assert other.chi2 / other.count == pytest.approx(4.0, abs=0.8)
+    assert other.misses_data
+    assert not one.misses_data
     for p, q in zip(one.parameters, other.parameters, strict=True):
         assert q.log_sigma == pytest.approx(p.log_sigma, rel=0.15), p.name
 

@@ -23,6 +23,7 @@ def sheets():
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "method", "settled_s"),
     [("long, 0 mm", "lqg", 0.3), ("long, 0 mm", "pi", 0.45), ("long, 15 mm", "lqg", 0.3),

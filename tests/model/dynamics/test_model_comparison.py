@@ -100,6 +100,7 @@ def test_the_full_model_is_one_of_them():
     assert set(fitted.misfit.values()) == {1.0}
 
 
+@pytest.mark.slow
 def test_force_alone_does_not_determine_what_only_current_tells(bao_runs):
     fitted = fit_model(contender("bao"), [run.only("force") for run in bao_runs[::2]])
     assert "R2_ohm" not in fitted.determined
@@ -196,6 +197,7 @@ def test_the_evidence_of_a_linear_model_is_exact(noise):
     assert both - found == pytest.approx(alone, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_bad_prediction_of_one_quantity_does_not_silence_the_others(bao_runs):
     """`yim` has no leak: its current is wrong, and its force, shape and evidence are not worse."""
     leaking = contender("bao")

@@ -81,6 +81,7 @@ def test_release_from_a_large_deflection():
     assert errors[2] < 6e-7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rho", [1.0, 0.8, 0.0])
 def test_a_manufactured_large_motion_is_followed_to_second_order(rho):
     wanted, errors = table("vii_manufactured_arc.csv"), []

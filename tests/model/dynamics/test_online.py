@@ -73,6 +73,7 @@ def test_a_voltage_that_is_not_written_yet_is_not_known():
     np.testing.assert_array_equal(made.until(3.0).at(np.array([0.5, 2.0])), [0.0, 1.5])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "moment"), [(1.0, 1.0), (1.2, 1.0), (0.8, 1.0), (1.0, 0.85), (1.25, 0.9)]
 )
@@ -85,6 +86,7 @@ def test_stiffness_and_moment_of_the_sheet_are_found_with_a_model_that_is_off(st
         assert sigma < 0.03
 
 
+@pytest.mark.slow
 def test_the_intervals_hold_the_truth_as_often_as_they_should():
     off = np.empty(0)
     for seed in range(6):
@@ -106,6 +108,7 @@ def test_a_free_sheet_shows_the_ratio_of_both():
     assert moment / stiffness == pytest.approx(1.2, abs=0.03)
 
 
+@pytest.mark.slow
 def test_a_sheet_that_dries_from_run_to_run_is_followed():
     estimate, seen = Estimate.unknown(), []
     for run in range(4):

@@ -75,6 +75,7 @@ def test_the_package_hands_on_its_public_names_only():
     }
 
 
+@pytest.mark.slow
 def test_importing_it_loads_neither_scipy_nor_numba_nor_the_effects():
     program = (
         "import sys, model.effects; print(*(m for m in sys.modules if m.split('.')[0] in"

@@ -1,0 +1,56 @@
+"""What a check of another distribution looks at where a curve was found between two edges.
+
+It has the parts of a `SeenCurve` that such a curve has, under the same names.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve.shape import CurveShape
+from labrig.vision.fit.outline import OutlineFit
+from labrig.vision.image.image import GreyImage
+
+FloatArray = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OutlineContext:
+    """The image of a curve between two edges, and where it is in it."""
+
+    image: GreyImage
+    optics: Optics
+    sign: float  # +1: the strip is brighter than its ground
+
+    def nodes_px(self, shape: CurveShape) -> FloatArray:
+        """Return (nodes, 2) a curve's places in the image."""
+        plane = np.stack([shape.x, shape.y], axis=1)
+        return np.asarray(self.optics.world_to_pixel(plane / self.optics.px_per_m))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SeenOutline:
+    """A curve between two edges with its image; see `SeenCurve` for what the parts are."""
+
+    fit: OutlineFit
+    context: OutlineContext
+    sigma_px: FloatArray
+
+    @property
+    def covered(self) -> float:
+        """Share of the length on which both edges are seen."""
+        return float(self.fit.blocks.seen.mean())
+
+    @property
+    def residual_px(self) -> float:
+        """RMS distance between the curve and the middles of the blocks."""
+        return self.fit.residual_px
+
+    @property
+    def length_mm(self) -> float:
+        """Length from the clamp to the end."""
+        return self.fit.shape.basis.total_px / self.context.optics.px_per_mm

@@ -1,0 +1,58 @@
+"""A second edge beside each of a strip's two: which of them is the strip's edge is not known.
+
+A tube in the light from one side shows the edge of its shade, too; a strip may have a shadow or a
+neighbour. The image is looked at more finely than for the fit, for such edges are sharp.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve.shape import CurveShape
+from labrig.vision.fit.outline import FINE_BLUR_RATIO, Blocks, across_px, edge_sizes, running_middle
+from labrig.vision.image.image import GreyImage
+from labrig.vision.thresholds import OUTLINE_STRENGTH_MIN_SIGMAS, RIVAL_EDGE_RATIOS
+
+FloatArray = npt.NDArray[np.float64]
+
+HALF_BLOCKS = 4  # to each side: an edge runs along the strip
+NEAR_RATIO, NEAR_PX = 0.15, 0.5  # so near to the edge's place it is the edge itself
+APART_RATIO, APART_PX = 0.2, 1.5  # so far from it an edge is another one
+FARTHEST_RATIO = 1.25  # of the width, from the middle
+OFTEN_SHARE = 0.25  # of the strip: a shorter rival is a crossing or a fitting
+
+
+def rival_px(
+    shape: CurveShape, images: Sequence[GreyImage], optics: Optics, blocks: Blocks, width_px: float
+) -> FloatArray:
+    """Return (sides 2, nodes) how far outside of each edge another one lies, by its likelihood.
+
+    0 where there is none; the whole distance where it is as clear as the edge itself.
+    """
+    found = np.zeros((2, len(shape.x)))
+    many = max(1, int(np.median(np.diff(blocks.node))))
+    across = across_px(width_px)
+    size = edge_sizes(shape, images, optics, width_px, many, blur_ratio=FINE_BLUR_RATIO)
+    size = np.stack([running_middle(column, HALF_BLOCKS) for column in size.T], axis=1)
+    for side, sign in enumerate((-1.0, 1.0)):
+        out = sign * across - 0.5 * width_px
+        own = np.abs(out) < NEAR_RATIO * width_px + NEAR_PX
+        beyond = (out > APART_RATIO * width_px + APART_PX) & (
+            sign * across < FARTHEST_RATIO * width_px
+        )
+        if not beyond.any():
+            continue
+        other = size[:, beyond].max(axis=1)
+        ratio = other / np.maximum(size[:, own].max(axis=1), 1e-9)
+        least, most = RIVAL_EDGE_RATIOS
+        likely = np.clip((ratio - least) / (most - least), 0.0, 1.0)
+        likely = np.where(other > OUTLINE_STRENGTH_MIN_SIGMAS, likely, 0.0)
+        if (likely > 0).mean() < OFTEN_SHARE:
+            continue
+        apart = out[beyond][size[:, beyond].argmax(axis=1)]
+        found[side] = np.interp(np.arange(len(shape.x)), blocks.node, likely * apart)
+    return found
