@@ -120,9 +120,8 @@ class Finding:
         seen = self._signatures(pool, decision)
         named = tuple(_named(c, decision) for c in decision.named)
         unknown = decision.unknown and with_alternatives(decision.unknown, decision)
-        effects = {e.name: e for e in self.effects}
-        beside, most = self._beside(pool, decision)
-        lengths = np.array([most[name] for name in seen.names])
+        beside, effects = self._beside(pool, decision), {e.name: e for e in self.effects}
+        lengths = np.array([beside[name] for name in seen.names])
         unseen = _not_reported(
             invisible(base, replace(seen, detectability=lengths), effects), named
         )
@@ -199,19 +198,11 @@ class Finding:
         sizes = {c.name: c.score.amplitude for c in chosen}
         return signatures(replace(base, solution=solution), forms(pool, {}), sizes)
 
-    def _beside(
-        self, pool: Sequence[Candidate], decision: Decision
-    ) -> tuple[dict[str, float], dict[str, float]]:
-        """Return the length of each effect's signature beside the effects that are named.
-
-        Of its usual shape, and of the one that is seen best.
-        """
-        every = lengths_beside(decision.known, pool, decision.final.solution.log_sigma)
-        of = {id(c): length for c, length in zip(pool, every.tolist(), strict=True)}
-        most: dict[str, float] = {}
-        for one in pool:
-            most[one.name] = max(most.get(one.name, 0.0), of[id(one)])
-        return {c.name: of[id(c)] for c in forms(pool, {})}, most
+    def _beside(self, pool: Sequence[Candidate], decision: Decision) -> dict[str, float]:
+        """Return the length of each effect's signature beside the effects that are named."""
+        some = forms(pool, {})
+        lengths = lengths_beside(decision.known, some, decision.final.solution.log_sigma)
+        return dict(zip((c.name for c in some), lengths.tolist(), strict=True))
 
     def _doubt(self, decision: Decision) -> str:
         """Return why these data cannot tell, where nothing is found; empty: they can."""
