@@ -204,7 +204,7 @@ def test_a_file_where_the_folder_should_be_is_refused(tmp_path):
 
 def test_what_is_no_session_is_refused_before_anything_is_written(tmp_path):
     (tmp_path / "made.h5").write_text("no")
-    with pytest.raises(BadInputError, match="no HDF5 file"):
+    with pytest.raises(BadInputError, match="not an HDF5 file"):
         write_report(tmp_path / "made.h5")
     assert not (tmp_path / "made-report").exists()
 

@@ -128,7 +128,7 @@ def test_what_cannot_be_replayed_is_told_in_a_sentence(recorded, replayer):
     folder = recorded[2].parent
     (folder / "none.h5").write_bytes(b"nothing")
     for name, part in (
-        ("none.h5", "no HDF5"),
+        ("none.h5", "not an HDF5 file"),
         ("gone.h5", "no such file"),
         ("../a.h5", "name"),
     ):
