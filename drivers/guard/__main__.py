@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 from drivers.boards import BOARD_FAMILIES, OutputRescue
 from drivers.guard.rescuer import Rescuer
-from drivers.guard.settings import ALIVE, FAILED, READY, REPORT, GuardSettings
+from drivers.guard.settings import ACTING, ALIVE, FAILED, READY, REPORT, GuardSettings
 from drivers.guard.suspect import what_hangs
 from drivers.guard.watch import Ending, ParentWatchdog, messages_from, parent_watch
 from drivers.interfaces import DeviceError, RealClock
@@ -42,8 +42,7 @@ def main() -> int:
     if ending is Ending.DISARMED:
         attempt([], rescue.close)
         return _SAFE_CODE
-    if ending is Ending.ASKED:
-        _send(ALIVE)  # it is about to act
+    _send(ACTING)
     sign = watchdog.sign
 
     def end_the_program() -> None:

@@ -14,6 +14,7 @@ from typing import IO
 
 from drivers.guard.settings import (
     ACT,
+    ACTING,
     ALIVE,
     AT_ZERO,
     BEAT,
@@ -52,6 +53,7 @@ class Guard:
         self._heard_out = threading.Event()  # it has reported, or ended
         self._failure: str | None = None
         self._report: SafetyReport | None = None
+        self._acts = False  # by itself, or asked to
         self._energised = False
         self._last_beat_s = self._confirmed_s = self._clock.now()
         self._unconfirmed = 0
@@ -147,10 +149,9 @@ class Guard:
         succeeded by the time it reports, or by ours, goes on trying.
         """
         self._energised = False
-        asked_s = self._clock.now()
         with suppress(DeviceError):
             self._send(ACT)
-        if not self._heard_out.wait(timeout_s) and self._confirmed_s > asked_s:
+        if not self._heard_out.wait(timeout_s) and self._acts:
             self._leave_behind()
             return SafetyReport(Safety.UNKNOWN, None, ("the output guard still tries",))
         self._end()
@@ -220,6 +221,8 @@ class Guard:
             if word == ALIVE:
                 self._confirmed_s = self._clock.now()
                 self._unconfirmed = 0
+            elif word == ACTING:
+                self._acts = True
             elif word == REPORT:
                 self._why, self._report = json.loads(rest)["why"], report_from_json(rest)
                 self._heard_out.set()

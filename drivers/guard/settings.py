@@ -16,7 +16,7 @@ HEARTBEAT_LIMIT_S = 0.4
 # of `suspect`, while it does not beat.
 BEAT, NEW_RUN, ENERGISED, AT_ZERO, DISARM, ACT = b".", b"N", b"E", b"Z", b"D", b"A"
 # To the program, a line each.
-READY, ALIVE, REPORT, FAILED = "ready", "alive", "report", "failed"
+READY, ALIVE, ACTING, REPORT, FAILED = "ready", "alive", "acting", "report", "failed"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -350,6 +350,22 @@ def test_a_guard_that_was_killed_can_not_act(remote):
     guard.disarm()
 
 
+def test_a_guard_that_acts_by_itself_goes_on_when_a_program_asks_it_and_ends(remote):
+    guard = Guard.start(remote.settings)
+    remote.guard_pid = guard.pid
+    remote.server.faults.refuse["WriteAnalogScalarF64"] = -200324
+    guard.energised(True)
+    CLOCK.sleep_until(CLOCK.now() + 1.0)  # without a beat: the program hangs
+    asked = CLOCK.now()
+    assert guard.act(0.5).state is Safety.UNKNOWN
+    assert CLOCK.now() - asked < 1.0
+    assert lives(guard.pid)
+    guard.disarm()
+    assert lives(guard.pid)
+    remote.server.faults.refuse.clear()
+    assert remote.report()["state"] == Safety.SAFE
+
+
 def test_disarming_while_energised_makes_the_guard_act(remote):
     """Nobody has confirmed 0 V, whatever the program believes."""
     guard = Guard.start(remote.settings)
