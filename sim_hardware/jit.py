@@ -28,8 +28,6 @@ import numba
 import numpy as np
 from numba.core import event
 from numba.core.registry import CPUDispatcher
-from numba.extending import overload
-from numba.np import arrayobj
 
 Array = np.ndarray[Any, Any]
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -172,21 +170,6 @@ class _Compilations(event.Listener):  # type: ignore[misc]  # numba has no types
             self.threshold = None
 
 
-def _raise_with_shapes(source_shape: Any, target_shape: Any) -> None:
-    """Raise the error of an assignment of an array to a part of another size."""
-
-
-@overload(_raise_with_shapes)  # type: ignore[untyped-decorator]
-def _raise_without_shapes(source_shape: Any, target_shape: Any) -> Any:  # noqa: ARG001 - by name
-    def raises(source_shape: Any, target_shape: Any) -> None:  # noqa: ARG001
-        raise ValueError("cannot assign an array to a part of another size")
-
-    return raises
-
-
-# numba's own names both shapes in words. Each function that assigns to a part of an array, and each
-# of its callers, would compile all that text needs: seconds in each process.
-arrayobj.raise_with_shape_context = _raise_with_shapes
 event.register("numba:compile", _Compilations())
 _dropped = lru_cache(maxsize=None)(drop_stale)  # once for each file
 _bytes = lru_cache(maxsize=None)(Path.read_bytes)

@@ -120,7 +120,7 @@ def compared(
     """Compare, and show the progress of each step."""
     if static and dynamic:
         raise BadInputError("give --static or --dynamic, or neither for both.")
-    # read first: a wrong file is told before anything is fitted
+    # read first: a wrong file is refused before anything is fitted
     given = None if model is None else (model_of(model), name_of(model))
     with steps("analyze") as advance:
         measurements = measurements_of(session, advance)

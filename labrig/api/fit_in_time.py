@@ -107,8 +107,8 @@ def doubts(fit: DynamicFit) -> Iterator[str]:
     if found.misses_data:
         yield (
             f"the fitted sheet leaves {found.chi2 / found.count:.1f} times the squares that the"
-            " noise explains: it is not the sheet, or something else acts on it; do not trust its"
-            " parameters (labrig compare shows which quantity is missed)."
+            " noise explains; do not trust its parameters (labrig compare shows which quantity it"
+            " misses)."
         )
     if fit.noise.curve_m > POOR_CURVE_M:
         yield (

@@ -172,6 +172,7 @@ def _record(
             hub.emit(Warned(rig.clock.now(), text))
         with watched(rig, path) as watchdog:
             job.shutdown.watchdog = watchdog
+            job.shutdown.tell = lambda text: hub.emit(Warned(rig.clock.now(), text))
             hub.add_required("the output guard", _run_counter(watchdog))
             scheduler = _scheduler(job, pause)
             if on_scheduler is not None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import atexit
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 
-from drivers.safe_shutdown import SafetyReport, in_time, make_safe
+from drivers.safe_shutdown import NOT_SAFE, SafetyReport, in_time, make_safe
 from labrig.experiment.rig.rig import DRIVE, Rig
 from labrig.experiment.watchdog import NoWatchdog, Watchdog
 
@@ -18,6 +18,7 @@ from labrig.experiment.watchdog import NoWatchdog, Watchdog
 _RELEASE_S = 0.3
 _ALL_S = 6.0
 _LEAST_ACT_S = 1.0  # a guard has so long, however late it is asked
+_NOT_YET = f"{NOT_SAFE} yet: switch the amplifier off by hand; labrig keeps trying"
 
 
 class SafeShutdown:
@@ -27,12 +28,15 @@ class SafeShutdown:
         self._rig = rig
         self.watchdog: Watchdog = NoWatchdog()  # set once there is one
         self.report: SafetyReport | None = None  # the last one
+        self.tell: Callable[[str], object] = lambda _text: None  # the operator, while it tries on
 
     def make_safe(self) -> SafetyReport:
         """Write 0 V and read it back; return what is known of the output. Never raises."""
         end_s = self._rig.clock.now() + _ALL_S
         report = self._by_our_devices()
         if not report.is_safe:
+            with suppress(Exception):  # whoever is told may have failed before
+                self.tell(_NOT_YET)
             others = self.watchdog.can_act
             rest = self._by_the_watchdog if others else self._at_last
             report = rest(report, end_s)

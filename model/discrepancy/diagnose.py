@@ -60,7 +60,7 @@ def next_measurement(
     if len(between) < 2:
         raise ModelError("name two effects to be told apart, for example gravity and clamp_angle")
     for name in between:
-        effect(name)  # a name that nobody knows is told before anything is fitted
+        effect(name)  # an unknown name is refused before anything is fitted
     checked, rested = _checked(measurements, options)
     if checked.stops:
         raise ModelError(contradiction(checked))

@@ -165,8 +165,9 @@ def resting(
     known = _RESTING.setdefault(key, deque(maxlen=MOST_OF_ONE))
     state = None
     if known:
-        off = [float(np.max(np.abs(one.curvature - bent))) for one in known]
-        kept = known[int(np.argmin(off))]
+        before = tuple(known)  # another thread may add to them
+        off = [float(np.max(np.abs(one.curvature - bent))) for one in before]
+        kept = before[int(np.argmin(off))]
         if min(off) == 0.0:
             return _state(body, kept.q, kept.x * np.array([B, 1.0, 1.0]))
         if min(off) < NEAR_MOMENT * np.max(np.abs(kept.q)):

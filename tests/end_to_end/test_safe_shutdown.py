@@ -126,12 +126,16 @@ def test_without_a_guard_zero_is_tried_until_the_deadline_of_the_shutdown(
     rig.output.write(2.0)
     monkeypatch.setattr(board, "write", hung)
     began_s = clock.now()
-    shutdown = SafeShutdown(rig)
+    shutdown, told = SafeShutdown(rig), []
+    shutdown.tell = lambda text: told.append((clock.now() - began_s, text))
     if guard == "killed":
         shutdown.watchdog = Gone(rig, state)
     report = shutdown.make_safe()
     assert report.state is state
     assert clock.now() - began_s < 7.0  # and 2 s until that is noticed
+    ((after_s, text),) = told
+    assert after_s < 3.5
+    assert "switch the amplifier off by hand; labrig keeps trying" in text
     rig.boards.open()  # where it is unknown they were let go of
     rig.signals.open()
     assert (abs(sheet_V(rig)) < 0.05) is (state is Safety.SAFE)

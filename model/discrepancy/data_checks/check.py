@@ -59,8 +59,8 @@ class CheckedData:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Told:
-    """A change that mends some configurations, and what is said of it."""
+class ProposedChange:
+    """A change that mends some configurations, with the suspicion it raises."""
 
     change: Change
     value: float
@@ -116,13 +116,15 @@ def _mended(one: Compared) -> Trial | None:
 
 
 def _unless_refused(
-    told: Told, as_stated: Mapping[str, tuple[Measurements, QuickFit | None]], limits: Tolerances
+    proposed: ProposedChange,
+    as_stated: Mapping[str, tuple[Measurements, QuickFit | None]],
+    limits: Tolerances,
 ) -> Suspicion:
-    """Return what is told as a warning where another configuration asks for another value.
+    """Return the suspicion; only a warning where another configuration asks for another value.
 
     Then it is no datum of the rig: an effect does to each configuration what it does.
     """
-    change, suspicion = told.change, told.suspicion
+    change, suspicion = proposed.change, proposed.suspicion
     if not change.of_rig:
         return suspicion
     for name, (own, stated) in as_stated.items():
@@ -132,8 +134,8 @@ def _unless_refused(
         other = fit_with(own, limits, change, begin)
         if other is None or not np.isfinite(other.sigma):
             continue
-        apart = abs(other.value - told.value)
-        near = max(APART_SHARE * abs(told.value), APART_SIGMA * np.hypot(told.sigma, other.sigma))
+        apart = abs(other.value - proposed.value)
+        near = max(APART_SHARE * abs(proposed.value), APART_SIGMA * np.hypot(proposed.sigma, other.sigma))
         if apart > near:
             doubt = (
                 f"; '{name}' asks for {other.value * change.factor:.4g} {change.unit}, so an"
@@ -143,8 +145,8 @@ def _unless_refused(
     return suspicion
 
 
-def _changed(mended: Sequence[Compared]) -> Iterator[Told]:
-    """Yield what is told once of all configurations that ask for the same change."""
+def _changed(mended: Sequence[Compared]) -> Iterator[ProposedChange]:
+    """Yield each change once, with all configurations that ask for it."""
     left = list(mended)
     while left:
         first = left[0].trials[0]
@@ -168,7 +170,7 @@ def _changed(mended: Sequence[Compared]) -> Iterator[Told]:
             unit=change.unit,
             sentence=f"{change.sentence(quoted(names), value, error)}{gap}",
         )  # fmt: skip
-        yield Told(change=change, value=value, sigma=error, suspicion=suspicion)
+        yield ProposedChange(change=change, value=value, sigma=error, suspicion=suspicion)
 
 
 def _same(one: Trial, other: Trial) -> bool:

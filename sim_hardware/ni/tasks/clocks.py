@@ -9,7 +9,7 @@ from nidaqmx.constants import BusType
 
 from sim_hardware.ni.devices import DeviceRegistry
 from sim_hardware.ni.errors import Code, NotSimulatedError, StatusError
-from sim_hardware.ni.signals.outside_edges import OutsideEdges
+from sim_hardware.ni.signals.external_edges import ExternalEdges
 from sim_hardware.ni.signals.terminals import CLOCK, ONBOARD, START, Terminal, terminal
 from sim_hardware.ni.signals.timebase import RetriggeredTimebase, Timebase
 from sim_hardware.ni.tasks.task import Task
@@ -26,7 +26,7 @@ class TaskClocks:
         error_ppm: float,
         tasks: Callable[[], Iterable[Task]],
         on_begin: Callable[[Task], None],
-        edges: OutsideEdges,
+        edges: ExternalEdges,
     ) -> None:
         """`error_ppm`: how much the boards' oscillator is fast; `on_begin`: a clock begins."""
         self._devices = devices

@@ -18,9 +18,9 @@ from sim_hardware.ni.rpc import Call
 from sim_hardware.ni.signals.acquisition import Acquisition, Sampler
 from sim_hardware.ni.signals.adc import Converter
 from sim_hardware.ni.signals.digital_lines import Lines
+from sim_hardware.ni.signals.external_edges import ExternalEdges
 from sim_hardware.ni.signals.generation import Generation
 from sim_hardware.ni.signals.line_sampler import LineSampler
-from sim_hardware.ni.signals.outside_edges import OutsideEdges
 from sim_hardware.ni.signals.referenced_acquisition import ReferencedAcquisition
 from sim_hardware.ni.signals.shown_signals import LimitSine
 from sim_hardware.ni.signals.timing import InputPlan, OutputPlan
@@ -79,7 +79,7 @@ class Engine:
             clock_error_ppm,
             self.sessions.all,
             self.playback.begin,
-            OutsideEdges(self.devices, edges_hz or {}),
+            ExternalEdges(self.devices, edges_hz or {}),
         )
 
     def now(self) -> float:

@@ -11,7 +11,7 @@ from sim_hardware.ni.signals.terminals import Terminal, terminal
 from sim_hardware.ni.signals.timing import RISING
 
 
-class OutsideEdges:
+class ExternalEdges:
     """A terminal that is named has rising edges at whole periods of the clock, falling between."""
 
     def __init__(self, devices: DeviceRegistry, rates_hz: Mapping[str, float]) -> None:
