@@ -135,7 +135,9 @@ def _unless_refused(
         if other is None or not np.isfinite(other.sigma):
             continue
         apart = abs(other.value - proposed.value)
-        near = max(APART_SHARE * abs(proposed.value), APART_SIGMA * np.hypot(proposed.sigma, other.sigma))
+        near = max(
+            APART_SHARE * abs(proposed.value), APART_SIGMA * np.hypot(proposed.sigma, other.sigma)
+        )
         if apart > near:
             doubt = (
                 f"; '{name}' asks for {other.value * change.factor:.4g} {change.unit}, so an"
