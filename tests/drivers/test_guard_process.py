@@ -364,6 +364,9 @@ def test_a_guard_that_acts_by_itself_goes_on_when_a_program_asks_it_and_ends(rem
     assert lives(guard.pid)
     remote.server.faults.refuse.clear()
     assert remote.report()["state"] == Safety.SAFE
+    guard._process.wait(5.0)
+    guard._reader.join(5.0)
+    guard._process.stdout.close()
 
 
 def test_disarming_while_energised_makes_the_guard_act(remote):
