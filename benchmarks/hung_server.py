@@ -40,6 +40,7 @@ class Hang:
     told_s: float
     ended_s: float
     code: int
+    guards: tuple[int, ...]  # processes that may still try, and write what they do
 
     @property
     def good(self) -> bool:
@@ -76,8 +77,9 @@ def hang(rig: ServedRig, network: Relay, moment: str, *, guarded: bool) -> Hang:
         process.terminate()
     network.cut()
     began_s, before = time.monotonic(), len(rig.said())
+    watching = guards(process.pid)
     if not guarded:
-        for pid in guards(process.pid):
+        for pid in watching:
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
     told_s: list[float] = []
@@ -89,7 +91,13 @@ def hang(rig: ServedRig, network: Relay, moment: str, *, guarded: bool) -> Hang:
 
     rig.until(over, _LONGEST_S)
     ended_s = time.monotonic() - began_s
-    return Hang(moment, guarded, (told_s or [ended_s])[0], ended_s, process.wait())
+    told = (told_s or [ended_s])[0]
+    return Hang(moment, guarded, told, ended_s, process.wait(), tuple(watching))
+
+
+def is_alive(pid: int) -> bool:
+    """Whether there is such a process."""
+    return Path(f"/proc/{pid}").exists()
 
 
 def main() -> None:
@@ -109,6 +117,8 @@ def main() -> None:
             network.mend()
             command = [sys.executable, "-m", "labrig", "safe", str(file)]
             subprocess.run(command, check=True, capture_output=True)
+            # a guard that still wrote would do so into the next run's output
+            rig.until(lambda: not any(map(is_alive, found[-1].guards)), _LONGEST_S)
     for moment, guarded in product(MOMENTS, (True, False)):
         some = [each for each in found if (each.moment, each.guarded) == (moment, guarded)]
         print(

@@ -77,6 +77,7 @@ def make_safe(
     drive_channel: str,
     safe_below_V: float,
     until_s: float | None = None,
+    not_yet: Callable[[], object] = lambda: None,
 ) -> SafetyReport:
     """Write 0 V, then read `drive_channel` until it is below `safe_below_V`. Never raises.
 
@@ -90,6 +91,8 @@ def make_safe(
 
     `until_s`: a clock time at which all of it ends instead. 0 V is tried until `LAST_S` before it.
     For the last pass, after which nobody else tries.
+
+    `not_yet` is called where 0 V could not be written, before the read-back: it may take a while.
     """
     failures: list[str] = []
     seen: list[float] = []
@@ -109,6 +112,8 @@ def make_safe(
 
     zero = partial(_zero, output, failures)
     written = _insist(failures, clock, "writing 0 V", zero, ends(LAST_S))
+    if not written:
+        attempt(failures, not_yet)
     if written or not (isinstance(output, TimedOutput) and output.is_timed):
         _insist(failures, clock, "reading the drive voltage back", read_back, ends(0.0))
     else:

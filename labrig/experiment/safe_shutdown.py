@@ -29,14 +29,14 @@ class SafeShutdown:
         self.watchdog: Watchdog = NoWatchdog()  # set once there is one
         self.report: SafetyReport | None = None  # the last one
         self.tell: Callable[[str], object] = lambda _text: None  # the operator, while it tries on
+        self._is_told = False
 
     def make_safe(self) -> SafetyReport:
         """Write 0 V and read it back; return what is known of the output. Never raises."""
         end_s = self._rig.clock.now() + _ALL_S
         report = self._by_our_devices()
         if not report.is_safe:
-            with suppress(Exception):  # whoever is told may have failed before
-                self.tell(_NOT_YET)
+            self._not_yet()
             others = self.watchdog.can_act
             rest = self._by_the_watchdog if others else self._at_last
             report = rest(report, end_s)
@@ -46,7 +46,16 @@ class SafeShutdown:
     def _by_our_devices(self, until_s: float | None = None) -> SafetyReport:
         rig = self._rig
         below_V = rig.config.limits.safe_below_V
-        return make_safe(rig.output, rig.read_back, rig.clock, DRIVE, below_V, until_s)
+        return make_safe(
+            rig.output, rig.read_back, rig.clock, DRIVE, below_V, until_s, not_yet=self._not_yet
+        )
+
+    def _not_yet(self) -> None:
+        """Tell the operator, once, that the output may be live."""
+        if not self._is_told:
+            self._is_told = True
+            with suppress(Exception):  # whoever is told may have failed before
+                self.tell(_NOT_YET)
 
     def _at_last(self, own: SafetyReport, until_s: float) -> SafetyReport:
         """Try our own devices until the deadline: nobody else is there who would."""

@@ -134,7 +134,7 @@ def test_without_a_guard_zero_is_tried_until_the_deadline_of_the_shutdown(
     assert report.state is state
     assert clock.now() - began_s < 7.0  # and 2 s until that is noticed
     ((after_s, text),) = told
-    assert after_s < 3.5
+    assert after_s < 1.6  # 0 V failed: before the read-back is tried
     assert "switch the amplifier off by hand; labrig keeps trying" in text
     rig.boards.open()  # where it is unknown they were let go of
     rig.signals.open()
