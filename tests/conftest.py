@@ -36,7 +36,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Files with only thorough or only slow tests are not even imported where those are left out."""
+    """Files of thorough or of slow tests alone are not even imported where those are left out."""
     left_out = [mark for mark in ("thorough", "slow") if f"not {mark}" in config.option.markexpr]
     if collection_path.suffix != ".py" or not left_out:
         return None
