@@ -116,17 +116,13 @@ def test_a_session_is_analysed_fitted_diagnosed_and_reported_as_by_the_command_l
     ask = "/api/analysis/output?session=session.h5&name=figures&save=true"
     status, packed = server.ask("GET", ask)
     assert (status, packed) == (200, (folder / "session.figures.zip").read_bytes())
+    assert done(page, "next", between=["gravity", "clamp_angle"])["result"]["files"]
     listed = server.ask("GET", "/api/analysis/outputs?session=session.h5")[1]
     assert set(listed["outputs"]) == {*ENDINGS}
     assert listed["analysed"]
     with panel(folder / "rig.toml") as again:  # which knows no jobs, but finds the files
         assert again.ask("GET", "/api/analysis")[1]["jobs"] == []
         assert again.ask("GET", "/api/analysis/outputs?session=session.h5")[1] == listed
-
-
-@pytest.mark.thorough  # which the command line asks in tests/labrig/diagnose
-def test_the_next_measurement_is_found_for_a_pair_that_is_named(page):
-    assert done(page, "next", between=["gravity", "clamp_angle"])["result"]["files"]
 
 
 def test_an_output_that_is_not_there_is_a_sentence(page, server, folder):
