@@ -297,7 +297,7 @@ def after_power_cut(raw, log, dice):
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="SIGKILL is a POSIX signal")
-@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("seed", [3, 4])
 def test_a_kill_at_any_moment_loses_at_most_the_reading_being_taken(tmp_path, seed):
     dice = random.Random(seed)
     for trial in range(3):
