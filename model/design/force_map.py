@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import pickle
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,11 +37,36 @@ class ForceMap:
         return bool(np.all(self.reachable))
 
 
+_kept: ContextVar[dict[bytes, ForceMap] | None] = ContextVar("_kept", default=None)
+
+
+@contextmanager
+def keeping_maps() -> Iterator[None]:
+    """Keep each map until the end of the block: many questions ask for the same ones."""
+    token = _kept.set({})
+    try:
+        yield
+    finally:
+        _kept.reset(token)
+
+
 def force_map(
     model: SheetModel, configuration: str, position_m: npt.ArrayLike, voltage_V: npt.ArrayLike
 ) -> ForceMap:
     """Solve all combinations at once."""
     p, V = np.atleast_1d(np.asarray(position_m, float)), np.atleast_1d(np.asarray(voltage_V, float))
+    kept = _kept.get()
+    if kept is None:
+        return _solved_map(model, configuration, p, V)
+    key = pickle.dumps((model, configuration, p, V))
+    if key not in kept:
+        kept[key] = _solved_map(model, configuration, p, V)
+    return kept[key]
+
+
+def _solved_map(
+    model: SheetModel, configuration: str, p: FloatArray, V: FloatArray
+) -> ForceMap:
     if model.effects:
         setups = model.setups(configuration, [(float(x), float(v)) for x in p for v in V])
     else:
@@ -56,10 +84,14 @@ def force_map(
     )  # fmt: skip
 
 
-def reached(found: ForceMap) -> ForceMap:
-    """Return the map, or an error where part of it is not reachable."""
-    if not found.all_reachable():
-        i, j = np.argwhere(~found.reachable)[0]
+def reached(found: ForceMap, column: int | None = None) -> ForceMap:
+    """Return the map, or an error where part of it, or of one voltage's column, is not reachable."""
+    asked = np.ones_like(found.reachable)
+    if column is not None:
+        asked[:, :column] = asked[:, column + 1 :] = False
+    missed = np.argwhere(asked & ~found.reachable)
+    if len(missed):
+        i, j = missed[0]
         raise ModelError(
             f"the working section is not reachable everywhere: not {found.position_m[i] * 1e3:g} mm"
             f" at {found.voltage_V[j]:+g} V; make the section smaller or the sheet longer"

@@ -9,10 +9,9 @@ import pytest
 
 SCRIPT = """
 from pathlib import Path
-from types import SimpleNamespace
-from labrig.analysis.curves import shared_out
+from labrig.analysis.curves import by_processes
 
-list(shared_out(SimpleNamespace(path=Path("day1.h5")), [None] * 4, workers=2))
+list(by_processes(Path("day1.h5"), [None] * 4, workers=2))
 """
 
 
