@@ -19,7 +19,7 @@ def main() -> None:
     asked = sys.argv[1:]
     if "PYTHONPATH" in os.environ:
         program = os.path.join(os.path.dirname(sys.executable), asked[0])
-        os.execv(program, asked)
+        os.execv(program, asked)  # noqa: S606 - no shell is wanted
     environment = dict(os.environ)
     if asked[0] == "kernel":
         environment.pop("MPLBACKEND", None)  # a notebook shows its figures

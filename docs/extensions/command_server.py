@@ -130,8 +130,8 @@ def _become(asked: dict[str, Any], files: list[int]) -> None:
     try:
         if name == "kernel":
             sys.path.insert(0, "")
-            os.environ["JPY_PARENT_PID"] = str(os.getppid())  # it ends with that process
-            import_module("ipykernel.kernelapp").launch_new_instance()
+            ends_with = f"--IPKernelApp.parent_handle={os.getppid()}"
+            import_module("ipykernel.kernelapp").launch_new_instance([*arguments, ends_with])
             code = 0
         else:
             import_module("labrig.cli.main").main()

@@ -1,15 +1,13 @@
-"""What a notebook of the documentation starts with: the files of tutorials/data in its folder.
-
-Its kernel is a fork of a process that has imported matplotlib, so figures inline are asked for here.
-"""
+"""What a notebook of the documentation starts with: the files of tutorials/data in its folder."""
 
 import os
 import shutil
 from pathlib import Path
 
-import matplotlib as _matplotlib
+from IPython import get_ipython
 
-_matplotlib.use(os.environ["MPLBACKEND"])
+# The kernel is a fork of a process that has imported matplotlib, so it does not ask for this.
+get_ipython().run_line_magic("matplotlib", "inline")
 for _path in Path(os.environ["LABRIG_DOCS_DATA"]).iterdir():
     if _path.is_file():
         shutil.copy(_path, ".")

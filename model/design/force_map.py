@@ -64,9 +64,7 @@ def force_map(
     return kept[key]
 
 
-def _solved_map(
-    model: SheetModel, configuration: str, p: FloatArray, V: FloatArray
-) -> ForceMap:
+def _solved_map(model: SheetModel, configuration: str, p: FloatArray, V: FloatArray) -> ForceMap:
     if model.effects:
         setups = model.setups(configuration, [(float(x), float(v)) for x in p for v in V])
     else:
@@ -85,7 +83,7 @@ def _solved_map(
 
 
 def reached(found: ForceMap, column: int | None = None) -> ForceMap:
-    """Return the map, or an error where part of it, or of one voltage's column, is not reachable."""
+    """Return the map, or an error where part of it, or of one column, is not reachable."""
     asked = np.ones_like(found.reachable)
     if column is not None:
         asked[:, :column] = asked[:, column + 1 :] = False

@@ -92,9 +92,7 @@ def problems(
         rows = fields[0].on(breaks).coefficients[None]
     else:
         degree = max(f.coefficients.shape[1] for f in different)
-        rows = np.stack(
-            for_each_field(lambda f: padded(f.on(breaks).coefficients, degree), fields)
-        )
+        rows = np.stack(for_each_field(lambda f: padded(f.on(breaks).coefficients, degree), fields))
     soft = softness.on(breaks).coefficients if softness else np.zeros((len(breaks) - 1, 0))
     if len(rows) < len(angles):
         rows = np.repeat(rows, len(angles), axis=0)
