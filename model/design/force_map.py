@@ -147,9 +147,10 @@ def propagate(
     question: Callable[[SheetModel], Sequence[float]],
     units: Sequence[str],
 ) -> list[Parameter]:
-    """Answers with the uncertainty that B, the EIBMs and k0 bring with them.
+    """Answers with the uncertainty of B, the EIBMs, k0 and the effects' parameters.
 
-    Forces fix B, shapes fix Me/B, so these two are varied independently.
+    Forces fix B, shapes fix Me/B, so these two are varied independently, and each parameter of an
+    effect by itself. Uncertainties of an effect's inferred form are not in it.
     """
     one = model.sheet(configuration)
     values = np.array(question(model))
@@ -166,11 +167,12 @@ def propagate(
         rests = [replace(one.rest, values=one.rest.values + sign * off) for sign in (1.0, -1.0)]
         pairs.append((replace(one, rest=rests[0]), replace(one, rest=rests[1])))
     variance = np.zeros(len(values))
-    for up, down in pairs:
-        moved = [
-            np.array(question(replace(model, sheets={**model.sheets, configuration: sheet})))
-            for sheet in (up, down)
-        ]
+    models = [
+        [replace(model, sheets={**model.sheets, configuration: sheet}) for sheet in pair]
+        for pair in pairs
+    ]
+    for both in [*models, *_of_effects(model, configuration)]:
+        moved = [np.array(question(changed)) for changed in both]
         if not np.all(np.isfinite(moved)):
             raise ModelError(
                 "within the uncertainty of the model's parameters this question has no answer; make"
@@ -181,6 +183,14 @@ def propagate(
         Parameter(value=float(v), sigma=float(np.sqrt(s)), unit=unit)
         for v, s, unit in zip(values, variance, units, strict=True)
     ]
+
+
+def _of_effects(model: SheetModel, configuration: str) -> Iterator[list[SheetModel]]:
+    """Yield for each uncertain parameter of an effect two models, at both ends of its interval."""
+    for place, effect in enumerate(model.effects):
+        before, after = model.effects[:place], model.effects[place + 1 :]
+        for ends in effect.varied(configuration):
+            yield [replace(model, effects=(*before, one, *after)) for one in ends]
 
 
 def _relative(along: Along) -> float:
