@@ -7,6 +7,7 @@ environment, input, output and exit code. `ask_server.py` is the other side of t
 
 from __future__ import annotations
 
+import gc
 import json
 import os
 import select
@@ -53,6 +54,7 @@ def main() -> None:
     for name in _SLOW:
         import_module(name)
     _load_compiled()
+    gc.freeze()  # a child need not look through what is here already
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(sys.argv[1])
         listener.listen()
