@@ -34,7 +34,10 @@ def ridge_offsets(
     n = len(u)
     offset, width = np.full(n, np.nan), np.full(n, np.nan)
     height = np.zeros(n)
-    profile = np.empty(2 * reach.max() + 1)
+    most = 0
+    for i in range(n):
+        most = max(most, reach[i])
+    profile = np.empty(2 * most + 1)
     for i in range(n):
         r = reach[i]
         inside = True

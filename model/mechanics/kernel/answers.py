@@ -45,7 +45,6 @@ def answers(
         dkappa=to.kappa,
         dsoft=to.soft,
         dlength=to.length,
-        newton=False,
         columns=columns,
         w=w,
     )

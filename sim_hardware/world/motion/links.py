@@ -319,20 +319,20 @@ def step(
     for i in range(1, last + 1):
         spring[i] = factor * stiff * links.spring_Nm[i]
         known[i] -= moment[i]
-    pushed = space.work[:, 0].copy()
-    pushed[:] = 0.0
+    pushed, place = np.zeros(last + 1), np.empty(2)
     if held:
         _, _, tx, ty = touched(towards[1], contact[0], h)
         size = math.hypot(tx, ty)
         levers(towards[1], contact[0], h, -ty / size, tx / size, pushed)
-    place = np.array([contact[2], contact[1]])
+    place[0], place[1] = contact[2], contact[1]
     for _ in range(_ROUNDS):
         lay(phi[2], h, towards[2], at[2])
         _pulls(links, dt, towards, at, space.pull)
         for i in range(1, last + 1):
             bending[i] = known[i] + spring[i] * (phi[2, i] - phi[2, i - 1])
         _residual(links, towards, space.pull, bending, right)
-        right[:, 1] = pushed
+        for i in range(last + 1):
+            right[i, 1] = pushed[i]
         _solve(links, spring, towards, space.pull, space.work, right)
         largest = 0.0
         if held:
