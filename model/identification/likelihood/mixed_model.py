@@ -42,6 +42,7 @@ class Solution:
     covariance: FloatArray
     log_sigma: FloatArray  # groups, then masks
     weights: FloatArray  # (R, n, n) inverse covariances
+    deviance: float = np.nan  # -2 ln of the restricted likelihood times prior, where estimated
 
 
 def _inverted(V: FloatArray) -> tuple[FloatArray, float]:
@@ -159,7 +160,7 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     X = np.block([[stack.of.T @ ZWZ @ stack.of, cross.T], [cross, DWD]])
     curvature = 4.0 * variance[:, None] * variance * X
     curvature[np.diag_indices_from(curvature)] += 2.0 / np.broadcast_to(data.width, len(away)) ** 2
-    return _DeviancePoint(value, gradient, curvature, Solution(beta, C, log_sigma, W))
+    return _DeviancePoint(value, gradient, curvature, Solution(beta, C, log_sigma, W, value))
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:

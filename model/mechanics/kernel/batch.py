@@ -27,8 +27,9 @@ from model.mechanics.kernel.panel import new_work
 from model.mechanics.kernel.start import cold
 
 WIDEST, NARROW = 96, 8  # lanes: as many as the second cache holds; in multiples of a register's
-# One by one they take no longer, and what solves them side by side takes 15 s to compile.
-FEW = 24
+# Up to this many take about as long one by one, and what solves them side by side takes a quarter
+# of a minute to compile.
+FEW = WIDEST
 MOST_STEPS = 8  # of all lanes, for the sake of one
 
 
