@@ -243,6 +243,8 @@ def relax_touched(
             return OFF_THE_SHEET
         if largest < SMALL_STEP_RAD:
             # At a minimum under two constraints the bordered matrix has two negative eigenvalues.
-            stable = roll.friction != 0.0 or negative + _negative_eigenvalues(small, determinant) == 2
+            stable = (
+                roll.friction != 0.0 or negative + _negative_eigenvalues(small, determinant) == 2
+            )
             return SOLVED if stable else NOT_A_MINIMUM
     return NO_SOLUTION
