@@ -86,20 +86,21 @@ def check_data(measurements: Measurements) -> CheckedData:
     )
 
 
-_KEPT = dict[bytes, tuple[Suspicion, ...]]()  # of the last data, in the order of their use
+# What was found of the last data, in the order of their use; with the checks, for their identity.
+_KEPT = dict[bytes, tuple[tuple[Suspicion, ...], Sequence[DataCheck]]]()
 
 
 def _once(data: Measurements, checks: Sequence[DataCheck]) -> tuple[Suspicion, ...]:
     """Fit the same data once: a fit, a diagnosis and a report in one process ask for the same."""
     numbers = replace(data, source="", checksum="")  # a file also changes when results are kept
-    key = hashlib.sha256(pickle.dumps((numbers, [check.name for check in checks]))).digest()
-    found = _KEPT.pop(key, None)
-    if found is None:
-        found = tuple(_of_the_fit(data, checks))
-    _KEPT[key] = found
+    key = hashlib.sha256(pickle.dumps((numbers, [id(check) for check in checks]))).digest()
+    kept = _KEPT.pop(key, None)
+    if kept is None:
+        kept = tuple(_of_the_fit(data, checks)), checks
+    _KEPT[key] = kept
     for old in list(_KEPT)[:-KEPT]:
         _KEPT.pop(old, None)
-    return found
+    return kept[0]
 
 
 def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Suspicion]:
