@@ -28,7 +28,7 @@ from model.dynamics.kernel.work import (
     Scratch,
     new_work,
 )
-from model.jit import Array, jit
+from model.jit import Array, jit, jit_inside
 
 # An iteration takes at least this share of the error over: the first after a new matrix converges
 # faster than the next ones will.
@@ -71,7 +71,7 @@ def relaxed(z: Array, q: Array, rest: Array, factors: Array) -> None:
             z[i, j] += late * (q[j] - rest[j])
 
 
-@jit
+@jit_inside
 def evaluate(
     body: Any, state: Any, moment: Array, clamp: Array, place: Array, contact: bool, stiff: float,
     w: Scratch,
@@ -107,7 +107,7 @@ def predict(state: Any, h: float, of: Any, dof: Array) -> None:
         state.a[j], state.a_mean[j] = guess, new
 
 
-@jit
+@jit_inside
 def renew(body: Any, state: Any, contact: bool, elastic: float, by: Array, w: Scratch) -> bool:
     """Write the inverse of Newton's matrix for the state just evaluated; by: dv/dq, da/dq."""
     if contact:
@@ -128,7 +128,7 @@ def solve(order: int, inverse: Array, dof: Array) -> None:
             dof[STEP, i] += inverse[j, i] * residual
 
 
-@jit
+@jit_inside
 def correct(state: Any, contact: bool, along: float, by: Array, at: Array, dof: Array) -> float:
     """Make one iteration's step; return the largest change of a coefficient."""
     size = len(state.q)

@@ -146,7 +146,7 @@ def _border(
 
 
 @brief_jit
-def _solve(m: Floats, right: Floats, low: Floats, step: Floats) -> float:
+def _solve(m: Floats, right: Floats, low: Floats, step: Floats) -> float:  # noqa: C901 - loops alone
     """Solve m step = right, 3 x 3, by elimination with exchange of rows; return the determinant.
 
     `low` (3, 4) is room to work in. (LAPACK's calls would take seconds to compile.)
