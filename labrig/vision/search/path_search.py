@@ -176,7 +176,7 @@ def _sink(heap: IntArray, size: int, child: FloatArray, at: int) -> None:
 
 
 @jit
-def _select(
+def select(
     child: FloatArray, child_bend: IntArray, count: int, width: int, fine: float, chosen: IntArray
 ) -> int:
     """Choose the best children, at most two of one place, direction and bend; return how many.
@@ -271,7 +271,7 @@ def search(
             return np.empty((0, 2)), np.empty(0), -1.0
         # a straight rest differs in little but its angle
         fine = 0.006 if straight else 0.1
-        alive = _select(child, child_bend, count, width, fine, chosen)
+        alive = select(child, child_bend, count, width, fine, chosen)
         for i in range(alive):
             t = chosen[i]
             for q in range(5):

@@ -37,7 +37,7 @@ class Data:
     width: FloatArray | float = PRIOR_WIDTH
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Solution:
     """beta with its covariance, at given or estimated scatter."""
 
@@ -71,7 +71,7 @@ def weigh(data: Data, log_sigma: FloatArray) -> Solution:
     WX = W @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
-    return Solution(C @ _pull(data, WX), C, log_sigma, W)
+    return Solution(beta=C @ _pull(data, WX), covariance=C, log_sigma=log_sigma, weights=W)
 
 
 def effects(data: Data, solution: Solution) -> list[FloatArray]:
@@ -193,7 +193,8 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     X = np.block([[stack.of.T @ ZWZ @ stack.of, cross.T], [cross, DWD]])
     curvature = 4.0 * variance[:, None] * variance * X
     curvature[np.diag_indices_from(curvature)] += 2.0 / np.broadcast_to(data.width, len(away)) ** 2
-    return _DeviancePoint(value, gradient, curvature, Solution(beta, C, log_sigma, W, value))
+    solution = Solution(beta=beta, covariance=C, log_sigma=log_sigma, weights=W, deviance=value)
+    return _DeviancePoint(value, gradient, curvature, solution)
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:

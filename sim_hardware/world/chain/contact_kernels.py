@@ -146,7 +146,7 @@ def _border(
 
 
 @brief_jit
-def _solve(m: Floats, right: Floats, low: Floats, step: Floats) -> float:  # noqa: C901 - loops alone
+def solve_three(m: Floats, right: Floats, low: Floats, step: Floats) -> float:  # noqa: C901 - loops alone
     """Solve m step = right, 3 x 3, by elimination with exchange of rows; return the determinant.
 
     `low` (3, 4) is room to work in. (LAPACK's calls would take seconds to compile.)
@@ -223,7 +223,7 @@ def relax_touched(
         small[2, 0], small[2, 1], small[2, 2] = -y1, 0.0, 0.0
         right[0], right[1], right[2] = -(fx * qx + fy * qy), roll.x_m - x, roll.y_m - y
         negative = _border(diagonal, below, work, rows, small, right)
-        determinant = _solve(small, right, low, step)
+        determinant = solve_three(small, right, low, step)
         if not abs(determinant) > 0.0:
             return NO_SOLUTION
         largest = abs(step[0]) / h * 1e-3
