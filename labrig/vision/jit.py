@@ -57,6 +57,14 @@ def brief_jit(function: Function) -> Function:
     return _compiled(function, frozenset(), nogil=False)
 
 
+def jit_inside(function: Function) -> Function:
+    """Compile as `jit`, as a part of the function that calls it.
+
+    It costs less to compile where that is one, for what a function calls is compiled again with it.
+    """
+    return _compiled(function, SUMS_IN_ANY_ORDER, inline="always")
+
+
 def drop_stale(cache: Path, source: Path) -> bool:
     """Delete what was compiled from a file, if a file it depends on has changed since.
 
@@ -91,13 +99,17 @@ def sources(source: Path) -> set[Path]:
     return found | _named_tuples()
 
 
-def _compiled(function: Function, fastmath: frozenset[str], *, nogil: bool = True) -> Function:
+def _compiled(
+    function: Function, fastmath: frozenset[str], *, nogil: bool = True, inline: str = "never"
+) -> Function:
     """Return a function that compiled functions and Python call, compiled for each when needed.
 
     Only the one for Python has the code that turns Python's objects into numbers and back: for the
     many functions that only compiled functions call, it would take half of the time to compile.
     """
-    options = {"nogil": nogil, "error_model": "numpy", "fastmath": set(fastmath)}
+    options = {
+        "nogil": nogil, "error_model": "numpy", "fastmath": set(fastmath), "inline": inline,
+    }  # fmt: skip
     inner = _renamed(function)
     made = _kept(inner, no_cfunc_wrapper=True, no_cpython_wrapper=True, **options)
     if made is inner:  # numba is switched off

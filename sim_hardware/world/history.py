@@ -228,7 +228,7 @@ class History:
 
 def _hung(moved: FloatArray) -> FloatArray:
     """Return the driver of each element: the force, the force, the place along the sheet."""
-    return moved[:, [0, 0, 1]]
+    return np.ascontiguousarray(moved[:, [0, 0, 1]])
 
 
 def history_of(

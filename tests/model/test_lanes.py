@@ -14,6 +14,12 @@ from model.mechanics.tip_load import tip_load
 R = 0.04
 
 
+@pytest.fixture(autouse=True)
+def small_batches_side_by_side(monkeypatch):
+    """As only large ones are otherwise."""
+    monkeypatch.setattr("model.mechanics.kernel.batch.FEW", 4)
+
+
 def several(count: int, length: float, panels: int, soft: bool) -> Problems:
     random = np.random.default_rng(count)
     s = np.linspace(0.0, length, panels + 1)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,6 +13,7 @@ from model.identification.likelihood.mixed_model import (
     effects,
     estimate,
     freedom,
+    inverse_symmetric,
     spread,
     weigh,
 )
@@ -171,3 +174,48 @@ def test_the_likelihood_is_that_of_a_gaussian_with_flat_parameters_integrated_ou
     one, two = np.log([0.7, 0.3, 0.4, 0.2]), np.log([0.2, 0.6, 0.5, 0.4])
     found = deviance(data, one, guess)[0] - deviance(data, two, guess)[0]
     assert found == pytest.approx(marginal(one) - marginal(two), rel=1e-4)
+
+
+def covariance(data, log_sigma):
+    """Of each run, written out."""
+    variance = np.exp(2.0 * log_sigma)
+    many, n = len(data.groups), np.arange(data.y.shape[1])
+    V = sum(v * Z @ Z.transpose(0, 2, 1) for v, Z in zip(variance, data.groups, strict=False))
+    V = V + np.zeros((*data.y.shape, len(n)))
+    V[:, n, n] += data.fixed
+    for v, D in zip(variance[many:], data.masks, strict=True):
+        V[:, n, n] += v * D
+    return V
+
+
+@pytest.mark.parametrize(
+    ("scatters", "noise"), [(0, 0.1), (1, 0.1), (2, 0.1), (4, 0.1), (1, 1e-3), (1, 1e-6)]
+)
+def test_weights_are_the_inverse_of_the_covariance_however_they_are_found(scatters, noise):
+    random = np.random.default_rng(scatters)
+    data, _ = made(random, runs=4)
+    groups = [random.standard_normal((4, 5, 1)) for _ in range(scatters)]
+    data = replace(data, groups=groups, fixed=np.zeros((4, 5)))
+    log_sigma = np.log(np.append(np.full(scatters, 0.3), noise))
+    V = covariance(data, log_sigma)
+    W = weigh(data, log_sigma).weights
+    inverse = np.linalg.inv(V)
+    sure = 1e-15 * np.linalg.cond(V)[:, None, None] * np.abs(inverse).max((1, 2), keepdims=True)
+    assert np.all(np.abs(W - inverse) < 100.0 * sure)
+
+
+def test_an_inverse_is_good_where_a_direction_is_almost_unknown():
+    random = np.random.default_rng(5)
+    turn, _ = np.linalg.qr(random.standard_normal((6, 6)))
+    size = 10.0 ** np.arange(6)  # badly scaled rows, as of parameters in different units
+    for least in (1e-2, 1e-7, 1e-10):
+        A = (turn * np.array([1.0, 1.0, 0.5, 0.1, 0.1, least])) @ turn.T
+        found = inverse_symmetric(A * size * size[:, None]) * size * size[:, None]
+        np.testing.assert_allclose(found @ A, np.eye(6), atol=1e-14 / least)
+
+
+def test_an_estimate_says_its_deviance():
+    data, _ = made(np.random.default_rng(2), runs=6)
+    guess = np.log([0.1, 0.3])
+    found = estimate(data, guess)
+    assert found.deviance == deviance(data, found.log_sigma, guess)[0]

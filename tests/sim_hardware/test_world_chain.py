@@ -273,3 +273,18 @@ def test_rolls_beside_the_neutral_curve_touch_it_further_on() -> None:
     normal = np.array([-math.sin(state.angle_rad), math.cos(state.angle_rad)])
     at = point + offset_m * normal
     assert at == pytest.approx([R * math.cos(0.4), R * math.sin(0.4)], abs=1e-7)
+
+
+@pytest.mark.slow
+def test_three_equations_are_solved_whatever_the_order_of_their_rows():
+    from sim_hardware.world.chain.contact_kernels import solve_three
+
+    random = np.random.default_rng(0)
+    low, step = np.empty((3, 4)), np.empty(3)
+    for k in range(200):
+        m, right = random.standard_normal((3, 3)), random.standard_normal(3)
+        m[k % 3, k % 3] = 0.0
+        determinant = solve_three(m, right, low, step)
+        assert determinant == pytest.approx(np.linalg.det(m), rel=1e-9)
+        np.testing.assert_allclose(step, np.linalg.solve(m, right), rtol=1e-8)
+    assert solve_three(np.outer([0.0, 1.0, 2.0], [1.0, 2.0, 4.0]), np.ones(3), low, step) == 0.0

@@ -50,7 +50,8 @@ def averaged(
     `normal @ parameters = pull` are the equations of the data; priors are on all parameters but the
     first two, which have theirs in `normal`.
     """
-    answers, odds, _ = _answers(normal, pull, priors, log_weight)
+    answers, evidence, _ = _answers(normal, pull, priors, log_weight)
+    odds = _odds(evidence)
     return np.asarray(odds @ answers)
 
 
@@ -61,7 +62,8 @@ def covariance(
 
     Each answer's own, and how much they differ.
     """
-    answers, odds, factors = _answers(normal, pull, priors, log_weight)
+    answers, evidence, factors = _answers(normal, pull, priors, log_weight)
+    odds = _odds(evidence)
     likely = odds > PRIOR_PROBABILITY_MIN
     off = answers[likely] - odds @ answers
     root = np.linalg.inv(factors[likely])
@@ -69,27 +71,40 @@ def covariance(
     return np.asarray(own + (off * odds[likely, None]).T @ off)
 
 
+def _odds(evidence: FloatArray) -> FloatArray:
+    odds = np.exp(evidence - evidence.max())
+    return np.asarray(odds / odds.sum())
+
+
 @jit
 def _answers(
     normal: FloatArray, pull: FloatArray, priors: FloatArray, log_weight: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return each prior's parameters, its odds, and Cholesky's factor of its equations."""
+    """Return each prior's parameters, its evidence, and Cholesky's factor of its equations.
+
+    Loops: to assign to a part of an array takes seconds to compile.
+    """
     kinds, size = len(priors), len(pull)
     factors, answers = np.zeros((kinds, size, size)), np.zeros((kinds, size))
-    evidence = log_weight.copy()
+    evidence = np.zeros(kinds)
     for i in range(kinds):
         factor, answer = factors[i], answers[i]
-        factor[:] = normal
-        factor[2:, 2:] += priors[i]
+        for p in range(size):
+            answer[p] = pull[p]
+            for q in range(size):
+                factor[p, q] = normal[p, q]
+                if p >= 2 and q >= 2:
+                    factor[p, q] += priors[i, p - 2, q - 2]
         _factorise(factor)
-        answer[:] = pull
         _forward(factor, answer)
-        evidence[i] += 0.5 * np.sum(answer * answer)
+        squares = 0.0
+        for q in range(size):
+            squares += answer[q] * answer[q]
+        evidence[i] = log_weight[i] + 0.5 * squares
         for q in range(size):
             evidence[i] -= math.log(factor[q, q])
         _backward(factor, answer)
-    odds = np.exp(evidence - evidence.max())
-    return answers, odds / odds.sum(), factors
+    return answers, evidence, factors
 
 
 @jit
@@ -101,7 +116,8 @@ def _factorise(a: FloatArray) -> None:
             for q in range(j):
                 total -= a[i, q] * a[j, q]
             a[i, j] = math.sqrt(total) if i == j else total / a[j, j]
-        a[i, i + 1 :] = 0.0
+        for j in range(i + 1, len(a)):
+            a[i, j] = 0.0
 
 
 @jit

@@ -76,7 +76,9 @@ def collect(
     value = np.empty(capacity)
     distance = np.empty(capacity)
     many = 0
-    cos, sin = np.cos(phi), np.sin(phi)
+    cos, sin = np.empty(cells + 1), np.empty(cells + 1)
+    for i in range(cells + 1):
+        cos[i], sin[i] = math.cos(phi[i]), math.sin(phi[i])
     for i in range(cells):
         first[i] = many
         du, dv = node_u[i + 1] - node_u[i], node_v[i + 1] - node_v[i]
@@ -228,8 +230,10 @@ def _gather(
         h0 += h
         hd += h * d
         ht += h * t
-    sums[:6] = (w0, wd, wt, dd, dt, tt)
-    sums[6:] = (f0, fd, ft, g0, gd, gt, h0, hd, ht)
+    sums[0], sums[1], sums[2], sums[3], sums[4], sums[5] = w0, wd, wt, dd, dt, tt
+    sums[6], sums[7], sums[8] = f0, fd, ft
+    sums[9], sums[10], sums[11] = g0, gd, gt
+    sums[12], sums[13], sums[14] = h0, hd, ht
 
 
 @jit
@@ -260,11 +264,12 @@ def measure(
     cells, pixels = len(first) - 1, len(value)
     right = np.empty((pixels, 3))
     basis = np.empty((pixels, 2))
-    right[:, 0] = value
-    basis[:, 0] = distance
-    basis[:, 1], right[:, 1], right[:, 2] = templates(
+    p, slope, width_slope = templates(
         distance, first, half_width, blur, widen, side_face, side_face_share
     )
+    for q in range(pixels):
+        right[q, 0], right[q, 1], right[q, 2] = value[q], slope[q], width_slope[q]
+        basis[q, 0], basis[q, 1] = distance[q], p[q]
     low, solved = np.zeros((3, 3)), np.zeros((3, 3))
     weight = np.ones(pixels)
     out = np.zeros((cells, 12))
@@ -276,9 +281,9 @@ def measure(
         total = window_sums(sums, window)
         for i in range(cells):
             _solve(total[i], low, solved)
-            b0, b1, c = solved[0]
-            g0, g1, g2 = solved[1]
-            h0, h1, h2 = solved[2]
+            b0, b1, c = solved[0, 0], solved[0, 1], solved[0, 2]
+            g0, g1, g2 = solved[1, 0], solved[1, 1], solved[1, 2]
+            h0, h1, h2 = solved[2, 0], solved[2, 1], solved[2, 2]
             many = max(first[i + 1] - first[i], 1)
             shown, missed = 0.0, 0.0
             for q in range(first[i], first[i + 1]):

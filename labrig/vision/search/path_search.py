@@ -45,9 +45,9 @@ def ridge_score(
         return -0.3
     best = -1e9
     for layer in range(layers):
-        m = maps[layer, :, i, j]
-        bend = -sign * (s * s * m[0] - 2 * s * c * m[1] + c * c * m[2])
-        slope = abs(-s * m[3] + c * m[4])
+        uu, uv, vv = maps[layer, 0, i, j], maps[layer, 1, i, j], maps[layer, 2, i, j]
+        bend = -sign * (s * s * uu - 2 * s * c * uv + c * c * vv)
+        slope = abs(-s * maps[layer, 3, i, j] + c * maps[layer, 4, i, j])
         best = max(best, bend - 0.7 * slope)
     if best <= 0:
         return max(-0.3, 0.06 * best)
@@ -161,31 +161,37 @@ def _expand(
 
 
 @jit
-def _select(
-    child: FloatArray, child_bend: IntArray, count: int, width: int, fine: float
-) -> IntArray:
-    """Return the best children, few of one place, direction and bend: the beam stays broad."""
-    score = child[:count, SCORE].copy()
-    # hardly more than the beam's width is ever chosen: sort those, and all only if they are too few
-    enough = 2 * width
-    if count > 2 * enough:
-        least = np.partition(score, count - enough)[count - enough]
-        better = np.flatnonzero(score >= least)
-        chosen = _spread(child, child_bend, better[np.argsort(-score[better])], width, fine)
-        if len(chosen) == width:
-            return chosen
-    return _spread(child, child_bend, np.argsort(-score), width, fine)
+def _sink(heap: IntArray, size: int, child: FloatArray, at: int) -> None:
+    """Let a child sink in a heap whose first is the best one."""
+    moved = heap[at]
+    below = 2 * at + 1
+    while below < size:
+        if below + 1 < size and child[heap[below + 1], SCORE] > child[heap[below], SCORE]:
+            below += 1
+        if child[heap[below], SCORE] <= child[moved, SCORE]:
+            break
+        heap[at] = heap[below]
+        at, below = below, 2 * below + 1
+    heap[at] = moved
 
 
 @jit
-def _spread(
-    child: FloatArray, child_bend: IntArray, order: IntArray, width: int, fine: float
-) -> IntArray:
-    """Return the first of `order`, at most two of one kind."""
+def select(
+    child: FloatArray, child_bend: IntArray, count: int, width: int, fine: float, chosen: IntArray
+) -> int:
+    """Choose the best children, at most two of one place, direction and bend; return how many.
+
+    So the beam stays broad. A heap hands them out, the best one first: few of all are needed.
+    """
+    heap = np.empty(count, dtype=np.int64)
+    for t in range(count):
+        heap[t] = t
+    for at in range(count // 2 - 1, -1, -1):
+        _sink(heap, count, child, at)
     taken = np.zeros(8192, dtype=np.int8)
-    chosen = np.empty(width, dtype=np.int64)
     kept = 0
-    for t in order:
+    for size in range(count, 0, -1):
+        t = heap[0]
         key = (
             math.floor(child[t, U] / 2.0) * 73856093
             ^ math.floor(child[t, V] / 2.0) * 19349663
@@ -198,7 +204,9 @@ def _spread(
             kept += 1
             if kept == width:
                 break
-    return chosen[:kept]
+        heap[0] = heap[size - 1]
+        _sink(heap, size - 1, child, 0)
+    return kept
 
 
 @jit
@@ -232,9 +240,11 @@ def search(
     child_bend = np.zeros(5 * capacity, dtype=np.int64)
     child_of = np.zeros(5 * capacity, dtype=np.int64)
     parent = np.zeros((steps, width), dtype=np.int64)
-    log = np.empty((steps, width, 3))
+    log, chosen = np.empty((steps, width, 3)), np.empty(width, dtype=np.int64)
     alive = _start(state, bend, u0, v0, heading, spread, most_bend)
-    first = state[:alive, :2].copy()
+    start = np.empty((alive, 2))
+    for i in range(alive):
+        start[i, U], start[i, V] = state[i, U], state[i, V]
     for j in range(steps):
         straight = j >= straight_from
         layers = maps.shape[0] if j >= wide_from else 1
@@ -260,18 +270,19 @@ def search(
         if count == 0:
             return np.empty((0, 2)), np.empty(0), -1.0
         # a straight rest differs in little but its angle
-        chosen = _select(child, child_bend, count, width, 0.006 if straight else 0.1)
-        alive = len(chosen)
+        fine = 0.006 if straight else 0.1
+        alive = select(child, child_bend, count, width, fine, chosen)
         for i in range(alive):
             t = chosen[i]
-            state[i] = child[t, :5]
+            for q in range(5):
+                state[i, q] = child[t, q]
             bend[i], parent[j, i] = child_bend[t], child_of[t]
             log[j, i, 0], log[j, i, 1], log[j, i, 2] = child[t, U], child[t, V], child[t, GAIN]
     path, gains = np.empty((steps + 1, 2)), np.empty(steps)
-    at = 0
+    at, total = 0, 0.0
     for j in range(steps - 1, -1, -1):
-        path[j + 1] = log[j, at, :2]
-        gains[j] = log[j, at, 2]
+        path[j + 1, 0], path[j + 1, 1], gains[j] = log[j, at, 0], log[j, at, 1], log[j, at, 2]
+        total += gains[j]
         at = parent[j, at]
-    path[0] = first[at]
-    return path, gains, float(gains.mean())
+    path[0, 0], path[0, 1] = start[at, U], start[at, V]
+    return path, gains, total / steps

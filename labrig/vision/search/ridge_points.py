@@ -15,6 +15,14 @@ IntArray = npt.NDArray[np.int64]
 
 
 @jit
+def _largest(reach: IntArray) -> int:
+    most = 0
+    for r in reach:
+        most = max(most, r)
+    return most
+
+
+@jit
 def ridge_offsets(
     smooth: MapArray,
     u: FloatArray,
@@ -34,7 +42,7 @@ def ridge_offsets(
     n = len(u)
     offset, width = np.full(n, np.nan), np.full(n, np.nan)
     height = np.zeros(n)
-    profile = np.empty(2 * reach.max() + 1)
+    profile = np.empty(2 * _largest(reach) + 1)
     for i in range(n):
         r = reach[i]
         inside = True

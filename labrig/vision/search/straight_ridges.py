@@ -47,7 +47,7 @@ def _bends(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> tuple[Floa
 
 def entries(layer: MapArray, sign: float, u: IntArray, v: IntArray) -> FloatArray:
     """Return (n, 3) where ridges cross a closed ring of places, strongest first: u, v and angle."""
-    bend, angle = _bends(layer, sign, u, v)
+    bend, angle = _bends(layer, sign, np.ascontiguousarray(u), np.ascontiguousarray(v))
     peaks = np.flatnonzero(bend > RIDGE_BEND_MIN_SIGMAS)
     around = peaks[:, None] + np.arange(-4, 5)
     peaks = peaks[bend[peaks] >= bend[around % len(bend)].max(axis=1)]
@@ -143,12 +143,13 @@ def _beside(
     c, s = math.cos(angle), math.sin(angle)
     score = np.empty(2 * CORRIDOR_PX + 1)
     for i in range(len(u)):
+        most = -1.0
         for q in range(len(score)):
             d = q - CORRIDOR_PX
             score[q] = ridge_score(
                 maps, sign, u[i] - s * d, v[i] + c * d, c, s, layers=1, half=BEND_AT_HALF_SCORE
             )
-        most = score.max()
+            most = max(most, score[q])
         if most < LINE_SCORE_MIN:
             continue
         total = 0.0

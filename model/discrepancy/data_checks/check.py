@@ -8,6 +8,8 @@ misfit. A base fit that fails and that no change mends is told, too: no effect e
 
 from __future__ import annotations
 
+import hashlib
+import pickle
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -37,6 +39,7 @@ from model.measurements import Measurements
 SAME_SIGMA, SAME_SHARE = 5.0, 0.02  # within which two configurations ask for the same value
 # beyond which one of them contradicts a value that the others ask for
 APART_SIGMA, APART_SHARE = 3.0, 0.01
+KEPT = 4  # data of which the suspicions are kept in memory
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,10 +80,27 @@ def check_data(measurements: Measurements) -> CheckedData:
     stops = [one for one in found if one.severity == "stop"]
     # what else seems wrong follows from these, as a rule
     at_rest, left_out = without_swinging(data)
-    found = stops or [*found, *_of_the_fit(at_rest, checks)]
+    found = stops or [*found, *_once(at_rest, checks)]
     return CheckedData(
         measurements=at_rest, suspicions=tuple(found), notes=(*cleaned.sentences(), *left_out)
     )
+
+
+# What was found of the last data, in the order of their use; with the checks, for their identity.
+_KEPT = dict[bytes, tuple[tuple[Suspicion, ...], Sequence[DataCheck]]]()
+
+
+def _once(data: Measurements, checks: Sequence[DataCheck]) -> tuple[Suspicion, ...]:
+    """Fit the same data once: a fit, a diagnosis and a report in one process ask for the same."""
+    numbers = replace(data, source="", checksum="")  # a file also changes when results are kept
+    key = hashlib.sha256(pickle.dumps((numbers, [id(check) for check in checks]))).digest()
+    kept = _KEPT.pop(key, None)
+    if kept is None:
+        kept = tuple(_of_the_fit(data, checks)), checks
+    _KEPT[key] = kept
+    for old in list(_KEPT)[:-KEPT]:
+        _KEPT.pop(old, None)
+    return kept[0]
 
 
 def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Suspicion]:

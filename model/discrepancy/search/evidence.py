@@ -17,7 +17,7 @@ from model.effects.interface import Effect, EffectParameter, Values
 from model.identification.likelihood.form_ways import atoms
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Linearisation
-from model.identification.likelihood.mixed_model import Solution, deviance, estimate
+from model.identification.likelihood.mixed_model import Solution, estimate
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import ModelState
 from model.measurements import FloatArray
@@ -232,8 +232,7 @@ def _rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
     while scale <= 1.01 * max(one.candidate.sizes):
         linear = with_columns(forward, fitted.linear, one.candidate.columns, scale**-2.0)
         solution = estimate(linear.data, fitted.problem.guess, kept.log_sigma, 0.02)
-        value = deviance(linear.data, solution.log_sigma, fitted.problem.guess)[0]
-        value += 2.0 * q * float(np.log(scale)) - prior_terms(fitted)
+        value = solution.deviance + 2.0 * q * float(np.log(scale)) - prior_terms(fitted)
         gain = 0.5 * (fitted.deviance - value)
         if gain <= best:
             break

@@ -28,7 +28,7 @@ from model.dynamics.kernel.work import (
     Scratch,
     new_work,
 )
-from model.jit import Array, jit
+from model.jit import Array, jit, jit_inside
 
 # An iteration takes at least this share of the error over: the first after a new matrix converges
 # faster than the next ones will.
@@ -71,7 +71,7 @@ def relaxed(z: Array, q: Array, rest: Array, factors: Array) -> None:
             z[i, j] += late * (q[j] - rest[j])
 
 
-@jit
+@jit_inside
 def evaluate(
     body: Any, state: Any, moment: Array, clamp: Array, place: Array, contact: bool, stiff: float,
     w: Scratch,
@@ -107,7 +107,7 @@ def predict(state: Any, h: float, of: Any, dof: Array) -> None:
         state.a[j], state.a_mean[j] = guess, new
 
 
-@jit
+@jit_inside
 def renew(body: Any, state: Any, contact: bool, elastic: float, by: Array, w: Scratch) -> bool:
     """Write the inverse of Newton's matrix for the state just evaluated; by: dv/dq, da/dq."""
     if contact:
@@ -128,7 +128,7 @@ def solve(order: int, inverse: Array, dof: Array) -> None:
             dof[STEP, i] += inverse[j, i] * residual
 
 
-@jit
+@jit_inside
 def correct(state: Any, contact: bool, along: float, by: Array, at: Array, dof: Array) -> float:
     """Make one iteration's step; return the largest change of a coefficient."""
     size = len(state.q)
@@ -159,6 +159,15 @@ def nearness(q: Array, wanted: float) -> float:
 
 
 @jit
+def write(n: int, state: Any, track: Any) -> None:
+    """Write the state down at step n."""
+    for j in range(len(state.q)):
+        track.q[n, j], track.v[n, j] = state.q[j], state.v[j]
+    for i in range(3):
+        track.x[n, i] = state.x[i]
+
+
+@jit
 def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, int]:
     """Move the state on through all steps; write it down.
 
@@ -169,7 +178,7 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
     dof, factors = w.dof, np.zeros((len(body.shares), 3))
     by, x_rate = np.zeros(3), np.zeros(2)
     h_old, age, rate, stiff = 0.0, 0, 0.0, 1.0
-    track.q[0], track.v[0], track.x[0] = state.q, state.v, state.x
+    write(0, state, track)
     for n in range(len(given.step_s)):
         h = given.step_s[n]
         if abs(h - h_old) > 1e-9 * h:
@@ -180,7 +189,7 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
             by[2] = 1.0 / (h * h * of.beta)
             for j in range(size):
                 dof[FORMER, j] = state.a[j]
-            x_rate[:] = 0.0
+            x_rate[0] = x_rate[1] = 0.0
         remember(body, state, factors, dof)
         predict(state, h, of, dof)
         state.x[0] += x_rate[0]
@@ -214,10 +223,7 @@ def march(body: Any, given: Any, state: Any, of: Any, track: Any) -> tuple[int, 
             return n, FAILED
         age += 1
         relaxed(state.z, state.q, body.rest, factors)
-        for j in range(size):
-            track.q[n + 1, j], track.v[n + 1, j] = state.q[j], state.v[j]
-        for i in range(3):
-            track.x[n + 1, i] = state.x[i]
+        write(n + 1, state, track)
         for i in range(2):
             x_rate[i] = state.x[i] - track.x[n, i]
     return len(given.step_s), 0

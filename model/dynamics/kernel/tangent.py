@@ -184,8 +184,9 @@ def invert(size: int, rows: Array, inverse: Array) -> bool:
     residual.
     """
     right = rows.shape[1] - rows.shape[0]
-    rows[:size, size:] = 0.0
     for j in range(size):
+        for k in range(size, rows.shape[1]):
+            rows[j, k] = 0.0
         rows[j, right + j] = 1.0
     for j in range(size):
         if not pivot(size, j, rows):

@@ -50,9 +50,12 @@ class Scratch(NamedTuple):
 @jit
 def new_work(M: int, N: int, P: int) -> Scratch:
     """Scratch arrays for M nodes and N coefficients."""
+    over = np.empty(2 * M)
+    for i in range(2 * M):
+        over[i] = 1.0 / (i + 1)
     return Scratch(
         node=np.zeros((ROWS, M)), dof=np.zeros((DOF_ROWS, N + 1)), at=np.zeros(6),
-        values=np.zeros(M), integrals=np.zeros(M), over=1.0 / np.arange(1.0, 2.0 * M + 1.0),
+        values=np.zeros(M), integrals=np.zeros(M), over=over,
         by=np.zeros((PLANES, M, P)), matrix=np.zeros((N + 1, P + 4 + N + 1)),
         inverse=np.zeros((N + 1, N + 1)),
     )  # fmt: skip

@@ -17,7 +17,6 @@ from model.identification.likelihood.linearisation import (
 )
 from model.identification.likelihood.mixed_model import (
     Solution,
-    deviance,
     effects,
     estimate,
     inverse_symmetric,
@@ -174,8 +173,7 @@ def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
     linear, spans = at.linearised()
     problem = at.problem
     solution = estimate(linear.data, problem.guess, log_sigma, FINE)
-    value = deviance(linear.data, solution.log_sigma, problem.guess)[0]
-    value += prior_terms(linear, problem.bases.size)
+    value = solution.deviance + prior_terms(linear, problem.bases.size)
     return MixedModelFit(
         problem=problem,
         theta=at.theta,

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model.jit import Array, jit
+from model.jit import Array, jit, jit_inside
 from model.mechanics.kernel.newton import closure, sweep
 from model.mechanics.kernel.panel import Work, new_work, panel_of, polynomial
 from model.mechanics.kernel.shape import (
@@ -28,7 +28,7 @@ class Moves(NamedTuple):
     length: Array  # (Q,) of l
 
 
-@jit
+@jit_inside
 def answers(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float, psi: Array,
     x: Array, to: Moves, columns: Array, w: Work, dx: Array,
@@ -45,7 +45,6 @@ def answers(
         dkappa=to.kappa,
         dsoft=to.soft,
         dlength=to.length,
-        newton=False,
         columns=columns,
         w=w,
     )
@@ -62,7 +61,7 @@ def answers(
         dx[q, 2] = -(w.ends[0, 2 + q] + w.ends[0, 0] * dx[q, 0] + w.ends[0, 1] * dx[q, 1])
 
 
-@jit
+@jit_inside
 def turning(
     breaks: Array, kappa: Array, rule: Any, x: Array, to: Moves, columns: Array, dx: Array,
     strip: CurveBuffer, count: int, dphi: Array,

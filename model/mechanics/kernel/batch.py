@@ -27,7 +27,9 @@ from model.mechanics.kernel.panel import new_work
 from model.mechanics.kernel.start import cold
 
 WIDEST, NARROW = 96, 8  # lanes: as many as the second cache holds; in multiples of a register's
-FEW = 4  # problems that are solved sooner one by one
+# Up to this many take about as long one by one, and what solves them side by side takes a quarter
+# of a minute to compile.
+FEW = WIDEST
 MOST_STEPS = 8  # of all lanes, for the sake of one
 
 

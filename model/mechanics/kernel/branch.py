@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from model.jit import Array, jit
+from model.jit import Array, jit, jit_inside
 from model.mechanics.kernel.newton import newton
 from model.mechanics.kernel.panel import Work, new_work
 from model.mechanics.kernel.start import free_crossing, free_start
@@ -60,7 +60,7 @@ def march(
     return 1, determinant
 
 
-@jit
+@jit_inside
 def from_free(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float,
     psi: Array, x: Array, columns: Array, w: Work,
@@ -98,7 +98,7 @@ def from_free(
     )[0]
 
 
-@jit
+@jit_inside
 def from_straight(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angle: float,
     psi: Array, x: Array, columns: Array, w: Work,

@@ -27,14 +27,15 @@ SMALL_STEP = 2e-6
 @jit
 def sweep(
     breaks: Array, kappa: Array, soft: Array, rule: Any, psi: Array, nu: float, s_hat: float,
-    dkappa: Array, dsoft: Array, dlength: Array, newton: bool, columns: Array, w: Work,
+    dkappa: Array, dsoft: Array, dlength: Array, columns: Array, w: Work,
 ) -> tuple[float, float, float]:  # fmt: skip
     """Linearise panel after panel, from the contact to the clamp.
 
-    psi (P, n) is the present iterate; columns (P, n, C) receives how it answers. Returns psi, a and
-    b at the clamp; how they answer is left in `w.ends`.
+    psi (P, n) is the present iterate; columns (P, n, C) receives how it answers: to nu, s_hat, and
+    the parameters dkappa, dsoft, dlength, or without these to Newton's residual. Returns psi, a
+    and b at the clamp; how they answer is left in `w.ends`.
     """
-    n, length = len(rule.c), breaks[-1]
+    n, length, newton = len(rule.c), breaks[-1], len(dlength) == 0
     on_sheet = s_hat < length
     top = min(s_hat, length)
     psi_s, a_s, b_s = 0.0, s_hat - top, 0.0
@@ -143,7 +144,6 @@ def newton(
             dkappa=none,
             dsoft=none,
             dlength=nothing,
-            newton=True,
             columns=columns,
             w=w,
         )

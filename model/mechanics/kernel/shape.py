@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from model.jit import Array, jit
+from model.jit import Array, jit, jit_inside
 from model.mechanics.kernel.panel import polynomial
 
 
@@ -68,7 +68,7 @@ def cut(breaks: Array, top: float, strip: CurveBuffer) -> int:
     return count
 
 
-@jit
+@jit_inside
 def unroll(
     breaks: Array, kappa: Array, soft: Array, rule: Any, psi: Array, nu: float, top: float,
     phi_hat: float, a_clamp: float, strip: CurveBuffer,
@@ -120,7 +120,7 @@ def lever_integral(rule: Any, strip: CurveBuffer, count: int) -> float:
     return total
 
 
-@jit
+@jit_inside
 def points(
     breaks: Array, kappa: Array, soft: Array, rule: Any, nu: float, top: float, phi_hat: float,
     x_hat: float, y_hat: float, strip: CurveBuffer, count: int, s: Array, dphi: Array,

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from model.jit import Array, jit
+from model.jit import Array, jit, jit_inside
 from model.mechanics.kernel.newton import newton
 from model.mechanics.kernel.panel import Work, panel_of, polynomial
 
@@ -86,7 +86,7 @@ def bent_start(breaks: Array, rule: Any, x: Array, psi: Array) -> None:
             psi[p, j] += 0.5 * x[0] * (lever * lever - (x[1] - top) ** 2)
 
 
-@jit
+@jit_inside
 def cold(
     breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float,
     angle: float, psi: Array, x: Array, columns: Array, w: Work,

@@ -126,7 +126,9 @@ def _border(
 
     `work` becomes what the links answer to residual, s and force. Returns the negative pivots.
     """
-    columns = work[:, 2:].copy()
+    columns = np.empty((work.shape[0], 2))
+    for i in range(work.shape[0]):
+        columns[i, 0], columns[i, 1] = work[i, 2], work[i, 3]
     negative = eliminate(diagonal, below, work)
     for k in range(4):
         sliding = x = y = 0.0
@@ -134,19 +136,55 @@ def _border(
             sliding += rows[i] * work[i, k]
             x += columns[i, 0] * work[i, k]
             y += columns[i, 1] * work[i, k]
-        into = right if k == 0 else small[:, k - 1]
-        into[0] -= sliding
-        into[1] -= x
-        into[2] -= y
+        if k == 0:
+            right[0], right[1], right[2] = right[0] - sliding, right[1] - x, right[2] - y
+            continue
+        small[0, k - 1] -= sliding
+        small[1, k - 1] -= x
+        small[2, k - 1] -= y
     return negative
 
 
 @brief_jit
-def _negative_eigenvalues(m: Floats) -> int:
-    """Of a symmetric 3 x 3 matrix, by the signs of its leading minors."""
+def solve_three(m: Floats, right: Floats, low: Floats, step: Floats) -> float:  # noqa: C901 - loops alone
+    """Solve m step = right, 3 x 3, by elimination with exchange of rows; return the determinant.
+
+    `low` (3, 4) is room to work in. (LAPACK's calls would take seconds to compile.)
+    """
+    determinant = 1.0
+    for i in range(3):
+        low[i, 3] = right[i]
+        for j in range(3):
+            low[i, j] = m[i, j]
+    for k in range(3):
+        best = k
+        for i in range(k + 1, 3):
+            if abs(low[i, k]) > abs(low[best, k]):
+                best = i
+        if best != k:
+            determinant = -determinant
+            for j in range(4):
+                low[k, j], low[best, j] = low[best, j], low[k, j]
+        determinant *= low[k, k]
+        if not abs(determinant) > 0.0:
+            return 0.0
+        for i in range(k + 1, 3):
+            share = low[i, k] / low[k, k]
+            for j in range(k, 4):
+                low[i, j] -= share * low[k, j]
+    for i in range(2, -1, -1):
+        total = low[i, 3]
+        for j in range(i + 1, 3):
+            total -= low[i, j] * step[j]
+        step[i] = total / low[i, i]
+    return determinant
+
+
+@brief_jit
+def _negative_eigenvalues(m: Floats, third: float) -> int:
+    """Of a symmetric 3 x 3 matrix, by the signs of its leading minors; `third` is the last one."""
     first = m[0, 0]
     second = m[0, 0] * m[1, 1] - m[0, 1] * m[1, 0]
-    third = np.linalg.det(m)
     count = 0
     before = 1.0
     for minor in (first, second, third):
@@ -169,8 +207,8 @@ def relax_touched(
     h = hinges.h_m
     diagonal, below, rows = np.empty(n), np.empty(n), np.empty(n)
     work, towards = np.empty((n, 4)), np.empty((n, 2))
-    small = np.empty((3, 3))
-    right = np.empty(3)
+    small, low = np.empty((3, 3)), np.empty((3, 4))
+    right, step = np.empty(3), np.empty(3)
     for _ in range(MOST_STEPS):
         s, fx, fy = contact[0], contact[1], contact[2]
         directions(phi, towards)
@@ -185,9 +223,9 @@ def relax_touched(
         small[2, 0], small[2, 1], small[2, 2] = -y1, 0.0, 0.0
         right[0], right[1], right[2] = -(fx * qx + fy * qy), roll.x_m - x, roll.y_m - y
         negative = _border(diagonal, below, work, rows, small, right)
-        if not abs(np.linalg.det(small)) > 0.0:
+        determinant = solve_three(small, right, low, step)
+        if not abs(determinant) > 0.0:
             return NO_SOLUTION
-        step = np.linalg.solve(small, right)
         largest = abs(step[0]) / h * 1e-3
         for i in range(n):
             change = work[i, 0] - (
@@ -199,11 +237,14 @@ def relax_touched(
             return NO_SOLUTION
         for i in range(n):
             phi[i] -= work[i, 0]
-        contact -= step
+        for i in range(3):
+            contact[i] -= step[i]
         if contact[0] > end_m or contact[0] < 4.0 * h:
             return OFF_THE_SHEET
         if largest < SMALL_STEP_RAD:
             # At a minimum under two constraints the bordered matrix has two negative eigenvalues.
-            stable = roll.friction != 0.0 or negative + _negative_eigenvalues(small) == 2
+            stable = (
+                roll.friction != 0.0 or negative + _negative_eigenvalues(small, determinant) == 2
+            )
             return SOLVED if stable else NOT_A_MINIMUM
     return NO_SOLUTION

@@ -78,10 +78,10 @@ def _hinges(
 
     `known` (n + 1,): moment but for that part. `phi` (3, n + 1), `lag` (2, p, n + 1): now, before.
     """
-    factor = BETA + 0.5 * links.viscous_s / dt
+    factor, total = BETA + 0.5 * links.viscous_s / dt, 1.0
     for p in range(links.share.shape[0]):
+        total += links.share[p]
         factor += BETA * links.share[p] / (1.0 + 0.5 * dt / links.relax_s[p])
-    total = 1.0 + np.sum(links.share)
     before = 1 - now
     for i in range(1, phi.shape[1]):
         old = phi[0, i] - phi[0, i - 1]
@@ -149,14 +149,15 @@ def _pulls(links: Links, dt: float, towards: Floats, at: Floats, pull: Floats) -
         ty = towards[1, i - 1, 1] + towards[1, i, 1]
         size = math.hypot(tx, ty)
         for k in range(3):
-            x[k] = at[k, i]
+            x[k, 0], x[k, 1] = at[k, i, 0], at[k, i, 1]
         nx, ny = -ty / size, tx / size
         _pull(
             links, dt, mass=links.mass_kg[i], span=links.span_m[i], nx=nx, ny=ny, x=x, out=pull[i]
         )
     for b in range(2):
         for k in range(3):
-            x[k] = at[k, last] + links.bar_at_m[b] * towards[k, last]
+            for c in range(2):
+                x[k, c] = at[k, last, c] + links.bar_at_m[b] * towards[k, last, c]
         nx, ny = -towards[1, last, 1], towards[1, last, 0]
         _pull(
             links, dt, mass=links.bar_kg[b], span=links.bar_span_m[b], nx=nx, ny=ny, x=x,
@@ -319,20 +320,20 @@ def step(
     for i in range(1, last + 1):
         spring[i] = factor * stiff * links.spring_Nm[i]
         known[i] -= moment[i]
-    pushed = space.work[:, 0].copy()
-    pushed[:] = 0.0
+    pushed, place = np.zeros(last + 1), np.empty(2)
     if held:
         _, _, tx, ty = touched(towards[1], contact[0], h)
         size = math.hypot(tx, ty)
         levers(towards[1], contact[0], h, -ty / size, tx / size, pushed)
-    place = np.array([contact[2], contact[1]])
+    place[0], place[1] = contact[2], contact[1]
     for _ in range(_ROUNDS):
         lay(phi[2], h, towards[2], at[2])
         _pulls(links, dt, towards, at, space.pull)
         for i in range(1, last + 1):
             bending[i] = known[i] + spring[i] * (phi[2, i] - phi[2, i - 1])
         _residual(links, towards, space.pull, bending, right)
-        right[:, 1] = pushed
+        for i in range(last + 1):
+            right[i, 1] = pushed[i]
         _solve(links, spring, towards, space.pull, space.work, right)
         largest = 0.0
         if held:

@@ -137,11 +137,12 @@ def _move(
     """Step the chain; a sheet that cannot be held any longer slips out of the rolls."""
     phi, contact, row = state.phi, state.contact, state.row
     _moments(law, course.share[k], state.U, moment)
-    phi[0] = phi[1]
-    phi[1] = phi[2]
+    for i in range(phi.shape[1]):
+        phi[0, i], phi[1, i] = phi[1, i], phi[2, i]
     contact[0] = contact[2]
     for held in (row[HELD] == 1.0, False):
-        phi[2] = 2.0 * phi[1] - phi[0]
+        for i in range(phi.shape[1]):
+            phi[2, i] = 2.0 * phi[1, i] - phi[0, i]
         phi[2, 0] = course.clamp_rad[k]
         status = step(
             links, course.stiff[k], dt, phi, state.lag, now=state.flags[0], moment=moment,
@@ -177,8 +178,10 @@ def march(
             if moved == LOST:
                 return k
             state.flags[1] = 1 if change_V < _STILL_V and _still(state) else 0
-            row[BACK] = np.sum(line.back_S * state.U)
-            row[SINK] = np.sum(line.sink_S_per_s * state.U)
+            row[BACK] = row[SINK] = 0.0
+            for i in range(work.shape[0]):
+                row[BACK] += line.back_S[i] * state.U[i]
+                row[SINK] += line.sink_S_per_s[i] * state.U[i]
             if row[HELD] == 1.0:
                 _, _, tx, ty = touched(space.towards[1], contact[0], links.h_m)
                 row[S], row[ANGLE] = contact[0], math.atan2(ty, tx)
@@ -188,6 +191,8 @@ def march(
         slope = (force - before) / dt
         shown, rate = ring(row[CELL], row[CELL_RATE], before, slope, dt, omega, damping)
         row[FORCE], row[SLOPE], row[CELL], row[CELL_RATE] = force, slope, shown, rate
-        rows[k] = row
-        shapes[k] = state.phi[2]
+        for j in range(row.shape[0]):
+            rows[k, j] = row[j]
+        for i in range(shapes.shape[1]):
+            shapes[k, i] = state.phi[2, i]
     return int(rows.shape[0])

@@ -226,3 +226,16 @@ def test_forces_in_another_unit_give_a_modulus_that_no_sheet_has():
     said = [one.sentence for one in data_checks()["material"].of_stiffness(m, B_Nm2)]
     assert any("would mean a Young's modulus of" in one for one in said)
     assert all("check that forces are in mN" in one for one in said)
+
+
+def test_the_same_data_are_fitted_once(monkeypatch):
+    fitted = []
+    monkeypatch.setattr(
+        "model.discrepancy.data_checks.check._of_the_fit", lambda data, _: fitted.append(data) or ()
+    )
+    data = session()
+    check_data(data)
+    check_data(replace(session(), checksum="after results were kept in the file"))
+    assert len(fitted) == 1
+    check_data(forces_changed(data, lambda _, forces: 1.01 * forces))
+    assert len(fitted) == 2
