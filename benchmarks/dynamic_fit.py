@@ -24,7 +24,7 @@ from labrig.report.tables.in_time.parameters import shown
 from labrig.session import open_session
 from model.dynamics import Resolution
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from tests.labrig.moving_session import TRUTH, record
 
 AIM_S = 10.0

@@ -17,7 +17,7 @@ from labrig.errors import BadInputError
 from model.dynamics import DynamicBeam, ElectrodeLine, Elongation, Resolution, Viscoelasticity
 from model.dynamics.dynamic_sheet import fluid_around
 from model.dynamics.identification import RecordedRun
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import Field
 

@@ -15,7 +15,7 @@ import numpy as np
 from model.dynamics.beam import DynamicBeam
 from model.dynamics.identification.noise import RecordingNoise, tempered
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import FINE, coarser
+from model.dynamics.identification.predicted_run import FINE, coarser
 from model.dynamics.identification.runs import RecordedRun
 from model.dynamics.identification.search import SearchPoint, SearchProblem, search
 from model.dynamics.identification.thresholds import GUARD, LEAST_MISFIT, SURE_MISFIT

@@ -75,6 +75,25 @@ class LogParameters:
         along["bulk_resistance"] = -1.0
         return np.array([along.get(q.name, 0.0) for q in self.quantities])
 
+    @cached_property
+    def _amounts(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return which (p,) the motion grows with in proportion: losses, not times."""
+        return np.array([
+            q.name == "viscous_time" or q.name.startswith("share_") for q in self.quantities
+        ])  # fmt: skip
+
+    def step(self, towards: FloatArray, longest: float) -> FloatArray:
+        """Return a step of the logarithms from one (p,) that is right where it is short.
+
+        `longest`: of a logarithm. An amount of loss changes by a share of itself, not as its
+        logarithm would: others, known far better, make up for it along a straight line then.
+        """
+        least = np.where(self._amounts, -np.expm1(-longest), longest)
+        most = np.where(self._amounts, np.expm1(longest), longest)
+        over = np.max(np.where(towards < 0.0, -towards / least, towards / most), initial=1.0)
+        part = towards / over
+        return np.where(self._amounts, np.log1p(part, where=self._amounts, out=part.copy()), part)
+
     def values(self, theta: FloatArray) -> dict[str, float]:
         """Return the values by name; a moment per volt keeps its sign."""
         found = np.exp(theta) * np.sign([q.value for q in self.quantities])

@@ -9,7 +9,8 @@ import numpy as np
 
 from model.dynamics.identification.noise import RecordingNoise
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import RunResiduals, coarser, in_milliseconds
+from model.dynamics.identification.predicted_run import coarser, in_milliseconds
+from model.dynamics.identification.residuals import RunResiduals
 from model.dynamics.identification.runs import RecordedRun
 from model.dynamics.motion import Resolution
 from model.measurements import FloatArray, ModelError
@@ -17,6 +18,7 @@ from model.measurements import FloatArray, ModelError
 LONGEST = 1.0  # step of a logarithm
 CONTRACTION = 0.1  # a step this much shorter than the last needs no new matrices
 MOST_STEPS = 25
+LAST_STEPS = 1.0  # a step that is shorter, in standard deviations, is worth exact derivatives
 LEAST_GAIN = 0.01  # of the cost: with exact derivatives too little to go on for ...
 NEAR = 0.1  # ... and as good as found when the step left is this short
 MOST_DAMPING, ROUGH_DAMPING = 1e8, 10.0
@@ -59,23 +61,25 @@ class SearchProblem:
         cost = chi2 + float(moved @ (self.parameters.precision * moved))
         return SearchPoint(theta, each, chi2, cost)
 
-    def jacobians(
-        self, theta: FloatArray, *, symmetric: bool = False, exact: bool = False
-    ) -> list[FloatArray]:
+    def reached(self, theta: FloatArray) -> SearchPoint | None:
+        """Return the same; None: there is no such sheet, or it leaves the rolls."""
+        try:
+            return self.point(theta)
+        except ModelError:
+            return None
+
+    def jacobians(self, theta: FloatArray, *, exact: bool = False) -> list[FloatArray]:
         """Return d prediction/d theta of each run, whitened; 0 where nothing was seen.
 
         Long steps are good enough, but where data say next to nothing: what is compared with the
-        data is computed with short ones. exact: short steps and central differences.
+        data is computed with short ones. exact: short steps.
         """
-        by = self.forward if exact else self._rough
-        return self._jacobians(by, theta, symmetric=symmetric or exact)
+        return self._jacobians(self.forward if exact else self._rough, theta)
 
-    def _jacobians(
-        self, by: list[RunResiduals], theta: FloatArray, *, symmetric: bool
-    ) -> list[FloatArray]:
+    def _jacobians(self, by: list[RunResiduals], theta: FloatArray) -> list[FloatArray]:
         out = []
         for of, run in zip(by, self.runs, strict=True):
-            J = of.sensitivity(self.parameters, theta, symmetric=symmetric)
+            J = of.sensitivity(self.parameters, theta, symmetric=False)
             if run.x_m is not None and run.y_m is not None:
                 J[len(J) - run.x_m.size :][~np.isfinite(run.x_m + run.y_m).ravel()] = 0.0
             out.append(J)
@@ -98,7 +102,7 @@ class SearchProblem:
 
     def rough_information(self, theta: FloatArray) -> FloatArray:
         """Return J'J (p, p) of all runs with steps of a millisecond, to compare places."""
-        return squares(self._jacobians(self._between, theta, symmetric=True))
+        return squares(self._jacobians(self._between, theta))
 
     @property
     def count(self) -> int:
@@ -140,16 +144,18 @@ def search(
     while steps < MOST_STEPS:
         steps += 1
         hessian, gradient, length = problem.equations(at, jacobians)
-        if not fresh and length > CONTRACTION * before:
+        found = precise and length < tolerance
+        if not fresh and not found and length > CONTRACTION * before:
             jacobians, fresh, precise = problem.jacobians(at.theta, exact=exact), True, exact
             hessian, gradient, length = problem.equations(at, jacobians)
-        if finish and not precise and length < tolerance:
+        if finish and not precise and length < max(tolerance, LAST_STEPS):
             exact = precise = fresh = True
+            damping = 0.0  # it was for long steps
             jacobians = problem.jacobians(at.theta, exact=True)
             hessian, gradient, length = problem.equations(at, jacobians)
         most = MOST_DAMPING if exact else ROUGH_DAMPING
         cost = at.cost
-        at, damping, moved = _step(problem, at, hessian, gradient, damping, most)
+        at, damping, moved = _step(problem, at, jacobians, damping, most)
         gained = cost - at.cost
         if length < tolerance or (exact and fresh and gained < LEAST_GAIN):
             break
@@ -159,19 +165,26 @@ def search(
 
 
 def _step(
-    problem: SearchProblem, at: SearchPoint, hessian: FloatArray, gradient: FloatArray,
-    damping: float, most: float,
+    problem: SearchProblem, at: SearchPoint, jacobians: list[FloatArray], damping: float,
+    most: float,
 ) -> tuple[SearchPoint, float, bool]:  # fmt: skip
-    """Return a better point, the damping that led there, and whether there was one."""
+    """Return a better point, the damping that led there, and whether there was one.
+
+    Where several parameters make up for one another along a curve a straight step leaves it: a
+    second one with the same derivatives leads back.
+    """
+    hessian, gradient, _ = problem.equations(at, jacobians)
     while damping < most:
         damped = hessian + damping * np.diag(np.diag(hessian))
-        step = np.linalg.solve(damped, gradient)
-        step *= min(1.0, LONGEST / float(np.max(np.abs(step), initial=LONGEST)))
-        try:
-            new = problem.point(at.theta + step)
-        except ModelError:  # no sheet, or one that leaves the rolls
-            new = None
-        if new is not None and new.cost <= at.cost:
-            return new, damping * 0.1 if damping > 1e-5 else 0.0, True
+        for again in (False, True):
+            begun, towards = at, gradient
+            if again:
+                begun, towards = new, problem.equations(new, jacobians)[1]
+            step = problem.parameters.step(np.linalg.solve(damped, towards), LONGEST)
+            new = problem.reached(begun.theta + step)
+            if new is None:
+                break
+            if new.cost <= at.cost:
+                return new, damping * 0.1 if damping > 1e-5 else 0.0, True
         damping = max(1e-4, 10.0 * damping)
     return at, 0.0, False

@@ -15,6 +15,7 @@ from model.dynamics.beam import ClampTurn, ContactSetup, DynamicBeam, HeldVoltag
 from model.dynamics.body import SLIPPED, Given, MotionState, StepHistory, new_history, scheme
 from model.dynamics.line import LineModes
 from model.dynamics.load_cell import LoadCellFilter
+from model.dynamics.motion.between_steps import between_steps
 from model.dynamics.motion.boundaries import Boundaries
 from model.dynamics.motion.driven_moment import Drive, DrivenMoment, Electrical
 from model.dynamics.motion.resolution import SAME_TIME, Resolution, steps
@@ -31,6 +32,7 @@ class Steps(NamedTuple):
     given: Given
     track: StepHistory
     line: Electrical  # at their ends
+    ends_s: FloatArray  # (n + 1,) the first is where they begin
 
 
 class Simulation:
@@ -133,7 +135,7 @@ class Simulation:
             step_s=step_s, moment=moment, clamp=self._held.clamp(ends),
             place=self._held.places(ends), contact=self.setup is not None,
         )  # fmt: skip
-        made = Steps(given, new_history(given, self.body.space.size), line)
+        made = Steps(given, new_history(given, self.body.space.size), line, ends)
         self.made = made
         if self.slipped_s is None:
             self._march(made, ends)
@@ -177,6 +179,19 @@ class Simulation:
             phi_rad=q @ at.angle.T + psi[:, None], curvature_per_m=q @ at.curvature.T,
             slipped_s=self.slipped_s,
         )  # fmt: skip
+
+    def curves(
+        self, times_s: FloatArray, s_m: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return x, y and phi (T, S) at times of the last piece, which need not end a step."""
+        if self.made is None:
+            raise ModelError("a sheet has curves when it has moved: advance it first")
+        made, at = self.made, self._points(s_m)[1]
+        q = between_steps(made.ends_s, made.track.q, made.track.v, times_s)
+        psi = self._held.clamp(times_s)[:, :1]
+        phi = q @ self._dense[0].T + psi
+        x_m, y_m = np.cos(phi) @ at.position.T, np.sin(phi) @ at.position.T
+        return x_m, y_m, q @ at.angle.T + psi
 
     def _touch(
         self, x: FloatArray, given: Given, rows: np.ndarray[Any, Any]

@@ -19,7 +19,7 @@ from model.dynamics.identification import (
 )
 from model.dynamics.identification.noise import Whitening
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from model.dynamics.identification.thresholds import MOST_PRIOR
 from model.dynamics.identification.uncertainty import judged, surely
 from model.dynamics.load_cell import LoadCellFilter
