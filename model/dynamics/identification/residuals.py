@@ -122,11 +122,17 @@ class RunResiduals:
         at = self.predict(parameters.beam(theta))
         step = DIFFERENCE if symmetric else ONE_SIDED
         columns: list[tuple[PredictedRun, PredictedRun | RecordedRun]] = []
-        for moved in step * np.eye(len(theta)):
+        told = np.ones(len(theta), dtype=bool)
+        if not (self.run.force or len(self.run.frame_s)):  # the current, of the electrodes alone
+            told = parameters.length_of_line != 0.0
+        for moved in step * parameters.directions[told]:
             after = self.predict(parameters.beam(theta + moved))
             before = self.predict(parameters.beam(theta - moved)) if symmetric else at
             columns.append((replace(before, phi_rad=at.phi_rad), after))
-        return self.whitened(columns) / (2.0 * step if symmetric else step)
+        some = self.whitened(columns) / (2.0 * step if symmetric else step)
+        changed = np.zeros((len(some), len(theta)))
+        changed[:, told] = some
+        return np.asarray(np.linalg.solve(parameters.directions, changed.T).T)
 
 
 def _difference(
