@@ -66,12 +66,15 @@ def other_lines(
     few, here = (search(problem, theta, NEAR_ENOUGH) for problem in (some, every))
     H = every.equations(here.at, every.derivatives(here.at.theta))[0]
     sigma = np.sqrt(np.diag(np.linalg.inv(H)))
-    known = [here.at.theta]
+    known, told = [theta], parameters.length_of_line != 0.0
 
     def is_new(end: SearchEnd, best: SearchEnd) -> bool:
-        away = min(float(np.max(np.abs(end.at.theta - one) / sigma)) for one in known)
+        away = min(float(np.max(np.abs(end.at.theta - one)[told] / sigma[told])) for one in known)
         return away > APART and end.least_cost < best.at.cost + RIVAL + MOTION_SAYS
 
+    if is_new(here, here):
+        known.append(here.at.theta)
+        yield here.at.theta
     for length in OTHER_LINES:
         end = search(some, here.at.theta + length * parameters.length_of_line, NEAR_ENOUGH)
         if not is_new(end, few):
@@ -79,7 +82,7 @@ def other_lines(
         end = search(every, end.at.theta, NEAR_ENOUGH)
         if is_new(end, here):
             known.append(end.at.theta)
-            yield np.where(parameters.length_of_line == 0.0, theta, end.at.theta)
+            yield end.at.theta
 
 
 def _thinned(run: RecordedRun) -> RecordedRun:

@@ -130,6 +130,8 @@ class SearchProblem:
         step, middle = new.theta - at.theta, 0.5 * (at.theta + new.theta)
         hessian = self.equations(at, known)[0]
         variance = np.diag(np.linalg.inv(hessian))
+        if not step.any():
+            return known
         along = step / variance / float(step @ (step / variance))
         halfway, grown = (self.parameters.grown(to - known.theta) for to in (middle, new.theta))
         each = [
