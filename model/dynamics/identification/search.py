@@ -197,6 +197,7 @@ def search(
         steps += 1
         length = problem.equations(at, known)[2]
         again = not known.fresh and length > CONTRACTION * before
+        again |= exact and not known.exact  # long steps led nowhere
         if finish and length < max(tolerance, LAST_STEPS):
             again |= not known.exact
             again |= length < tolerance and problem.away(at, known) > FROM_NEAR
