@@ -155,7 +155,7 @@ class SearchProblem:
         return sum(of.count(run) for of, run in zip(self.forward, self.runs, strict=True))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class SearchEnd:
     """Where a search ended."""
 
@@ -217,7 +217,7 @@ def search(
         exact = exact or (fresh and not moved)
         before = length if moved else 0.0
     converged, left = length < max(tolerance, NEAR), length**2 * len(at.theta)
-    return SearchEnd(at, steps, converged, left, clean)
+    return SearchEnd(at=at, steps=steps, converged=converged, left=left, exact=clean)
 
 
 def _step(
