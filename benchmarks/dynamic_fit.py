@@ -46,7 +46,7 @@ def measure() -> Report:
     fit_s = time.process_time() - begin_s
     figures = {"read_s": read_s, "fit_s": fit_s, "parameters": _figures(fit)}
     notes = (
-        f"aim: a fit within {AIM_S:g} s of CPU",
+        f"aim: reading and fit within {AIM_S:g} s of CPU",
         f"chi2 per value {fit.found.chi2 / fit.found.count:.2f}, {fit.found.steps} last steps",
         note,
     )
