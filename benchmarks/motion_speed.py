@@ -58,7 +58,7 @@ SOLVERS = (
     *((method, asked) for asked in (1e-1, 1e-2, 1e-4) for method in ("LSODA", "BDF", "Radau")),
     ("DOP853", 1e-4),
 )
-STEPS_S = (4e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 6.25e-5, 2.5e-5)
+STEPS_S = (4e-3, 3e-3, 2e-3, 1e-3, 5e-4, 2.5e-4, 6.25e-5, 2.5e-5)
 ERRORS = (1e-3, 1e-4, 1e-5, 1e-6)  # of the tip over l: who is fastest within each
 CONVERGED = Resolution(
     after_edges=1, degrees=(12, 6), step_s=1e-4, tolerance_per_s2=1e-3, line_terms=16
@@ -162,11 +162,13 @@ def release() -> tuple[Table, dict[str, Any], tuple[str, ...]]:
     of = Equations(6, eta)
     start = np.concatenate([of.q, np.zeros(6)])
     for method, asked in SOLVERS:
-        began = time.process_time()
-        solved = solve_ivp(
-            of.rates, (0.0, 0.3), start, method=method, t_eval=times, rtol=asked, atol=asked
-        )
-        seconds = time.process_time() - began
+        seconds = np.inf
+        for _ in range(3):
+            began = time.process_time()
+            solved = solve_ivp(
+                of.rates, (0.0, 0.3), start, method=method, t_eval=times, rtol=asked, atol=asked
+            )
+            seconds = min(seconds, time.process_time() - began)
         found[f"solve_ivp, {method}, {asked:.0e}"] = {
             "tip_y_m": of.tip_y(solved.y[:6].T), "seconds": seconds
         }  # fmt: skip
@@ -194,7 +196,7 @@ def release() -> tuple[Table, dict[str, Any], tuple[str, ...]]:
 
 def _own(times: np.ndarray, degrees: int, step_s: float, eta: float) -> dict[str, Any]:
     beam, held = plain(material=material(prony=False, eta=eta)), under_tip_load()
-    by = Resolution(step_s=step_s, free_degrees=degrees, tolerance_per_s2=1.0, rho=0.9)
+    by = Resolution(step_s=step_s, free_degrees=degrees, tolerance_per_s2=10.0, rho=0.9)
     best, tip = np.inf, times
     for _ in range(20):
         one = Simulation(beam, None, UNDRIVEN, released_from=held, resolution=by)

@@ -19,7 +19,8 @@ import numpy as np
 from benchmarks.dynamic_coverage.drawn import drawn_session
 from benchmarks.dynamic_coverage.measured import measured
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import FINE, RunResiduals, coarser
+from model.dynamics.identification.predicted_run import FINE, coarser
+from model.dynamics.identification.residuals import RunResiduals
 
 CHAINS = ((64, 0.5), (80, 0.5), (160, 0.5), (160, 0.25), (320, 0.25))  # links, step in ms
 

@@ -15,7 +15,7 @@ from benchmarks.report import Report, Table
 from model import ModelError
 from model.dynamics.identification import identify, information
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import FINE
+from model.dynamics.identification.predicted_run import FINE
 from model.dynamics.identification.thresholds import MOST_PRIOR, MOST_SIGMA
 
 LINKS, STEP_MS = 160, 0.5

@@ -105,6 +105,7 @@ class StepHistory(NamedTuple):
 def new_history(given: Given, size: int) -> StepHistory:
     """Return a track full of NaN."""
     n = len(given.step_s) + 1
-    return StepHistory(
-        np.full((n, size), np.nan), np.full((n, size), np.nan), np.full((n, 3), np.nan)
-    )
+    every = np.empty(n * (2 * size + 3))
+    every.fill(np.nan)
+    q, v, x = every[: n * size], every[n * size : 2 * n * size], every[2 * n * size :]
+    return StepHistory(q.reshape(n, size), v.reshape(n, size), x.reshape(n, 3))

@@ -13,7 +13,7 @@ from model.dynamics import ContactSetup, DynamicBeam, ElectrodeLine, HeldVoltage
 from model.dynamics.beam import NO_ELONGATION, Elongation
 from model.dynamics.fluid import fluid_load
 from model.dynamics.identification import RunPlan
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from model.dynamics.models import DrivenSheet, Response
 from model.measurements import FloatArray
 from model.sheet.prediction import predict_free

@@ -17,7 +17,7 @@ from labrig.errors import BadInputError
 from model.dynamics import DynamicBeam, ElectrodeLine, Elongation, Resolution, Viscoelasticity
 from model.dynamics.dynamic_sheet import fluid_around
 from model.dynamics.identification import RecordedRun
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import Field
 
@@ -28,7 +28,7 @@ USUAL_LOSS = Viscoelasticity(B_Nm2=1.0, shares=(0.1, 0.1), times_s=(0.03, 0.3), 
 LEAST_SWING_M = 3e-4
 SLOWEST_SWING_HZ, FASTEST_SWING_HZ = 0.3, 15.0
 COARSE = Resolution(
-    step_s=2e-3, after_edges=1, degrees=(6, 2), free_degrees=6, line_terms=8
+    step_s=2e-3, after_edges=1, degrees=(6, 2), free_degrees=6, line_terms=12
 )  # fmt: skip
 FIRST_MODE = 1.8751040687119612
 FORCE_EVERY = 5  # samples

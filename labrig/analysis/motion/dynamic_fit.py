@@ -26,7 +26,7 @@ from model.dynamics.identification import (
 from model.measurements import FloatArray, SheetGeometry
 
 SAMPLE_S = 0.5  # after an edge, where the static part of a model file is sampled
-NEAR, CLOSE = 0.5, 0.1  # the last step of a search, in standard deviations
+NEAR, CLOSE = 0.5, 0.03  # the last step of a search, in standard deviations
 THIN = 4  # samples, of which one is enough to come near
 LINE_TERMS, ALONG, REST_NODES = 12, 21, 41
 

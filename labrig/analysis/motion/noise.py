@@ -13,7 +13,7 @@ import numpy as np
 from drivers.interfaces import FloatArray
 from model.dynamics import DynamicBeam, Resolution
 from model.dynamics.identification import ChannelNoise, RecordedRun, RecordingNoise
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 
 EDGE_S = 1e-3  # the amplifier's output has changed, and the sample's clock is known so well
 USUAL_FORCE = {"zero": 2e-4, "drift_per_sqrt_s": 3e-5, "hum": 3e-5}  # N, N/sqrt(s), N

@@ -14,7 +14,7 @@ from numpy.polynomial import legendre
 
 from model.dynamics import DynamicBeam, Resolution
 from model.dynamics.identification import RecordedRun
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from model.measurements import FloatArray
 from model.mechanics.field import Field
 

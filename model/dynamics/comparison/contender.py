@@ -12,7 +12,7 @@ import numpy as np
 from model.dynamics.beam import DynamicBeam
 from model.dynamics.comparison.compared_run import MeasuredRun
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from model.dynamics.models import ModelParameter, PublishedModel, Response
 from model.dynamics.motion import Resolution
 

@@ -13,11 +13,13 @@ from math import sqrt
 import numpy as np
 
 from model.dynamics.beam import DynamicBeam
+from model.dynamics.identification.electrode_lines import best_line, other_lines
 from model.dynamics.identification.noise import RecordingNoise, tempered
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import FINE, coarser
+from model.dynamics.identification.predicted_run import FINE, coarser
+from model.dynamics.identification.rivals import beside, best_and_rivals
 from model.dynamics.identification.runs import RecordedRun
-from model.dynamics.identification.search import SearchPoint, SearchProblem, search
+from model.dynamics.identification.search import SearchProblem, search
 from model.dynamics.identification.thresholds import GUARD, LEAST_MISFIT, SURE_MISFIT
 from model.dynamics.identification.uncertainty import DynamicParameter, judged, surely
 from model.dynamics.motion import Resolution
@@ -68,21 +70,27 @@ def identify(
     the priors for what is not. tolerance: the last step is this short, in standard deviations of
     the parameters (0.1 of them where no step makes the fit better). resolution: None: FINE. near:
     `start` is near the answer; else the electrodes are found from the current alone, then all
-    parameters from the begin of each run, then from everything. Raises ModelError.
+    parameters from the begin of each run, then from everything. Where other electrodes explain the
+    data as well, an interval covers both, or the parameter is not determined. Raises ModelError.
     """
     parameters = LogParameters(start)
     _refuse(runs)
     by = resolution or FINE
     begun = parameters.theta if near else _beginning(parameters, runs, noise, by)
     problem = SearchProblem(parameters, runs, noise, by)
-    ended = search(problem, begun, tolerance, finish=True)
+    first = search(problem, begun, tolerance, finish=True)
+    others = other_lines(parameters, runs, noise, by, first.at.theta)
+    ended, rivals = best_and_rivals(problem, first, others, tolerance)
     at = ended.at
     scale = max(1.0, at.chi2 / problem.count)
     found, covariance = judged(parameters, at.theta, ended.information(problem), scale, GUARD)
-    found = surely(
-        found, covariance, at.theta, parameters.theta,
-        lambda theta: judged(parameters, theta, problem.rough_information(theta), scale)[0],
-    )  # fmt: skip
+
+    def there(theta: FloatArray) -> tuple[DynamicParameter, ...]:
+        return judged(parameters, theta, problem.rough_information(theta), scale)[0]
+
+    found = surely(found, covariance, at.theta, parameters.theta, there)
+    for rival in rivals:
+        found = beside(found, there(rival.at.theta))
     if not ended.converged and _misses(at.chi2, problem.count):  # it is not known where it is
         found = tuple(replace(one, determined=False) for one in found)
     return Identification(
@@ -119,13 +127,6 @@ class _Stage:
 STAGES = (_Stage(0.35, 30.0), _Stage(1.0, 10.0), _Stage(np.inf, 3.0))
 
 
-# A line with r, c and g so many times larger and rho as much smaller looks to the current like the
-# same line so many times longer: only what comes back from its end tells them apart. There are
-# minima about every factor of two.
-LONGER = (0.0, -0.7, 0.7, -1.5, 1.5)  # logarithms, where the search for the electrodes begins
-NEXT_LONGER, MOST_LONGER = (-0.7, 0.7), 4  # from the best, and how often it is gone on from
-
-
 def _beginning(
     parameters: LogParameters, runs: Sequence[RecordedRun], noise: RecordingNoise, fine: Resolution
 ) -> FloatArray:
@@ -134,39 +135,13 @@ def _beginning(
     One swing first, so that no period is counted wrongly; noise taken for stronger than it is, so
     that the loss does not run away to explain a frequency that is still wrong.
     """
-    theta = _electrodes(parameters, runs, noise, fine)
+    theta = best_line(parameters, runs, noise, fine)
     coarse = coarser(fine)
     for stage in STAGES:
         some = [run.until(_first_edge_s(run) + stage.until_s) for run in runs]
         problem = SearchProblem(parameters, some, tempered(noise, stage.temper), coarse)
         theta = search(problem, theta, BEGIN).at.theta
     return theta
-
-
-def _electrodes(
-    parameters: LogParameters, runs: Sequence[RecordedRun], noise: RecordingNoise, fine: Resolution
-) -> FloatArray:
-    """Return logarithms with the electrodes that explain the current best, of several beginnings.
-
-    The current alone takes milliseconds: the sheet need not move for it.
-    """
-    theta = parameters.theta
-    currents = [run.current_alone() for run in runs if run.plan.current]
-    if not currents:
-        return theta
-    problem = SearchProblem(parameters, currents, noise, fine)
-
-    def best(begun: FloatArray, lengths: Sequence[float]) -> SearchPoint:
-        ways = (begun + by * parameters.length_of_line for by in lengths)
-        return min((search(problem, way, BEGIN).at for way in ways), key=lambda at: at.cost)
-
-    found = best(theta, LONGER)
-    for _ in range(MOST_LONGER):
-        other = best(found.theta, NEXT_LONGER)
-        if other.cost > found.cost - 1.0:
-            break
-        found = other
-    return found.theta
 
 
 def _first_edge_s(run: RecordedRun) -> float:

@@ -59,7 +59,10 @@ class RecordingNoise:
 
 
 def tempered(noise: RecordingNoise, factor: float) -> RecordingNoise:
-    """Return noise so many times stronger, under which a search leans on the priors."""
+    """Return noise of force and curves so many times stronger: a search leans on the priors.
+
+    The current says as much as before: the electrodes, sought before, stay where they are.
+    """
 
     def stronger(of: ChannelNoise) -> ChannelNoise:
         return ChannelNoise(
@@ -67,10 +70,7 @@ def tempered(noise: RecordingNoise, factor: float) -> RecordingNoise:
             drift_per_sqrt_s=factor * of.drift_per_sqrt_s,
         )  # fmt: skip
 
-    return replace(
-        noise, force=stronger(noise.force), current=stronger(noise.current),
-        curve_m=factor * noise.curve_m,
-    )  # fmt: skip
+    return replace(noise, force=stronger(noise.force), curve_m=factor * noise.curve_m)
 
 
 class Whitening:

@@ -75,6 +75,43 @@ class LogParameters:
         along["bulk_resistance"] = -1.0
         return np.array([along.get(q.name, 0.0) for q in self.quantities])
 
+    @cached_property
+    def directions(self) -> FloatArray:
+        """Return the steps (p, p), in rows, along which derivatives are taken best.
+
+        Stiffness, mass and moments together in place of the stiffness alone: a free sheet moves as
+        before then, which the sum of four derivatives, each a little off, would not say.
+        """
+        names = [q.name for q in self.quantities]
+        together = ("B", "mass_per_length", "moment_per_positive_volt", "moment_per_negative_volt")
+        along = np.eye(len(names))
+        along[names.index("B")] = [float(name in together) for name in names]
+        return along
+
+    @cached_property
+    def _amounts(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+        """Return which (p,) the motion grows with in proportion: losses, not times."""
+        return np.array([
+            q.name == "viscous_time" or q.name.startswith("share_") for q in self.quantities
+        ])  # fmt: skip
+
+    def grown(self, moved: FloatArray) -> FloatArray:
+        """Return how many times larger derivatives (p,) are when the logarithms have moved."""
+        return np.where(self._amounts, np.exp(np.where(self._amounts, moved, 0.0)), 1.0)
+
+    def step(self, towards: FloatArray, longest: float) -> FloatArray:
+        """Return a step of the logarithms from one (p,) that is right where it is short.
+
+        `longest`: of a logarithm. An amount of loss changes by a share of itself, not as its
+        logarithm would: others, known far better, make up for it along a straight line then.
+        """
+        least = np.where(self._amounts, -np.expm1(-longest), longest)
+        most = np.where(self._amounts, np.expm1(longest), longest)
+        over = np.max(np.where(towards < 0.0, -towards / least, towards / most), initial=1.0)
+        part = towards / over
+        amounts = np.log1p(np.where(self._amounts, part, 0.0))
+        return np.asarray(np.where(self._amounts, amounts, part))
+
     def values(self, theta: FloatArray) -> dict[str, float]:
         """Return the values by name; a moment per volt keeps its sign."""
         found = np.exp(theta) * np.sign([q.value for q in self.quantities])

@@ -3,86 +3,23 @@
 from __future__ import annotations
 
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from model.dynamics.beam import DynamicBeam
 from model.dynamics.identification.noise import RecordingNoise, Whitening
 from model.dynamics.identification.parameters import LogParameters
+from model.dynamics.identification.predicted_run import PredictedRun, predict, predicted_current
 from model.dynamics.identification.runs import RecordedRun, RunPlan
-from model.dynamics.line import LineModes
-from model.dynamics.motion import SAME_TIME, Resolution, SheetMotion, Simulation
+from model.dynamics.line import ElectrodeLine
+from model.dynamics.motion import Resolution
 from model.measurements import FloatArray, ModelError
 
-DIFFERENCE = 1e-3  # of a logarithm
-# a step of 1 ms is off by as much as 25 frames of a release say
-FINE = Resolution(step_s=5e-4, after_edges=1)
-COARSE_STEP_S, COARSE_DEGREES = 2e-3, (6, 2)
-
-
-def coarser(fine: Resolution) -> Resolution:
-    """Return a resolution good enough for derivatives, and to come near."""
-    return replace(
-        fine, step_s=max(fine.step_s, COARSE_STEP_S), after_edges=1,
-        degrees=tuple(min(pair) for pair in zip(fine.degrees, COARSE_DEGREES, strict=False)),
-        free_degrees=min(fine.free_degrees, COARSE_DEGREES[0]),
-    )  # fmt: skip
-
-
-def in_milliseconds(fine: Resolution) -> Resolution:
-    """Return a resolution that is right about what is lost in milliseconds, for half the time."""
-    return replace(fine, step_s=max(fine.step_s, 1e-3), after_edges=1)
-
-
-@dataclass(frozen=True, kw_only=True)
-class PredictedRun:
-    """What the model says of a run, as `RecordedRun` holds it."""
-
-    force_N: FloatArray  # (n,)
-    current_A: FloatArray
-    x_m: FloatArray  # (m, p)
-    y_m: FloatArray
-    phi_rad: FloatArray
-    break_m: float | None = None  # between the panels of the sheet; None: there is but one
-
-
-def predict(beam: DynamicBeam, run: RunPlan, resolution: Resolution) -> PredictedRun:
-    """Return the model's run. Raises ModelError, also where the sheet slips out of the rolls."""
-    if not run.force and not len(run.frame_s):
-        return _current_alone(beam, run, resolution)
-    times = np.unique(np.concatenate([run.time_s, run.frame_s]))
-    times = times[np.diff(times, prepend=-1.0) > SAME_TIME]
-    points = run.points_m if len(run.points_m) else np.zeros(1)
-    simulation = Simulation(beam, run.setup, run.drive, resolution=resolution)
-    motion: SheetMotion = simulation.advance(run.drive, times, points)
-    if motion.slipped_s is not None:
-        raise ModelError(f"{run.name}: the sheet slips out of the rolls at {motion.slipped_s:g} s")
-    samples = np.searchsorted(times, run.time_s - SAME_TIME)
-    frames = np.searchsorted(times, run.frame_s - SAME_TIME)
-    return PredictedRun(
-        force_N=motion.reading_N[samples], current_A=motion.current_A[samples],
-        x_m=motion.x_m[frames], y_m=motion.y_m[frames], phi_rad=motion.phi_rad[frames],
-        break_m=simulation.break_m,
-    )  # fmt: skip
-
-
-def _current_alone(beam: DynamicBeam, run: RunPlan, resolution: Resolution) -> PredictedRun:
-    """Return the current, for which the sheet need not move."""
-    if beam.electrodes is None:
-        raise ModelError("to predict a current the sheet's electrodes must be described")
-    line = LineModes(beam.electrodes, beam.length_m, resolution.line_terms)
-    inside = run.drive.time_s[(run.drive.time_s > 0.0) & (run.drive.time_s < run.time_s[-1])]
-    knots = np.unique(np.concatenate([np.zeros(1), run.time_s, inside]))
-    held = run.drive.at(0.5 * (knots[1:] + knots[:-1]))
-    begun = line.charged(run.drive.time_s, run.drive.voltage_V)
-    modes = line.respond(begun, np.diff(knots), held)
-    current = line.current_A(modes, np.concatenate([held[:1], held]))
-    none = np.zeros((0, 1))
-    samples = np.searchsorted(knots, run.time_s)
-    return PredictedRun(
-        force_N=np.zeros(len(samples)), current_A=current[samples], x_m=none, y_m=none, phi_rad=none
-    )
+# Of a logarithm. One-sided differences are off by half a step's curvature, which tells apart what
+# no data do: a free sheet of twice the stiffness, mass and moment moves as before. Of so short a
+# step that is less than the weakest prior says; where it is still too much, take central ones.
+DIFFERENCE, ONE_SIDED = 1e-3, 3e-5
 
 
 def away_from_edges(
@@ -105,6 +42,8 @@ class RunResiduals:
         """Prepare the whitening."""
         self.run, self._resolution, self._curve_m = run, resolution, noise.curve_m
         self._break_m: float | None = None
+        self._every = 1  # of how many samples one is computed
+        self._known: tuple[ElectrodeLine, float, FloatArray] | None = None
         self._away = away_from_edges(run, noise)
         if run.current and not self._away.any():
             raise ModelError(f"{run.name}: no sample of the current is away from the voltage edges")
@@ -115,9 +54,15 @@ class RunResiduals:
         )  # fmt: skip
 
     def with_resolution(self, resolution: Resolution) -> RunResiduals:
-        """Return the same with other steps; the whitening, dear to prepare, is shared."""
+        """Return the same with other steps; the whitening, dear to prepare, is shared.
+
+        Steps longer than the samples are apart are taken as they are: most samples lie in between.
+        """
         other = copy(self)
-        other._resolution, other._break_m = resolution, None
+        other._resolution, other._break_m, other._known = resolution, None, None
+        if len(self.run.time_s) > 1:
+            apart_s = float(np.median(np.diff(self.run.time_s)))
+            other._every = max(1, int(resolution.step_s / apart_s + 1e-6))
         return other
 
     def count(self, data: RecordedRun) -> int:
@@ -133,9 +78,20 @@ class RunResiduals:
 
         The panels part where the first sheet asked about touches, so that all share their matrices.
         """
-        said = predict(beam, self.run, replace(self._resolution, break_m=self._break_m))
+        by = replace(self._resolution, break_m=self._break_m)
+        said = predict(beam, self.run, by, every=self._every, current_A=self._through(beam, by))
         self._break_m = said.break_m
         return said
+
+    def _through(self, beam: DynamicBeam, by: Resolution) -> FloatArray:
+        """Return the current; most parameters leave it as it was."""
+        line, known = beam.electrodes, self._known
+        if line is not None and known is not None and known[:2] == (line, beam.length_m):
+            return known[2]
+        found = predicted_current(beam, self.run, by)
+        if line is not None:
+            self._known = line, beam.length_m, found
+        return found
 
     def whitened(
         self, columns: list[tuple[PredictedRun, PredictedRun | RecordedRun]]
@@ -162,18 +118,21 @@ class RunResiduals:
     def sensitivity(
         self, parameters: LogParameters, theta: FloatArray, *, symmetric: bool
     ) -> FloatArray:
-        """Return d prediction/d theta, whitened, (N, p), by forward or central differences.
-
-        One-sided ones are off by half a step's curvature, which tells apart what no data do: a
-        free sheet of twice the stiffness, mass and moment moves as before.
-        """
+        """Return d prediction/d theta, whitened, (N, p), by one-sided or central differences."""
         at = self.predict(parameters.beam(theta))
+        step = DIFFERENCE if symmetric else ONE_SIDED
         columns: list[tuple[PredictedRun, PredictedRun | RecordedRun]] = []
-        for moved in DIFFERENCE * np.eye(len(theta)):
+        told = np.ones(len(theta), dtype=bool)
+        if not (self.run.force or len(self.run.frame_s)):  # the current, of the electrodes alone
+            told = parameters.length_of_line != 0.0
+        for moved in step * parameters.directions[told]:
             after = self.predict(parameters.beam(theta + moved))
             before = self.predict(parameters.beam(theta - moved)) if symmetric else at
             columns.append((replace(before, phi_rad=at.phi_rad), after))
-        return self.whitened(columns) / (DIFFERENCE * (2.0 if symmetric else 1.0))
+        some = self.whitened(columns) / (2.0 * step if symmetric else step)
+        changed = np.zeros((len(some), len(theta)))
+        changed[:, told] = some
+        return np.asarray(np.linalg.solve(parameters.directions, changed.T).T)
 
 
 def _difference(

@@ -12,3 +12,7 @@ GUARD = 0.8  # and keeps this part of both limits: the information is itself an 
 # A fit misses its data where chi2 per value is larger than 1 by both of these:
 LEAST_MISFIT = 0.25  # smaller ones only widen the intervals a little
 SURE_MISFIT = 5.0  # standard deviations of chi2 per value
+# Another place explains the data as well where its cost, over the variance of the residuals, is
+# larger by less than
+RIVAL = 2.71  # what the 90 % interval of one parameter allows
+MOST_LEFT = 4.0  # of a cost, that a search may still have had to gain where it ended

@@ -28,12 +28,15 @@ class DynamicParameter:
     log_sigma: float  # of its logarithm: about its relative standard uncertainty
     prior_share: float  # of its variance: 0: the data alone, 1: the priors alone
     determined: bool
+    other_value: float | None = None  # far from the interval, and explains the data as well
 
     def text(self) -> str:
         """Return one line for people."""
         value, unit = self.parameter.value, self.parameter.unit
         if not self.determined:
-            return f"{self.name}: these data do not determine it ({value:.3g} {unit} assumed)"
+            other = self.other_value
+            also = "" if other is None else f"; {other:.3g} {unit} explains them as well"
+            return f"{self.name}: these data do not determine it ({value:.3g} {unit} assumed{also})"
         low, high = self.parameter.interval()
         return f"{self.name} = {value:.4g} {unit}, 90 % interval {low:.4g} to {high:.4g}"
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil
 from typing import Any
 
 import numpy as np
@@ -51,15 +50,14 @@ def steps(
 ) -> tuple[FloatArray, Counts]:
     """Return steps that end at all times and edges, and after how many each time comes."""
     near = edges_s[(edges_s > begin_s - AFTER_EDGE_S) & (edges_s < times_s[-1])]
-    if not len(near) and len(times_s) == 1:  # the page asks so for every frame
-        width = float(times_s[0]) - begin_s
-        count = ceil(width / by.step_s - 1e-6) if width > SAME_TIME else 0
-        return np.full(count, width / max(count, 1)), np.array([count])
+    if not len(near):  # as for every frame of the page, and for a sheet that is let go
+        widths = times_s - np.concatenate([[begin_s], times_s[:-1]])
+        counts = np.maximum(np.ceil(widths / by.step_s - 1e-6), 0.0).astype(int)
+        return np.repeat(widths / np.maximum(counts, 1), counts), np.cumsum(counts)
     knots = np.concatenate([[begin_s], times_s])
-    if len(near):
-        ends = near if by.after_edges == 1 else np.concatenate([near, near + AFTER_EDGE_S])
-        ends = ends[(ends > begin_s) & (ends < times_s[-1])]
-        knots = np.unique(np.concatenate([knots, ends]))
+    ends = near if by.after_edges == 1 else np.concatenate([near, near + AFTER_EDGE_S])
+    ends = ends[(ends > begin_s) & (ends < times_s[-1])]
+    knots = np.unique(np.concatenate([knots, ends]))
     widths = np.diff(knots)
     apart = widths > SAME_TIME
     if not apart.all():
@@ -74,7 +72,7 @@ def steps(
 
 def _longest(from_s: FloatArray, edges_s: FloatArray, by: Resolution) -> FloatArray | float:
     """Return how long steps may be that begin at or after these times."""
-    if by.after_edges == 1 or not len(edges_s):
+    if by.after_edges == 1:
         return by.step_s
     last = np.searchsorted(edges_s, from_s + SAME_TIME) - 1
     since_s = from_s - edges_s[np.maximum(last, 0)]

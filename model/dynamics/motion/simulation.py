@@ -6,6 +6,7 @@ free or held by the rolls of the load cell. `Simulation` goes on from where it s
 
 from __future__ import annotations
 
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ from model.dynamics.beam import ClampTurn, ContactSetup, DynamicBeam, HeldVoltag
 from model.dynamics.body import SLIPPED, Given, MotionState, StepHistory, new_history, scheme
 from model.dynamics.line import LineModes
 from model.dynamics.load_cell import LoadCellFilter
+from model.dynamics.motion.between_steps import between_steps
 from model.dynamics.motion.boundaries import Boundaries
 from model.dynamics.motion.driven_moment import Drive, DrivenMoment, Electrical
 from model.dynamics.motion.resolution import SAME_TIME, Resolution, steps
@@ -31,6 +33,7 @@ class Steps(NamedTuple):
     given: Given
     track: StepHistory
     line: Electrical  # at their ends
+    ends_s: FloatArray  # (n + 1,) the first is where they begin
 
 
 class Simulation:
@@ -122,18 +125,21 @@ class Simulation:
         where the motion cannot be followed in steps of this length.
         """
         times = np.atleast_1d(np.asarray(times_s, dtype=float))
-        if not np.all(np.isfinite(times)) or np.any(np.diff(times) <= 0.0):
+        # those between two finite ones are finite where they ascend
+        whole = len(times) == 0 or (isfinite(times[0]) and isfinite(times[-1]))
+        if not (whole and (times[1:] > times[:-1]).all()):
             raise ModelError("the times of a motion must be finite and ascend")
         if len(times) == 0 or times[0] < self.time_s - SAME_TIME:
             raise ModelError(f"a motion cannot go back to before {self.time_s:g} s")
         step_s, rows = steps(self.time_s, times, _edges(drive), self.resolution)
-        ends = self.time_s + np.concatenate([[0.0], np.cumsum(step_s)])
+        ends = np.full(len(step_s) + 1, self.time_s)
+        ends[1:] += np.cumsum(step_s)
         moment, line = self._driven.follow(drive, ends, step_s)
         given = Given(
             step_s=step_s, moment=moment, clamp=self._held.clamp(ends),
             place=self._held.places(ends), contact=self.setup is not None,
         )  # fmt: skip
-        made = Steps(given, new_history(given, self.body.space.size), line)
+        made = Steps(given, new_history(given, self.body.space.size), line, ends)
         self.made = made
         if self.slipped_s is None:
             self._march(made, ends)
@@ -177,6 +183,19 @@ class Simulation:
             phi_rad=q @ at.angle.T + psi[:, None], curvature_per_m=q @ at.curvature.T,
             slipped_s=self.slipped_s,
         )  # fmt: skip
+
+    def curves(
+        self, times_s: FloatArray, s_m: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return x, y and phi (T, S) at times of the last piece, which need not end a step."""
+        if self.made is None:
+            raise ModelError("a sheet has curves when it has moved: advance it first")
+        made, at = self.made, self._points(s_m)[1]
+        q = between_steps(made.ends_s, made.track.q, made.track.v, times_s)
+        psi = self._held.clamp(times_s)[:, :1]
+        phi = q @ self._dense[0].T + psi
+        x_m, y_m = np.cos(phi) @ at.position.T, np.sin(phi) @ at.position.T
+        return x_m, y_m, q @ at.angle.T + psi
 
     def _touch(
         self, x: FloatArray, given: Given, rows: np.ndarray[Any, Any]

@@ -13,7 +13,7 @@ from labrig.errors import BadInputError
 from labrig.session import add_mark, open_session
 from labrig.session.marks.mark import Mark
 from model.dynamics import Resolution
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from tests.labrig.moving_session import TRUTH, moving_session
 
 pytestmark = pytest.mark.slow  # a session is recorded, and some fifty images are measured

@@ -7,7 +7,7 @@ import pytest
 
 from model.dynamics import ContactSetup, HeldVoltage, Simulation, simulate, start
 from model.dynamics.identification import RunPlan
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from model.dynamics.motion import Resolution
 from tests.model.dynamics.cases import R, driven
 

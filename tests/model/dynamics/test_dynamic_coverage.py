@@ -11,7 +11,8 @@ from benchmarks.dynamic_coverage.__main__ import collect
 from benchmarks.dynamic_coverage.drawn import drawn_session
 from benchmarks.dynamic_coverage.measured import measured
 from benchmarks.dynamic_coverage.score import summary
-from model.dynamics.identification.residuals import FINE, RunResiduals
+from model.dynamics.identification.predicted_run import FINE
+from model.dynamics.identification.residuals import RunResiduals
 
 WITH_ALL = 2  # a seed that draws a position with current and a release
 

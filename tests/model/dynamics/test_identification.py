@@ -19,7 +19,7 @@ from model.dynamics.identification import (
 )
 from model.dynamics.identification.noise import Whitening
 from model.dynamics.identification.parameters import LogParameters
-from model.dynamics.identification.residuals import predict
+from model.dynamics.identification.predicted_run import predict
 from model.dynamics.identification.thresholds import MOST_PRIOR
 from model.dynamics.identification.uncertainty import judged, surely
 from model.dynamics.load_cell import LoadCellFilter
@@ -100,6 +100,7 @@ def test_a_start_with_a_wrong_frequency_and_loss_still_leads_to_the_answer():
 LINES = {
     "much longer": (2364.0, 0.182, 0.801, 0.17), "half as long": (7644.0, 0.263, 0.332, 0.036)
 }  # fmt: skip
+RESOLVED = replace(COARSE, line_terms=12)
 CURRENT = RunPlan(
     drive=HeldVoltage(np.array([0.1, 0.5, 0.9, 1.2]), np.array([1.8, -1.8, 1.8, 0.0])),
     time_s=np.arange(0.0, 1.5, 2e-3), force=False,
@@ -112,9 +113,10 @@ def test_electrodes_of_another_line_that_explains_the_first_instants_are_not_set
     """A line so many times as long, r, c, g as many times less and rho more, begins the same."""
     names = ("electrode_ohm_per_m", "capacitance_F_per_m", "bulk_ohm_m", "leak_S_per_m")
     electrodes = ElectrodeLine(source_ohm=1.0, **dict(zip(names, line, strict=True)))
-    said = predict(replace(SHEET, electrodes=electrodes), CURRENT, COARSE).current_A
+    said = predict(replace(SHEET, electrodes=electrodes), CURRENT, RESOLVED).current_A
     noisy = said + 5e-5 * np.random.default_rng(0).standard_normal(len(said))
-    found = identify(SHEET, [RecordedRun(plan=CURRENT, current_A=noisy)], NOISE, resolution=COARSE)
+    run = RecordedRun(plan=CURRENT, current_A=noisy)
+    found = identify(SHEET, [run], NOISE, resolution=RESOLVED)
     assert found.converged
     assert found.chi2 / found.count == pytest.approx(1.0, abs=0.15)
     assert found["electrode_resistance"].parameter.value == pytest.approx(line[0], rel=0.05)

@@ -70,6 +70,9 @@ def _row(one: DynamicParameter) -> tuple[str, ...]:
     if not one.determined:
         assumed = f"{number(scale * one.parameter.value, 2)} assumed"
         why = f"these data do not determine it; {needs} would"
+        if one.other_value is not None:
+            other = number(scale * one.other_value, 2)
+            why = f"these data do not determine it: {other} {unit} explains them as well"
         return text, assumed, "-", unit, share, why
     low, high = one.parameter.interval()
     return text, value, interval(scale * low, scale * high), unit, share, "data"
