@@ -12,9 +12,10 @@ def check_table(found: Diagnosis) -> Table | None:
     if not found.checks:
         return None
     rows = tuple(_row(one) for one in sorted(found.checks, key=lambda one: one.passed))
+    which = "named" if found.effects else "considered"
     failed = sum(not one.passed for one in found.checks)
     return Table(
-        title="Checks of the named effects", columns=("check", "outcome", "effect", "finding"),
+        title=f"Checks of the {which} effects", columns=("check", "outcome", "effect", "finding"),
         rows=rows, note=f"{failed} of {len(rows)} checks failed.", text=True,
     )  # fmt: skip
 

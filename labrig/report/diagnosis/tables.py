@@ -148,7 +148,12 @@ def ranking_table(found: Diagnosis) -> Table:
 def _standing(one: Ranked, found: Diagnosis) -> str:
     if one.name in {effect.name for effect in found.effects}:
         return "named"
-    return "explains less" if one.log_bayes >= found.threshold else "below the threshold"
+    if found.unknown is not None and one.name == f"unknown:{found.unknown.location}":
+        return "reported"
+    if one.log_bayes < found.threshold:
+        return "below the threshold"
+    failed = [check for check in found.checks if one.name in check.effects and not check.passed]
+    return "failed a check" if failed else "explains less"
 
 
 def verdict_sentences(found: Diagnosis) -> list[str]:

@@ -51,7 +51,7 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     return Unknown(
         location=name, configuration=configuration, s_mm=start + t * (end - start),
         profile=by @ beta[use], band=band, unit=own[0].unit, along=along,
-        depends=_depends(name, part, along, under), at_unit=at_unit, under=cast("Under", under),
+        depends=dependence(name, part, along, under), at_unit=at_unit, under=cast("Under", under),
     )  # fmt: skip
 
 
@@ -92,7 +92,7 @@ def _seen_wrong(
     return Unknown(
         location=location_name, configuration=name, s_mm=s * 1e3, profile=moved[k][keep] * 1e3,
         band=band * 1e3, unit="mm", along="s",
-        depends=_depends(location_name, found[moving[0]].part, "s", ""),
+        depends=dependence(location_name, found[moving[0]].part, "s", ""),
     )  # fmt: skip
 
 
@@ -110,13 +110,15 @@ def with_free_form(fitted: MixedModelFit, contender: RankedCandidate) -> MixedMo
     )  # fmt: skip
 
 
-def _depends(location_name: str, part: str, along: str, under: str) -> str:
+def dependence(location_name: str, part: str, along: str, under: str) -> str:
     """Return the coordinate a nonparametric term depends on, for messages."""
     depends = location(location_name).depends
     if along == "time":
         during = part.rpartition(", ")[2]
         depends += f", in the course of {'each' if during != 'session' else 'the'} {during}"
         return depends + (", the other way at the other polarity" if under == "polarity" else "")
+    if under:
+        depends = depends.removesuffix(", at all voltages")
     depends += {"force": ", a function of the force", "curvature": ", by how far the sheet is bent"
                 }.get(along, "")  # fmt: skip
     depends += ", as a moment" if part == "moment" else ""

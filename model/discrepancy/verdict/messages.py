@@ -49,20 +49,31 @@ def sentence(
     if verdict == "nothing_missing":
         return "Nothing is seen that is not in the model: what is left is noise and scatter."
     if unknown is not None:
-        more = f" besides {listed([class_name(n) for n in named])}" if named else ""
-        same = listed([title(name) for name in unknown.confusable_with], "or")
-        return (
-            f"Something is seen{more} that is neither in the model nor in the catalogue: it acts on"
-            f" {unknown.location.replace('_', ' ')}, {unknown.depends}, most of all at"
-            f" {unknown.peak_mm:.3g} {unknown.at_unit}."
-            + (f" It may be {same} all the same." if same else "")
-        )
+        return _unknown_sentence(named, unknown, left_out, closed)
     is_not = "are not" if len(named) > 1 else "is not"
     names = listed([class_name(n) for n in named])
     values = "".join(
         f" {_capital(title(one.name))}: {in_sessions(one)}." for one in named if in_sessions(one)
     )
     said = f"{_capital(names)} {is_not} in the model.{values} {_gap(left_out)}."
+    return said if closed is None else f"{said} {closed_sentence(closed)}"
+
+
+def _unknown_sentence(
+    named: Sequence[Named], unknown: Unknown, left_out: BeforeAfter, closed: ClosedGap | None
+) -> str:
+    """Return where something unknown acts, what else it may be, and what its curve predicts."""
+    more = f" besides {listed([class_name(n) for n in named])}" if named else ""
+    same = listed([title(name) for name in unknown.confusable_with], "or")
+    said = (
+        f"An unknown effect{more} is in neither the model nor the catalogue. Location:"
+        f" {unknown.location.replace('_', ' ')} ({unknown.depends}); largest at"
+        f" {unknown.peak_mm:.3g} {unknown.at_unit}."
+    )
+    said += f" Other possible names: {same}." if same else ""
+    said += f" {_gap(left_out)}."
+    if closed is not None and closed.after >= closed.before:
+        return f"{said} The curve does not improve the prediction between the positions."
     return said if closed is None else f"{said} {closed_sentence(closed)}"
 
 

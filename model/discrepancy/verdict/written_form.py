@@ -14,16 +14,14 @@ from typing import cast
 
 import numpy as np
 
-from model.discrepancy.search.cross_validation import position_groups, when_left_out
-from model.discrepancy.search.form_share import in_time
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.thresholds import FEWEST_POSITIONS, FORM_GAIN_CHI2
-from model.discrepancy.verdict.prediction_error import cells, variance
+from model.discrepancy.verdict.left_out_gain import columns_asked_for, forms_asked_for
 from model.identification.likelihood.form_error import formed
 from model.identification.likelihood.form_ways import sampled
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import with_only
+from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.identification.likelihood.model_state import FormWay, Found
 from model.locations import location
@@ -39,24 +37,26 @@ def written(
 ) -> Iterator[MixedModelFit]:
     """Yield fits with the forms in the model, and with what is unknown; the best first.
 
-    `final` is `known` with the columns of the free form, if there is one. Inferred forms are in
-    the first one only if left-out positions are predicted better with them: what they add at the
-    times and places of the session may be anything elsewhere.
+    `final` is `known` with the columns of the free form, if there is one. Inferred forms, and the
+    parts of what is unknown, are in the first one only if left-out positions are predicted better
+    with them: what they add at the times and places of the session may be anything elsewhere.
     """
+    unnamed = list[Found]()
+    if free is not None:
+        final, one = _unnamed(known, final, free)
+        unnamed.append(one)
     beta = final.solution.beta
     found = [
         one if one.given is not None
         else formed(known.problem.forward, known.linear, one, _of_form(beta, one, span))
         for one, span in zip(known.found, known.spans, strict=True)
     ]  # fmt: skip
-    if free is not None:
-        found.append(_unnamed(known, free, beta[final.spans[-1]]))
-    if not any(one.ways for one in found):
+    if not any(one.ways for one in (*found, *unnamed)):
         yield final
         return
-    if free is None and not _asked_for(known):
-        yield from _rigid(known, final)
-    yield from _formed(known, final, found)
+    if not forms_asked_for(known, final):
+        yield from _rigid(known, final, unnamed)
+    yield from _formed(known, final, [*found, *unnamed])
     yield from _rigid(known, final)
     yield known
 
@@ -73,31 +73,14 @@ def _formed(
             yield replace(fitted, found=_as_unsure(fitted, known))
 
 
-def _rigid(known: MixedModelFit, final: MixedModelFit) -> Iterator[MixedModelFit]:
+def _rigid(
+    known: MixedModelFit, final: MixedModelFit, unnamed: Sequence[Found] = ()
+) -> Iterator[MixedModelFit]:
     """Yield the fit with the catalogue's forms as they are, if there is one."""
-    some = tuple(replace(one, given=one.given or ()) for one in known.found)
+    some = (*(replace(one, given=one.given or ()) for one in known.found), *unnamed)
     with suppress(ModelError, np.linalg.LinAlgError):
         fitted = fit_mixed_model(known.problem, known.theta, some, final.solution.log_sigma)
         yield replace(fitted, found=_as_unsure(fitted, known))
-
-
-def _asked_for(known: MixedModelFit) -> bool:
-    """Return whether mean forces and curves at left-out positions ask for the inferred forms.
-
-    Between the positions a form is interpolated, and stays unless it clearly fails. One in time
-    leads away from what was measured, since a prediction is one amid the session: it must gain.
-    """
-    where, noise = cells(known), variance(known)
-    rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
-    if len(position_groups(known)) < FEWEST_POSITIONS or not len(rows):
-        return True
-    pairs = zip(known.found, known.spans, strict=True)
-    forms = [np.arange(span.start + len(one.parameters()), span.stop) for one, span in pairs]
-    keep = np.setdiff1d(np.arange(known.linear.columns.shape[1]), np.concatenate(forms))
-    rigid = replace(known, linear=with_only(known.linear, keep))
-    formed, plain = (np.sum(when_left_out(f)[rows] ** 2 / noise[rows]) for f in (known, rigid))
-    slow = any(in_time(one.effect) for one in known.found)
-    return bool(plain - formed > (FORM_GAIN_CHI2 if slow else -FORM_GAIN_CHI2))
 
 
 def _as_unsure(fitted: MixedModelFit, known: MixedModelFit) -> tuple[Found, ...]:
@@ -114,18 +97,27 @@ def _with_share(one: Found, share: float) -> Found:
     return replace(one, ways=tuple(replace(way, size=share * way.size) for way in one.ways))
 
 
-def _unnamed(fitted: MixedModelFit, contender: RankedCandidate, sizes: FloatArray) -> Found:
-    """Return what is in no catalogue, all parts of it, with the sizes of its basis shapes."""
-    candidate = contender.score.candidate
+def _unnamed(
+    fitted: MixedModelFit, final: MixedModelFit, contender: RankedCandidate
+) -> tuple[MixedModelFit, Found]:
+    """Return the fit with the parts of a free form that gain something, and these parts."""
+    candidate, span = contender.score.candidate, final.spans[-1]
     every = shapes(fitted, candidate.location, candidate.part)
+    keep = columns_asked_for(final, [shape.part for shape in every])
+    if len(keep) < len(every):
+        linear = with_only(final.linear, np.concatenate([np.arange(span.start), span.start + keep]))
+        span = slice(span.start, span.start + len(keep))
+        solution = weigh(linear.data, final.solution.log_sigma)
+        final = replace(final, linear=linear, solution=solution, spans=(*final.spans[:-1], span))
+    sizes = final.solution.beta[span].tolist()
     ways = tuple(
         FormWay(terms=terms, size=size, sigma=contender.score.scale)
-        for shape, size in zip(every, sizes.tolist(), strict=True)
+        for shape, size in zip([every[i] for i in keep], sizes, strict=True)
         if (terms := terms_of(fitted.problem.forward, shape))
     )
     effect = free_effect(location(candidate.location))
     values: dict[str, dict[str, float]] = {name: {} for name in fitted.problem.forward.names}
-    return Found(effect=effect, values=values, ways=ways)
+    return final, Found(effect=effect, values=values, ways=ways)
 
 
 def terms_of(forward: ForwardModel, shape: BasisShape) -> tuple[Profile, ...]:

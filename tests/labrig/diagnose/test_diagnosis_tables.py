@@ -6,8 +6,9 @@ from dataclasses import replace
 
 from labrig.report.diagnosis.limits import limits_table
 from labrig.report.diagnosis.tables import MOST_RANKED, ranking_table
+from model.discrepancy import CheckResult
 from model.discrepancy.verdict.result import DetectionLimit
-from tests.labrig.diagnose.made import found
+from tests.labrig.diagnose.made import found, unknown
 
 
 def test_what_is_named_is_among_the_candidates_however_many_explain_more_alone():
@@ -17,6 +18,28 @@ def test_what_is_named_is_among_the_candidates_however_many_explain_more_alone()
     rows = ranking_table(replace(diagnosis, ranking=(*others, best))).rows
     assert len(rows) == MOST_RANKED + 1
     assert (rows[-1][0], rows[-1][-1]) == ("EIBM along the sheet", "named")
+
+
+def test_a_candidate_that_failed_a_check_is_not_said_to_explain_less():
+    diagnosis = found()
+    best = replace(diagnosis.ranking[0], name="gravity", log_bayes=900.0)
+    failed = CheckResult(
+        name="place_structure", passed=False, sentence="unequal", effects=("gravity",)
+    )
+    rows = ranking_table(replace(diagnosis, ranking=(best,), checks=(failed,))).rows
+    assert (rows[0][0], rows[0][-1]) == ("gravity", "failed a check")
+    passed = replace(failed, passed=True)
+    rows = ranking_table(replace(diagnosis, ranking=(best,), checks=(passed,))).rows
+    assert rows[0][-1] == "explains less"
+
+
+def test_the_unknown_that_is_reported_is_marked_among_the_candidates():
+    diagnosis = unknown()
+    assert diagnosis.unknown is not None
+    name = f"unknown:{diagnosis.unknown.location}"
+    best = replace(found().ranking[0], name=name, log_bayes=900.0)
+    rows = ranking_table(replace(diagnosis, ranking=(best,))).rows
+    assert rows[0][-1] == "reported"
 
 
 def test_detection_limits_are_listed_the_tightest_first_without_what_is_invisible():

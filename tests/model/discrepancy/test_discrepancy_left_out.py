@@ -9,6 +9,8 @@ import pytest
 
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.cross_validation import left_out, position_groups, predictive_gains
+from model.discrepancy.search.nonparametric_terms import shapes
+from model.discrepancy.verdict.left_out_gain import columns_asked_for, forms_asked_for
 from model.discrepancy.verdict.prediction_error import (
     cells,
     closed_share,
@@ -18,7 +20,9 @@ from model.discrepancy.verdict.prediction_error import (
 )
 from model.discrepancy.verdict.prediction_error import gap as gap_of
 from model.discrepancy.verdict.result import BeforeAfter, Gap
+from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import inverse_symmetric
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from tests.model.discrepancy.sessions import Case, Hiding, base_fit, diagnosed
 
 SYMMETRIC = Case((Hiding("eibm_asymmetry"),), seed=7, symmetric=True)
@@ -134,3 +138,35 @@ def test_conditions_left_out_as_outliers_count_for_no_gap():
     noise[list(rows)] = 1e6
     assert floor(noise, some).force_rmse_mN == pytest.approx(1e3)
     assert gap_of(3.0 * np.ones(len(noise)), noise, some).force_rmse_mN == pytest.approx(3e3)
+
+
+def with_hidden(part: str) -> tuple[MixedModelFit, list[str]]:
+    """The load cell's free form in a fit to data in which one of its parts is; the parts."""
+    base, every = base_fit(), shapes(base_fit(), "load_cell")
+    columns = np.stack([one.rows for one in every], axis=1)
+    hidden = np.array([one.part == part for one in every])
+    linear = with_columns(base.problem.forward, base.linear, columns)
+    residual = base.linear.residual + columns @ np.where(hidden, 1.0, 0.0)
+    span = slice(base.linear.columns.shape[1], linear.columns.shape[1])
+    final = replace(base, linear=replace(linear, residual=residual), spans=(*base.spans, span))
+    return final, [one.part for one in every]
+
+
+@pytest.mark.parametrize("part", ["force", "zero, session", "polarity"])
+def test_a_part_of_something_unknown_that_follows_the_noise_is_not_written(part: str):
+    final, parts = with_hidden(part)
+    assert len(set(parts)) == 6
+    kept = {parts[i] for i in columns_asked_for(final, parts)}
+    assert part in kept
+    # beside it only a place under voltage, which this session's scatter happens to resemble
+    assert kept <= {part, "voltage"}
+
+
+def test_of_something_unknown_a_single_part_stays():
+    final, parts = with_hidden("force")
+    assert len(columns_asked_for(final, ["all"] * len(parts))) == len(parts)
+
+
+def test_without_names_there_is_no_form_to_leave_out():
+    final, _ = with_hidden("force")
+    assert forms_asked_for(base_fit(), final)

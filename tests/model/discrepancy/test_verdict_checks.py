@@ -88,7 +88,7 @@ def test_a_failed_check_is_named_in_the_sentence_and_in_the_json():
     failed = [one for one in told["checks"] if not one["passed"]]
     assert [one["name"] for one in failed] == ["quantity_structure"]
     assert failed[0]["effects"] == ["clamp_angle"]
-    assert "Check 'quantity_structure' failed: the amplitude of clamp angle" in found.sentence
+    assert "Check 'quantity_structure' failed: amplitude of clamp angle" in found.sentence
 
 
 @pytest.mark.thorough

@@ -51,8 +51,8 @@ def contradicted(
             yield Failure(
                 consequence="doubt",
                 sentence=(
-                    f"the amplitude of {title(one.effect.name)}, over that of the whole, is"
-                    f" {_number(strong)} {strong.title} but {_number(weak)} {weak.title}"
+                    f"amplitude of {title(one.effect.name)}, relative to that in all data:"
+                    f" {_number(strong)} {strong.title}, but {_number(weak)} {weak.title}"
                 ),
                 effects=(one.effect.name,),
             )

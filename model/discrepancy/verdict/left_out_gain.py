@@ -1,0 +1,73 @@
+"""What left-out positions ask for: inferred forms of names, and parts of what is unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from model.discrepancy.search.cross_validation import position_groups, when_left_out
+from model.discrepancy.search.form_share import in_time
+from model.discrepancy.thresholds import FEWEST_POSITIONS, FORM_GAIN_CHI2
+from model.discrepancy.verdict.prediction_error import cells, variance
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.linearisation import with_only
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.measurements import FloatArray
+
+
+def forms_asked_for(known: MixedModelFit, final: MixedModelFit) -> bool:
+    """Return whether mean forces and curves at left-out positions ask for the inferred forms.
+
+    Between the positions a form is interpolated, and stays unless it clearly fails. One in time
+    leads away from what was measured, since a prediction is one amid the session: it must gain.
+    """
+    where, noise = cells(final), variance(final)
+    rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
+    if len(position_groups(final)) < FEWEST_POSITIONS or not len(rows):
+        return True
+    pairs = zip(known.found, known.spans, strict=True)
+    forms = [np.arange(span.start + len(one.parameters()), span.stop) for one, span in pairs]
+    none = np.zeros(0, dtype=np.int64)
+    own = np.concatenate([none, *forms])
+    if not len(own):
+        return True
+    plain, formed = (_chi2(final, without, rows, noise) for without in (own, none))
+    slow = any(in_time(one.effect) for one in known.found)
+    return bool(plain - formed > (FORM_GAIN_CHI2 if slow else -FORM_GAIN_CHI2))
+
+
+def columns_asked_for(final: MixedModelFit, part_of: Sequence[str]) -> Index:
+    """Return which columns of the free form, by number, belong to parts that gain something.
+
+    `part_of` has the part of each one. All parts share one scale, so a part that explains much
+    gives the others room to follow the noise, and a course in time takes up what goes with the
+    place. Parts are left out in turn, as long as left-out positions are predicted as well.
+    """
+    kept, first = list(dict.fromkeys(part_of)), final.spans[-1].start
+    every, noise = np.array(part_of), variance(final)
+    run_of = final.problem.forward.layout.run_of
+    groups = position_groups(final)
+    if len(kept) < 2 or len(groups) < FEWEST_POSITIONS:
+        return np.arange(len(part_of))
+    rows = np.flatnonzero(np.isin(run_of, np.concatenate(groups)))
+
+    def chi2(parts: Sequence[str]) -> float:
+        return _chi2(final, first + np.flatnonzero(~np.isin(every, parts)), rows, noise)
+
+    least = chi2(kept)
+    while len(kept) > 1:
+        fewer = [[other for other in kept if other != part] for part in kept]
+        found, some = min(((chi2(parts), parts) for parts in fewer), key=lambda one: one[0])
+        if found > least + FORM_GAIN_CHI2:
+            break
+        kept, least = some, min(least, found)
+    return np.flatnonzero(np.isin(every, kept))
+
+
+def _chi2(fitted: MixedModelFit, without: Index, rows: Index, noise: FloatArray) -> float:
+    """Return the squares of left-out rows, in units of the noise, without some columns."""
+    keep = np.setdiff1d(np.arange(fitted.linear.columns.shape[1]), without)
+    some = replace(fitted, linear=with_only(fitted.linear, keep))
+    return float(np.sum(when_left_out(some)[rows] ** 2 / noise[rows]))
