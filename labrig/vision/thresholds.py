@@ -200,6 +200,8 @@ OUTLINE_END_SIGMA_MAX_PX: Final = 3.0  # and at most
 RIVAL_EDGE_RATIOS: Final = (0.45, 0.85)
 OUTLINE_SIGMA_MIN_RATIO: Final = 0.03  # of the thickness: which part of an edge is the edge
 OUTLINE_SIGMA_MIN_PX: Final = 0.1
+# of the thickness, where the profile shows the strip and not both edges: it may be of one edge
+OUTLINE_PROFILE_SIGMA_RATIO: Final = 0.1
 OUTLINE_SEEN_SHARE_MIN: Final = 0.6  # of the blocks
 OUTLINE_START_SHARE_MIN: Final = 0.4  # of the blocks of the first eighth
 OUTLINE_WIDTH_SCATTER_MAX_RATIO: Final = 0.15  # of the width from block to block, to the width
@@ -207,3 +209,13 @@ OUTLINE_RESIDUAL_MAX_RATIO: Final = 0.15  # of the middles about the curve, to t
 OUTLINE_SIGMA_MAX_RATIO: Final = 0.25  # of sigma to the thickness, where that is more than 2 px
 OUTLINE_SIGMA_MAX_PX: Final = 5.0  # and at most
 END_PRESENT_RATIO: Final = 0.5  # of the weaker edge to the usual one: nearer than that is the end
+
+# The strip's end: where the profile along its course ceases to be the strip's. By trial on the
+# photographs of benchmarks/photographs/traces.json; benchmark: the same.
+END_GAP_WIDTHS: Final = 3.0  # a gap longer than this
+END_GAP_SHARE: Final = 0.12  # and than this share of the way: what lies beyond is another thing
+COURSE_ALIKE_MIN: Final = 0.5  # of the correlation of a profile with those shortly before
+COURSE_WIDE_RATIO: Final = 0.6  # of edges further apart to the strip's: may be another thing
+COURSE_EDGE_RATIO: Final = 0.3  # of the weaker edge to what it was: less is none
+COURSE_PROFILE_SIGMA_MIN: Final = 0.12  # of a profile's size, against the strip's
+COURSE_SEEN_MIN: Final = 1.0  # log odds of a block whose edges are too faint, to be used

@@ -141,7 +141,7 @@ def outline_in_metres(
         covariance=covariance * np.outer(unit, unit),
         normal_modes=shape.normal_modes() / ppm / unit,
         free_length_m=shape.basis.free_px / ppm,
-        thickness_m=float(np.median(fit.blocks.width_px[fit.blocks.seen])) / ppm,
+        thickness_m=float(np.median(fit.blocks.width_px[fit.blocks.by_edges])) / ppm,
         polarity="bright" if outline.located.sign > 0 else "dark",
         covered=float(fit.blocks.seen.mean()),
         seen=seen,
@@ -159,12 +159,12 @@ def _assumed(outline: Outline, optics: Optics, strip: StripGeometry) -> list[str
     found = []
     total_mm = outline.fit.shape.basis.total_px / optics.px_per_mm
     if not strip.thickness_known:
-        thick = float(np.median(outline.fit.blocks.width_px[outline.fit.blocks.seen]))
+        thick = float(np.median(outline.fit.blocks.width_px[outline.fit.blocks.by_edges]))
         found.append(f"thickness {thick / optics.px_per_mm:.2f} mm ({thick:.1f} pixels)")
     if not strip.length_known:
-        where = "to its end"
-        if outline.located.leaves_image or not outline.end_seen:
-            where = "as far as it is seen in the image; its end is not seen"
+        where = f"to its end, ±{outline.end_sigma_px / optics.px_per_mm:.1f} mm"
+        if outline.leaves_image:
+            where = "to the border of the image; its end is not seen"
         found.append(f"length {total_mm:.1f} mm ({where})")
     if not optics.clamp_angle_known:
         degrees = math.degrees(outline.fit.shape.phi[0])
