@@ -22,12 +22,16 @@ FloatArray = npt.NDArray[np.float64]
 CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
 FURTHER_ROUNDS = 12  # in which a strip is followed beyond its located end, at most
-BEYOND_WIDTHS, BEYOND_MIN_PX = 2.0, 8.0  # how far beyond the located end it is looked for
+BEYOND_WIDTHS, BEYOND_MIN_PX, BEYOND_SHARE = 4.0, 16.0, 0.06  # how far beyond an end it is looked for
+BEYOND_TURN_MAX_RAD = 0.5  # of the strip there, as it bends before
 COARSE_OFFSET_SIGMA_RATIO = 0.5  # of a located begin, in widths
 COARSE_ANGLE_SIGMA_RAD = 0.4
 END_ROOM_RATIO = 0.06  # of a stated length: how far beyond it the strip is looked for
 LONGEST_CELL_PX = 1.0
 COEFFICIENTS = (6, 41)
+WIDTH_CHANGES = (0.8, 1.25)  # from a located width to the fitted one, at most
+BEGIN_SHARE = 1 / 16  # of the length, in which a clamp may hide where the strip begins
+OWN_EDGE_WIDTHS = 0.4  # at the clamp and the tip, where these have edges of their own
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -50,7 +54,10 @@ class _Fitter:
     optics: Optics
     width_px: float
 
-    def fit(self, shape: CurveShape, *, rounds: int = ROUNDS) -> OutlineFit | None:
+    def fit(
+        self, shape: CurveShape, *, rounds: int = ROUNDS, whole: bool = False
+    ) -> OutlineFit | None:
+        """Return the curve beside a first one; `whole`: which is that from begin to end."""
         prior = np.array([COARSE_OFFSET_SIGMA_RATIO * self.width_px + 1, COARSE_ANGLE_SIGMA_RAD])
         return fit_outline(
             shape,
@@ -59,7 +66,7 @@ class _Fitter:
             width_px=self.width_px,
             prior=prior,
             rounds=rounds,
-            completed=self._completed,
+            completed=self._without_ends if whole else self._completed,
         )
 
     def course(self, shape: CurveShape) -> Course:
@@ -70,16 +77,25 @@ class _Fitter:
             return blocks
         return completed(self.course(shape), blocks, shape.basis.step_px)
 
+    def _without_ends(self, shape: CurveShape, blocks: Blocks) -> Blocks:
+        """Return what is seen of the strip between the edges of its clamp and of its tip."""
+        course, total = self.course(shape), shape.basis.total_px
+        own = min(OWN_EDGE_WIDTHS * self.width_px, BEGIN_SHARE * total)
+        begin = max(course.begin(BEGIN_SHARE * total), own)
+        blocks = completed(course, blocks, shape.basis.step_px)
+        s = shape.basis.s[blocks.node]
+        return replace(blocks, seen=blocks.seen & (s >= begin) & (s <= total - own))
+
     def followed(self, fit: OutlineFit) -> tuple[OutlineFit, Course]:
-        """Return a fit that reaches to the strip's end or the image's border, and its course."""
+        """Return a fit that reaches beyond the strip's end or to the image's border."""
         course = self.course(fit.shape)
-        more = max(BEYOND_WIDTHS * self.width_px, BEYOND_MIN_PX)
         for _ in range(FURTHER_ROUNDS):
-            total = fit.shape.basis.total_px
-            if course.leaves_image or course.end[0] < total - 0.5 * more:
+            end = course.end[0]
+            more = max(BEYOND_WIDTHS * self.width_px, BEYOND_MIN_PX, BEYOND_SHARE * end)
+            if course.leaves_image or fit.shape.basis.total_px > end + 0.75 * more:
                 break
-            # the strip is there up to where it was looked for: it goes on
-            longer = self.fit(_cut(fit.shape, total + more, self.width_px), rounds=2)
+            # the strip may go on beyond where it was looked for
+            longer = self.fit(_cut(fit.shape, end + more, self.width_px), rounds=2)
             if longer is None:
                 break
             fit, course = longer, self.course(longer.shape)
@@ -97,7 +113,7 @@ def fitted_outline(
         length = strip.length_m * optics.px_per_m
         free = strip.free_length_m * optics.px_per_m
     else:
-        free = length = total + max(BEYOND_WIDTHS * width, BEYOND_MIN_PX)
+        free = length = total + max(BEYOND_WIDTHS * width, BEYOND_MIN_PX, BEYOND_SHARE * total)
     there, shape = _first_shape(plane, optics, width, free, length)
     fitter = _Fitter(images=images, optics=there, width_px=width)
     if not strip.length_known:
@@ -107,6 +123,8 @@ def fitted_outline(
     fit = fitter.fit(shape)
     if fit is None:
         return None
+    width = float(np.clip(fit.width_px, *(ratio * width for ratio in WIDTH_CHANGES)))
+    fitter = replace(fitter, width_px=width)
     if strip.length_known:
         # a strip that continues beyond its stated length is another one, or longer
         further = _cut(fit.shape, length + BEYOND_WIDTHS * width + END_ROOM_RATIO * length, width)
@@ -117,7 +135,7 @@ def fitted_outline(
     if end < 3 * width:
         return None
     begin = _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
-    again = fitter.fit(_cut(fit.shape, end, width, begin_px=begin), rounds=3)
+    again = fitter.fit(_cut(fit.shape, end, width, begin_px=begin), rounds=3, whole=True)
     if again is None:
         return None
     return _outline(_with_rivals(again, images, there), fitter, located, course)
@@ -183,16 +201,26 @@ def _begin_px(fit: OutlineFit, most: float) -> float:
 
 
 def _cut(shape: CurveShape, length_px: float, width: float, *, begin_px: float = 0) -> CurveShape:
-    """Return the first part of a curve without its begin, or all of it led on straight."""
+    """Return the first part of a curve without its begin, or all of it led on."""
     if begin_px > 0:
         return _cut_begin(shape, begin_px, length_px - begin_px, width)
     basis = make_basis(
         round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
     )
     turn = float(shape.parameters[1])
-    wanted = np.interp(basis.s, shape.basis.s, shape.phi) - shape.heading - turn
+    wanted = _led_on(shape, basis.s, width) - shape.heading - turn
     c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
     return make_shape(basis, shape.start, shape.heading, np.concatenate([shape.parameters[:2], c]))
+
+
+def _led_on(shape: CurveShape, s: FloatArray, width: float) -> FloatArray:
+    """Return the direction along a curve; beyond its end it bends as it did shortly before."""
+    along = shape.basis.s
+    last = float(along[-1])
+    few = min(BEYOND_WIDTHS * width, 0.25 * last)
+    bend = float(shape.phi[-1] - np.interp(last - few, along, shape.phi)) / few
+    further = np.clip(bend * np.maximum(s - last, 0), -BEYOND_TURN_MAX_RAD, BEYOND_TURN_MAX_RAD)
+    return np.asarray(np.interp(s, along, shape.phi) + further)
 
 
 def _cut_begin(shape: CurveShape, begin_px: float, length_px: float, width: float) -> CurveShape:

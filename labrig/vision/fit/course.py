@@ -53,6 +53,8 @@ GROUND_WIDTHS = 3.0  # of the course in which the ground is taken to be alike
 STRIP_SPREAD = 0.35  # of a profile's size, in that of the strip shortly before
 EDGE_SPREAD = 0.4  # of the logarithm of an edge's size
 SAID_MAX = 2.0  # by one block
+SAID_UNLIKE = -0.1  # by edges of what does not look like the strip shortly before
+ADAPT_MIN = 0.5  # log odds of a block that is remembered
 ALIKE_WIDTHS = 0.8  # of blocks that share texture and blur
 OUTSIDE_HALF_WIDTHS = 0.6  # of the strip that must lie inside the image
 
@@ -64,6 +66,8 @@ class Course:
     block_px: float
     said: FloatArray  # (blocks,) log of the odds that the strip is there
     profile_said: FloatArray  # (blocks,) the part of it that the profile says
+    edges_said: FloatArray  # (blocks,) and both edges
+    backward: FloatArray  # (blocks,) as `said`, but compared with what comes shortly after
     shift_px: FloatArray  # (blocks,) how far to the left the profile lies
     leaves_image: bool  # whether the curve leaves the image after the last block
     width_px: float
@@ -79,6 +83,12 @@ class Course:
         mean = float(odds @ at)
         spread = math.sqrt(float(odds @ (at - mean) ** 2) + self.block_px**2 / 12)
         return float(at[total.argmax()]), spread
+
+    def begin(self, most_px: float) -> float:
+        """Return where the strip begins to look as it does, at most so far along the curve."""
+        few = int(most_px / self.block_px)
+        at_end = np.cumsum(self.backward[:few][::-1])
+        return float(few - 1 - at_end.argmax()) * self.block_px if few and at_end.max() > 0 else 0.0
 
     @property
     def total_px(self) -> float:
@@ -108,12 +118,14 @@ def course_along(
     size, inside = _signed_sizes(shape, images, optics, across, many, width_px)
     # a clamp may lie at the border
     first_out = next((at for at in range(len(inside) // 4, len(inside)) if not inside[at]), None)
-    said, profile_said, shift = _said(size[:first_out], across, width_px, many * step)
+    said = _said(size[:first_out], across, width_px, many * step)
     return Course(
         block_px=many * step,
-        said=said,
-        profile_said=profile_said,
-        shift_px=shift,
+        said=said[0],
+        profile_said=said[1],
+        edges_said=said[2],
+        backward=_said(size[:first_out][::-1, :, ::-1], across, width_px, many * step)[0][::-1],
+        shift_px=said[3],
         leaves_image=first_out is not None,
         width_px=width_px,
     )
@@ -124,7 +136,10 @@ def completed(course: Course, blocks: Blocks, step_px: float) -> Blocks:
     at = ((blocks.node * step_px) / course.block_px).astype(np.int64)
     there = at < len(course.said)
     at = np.minimum(at, len(course.said) - 1)
-    added = there & ~blocks.seen & (course.profile_said[at] >= COURSE_SEEN_MIN)
+    # of one edge alone it is not known which one it is
+    few = max(1, round(course.width_px / course.block_px))
+    faint = np.convolve(course.edges_said, np.ones(2 * few + 1) / (2 * few + 1), mode="same") > 0
+    added = there & ~blocks.seen & faint[at] & (course.profile_said[at] >= COURSE_SEEN_MIN)
     if not added.any() or not blocks.seen.any():
         return blocks
     usual = float(np.median(blocks.width_px[blocks.seen]))
@@ -166,8 +181,8 @@ def _signed_sizes(
 
 def _said(
     size: FloatArray, across: FloatArray, width: float, block_px: float
-) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return log odds of all, log odds by the profile, and the profile's shift, block by block."""
+) -> FloatArray:
+    """Return (4, blocks) log odds of all, of profile, of edges, and the profile's shift."""
     unit, count = float(across[1] - across[0]), len(size)
     half, few, far = (
         round(widths * width / unit) for widths in (HALF_WIDTHS, SHIFT_WIDTHS, ASIDE_WIDTHS)
@@ -183,7 +198,8 @@ def _said(
     usual = np.median(windows[:first, middle], axis=0)
     usual_edge = float(np.median(edges[:first]))
     near = max(6, round(GROUND_WIDTHS * width / block_px))
-    said, by_profile, shift = (np.zeros(count) for _ in range(3))
+    told = np.zeros((4, count))
+    said, by_profile, by_edges, shift = told
     beside: list[float] = []
     for b in range(count):
         strength = windows[b] @ usual / max(float(usual @ usual), 1e-12)
@@ -193,14 +209,16 @@ def _said(
         beside += [float(strength[: middle - far + 1].max()), float(strength[middle + far :].max())]
         by_profile[b] = _of_profile(float(strength[at]), alike, np.array(beside[-2 * near :]))
         another = alike < COURSE_ALIKE_MIN and wider[b] > COURSE_WIDE_RATIO * edges[b]
-        by_edges = -SAID_MAX if another else _of_edges(edges[b], usual_edge, ground[b])
-        said[b] = by_edges if another else max(by_profile[b], by_edges)
+        by_edges[b] = -SAID_MAX if another else _of_edges(edges[b], usual_edge, ground[b])
+        if alike < COURSE_ALIKE_MIN:
+            by_edges[b] = min(by_edges[b], SAID_UNLIKE)
+        said[b] = by_edges[b] if another else max(by_profile[b], by_edges[b])
         shift[b] = across[0] + (at + half) * unit
-        if said[b] > 0:
+        if said[b] > ADAPT_MIN:
             share = 1 / (1 + math.exp(-said[b])) / memory
             usual = (1 - share) * usual + share * found
             usual_edge *= (edges[b] / usual_edge) ** share
-    return said, by_profile, shift
+    return told
 
 
 def _of_profile(strength: float, alike: float, beside: FloatArray) -> float:
