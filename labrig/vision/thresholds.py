@@ -203,6 +203,8 @@ OUTLINE_SIGMA_MIN_PX: Final = 0.1
 # of the thickness, where the profile shows the strip and not both edges: it may be of one edge
 OUTLINE_PROFILE_SIGMA_RATIO: Final = 0.1
 OUTLINE_SEEN_SHARE_MIN: Final = 0.6  # of the blocks
+# of the seen blocks: of one edge alone it is not known which it is
+OUTLINE_BOTH_SHARE_MIN: Final = 0.75
 OUTLINE_START_SHARE_MIN: Final = 0.4  # of the blocks of the first eighth
 OUTLINE_WIDTH_SCATTER_MAX_RATIO: Final = 0.15  # of the width from block to block, to the width
 OUTLINE_RESIDUAL_MAX_RATIO: Final = 0.15  # of the middles about the curve, to the width

@@ -17,6 +17,7 @@ from labrig.vision.thresholds import (
     HIDDEN_SIGMA_MAX_PX,
     LENGTH_ERROR_MAX_PX,
     LENGTH_ERROR_MAX_RATIO,
+    OUTLINE_BOTH_SHARE_MIN,
     OUTLINE_RESIDUAL_MAX_RATIO,
     OUTLINE_SEEN_SHARE_MIN,
     OUTLINE_SIGMA_MAX_PX,
@@ -35,13 +36,13 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     blocks, total = fit.blocks, fit.shape.basis.total_px
     width = located.thickness_px
     eighth = max(2, len(blocks.seen) // 8)
-    share = float(blocks.seen.mean())
+    share, both = float(blocks.seen.mean()), float(blocks.by_edges.mean())
     loose = float(fit.inner_sigma_px.max())
     most = min(OUTLINE_SIGMA_MAX_PX, OUTLINE_SIGMA_MAX_RATIO * width)
     most = max(HIDDEN_SIGMA_MAX_PX, most)
-    if share < OUTLINE_SEEN_SHARE_MIN:
+    if share < OUTLINE_SEEN_SHARE_MIN or both < OUTLINE_BOTH_SHARE_MIN * share:
         return (
-            f"search failed: only {share:.0%} of the best path shows two edges; check clamp_px and "
+            f"search failed: only {both:.0%} of the best path shows two edges; check clamp_px and "
             "the direction (--along-px), state the length or mask what confuses."
         )
     if blocks.seen[:eighth].mean() < OUTLINE_START_SHARE_MIN:

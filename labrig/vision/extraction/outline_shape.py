@@ -16,6 +16,7 @@ from labrig.vision.fit.outline import ROUNDS, Blocks, OutlineFit, fit_outline
 from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located
+from labrig.vision.thresholds import FULL_RESOLUTION_THICKNESS_MAX_PX
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -31,6 +32,7 @@ LONGEST_CELL_PX = 1.0
 COEFFICIENTS = (6, 41)
 WIDTH_CHANGES = (0.8, 1.25)  # from a located width to the fitted one, at most
 BEGIN_SHARE = 1 / 16  # of the length, in which a clamp may hide where the strip begins
+ASIDE_WIDTHS = (-1.2, -0.6, 0.6, 1.2)  # beside the curve, as far beyond its end as is looked
 OWN_EDGE_WIDTHS = 0.4  # at the clamp and the tip, where these have edges of their own
 
 
@@ -79,7 +81,8 @@ class _Fitter:
 
     def _without_ends(self, shape: CurveShape, blocks: Blocks) -> Blocks:
         """Return what is seen of the strip between the edges of its clamp and of its tip."""
-        course, total = self.course(shape), shape.basis.total_px
+        course = course_along(shape, self.images, self.optics, self.width_px, backward=True)
+        total = shape.basis.total_px
         own = min(OWN_EDGE_WIDTHS * self.width_px, BEGIN_SHARE * total)
         begin = max(course.begin(BEGIN_SHARE * total), own)
         blocks = completed(course, blocks, shape.basis.step_px)
@@ -90,16 +93,35 @@ class _Fitter:
         """Return a fit that reaches beyond the strip's end or to the image's border."""
         course = self.course(fit.shape)
         for _ in range(FURTHER_ROUNDS):
+            if course.leaves_image:
+                break
             end = course.end[0]
             more = max(BEYOND_WIDTHS * self.width_px, BEYOND_MIN_PX, BEYOND_SHARE * end)
-            if course.leaves_image or fit.shape.basis.total_px > end + 0.75 * more:
-                break
-            # the strip may go on beyond where it was looked for
-            longer = self.fit(_cut(fit.shape, end + more, self.width_px), rounds=2)
+            further = fit.shape
+            if further.basis.total_px > end + 0.75 * more:
+                # nothing there: a faint strip may lead a little aside of where the curve does
+                further = self._aside(fit.shape, end, more)
+                if further is None:
+                    break
+            longer = self.fit(_cut(further, end + more, self.width_px), rounds=2)
             if longer is None:
                 break
             fit, course = longer, self.course(longer.shape)
         return fit, course
+
+    def _aside(self, shape: CurveShape, end: float, more: float) -> CurveShape | None:
+        """Return the curve turned at its end so that more of the strip shows, if any does."""
+        best, most = None, end + 0.5 * more
+        if self.width_px > FULL_RESOLUTION_THICKNESS_MAX_PX:
+            return None  # a thick one shows as far aside as it may lie
+        whole = _cut(shape, end, self.width_px)
+        for widths in ASIDE_WIDTHS:
+            turn = widths * self.width_px / more
+            turned = _cut(whole, end + more, self.width_px, turn_rad=turn)
+            seen = self.course(turned).end[0]
+            if seen > most:
+                best, most = turned, seen
+        return best
 
 
 def fitted_outline(
@@ -200,27 +222,34 @@ def _begin_px(fit: OutlineFit, most: float) -> float:
     return float(begin) if begin <= most else 0.0
 
 
-def _cut(shape: CurveShape, length_px: float, width: float, *, begin_px: float = 0) -> CurveShape:
-    """Return the first part of a curve without its begin, or all of it led on."""
+def _cut(
+    shape: CurveShape,
+    length_px: float,
+    width: float,
+    *,
+    begin_px: float = 0,
+    turn_rad: float = 0,
+) -> CurveShape:
+    """Return the first part of a curve without its begin, or all of it led on with a turn."""
     if begin_px > 0:
         return _cut_begin(shape, begin_px, length_px - begin_px, width)
     basis = make_basis(
         round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
     )
     turn = float(shape.parameters[1])
-    wanted = _led_on(shape, basis.s, width) - shape.heading - turn
+    wanted = _led_on(shape, basis.s, width, turn_rad) - shape.heading - turn
     c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
     return make_shape(basis, shape.start, shape.heading, np.concatenate([shape.parameters[:2], c]))
 
 
-def _led_on(shape: CurveShape, s: FloatArray, width: float) -> FloatArray:
+def _led_on(shape: CurveShape, s: FloatArray, width: float, turn_rad: float) -> FloatArray:
     """Return the direction along a curve; beyond its end it bends as it did shortly before."""
     along = shape.basis.s
     last = float(along[-1])
     few = min(BEYOND_WIDTHS * width, 0.25 * last)
     bend = float(shape.phi[-1] - np.interp(last - few, along, shape.phi)) / few
     further = np.clip(bend * np.maximum(s - last, 0), -BEYOND_TURN_MAX_RAD, BEYOND_TURN_MAX_RAD)
-    return np.asarray(np.interp(s, along, shape.phi) + further)
+    return np.asarray(np.interp(s, along, shape.phi) + further + turn_rad * (s > last))
 
 
 def _cut_begin(shape: CurveShape, begin_px: float, length_px: float, width: float) -> CurveShape:

@@ -54,6 +54,7 @@ STRIP_SPREAD = 0.35  # of a profile's size, in that of the strip shortly before
 EDGE_SPREAD = 0.4  # of the logarithm of an edge's size
 SAID_MAX = 2.0  # by one block
 SAID_UNLIKE = -0.1  # by edges of what does not look like the strip shortly before
+OWN_SHARE_MIN = 0.2  # of a profile that is no noise, at least
 ADAPT_MIN = 0.5  # log odds of a block that is remembered
 ALIKE_WIDTHS = 0.8  # of blocks that share texture and blur
 OUTSIDE_HALF_WIDTHS = 0.6  # of the strip that must lie inside the image
@@ -67,7 +68,7 @@ class Course:
     said: FloatArray  # (blocks,) log of the odds that the strip is there
     profile_said: FloatArray  # (blocks,) the part of it that the profile says
     edges_said: FloatArray  # (blocks,) and both edges
-    backward: FloatArray  # (blocks,) as `said`, but compared with what comes shortly after
+    backward: FloatArray  # (blocks,) as `said`, compared with what comes shortly after; or empty
     shift_px: FloatArray  # (blocks,) how far to the left the profile lies
     leaves_image: bool  # whether the curve leaves the image after the last block
     width_px: float
@@ -107,9 +108,17 @@ class Course:
 
 
 def course_along(
-    shape: CurveShape, images: Sequence[GreyImage], optics: Optics, width_px: float
+    shape: CurveShape,
+    images: Sequence[GreyImage],
+    optics: Optics,
+    width_px: float,
+    *,
+    backward: bool = False,
 ) -> Course:
-    """Return what the image shows of the strip along a curve that may be longer than it."""
+    """Return what the image shows of the strip along a curve that may be longer than it.
+
+    `backward`: where it begins, too; its end is known then.
+    """
     step = shape.basis.step_px
     many = max(1, round(max(BLOCK_MIN_PX, BLOCK_RATIO * width_px) / step))
     unit = max(UNIT_MIN_PX, UNIT_RATIO * width_px)
@@ -124,7 +133,9 @@ def course_along(
         said=said[0],
         profile_said=said[1],
         edges_said=said[2],
-        backward=_said(size[:first_out][::-1, :, ::-1], across, width_px, many * step)[0][::-1],
+        backward=_said(size[:first_out][::-1, :, ::-1], across, width_px, many * step)[0][::-1]
+        if backward
+        else np.empty(0),
         shift_px=said[3],
         leaves_image=first_out is not None,
         width_px=width_px,
@@ -200,12 +211,16 @@ def _said(
     near = max(6, round(GROUND_WIDTHS * width / block_px))
     told = np.zeros((4, count))
     said, by_profile, by_edges, shift = told
-    beside: list[float] = []
+    beside: list[float] = []  # of the ground: what looks like the strip there
+    noise: list[float] = []  # and how much it changes there
     for b in range(count):
         strength = windows[b] @ usual / max(float(usual @ usual), 1e-12)
         at = middle - few + int(strength[middle - few : middle + few + 1].argmax())
         found = windows[b, at]
-        alike = float(found @ usual) / math.sqrt(float(found @ found * (usual @ usual)) + 1e-12)
+        noise += [float(each @ each) for each in windows[b, [0, -1]]]
+        own = float(found @ found)
+        own = max(own - float(np.median(noise[-2 * near :])), OWN_SHARE_MIN * own)
+        alike = float(found @ usual) / math.sqrt(own * float(usual @ usual) + 1e-12)
         beside += [float(strength[: middle - far + 1].max()), float(strength[middle + far :].max())]
         by_profile[b] = _of_profile(float(strength[at]), alike, np.array(beside[-2 * near :]))
         another = alike < COURSE_ALIKE_MIN and wider[b] > COURSE_WIDE_RATIO * edges[b]
