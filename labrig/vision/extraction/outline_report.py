@@ -147,6 +147,7 @@ def outline_in_metres(
         covered=float(fit.blocks.seen.mean()),
         seen=seen,
         residual_px=fit.residual_px,
+        end_sigma_m=0.0 if strip.length_known else outline.end_sigma_px / ppm,
         contrast=outline.located.edge,
         snr=contrast,
         excess_px=np.zeros(len(seen)),
@@ -164,6 +165,8 @@ def _assumed(outline: Outline, optics: Optics, strip: StripGeometry) -> list[str
         found.append(f"thickness {thick / optics.px_per_mm:.2f} mm ({thick:.1f} pixels)")
     if not strip.length_known:
         where = f"to its end, ±{outline.end_sigma_px / optics.px_per_mm:.1f} mm"
+        if outline.goes_on:
+            where += "; something that looks different goes on there"
         if outline.leaves_image:
             where = "to the border of the image; its end is not seen"
         found.append(f"length {total_mm:.1f} mm ({where})")

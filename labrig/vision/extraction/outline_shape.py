@@ -46,6 +46,7 @@ class Outline:
     end_px: float  # along the curve, where the strip's profile ends
     end_sigma_px: float
     leaves_image: bool  # where it ends
+    goes_on: bool  # something that looks different
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -171,6 +172,7 @@ def _outline(fit: OutlineFit, fitter: _Fitter, located: Located, course: Course)
         located=located,
         end_px=end,
         end_sigma_px=sigma,
+        goes_on=course.goes_on,
         leaves_image=course.leaves_image and end > course.total_px - 0.5 * fitter.width_px - 2,
     )
 

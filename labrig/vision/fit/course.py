@@ -54,7 +54,9 @@ STRIP_SPREAD = 0.35  # of a profile's size, in that of the strip shortly before
 EDGE_SPREAD = 0.4  # of the logarithm of an edge's size
 SAID_MAX = 2.0  # by one block
 SAID_UNLIKE = -0.1  # by edges of what does not look like the strip shortly before
-OWN_SHARE_MIN = 0.2  # of a profile that is no noise, at least
+GOES_ON_SHARE = 0.4  # of the blocks of two widths beyond the end
+LAST_BLOCK_LESS = 0.2  # a block counts as strip where it shows a third of it
+OWN_SHARE_MIN = 0.4  # of a profile that is no noise, at least
 ADAPT_MIN = 0.5  # log odds of a block that is remembered
 ALIKE_WIDTHS = 0.8  # of blocks that share texture and blur
 OUTSIDE_HALF_WIDTHS = 0.6  # of the strip that must lie inside the image
@@ -70,6 +72,7 @@ class Course:
     edges_said: FloatArray  # (blocks,) and both edges
     backward: FloatArray  # (blocks,) as `said`, compared with what comes shortly after; or empty
     shift_px: FloatArray  # (blocks,) how far to the left the profile lies
+    unlike: npt.NDArray[np.bool_]  # (blocks,) edges are there, of what looks different
     leaves_image: bool  # whether the curve leaves the image after the last block
     width_px: float
 
@@ -80,10 +83,17 @@ class Course:
         share = max(1.0, ALIKE_WIDTHS * self.width_px / self.block_px)
         odds = np.exp((total - total.max()) / share)
         odds /= odds.sum()
-        at = np.arange(1, len(odds) + 1) * self.block_px
+        at = (np.arange(1, len(odds) + 1) - LAST_BLOCK_LESS) * self.block_px
         mean = float(odds @ at)
         spread = math.sqrt(float(odds @ (at - mean) ** 2) + self.block_px**2 / 12)
         return float(at[total.argmax()]), spread
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether something that looks different goes on where the strip ends."""
+        first = round(self.end[0] / self.block_px)
+        after = self.unlike[first : first + max(3, round(2 * self.width_px / self.block_px))]
+        return bool(len(after) and after.mean() > GOES_ON_SHARE)
 
     def begin(self, most_px: float) -> float:
         """Return where the strip begins to look as it does, at most so far along the curve."""
@@ -137,6 +147,7 @@ def course_along(
         if backward
         else np.empty(0),
         shift_px=said[3],
+        unlike=said[4] > 0,
         leaves_image=first_out is not None,
         width_px=width_px,
     )
@@ -193,7 +204,7 @@ def _signed_sizes(
 def _said(
     size: FloatArray, across: FloatArray, width: float, block_px: float
 ) -> FloatArray:
-    """Return (4, blocks) log odds of all, of profile, of edges, and the profile's shift."""
+    """Return (5, blocks) log odds of all, of profile, of edges, the profile's shift, unlike."""
     unit, count = float(across[1] - across[0]), len(size)
     half, few, far = (
         round(widths * width / unit) for widths in (HALF_WIDTHS, SHIFT_WIDTHS, ASIDE_WIDTHS)
@@ -209,8 +220,8 @@ def _said(
     usual = np.median(windows[:first, middle], axis=0)
     usual_edge = float(np.median(edges[:first]))
     near = max(6, round(GROUND_WIDTHS * width / block_px))
-    told = np.zeros((4, count))
-    said, by_profile, by_edges, shift = told
+    told = np.zeros((5, count))
+    said, by_profile, by_edges, shift, unlike = told
     beside: list[float] = []  # of the ground: what looks like the strip there
     noise: list[float] = []  # and how much it changes there
     for b in range(count):
@@ -223,10 +234,12 @@ def _said(
         alike = float(found @ usual) / math.sqrt(own * float(usual @ usual) + 1e-12)
         beside += [float(strength[: middle - far + 1].max()), float(strength[middle + far :].max())]
         by_profile[b] = _of_profile(float(strength[at]), alike, np.array(beside[-2 * near :]))
-        another = alike < COURSE_ALIKE_MIN and wider[b] > COURSE_WIDE_RATIO * edges[b]
-        by_edges[b] = -SAID_MAX if another else _of_edges(edges[b], usual_edge, ground[b])
+        by_edges[b] = _of_edges(edges[b], usual_edge, ground[b])
+        another = False
         if alike < COURSE_ALIKE_MIN:
-            by_edges[b] = min(by_edges[b], SAID_UNLIKE)
+            another = wider[b] > COURSE_WIDE_RATIO * edges[b]
+            unlike[b] = another or by_edges[b] > 0
+            by_edges[b] = -SAID_MAX if another else min(by_edges[b], SAID_UNLIKE)
         said[b] = by_edges[b] if another else max(by_profile[b], by_edges[b])
         shift[b] = across[0] + (at + half) * unit
         if said[b] > ADAPT_MIN:
