@@ -20,6 +20,10 @@ LEVEL_RANGE_MIN_RATIO: Final = 0.01
 UNIT_RANGE_MARGIN: Final = 0.05  # floats this far outside of 0 to 1 are still taken as such
 LEVEL_RANGE_MAX_SIGMAS: Final = 12.0  # darkest to brightest of a million pixels of pure noise
 
+# Search. By trial on drawn scenes: sheets that only a broad search finds have 0.6 and more;
+# benchmark: `failures`, mixed, in clutter and without a sheet.
+BROAD_SCORE_MIN: Final = 0.4  # mean ridge score of a broad search's path, to be worth a fit
+
 # Downscaling of thick strips. The fit's cell sizes were chosen for sheets 2 to 4 pixels thick;
 # no benchmark: tests/labrig/vision/test_thick_strips.py, photographs (docs/explanation/vision.md).
 FULL_RESOLUTION_THICKNESS_MAX_PX: Final = 8.0  # thicker strips are downscaled
