@@ -28,7 +28,7 @@ MASK_MARGIN_PX = 3.0
 # of one image, so that a refusal costs little:
 BROAD_MAX = 1  # broad searches
 QUICK_WIDTH, BROAD_WIDTH = 90, 300  # states that a search keeps
-RIVALS_MAX = 5  # other paths than the likeliest
+RIVALS_MAX = 3  # other paths than the likeliest
 HEAD_MARGIN = 0.1  # of a share, in which a rival's first part may be seen better
 SOMETHING_SHARE = 0.1  # of a curve, for it to be looked at further
 LINE_ROUNDS = 2  # of finding lines beside the best curve, and searching without them

@@ -23,7 +23,11 @@ FloatArray = npt.NDArray[np.float64]
 CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
 FURTHER_ROUNDS = 12  # in which a strip is followed beyond its located end, at most
-BEYOND_WIDTHS, BEYOND_MIN_PX, BEYOND_SHARE = 4.0, 16.0, 0.06  # how far beyond an end it is looked for
+BEYOND_WIDTHS, BEYOND_MIN_PX, BEYOND_SHARE = (
+    4.0,
+    16.0,
+    0.06,
+)  # how far beyond an end it is looked for
 BEYOND_TURN_MAX_RAD = 0.5  # of the strip there, as it bends before
 COARSE_OFFSET_SIGMA_RATIO = 0.5  # of a located begin, in widths
 COARSE_ANGLE_SIGMA_RAD = 0.4

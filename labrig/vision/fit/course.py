@@ -201,9 +201,7 @@ def _signed_sizes(
     return np.stack(found, axis=1), inside
 
 
-def _said(
-    size: FloatArray, across: FloatArray, width: float, block_px: float
-) -> FloatArray:
+def _said(size: FloatArray, across: FloatArray, width: float, block_px: float) -> FloatArray:
     """Return (5, blocks) log odds of all, of profile, of edges, the profile's shift, unlike."""
     unit, count = float(across[1] - across[0]), len(size)
     half, few, far = (

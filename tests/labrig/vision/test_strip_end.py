@@ -50,7 +50,7 @@ def test_a_sharp_end_is_found_within_its_uncertainty(thick_px):
 def test_a_strip_that_fades_is_followed_until_it_is_lost_in_noise():
     light = 60 * np.clip((BEGIN + END - np.arange(COLUMNS)) / END, 0, 1)
     image = grey(picture(4, light))
-    end, sigma = course_along(straight(220.0), [image], OPTICS, 4).end
+    end, _ = course_along(straight(220.0), [image], OPTICS, 4).end
     assert 0.8 * END < end < END + 4  # there it has a fifth of its light, five times the noise
     assert not course_along(straight(220.0), [image], OPTICS, 4).goes_on
 
