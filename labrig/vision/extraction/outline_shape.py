@@ -102,12 +102,12 @@ class _Fitter:
                 break
             end = course.end[0]
             more = max(BEYOND_WIDTHS * self.width_px, BEYOND_MIN_PX, BEYOND_SHARE * end)
-            further = fit.shape
-            if further.basis.total_px > end + 0.75 * more:
+            further: CurveShape | None = fit.shape
+            if fit.shape.basis.total_px > end + 0.75 * more:
                 # nothing there: a faint strip may lead a little aside of where the curve does
                 further = self._aside(fit.shape, end, more)
-                if further is None:
-                    break
+            if further is None:
+                break
             longer = self.fit(_cut(further, end + more, self.width_px), rounds=2)
             if longer is None:
                 break
@@ -150,7 +150,8 @@ def fitted_outline(
     fit = fitter.fit(shape)
     if fit is None:
         return None
-    width = float(np.clip(fit.width_px, *(ratio * width for ratio in WIDTH_CHANGES)))
+    least, most = WIDTH_CHANGES
+    width = min(max(fit.width_px, least * width), most * width)
     fitter = replace(fitter, width_px=width)
     if strip.length_known:
         # a strip that continues beyond its stated length is another one, or longer

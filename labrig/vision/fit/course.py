@@ -133,7 +133,7 @@ def course_along(
     many = max(1, round(max(BLOCK_MIN_PX, BLOCK_RATIO * width_px) / step))
     unit = max(UNIT_MIN_PX, UNIT_RATIO * width_px)
     places = math.ceil(REACH_WIDTHS * width_px / unit)
-    across = np.arange(-places, places + 1) * unit
+    across = np.asarray(np.arange(-places, places + 1) * unit, dtype=np.float64)
     size, inside = _signed_sizes(shape, images, optics, across, many, width_px)
     # a clamp may lie at the border
     first_out = next((at for at in range(len(inside) // 4, len(inside)) if not inside[at]), None)
@@ -280,7 +280,7 @@ def _edges(
             root[:, np.abs(across - centre - side * wide) <= room].max(axis=1)
             for side in (-0.5, 0.5)
         )
-        return np.minimum(low, high)
+        return np.asarray(np.minimum(low, high))
 
     room = EDGE_ROOM * width + 0.01
     strip = np.maximum(pair(0.0, width, room), 1e-3)
