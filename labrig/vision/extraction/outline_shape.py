@@ -11,7 +11,7 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry
 from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
-from labrig.vision.fit.course import Course, completed, course_along
+from labrig.vision.fit.course import StripCourse, completed, course_along
 from labrig.vision.fit.outline import ROUNDS, Blocks, OutlineFit, fit_outline
 from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.image.image import GreyImage
@@ -76,7 +76,7 @@ class _Fitter:
             completed=self._without_ends if whole else self._completed,
         )
 
-    def course(self, shape: CurveShape) -> Course:
+    def course(self, shape: CurveShape) -> StripCourse:
         return course_along(shape, self.images, self.optics, self.width_px)
 
     def _completed(self, shape: CurveShape, blocks: Blocks) -> Blocks:
@@ -94,7 +94,7 @@ class _Fitter:
         s = shape.basis.s[blocks.node]
         return replace(blocks, seen=blocks.seen & (s >= begin) & (s <= total - own))
 
-    def followed(self, fit: OutlineFit) -> tuple[OutlineFit, Course]:
+    def followed(self, fit: OutlineFit) -> tuple[OutlineFit, StripCourse]:
         """Return a fit that reaches beyond the strip's end or to the image's border."""
         course = self.course(fit.shape)
         for _ in range(FURTHER_ROUNDS):
@@ -169,7 +169,7 @@ def fitted_outline(
     return _outline(_with_rivals(again, images, there), fitter, located, course)
 
 
-def _outline(fit: OutlineFit, fitter: _Fitter, located: Located, course: Course) -> Outline:
+def _outline(fit: OutlineFit, fitter: _Fitter, located: Located, course: StripCourse) -> Outline:
     end, sigma = course.end
     return Outline(
         fit=fit,

@@ -63,7 +63,7 @@ OUTSIDE_HALF_WIDTHS = 0.6  # of the strip that must lie inside the image
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Course:
+class StripCourse:
     """What each block of a curve says of the strip; lengths in pixels of the sheet's plane."""
 
     block_px: float
@@ -124,7 +124,7 @@ def course_along(
     width_px: float,
     *,
     backward: bool = False,
-) -> Course:
+) -> StripCourse:
     """Return what the image shows of the strip along a curve that may be longer than it.
 
     `backward`: where it begins, too; its end is known then.
@@ -138,7 +138,7 @@ def course_along(
     # a clamp may lie at the border
     first_out = next((at for at in range(len(inside) // 4, len(inside)) if not inside[at]), None)
     said = _said(size[:first_out], across, width_px, many * step)
-    return Course(
+    return StripCourse(
         block_px=many * step,
         said=said[0],
         profile_said=said[1],
@@ -153,7 +153,7 @@ def course_along(
     )
 
 
-def completed(course: Course, blocks: Blocks, step_px: float) -> Blocks:
+def completed(course: StripCourse, blocks: Blocks, step_px: float) -> Blocks:
     """Return blocks with those, too, in which only the whole profile shows the strip."""
     at = ((blocks.node * step_px) / course.block_px).astype(np.int64)
     there = at < len(course.said)
