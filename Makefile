@@ -27,7 +27,7 @@ export PYTHONDONTWRITEBYTECODE :=
 # Warnings are errors; notebooks and commands of the pages are run.
 SPHINX = $(BIN)/python -m sphinx -b html -W --keep-going -q
 
-.PHONY: setup setup-dev setup-docs demo docs docs-after-compiled compiled compiled-mechanics compiled-pictures \
+.PHONY: setup setup-dev setup-docs setup-all demo docs docs-after-compiled compiled compiled-mechanics compiled-pictures \
 	test test-compiled test-failed test-all test-fast lint format bench soak clean
 
 setup: $(VENV)/.installed
@@ -53,6 +53,13 @@ $(VENV)/.installed-docs: pyproject.toml constraints.txt
 	@test -d $(VENV) || $(PYTHON) -m venv $(VENV)
 	@$(PIP) -e ".[docs]"
 	@touch $@
+
+# For CI: at once, for the same reason.
+setup-all: pyproject.toml constraints.txt
+	@echo "installing labrig and what it, the tests, the linters and the documentation need into $(VENV) ..."
+	@test -d $(VENV) || $(PYTHON) -m venv $(VENV)
+	@$(PIP) -e ".[dev,docs]"
+	@touch $(VENV)/.installed $(VENV)/.installed-dev $(VENV)/.installed-docs
 
 docs: setup-docs
 	@$(SPHINX) docs docs/_build/html

@@ -9,6 +9,7 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -48,9 +49,15 @@ def modules() -> dict[str, Path]:
     }
 
 
+@cache
+def parsed(path: Path) -> ast.Module:
+    """Return a module's code: each diagram asks for it anew."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
 def imports(name: str, known: dict[str, Path]) -> Iterator[str]:
     """Yield the modules of ours that a module imports."""
-    for node in ast.walk(ast.parse(known[name].read_text(encoding="utf-8"))):
+    for node in ast.walk(parsed(known[name])):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in known)
         elif isinstance(node, ast.ImportFrom) and node.module:
@@ -99,7 +106,7 @@ def summary(folder: Path) -> str:
 
 def first_line(path: Path) -> str:
     """Return the first line of a module's docstring."""
-    text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    text = ast.get_docstring(parsed(path)) or ""
     return text.split("\n", maxsplit=1)[0]
 
 

@@ -17,6 +17,7 @@ DOCS = Path(__file__).parent
 sys.path[:0] = [str(DOCS), str(DOCS / "extensions")]
 
 from made import write_pages  # noqa: E402 - found by the line above
+from prepared import install  # noqa: E402
 
 write_pages(DOCS)
 
@@ -30,7 +31,7 @@ html_css_files = ["labrig.css"]
 html_show_copyright = False
 html_show_sphinx = False
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "terminal", "mermaid_as_text"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "terminal", "mermaid_as_text", "navigation"]
 exclude_patterns = [
     "_build",
     "made",
@@ -59,6 +60,7 @@ python_use_unqualified_type_names = True
 # Commands of pages and notebooks find the labrig that builds them, and print plain text.
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 os.environ |= {"COLUMNS": "120", "MPLBACKEND": "agg", "PYDEVD_DISABLE_FILE_VALIDATION": "1"}
+os.environ |= install(DOCS / "_build")
 os.environ["LABRIG_DOCS_DATA"] = str(DOCS / "tutorials" / "data")
 
 _ipython = DOCS / "_build" / "ipython"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -35,13 +36,15 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Files all of whose tests are thorough are not even imported where those are left out."""
-    if collection_path.suffix != ".py" or "not thorough" not in config.option.markexpr:
+    """Files of thorough or of slow tests alone are not even imported where those are left out."""
+    left_out = [mark for mark in ("thorough", "slow") if f"not {mark}" in config.option.markexpr]
+    if collection_path.suffix != ".py" or not left_out:
         return None
     if any(collection_path == Path(name.partition("::")[0]).resolve() for name in config.args):
         return None  # asked for by its name: pytest says what it leaves out
     text = collection_path.read_text(encoding="utf-8")
-    return True if "\npytestmark = pytest.mark.thorough\n" in text else None
+    marked = rf"^pytestmark = (\[\s*)?pytest\.mark\.({'|'.join(left_out)})\b"
+    return True if re.search(marked, text, re.MULTILINE) else None
 
 
 @pytest.hookimpl(wrapper=True)

@@ -18,7 +18,6 @@ import time
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from typing import Protocol
 
 DATA = Path(__file__).parents[1] / "tutorials" / "data"
 COMMANDS = (
@@ -34,7 +33,7 @@ COMMANDS = (
     "labrig next session.h5 --model model+.toml --between gravity clamp_angle -o next.toml",
 )
 _PROGRESS = re.compile(r"^[\w -]+: \d+ %")
-_PLAIN = re.compile(r"labrig [^|&;<>$`\\\n]*")  # nothing that needs a shell
+_PROGRAMS = Path(__file__).parent
 _TIMEOUT_S = 180.0
 
 
@@ -55,14 +54,30 @@ def prepared() -> tuple[Path, dict[str, tuple[int, str]]]:
 def remove_prepared() -> None:
     """Remove the folder, if it was made, and end the process that runs commands."""
     if _server.cache_info().currsize:
-        server = _server()
+        server, folder = _server()
         assert server.stdin is not None  # noqa: S101 - it was opened as a pipe
         server.stdin.close()
         server.wait(_TIMEOUT_S)
+        shutil.rmtree(folder, ignore_errors=True)
         _server.cache_clear()
     if prepared.cache_info().currsize:
         shutil.rmtree(prepared()[0], ignore_errors=True)
         prepared.cache_clear()
+
+
+def install(build: Path) -> dict[str, str]:
+    """Write what asks the server in place of `labrig` and of a kernel; return its environment."""
+    ask = [sys.executable, "-IS", str(_PROGRAMS / "ask_server.py")]
+    command = build / "bin" / "labrig"
+    kernel = build / "jupyter" / "kernels" / "python3" / "kernel.json"
+    for path in (command, kernel):
+        path.parent.mkdir(parents=True, exist_ok=True)
+    command.write_text(f'#!/bin/sh\nexec {shlex.join(ask)} labrig "$@"\n')
+    command.chmod(0o755)
+    started = [*ask, "kernel", "-f", "{connection_file}"]
+    kernel.write_text(json.dumps({"argv": started, "display_name": "Python", "language": "python"}))
+    path = os.pathsep.join([str(command.parent), os.environ["PATH"]])
+    return {"PATH": path, "JUPYTER_PATH": str(kernel.parents[2])}
 
 
 def run(
@@ -72,36 +87,12 @@ def run(
 
     With `stop`, Ctrl-C is pressed a second after its first output.
     """
+    start_server()
     with tempfile.TemporaryDirectory() as files:
         typed, printed = Path(files, "typed"), Path(files, "printed")
         typed.write_text("".join(f"{answer}\n" for answer in answers))
-        printed.touch()
-        if _PLAIN.fullmatch(command):
-            process: _Process = _Forked(command, folder, typed, printed)
-        else:
-            process = _Shell(command, folder, typed, printed)
-        if stop:
-            _wait_for(printed)
-            os.kill(process.pid, signal.SIGINT)
-        code = process.wait()
-        output = printed.read_text().replace(f"{folder}/", "")  # where it is says nothing
-    kept = [line for line in output.splitlines() if not _PROGRESS.match(line)]
-    return code, "\n".join(kept).strip("\n")
-
-
-class _Process(Protocol):
-    """A command that is running."""
-
-    pid: int
-
-    def wait(self) -> int:
-        """Return the exit code when it has ended."""
-
-
-class _Shell:
-    def __init__(self, command: str, folder: Path, typed: Path, printed: Path) -> None:
         with typed.open() as standard_input, printed.open("w") as output:
-            self._process = subprocess.Popen(
+            process = subprocess.Popen(
                 ["bash", "-c", command],
                 cwd=folder,
                 stdin=standard_input,
@@ -109,42 +100,32 @@ class _Shell:
                 stderr=subprocess.STDOUT,
                 start_new_session=True,
             )
-        self.pid = self._process.pid
+        if stop:
+            _wait_for(printed)
+            os.kill(process.pid, signal.SIGINT)
+        code = process.wait(_TIMEOUT_S)
+        text = printed.read_text().replace(f"{folder}/", "")  # where it is says nothing
+    kept = [line for line in text.splitlines() if not _PROGRESS.match(line)]
+    return code, "\n".join(kept).strip("\n")
 
-    def wait(self) -> int:
-        return self._process.wait(_TIMEOUT_S)
 
-
-class _Forked:
-    """A command of labrig alone, in a child of the process that has imported what it needs."""
-
-    def __init__(self, command: str, folder: Path, typed: Path, printed: Path) -> None:
-        asked = {
-            "arguments": shlex.split(command)[1:],
-            "folder": str(folder),
-            "typed": str(typed),
-            "printed": str(printed),
-        }
-        server = _server()
-        assert server.stdin is not None  # noqa: S101 - it was opened as a pipe
-        server.stdin.write(f"{json.dumps(asked)}\n")
-        server.stdin.flush()
-        self.pid = self._answer()
-
-    def wait(self) -> int:
-        return self._answer()
-
-    def _answer(self) -> int:
-        output = _server().stdout
-        assert output is not None  # noqa: S101 - it was opened as a pipe
-        return int(output.readline())
+def start_server() -> None:
+    """Start the process that runs commands and kernels, if it does not run yet."""
+    _server()
 
 
 @cache
-def _server() -> subprocess.Popen[str]:
-    program = Path(__file__).with_name("command_server.py")
+def _server() -> tuple[subprocess.Popen[str], Path]:
+    folder = Path(tempfile.mkdtemp(prefix="labrig-docs-"))
+    os.environ["LABRIG_DOCS_SERVER"] = str(folder / "socket")
+    program = [sys.executable, str(_PROGRAMS / "command_server.py"), str(folder / "socket")]
+    environment = {name: os.environ[name] for name in os.environ if name != "MPLBACKEND"}
     pipe = subprocess.PIPE
-    return subprocess.Popen([sys.executable, str(program)], stdin=pipe, stdout=pipe, text=True)
+    server = subprocess.Popen(program, env=environment, stdin=pipe, stdout=pipe, text=True)
+    assert server.stdout is not None  # noqa: S101 - it was opened as a pipe
+    if server.stdout.readline() != "ready\n":
+        raise RuntimeError("the process that runs the documentation's commands did not start")
+    return server, folder
 
 
 def _wait_for(printed: Path) -> None:

@@ -101,6 +101,11 @@ def _read_anew(_app: Sphinx, env: Any, docname: str) -> None:
         shutil.rmtree(folder, ignore_errors=True)
 
 
+def _start(_app: Sphinx, _env: Any, docnames: list[str]) -> None:
+    if docnames:
+        prepared.start_server()
+
+
 def _remove(app: Sphinx, _error: Exception | None) -> None:
     for docname in list(_folders(app.env)):
         _read_anew(app, app.env, docname)
@@ -110,6 +115,7 @@ def _remove(app: Sphinx, _error: Exception | None) -> None:
 def setup(app: Sphinx) -> dict[str, Any]:
     """Register the directive."""
     app.add_directive("terminal", Terminal)
+    app.connect("env-before-read-docs", _start)
     app.connect("env-purge-doc", _read_anew)
     app.connect("build-finished", _remove)
     return {"parallel_read_safe": False, "parallel_write_safe": True}

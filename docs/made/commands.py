@@ -18,6 +18,10 @@ built, and what is shown is what it printed, without the lines that report progr
 the examples is that of [the first session](../../tutorials/first_session.md). A block ends with
 `...` where more lines follow.
 
+`labrig --install-completion` makes the shell complete commands and options with the Tab key. It
+knows bash, zsh, fish and PowerShell; open a new terminal afterwards.
+`labrig --show-completion` prints the script.
+
 [How to add a command](../../howto/commands.md)
 
 """

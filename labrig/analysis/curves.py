@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from multiprocessing import current_process, get_context
 from pathlib import Path
+from time import process_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 Progress = Callable[[float, str], None]
 MEAN_OF = ("zero", "kept", "no_contact")  # kinds of readings whose frames make the mean image
 MEAN_FULL_SCALE = 65535.0  # of the mean image
+WORTH_PROCESSES_S = 5.0  # of work that is left: about what two processes take to load
 HOPELESS = 2  # frames without a curve, after a mean image without one
 
 
@@ -238,23 +240,35 @@ def shared_out(
 ) -> Iterator[ConditionCurves]:
     """Yield the curves of all jobs in their order; `workers` processes share them.
 
+    Processes of their own load for seconds, so those that are quickly done are done here.
     Raises BadInputError where these processes end.
     """
-    if workers <= 1 or len(jobs) < 4:
-        yield from (curves_of(job, session) for job in jobs)
-        return
+    first, others, last_s = jobs[:2], jobs[2:], 0.0
+    for job in first:  # two, because the first loads or compiles as well
+        began_s = process_time()
+        yield curves_of(job, session)
+        last_s = process_time() - began_s
+    if workers > 1 and last_s * len(others) > WORTH_PROCESSES_S:
+        yield from by_processes(session.path, others, workers)
+    else:
+        yield from (curves_of(job, session) for job in others)
+
+
+def by_processes(path: Path, jobs: list[CurveJob], workers: int) -> Iterator[ConditionCurves]:
+    """Yield the curves of all jobs in their order; `workers` new processes share them.
+
+    Raises BadInputError where these processes end.
+    """
     if getattr(current_process(), "_inheriting", False):
         # A script that is not importable begins anew in each of its own workers: end quietly, the
         # process that started them says why.
         raise SystemExit(1)
     try:
-        with _pool(session.path, workers) as pool:
-            # What is not compiled yet is compiled for the first, once and not in each process.
-            yield pool.submit(_in_worker, jobs[0]).result()
-            yield from pool.map(_in_worker, jobs[1:], chunksize=1)
+        with _pool(path, workers) as pool:
+            yield from pool.map(_in_worker, jobs, chunksize=1)
     except BrokenProcessPool:
         raise BadInputError(
-            f"{session.path}: the processes that look for curves ended; a script that calls"
+            f"{path}: the processes that look for curves ended; a script that calls"
             ' labrig.analyze with workers must do so under `if __name__ == "__main__":`, and one'
             " that does may have run out of memory: take fewer workers."
         ) from None

@@ -15,12 +15,14 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_validator
+from pydantic.fields import FieldInfo
 
 from labrig.config.file_kinds import TEXT, kind_of_bytes, other_kind
 from labrig.errors import BadInputError
 
 MOST_BYTES = 8 << 20  # of a file that a person writes
 _KEY = 60  # characters of a key that are worth showing
+_MOST_KEYS = 8  # of a table that are listed beside an unknown one
 _MOST = 20  # faults that are worth telling at once
 _NO_WORDS = frozenset({int, float, bool, type(None)})
 
@@ -264,17 +266,39 @@ def _is_branch(part: Any) -> bool:
 
 
 def _suggestion(model: type[BaseModel], location: tuple[Any, ...]) -> str:
-    known = _known_keys(model) - {str(location[-1])}  # known elsewhere is not known here
-    close = difflib.get_close_matches(_cut(str(location[-1])), sorted(known), n=1)
-    return f"; did you mean {close[0]}" if close else ""
+    wrong = _cut(str(location[-1]))
+    own = list(
+        dict.fromkeys(key for table in _tables(model, location) for key in table.model_fields)
+    )
+    elsewhere = sorted(_known_keys(model) - {wrong})  # known elsewhere is not known here
+    for keys, likeness in ((own, 0.6), (elsewhere, 0.75)):
+        if close := difflib.get_close_matches(wrong, keys, n=1, cutoff=likeness):
+            return f"; did you mean {close[0]}"
+    if len(location) > 1 and 0 < len(own) <= _MOST_KEYS:
+        return f"; known are {', '.join(own)}"
+    return ""
+
+
+def _tables(model: type[BaseModel], location: tuple[Any, ...]) -> list[type[BaseModel]]:
+    """Return the models that the table at a location may have: several where `kind` chooses one."""
+    tables = [model]
+    for part in location[:-1]:
+        fields = [table.model_fields[part] for table in tables if part in table.model_fields]
+        tables = [kind for field in fields for kind in _models(field)] or tables
+    return tables
 
 
 def _known_keys(model: type[BaseModel]) -> set[str]:
     keys: set[str] = set()
     for key, field in model.model_fields.items():
         keys.add(key)
-        chosen = (part.models().values() for part in field.metadata if hasattr(part, "models"))
-        for kind in (field.annotation, *get_args(field.annotation), *chain.from_iterable(chosen)):
-            if isinstance(kind, type) and issubclass(kind, BaseModel):
-                keys |= _known_keys(kind)
+        for kind in _models(field):
+            keys |= _known_keys(kind)
     return keys
+
+
+def _models(field: FieldInfo) -> list[type[BaseModel]]:
+    """Return the models among the types that a key may have."""
+    chosen = (part.models().values() for part in field.metadata if hasattr(part, "models"))
+    kinds = (field.annotation, *get_args(field.annotation), *chain.from_iterable(chosen))
+    return [kind for kind in kinds if isinstance(kind, type) and issubclass(kind, BaseModel)]

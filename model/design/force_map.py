@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import pickle
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,11 +37,34 @@ class ForceMap:
         return bool(np.all(self.reachable))
 
 
+_kept: ContextVar[dict[bytes, ForceMap] | None] = ContextVar("_kept", default=None)
+
+
+@contextmanager
+def keeping_maps() -> Iterator[None]:
+    """Keep each map until the end of the block: many questions ask for the same ones."""
+    token = _kept.set({})
+    try:
+        yield
+    finally:
+        _kept.reset(token)
+
+
 def force_map(
     model: SheetModel, configuration: str, position_m: npt.ArrayLike, voltage_V: npt.ArrayLike
 ) -> ForceMap:
     """Solve all combinations at once."""
     p, V = np.atleast_1d(np.asarray(position_m, float)), np.atleast_1d(np.asarray(voltage_V, float))
+    kept = _kept.get()
+    if kept is None:
+        return _solved_map(model, configuration, p, V)
+    key = pickle.dumps((model, configuration, p, V))
+    if key not in kept:
+        kept[key] = _solved_map(model, configuration, p, V)
+    return kept[key]
+
+
+def _solved_map(model: SheetModel, configuration: str, p: FloatArray, V: FloatArray) -> ForceMap:
     if model.effects:
         setups = model.setups(configuration, [(float(x), float(v)) for x in p for v in V])
     else:
@@ -56,10 +82,14 @@ def force_map(
     )  # fmt: skip
 
 
-def reached(found: ForceMap) -> ForceMap:
-    """Return the map, or an error where part of it is not reachable."""
-    if not found.all_reachable():
-        i, j = np.argwhere(~found.reachable)[0]
+def reached(found: ForceMap, column: int | None = None) -> ForceMap:
+    """Return the map, or an error where part of it, or of one column, is not reachable."""
+    asked = np.ones_like(found.reachable)
+    if column is not None:
+        asked[:, :column] = asked[:, column + 1 :] = False
+    missed = np.argwhere(asked & ~found.reachable)
+    if len(missed):
+        i, j = missed[0]
         raise ModelError(
             f"the working section is not reachable everywhere: not {found.position_m[i] * 1e3:g} mm"
             f" at {found.voltage_V[j]:+g} V; make the section smaller or the sheet longer"
@@ -117,9 +147,10 @@ def propagate(
     question: Callable[[SheetModel], Sequence[float]],
     units: Sequence[str],
 ) -> list[Parameter]:
-    """Answers with the uncertainty that B, the EIBMs and k0 bring with them.
+    """Answers with the uncertainty of B, the EIBMs, k0 and the effects' parameters.
 
-    Forces fix B, shapes fix Me/B, so these two are varied independently.
+    Forces fix B, shapes fix Me/B, so these two are varied independently, and each parameter of an
+    effect by itself. Uncertainties of an effect's inferred form are not in it.
     """
     one = model.sheet(configuration)
     values = np.array(question(model))
@@ -136,11 +167,12 @@ def propagate(
         rests = [replace(one.rest, values=one.rest.values + sign * off) for sign in (1.0, -1.0)]
         pairs.append((replace(one, rest=rests[0]), replace(one, rest=rests[1])))
     variance = np.zeros(len(values))
-    for up, down in pairs:
-        moved = [
-            np.array(question(replace(model, sheets={**model.sheets, configuration: sheet})))
-            for sheet in (up, down)
-        ]
+    models = [
+        [replace(model, sheets={**model.sheets, configuration: sheet}) for sheet in pair]
+        for pair in pairs
+    ]
+    for both in [*models, *_of_effects(model, configuration)]:
+        moved = [np.array(question(changed)) for changed in both]
         if not np.all(np.isfinite(moved)):
             raise ModelError(
                 "within the uncertainty of the model's parameters this question has no answer; make"
@@ -151,6 +183,14 @@ def propagate(
         Parameter(value=float(v), sigma=float(np.sqrt(s)), unit=unit)
         for v, s, unit in zip(values, variance, units, strict=True)
     ]
+
+
+def _of_effects(model: SheetModel, configuration: str) -> Iterator[list[SheetModel]]:
+    """Yield for each uncertain parameter of an effect two models, at both ends of its interval."""
+    for place, effect in enumerate(model.effects):
+        before, after = model.effects[:place], model.effects[place + 1 :]
+        for ends in effect.varied(configuration):
+            yield [replace(model, effects=(*before, one, *after)) for one in ends]
 
 
 def _relative(along: Along) -> float:

@@ -48,15 +48,19 @@ def best_line(
     model: SheetModel, configuration: str, low_m: float, high_m: float, voltage_V: float
 ) -> StraightLine:
     """1: the line with the smallest squared error over the section."""
-    p = section(low_m, high_m)
+    p, volts = section(low_m, high_m), known_voltages(model, configuration)
+    if voltage_V not in volts:
+        volts = np.array([voltage_V])
+    column = int(np.flatnonzero(volts == voltage_V)[0])
 
     def question(changed: SheetModel) -> list[float]:
-        force = reached(force_map(changed, configuration, p, voltage_V)).tangential_N[:, 0]
+        found = reached(force_map(changed, configuration, p, volts), column)
+        force = found.tangential_N[:, column]
         slope, start = np.polyfit(p, force, 1)
         return [slope, start, float(np.sqrt(np.mean((slope * p + start - force) ** 2)))]
 
     slope, start, error = propagate(model, configuration, question, ("N/m", "N", "N"))
-    force = force_map(model, configuration, p, voltage_V).tangential_N[:, 0]
+    force = force_map(model, configuration, p, volts).tangential_N[:, column]
     off = float(np.max(np.abs(slope.value * p + start.value - force)))
     return StraightLine(
         voltage_V=voltage_V,

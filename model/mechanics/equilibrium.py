@@ -23,7 +23,7 @@ import numpy.typing as npt
 
 from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
-from model.mechanics.field import Field, merged_breaks, padded
+from model.mechanics.field import Field, for_each_field, merged_breaks, padded
 
 LEAST_SHARE = 200  # problems that are worth a thread
 Engine = Literal["auto", "compiled", "numpy"]
@@ -83,15 +83,16 @@ def problems(
     length = fields[0].length_m
     _check(fields, softness, angles, radius_m, elongation_m)
     first = fields[0].breaks_m
-    others = [f.breaks_m for f in fields[1:]] + ([softness.breaks_m] if softness else [])
+    different = list({id(f): f for f in fields}.values())
+    others = [f.breaks_m for f in different[1:]] + ([softness.breaks_m] if softness else [])
     breaks = merged_breaks([first, *others]) if others else first
-    largest = max(f.largest for f in fields)
+    largest = max(f.largest for f in different)
     breaks = finer(breaks, largest, radius_m, accuracy)
     if len(fields) == 1:
         rows = fields[0].on(breaks).coefficients[None]
     else:
-        degree = max(f.coefficients.shape[1] for f in fields)
-        rows = np.stack([padded(f.on(breaks).coefficients, degree) for f in fields])
+        degree = max(f.coefficients.shape[1] for f in different)
+        rows = np.stack(for_each_field(lambda f: padded(f.on(breaks).coefficients, degree), fields))
     soft = softness.on(breaks).coefficients if softness else np.zeros((len(breaks) - 1, 0))
     if len(rows) < len(angles):
         rows = np.repeat(rows, len(angles), axis=0)

@@ -6,10 +6,11 @@ kept as coefficients of powers of t, t = -1 .. 1 over the panel.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
@@ -18,6 +19,7 @@ from model.measurements import FloatArray, ModelError
 
 HIGHEST_DEGREE = 15
 SMALLEST_SHARE = 1e-9  # panels narrower than this share of the length are merged
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -146,6 +148,12 @@ class Field:
         low, high = self.breaks_m[panel], self.breaks_m[panel + 1]
         half = 0.5 * (high - low)
         return panel, (s - 0.5 * (low + high)) / half, half
+
+
+def for_each_field(make: Callable[[Field], Made], fields: Sequence[Field]) -> list[Made]:
+    """Return what `make` makes of each field; of one that occurs several times it is made once."""
+    made = {key: make(one) for key, one in {id(one): one for one in fields}.items()}
+    return [made[id(one)] for one in fields]
 
 
 def merged_breaks(all_breaks: Iterable[FloatArray]) -> FloatArray:

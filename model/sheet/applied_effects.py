@@ -16,7 +16,7 @@ from model.effects.interface import BeamProblem, ContactSolution
 from model.locations import location
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.collocation import rule
-from model.mechanics.field import Field
+from model.mechanics.field import Field, for_each_field
 from model.sheet.beam_problem import UNKNOWN, ActiveEffect, ConditionProblem
 from model.sheet.effect_hooks import Acting, applied, in_course, mean_course, self_consistent
 from model.sheet.form import form_in
@@ -136,7 +136,8 @@ def beam_problem(
         sheet=sheet, s_m=s, voltage_V=np.array([one.voltage_V for one in setups]),
         stated_m=np.array([np.nan if p is None else p for p in positions_m]),
         up=np.ones(len(setups)), stiffness=B, rest=0.0 * ones,
-        eibm=np.stack([one.eibm(s) for one in setups]) / B[:, None], bend=0.0 * ones,
+        eibm=np.stack(for_each_field(lambda me: me(s), [one.eibm for one in setups])) / B[:, None],
+        bend=0.0 * ones,
         soft=np.stack([ones[0] if c.softness is None else c.softness(s) for c in setups]),
         elongation_soft=none, shift_m=none.copy(),
         tilt_rad=np.array([one.clamp_rad for one in setups]),
@@ -157,24 +158,40 @@ def _setups(
     moment = moment - (plain.eibm + plain.bend) * plain.stiffness[:, None]
     rest, soft = beam.rest - plain.rest, beam.soft - plain.soft
     one = Field.constant(1.0, beam.sheet.free_length_m)
+    plus = _Sums(beam)
     result = []
     for k, setup in enumerate(setups):
         softness = setup.softness
         if np.any(soft[k]):
-            softness = (softness or one) + _field(beam, soft[k])
+            softness = plus(softness or one, soft[k])
             if float(np.min(softness(beam.s_m))) <= 0.0:
                 raise ModelError("with the model's effects its bending stiffness is not positive")
         result.append(
             replace(
                 setup, softness=softness, B_Nm2=float(beam.stiffness[k]),
                 angle_rad=setup.angle_rad + float(beam.shift_m[k]) / R,
-                rest=setup.rest + _field(beam, rest[k]) if np.any(rest[k]) else setup.rest,
-                eibm=setup.eibm + _field(beam, moment[k]) if np.any(moment[k]) else setup.eibm,
+                rest=plus(setup.rest, rest[k]), eibm=plus(setup.eibm, moment[k]),
                 clamp_rad=float(beam.tilt_rad[k]), offset_m=float(beam.offset_m[k]),
                 elongation_soft=float(beam.elongation_soft[k]),
             )
         )  # fmt: skip
     return result
+
+
+class _Sums:
+    """Adds values at a beam's nodes to fields; setups in which these are the same share the sum."""
+
+    def __init__(self, beam: BeamProblem) -> None:
+        self._beam = beam
+        self._made: dict[tuple[int, bytes], Field] = {}
+
+    def __call__(self, field: Field, values: FloatArray) -> Field:
+        if not np.any(values):
+            return field
+        key = (id(field), values.tobytes())
+        if key not in self._made:
+            self._made[key] = field + _field(self._beam, values)
+        return self._made[key]
 
 
 def _breaks(sheet: SheetGeometry, measured_length_m: float) -> FloatArray:
@@ -213,5 +230,6 @@ def contact_solution(found: SolvedProblems, beam: BeamProblem) -> ContactSolutio
         offset=np.where(before, dy * cos - dx * sin, 0.0), x_m=own_x, y_m=own_y,
         phi_rad=phi - tilt, curvature=shapes.curvature_per_m[:, :-1],
         end_phi_rad=shapes.phi_rad[:, -1] - beam.tilt_rad,
-        at_rest=np.stack([s.rest(beam.s_m) for s in found.setups]) - beam.rest,
+        at_rest=np.stack(for_each_field(lambda k0: k0(beam.s_m), [s.rest for s in found.setups]))
+        - beam.rest,
     )  # fmt: skip

@@ -22,6 +22,7 @@ Coordinate = Literal[
 Under = Literal["", "voltage", "polarity"]
 Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp", "moment"]
 UNKNOWN = "unknown"  # the name of what is in no catalogue
+STANDARD = 0.6827  # probability of an interval of one standard uncertainty to each side
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,12 +158,34 @@ class ActiveEffect:
 
     def values(self, configuration: str) -> dict[str, float] | None:
         """Numbers by name for a configuration; None where the effect does not act."""
+        known = self._acting(configuration)
+        return None if known is None else {name: one.value for name, one in known.items()}
+
+    def varied(self, configuration: str) -> list[tuple[ActiveEffect, ActiveEffect]]:
+        """Return for each uncertain parameter the effect at the ends of its standard interval."""
+        known = self._acting(configuration) or {}
+        return [
+            (self._with(configuration, name, ends[1]), self._with(configuration, name, ends[0]))
+            for name, one in known.items()
+            if one.sigma > 0.0
+            for ends in [one.interval(STANDARD)]
+        ]
+
+    def _acting(self, configuration: str) -> dict[str, Parameter] | None:
         if self.configurations and configuration not in self.configurations:
             return None
         own = self.by_configuration.get(configuration)
         if own is None and self.by_configuration and not self.parameters:
             return None
-        return {k: p.value for k, p in {**self.parameters, **(own or {})}.items()}
+        return {**self.parameters, **(own or {})}
+
+    def _with(self, configuration: str, name: str, value: float) -> ActiveEffect:
+        own = self.by_configuration.get(configuration, {})
+        if name not in own:
+            shared = {**self.parameters, name: replace(self.parameters[name], value=value)}
+            return replace(self, parameters=shared)
+        changed = {**own, name: replace(own[name], value=value)}
+        return replace(self, by_configuration={**self.by_configuration, configuration: changed})
 
     def to_dict(self) -> dict[str, Any]:
         """For a model file."""

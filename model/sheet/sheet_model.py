@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import isfinite
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -110,21 +111,21 @@ class ConfiguredSheet(Displayed):
     def eibm_at(self, voltage_V: float) -> Field:
         """Me(s) at a voltage: known at the fitted ones and 0 V, in proportion between."""
         length = self.sheet.free_length_m
-        known = {0.0: Field.constant(0.0, length)}
-        known.update({v: along.field(length) for v, along in self.eibm.items()})
-        volts = sorted(known)
+        volts = sorted({0.0, *self.eibm})
         if not volts[0] <= voltage_V <= volts[-1]:
             raise ModelError(
                 f"the model of '{self.sheet.configuration}' knows {volts[0]:g} V to"
                 f" {volts[-1]:+g} V;"
                 f" {voltage_V:+g} V is outside"
             )
-        if voltage_V in known:
-            return known[voltage_V]
+        if voltage_V in self.eibm:
+            return self.eibm[voltage_V].field(length)
+        if voltage_V == 0.0:
+            return Field.constant(0.0, length)
         high = next(i for i, v in enumerate(volts) if v > voltage_V)
         low_V, high_V = volts[high - 1], volts[high]
         share = (voltage_V - low_V) / (high_V - low_V)
-        return known[low_V] * (1.0 - share) + known[high_V] * share
+        return self.eibm_at(low_V) * (1.0 - share) + self.eibm_at(high_V) * share
 
     def mean_eibm(self, voltage_V: float) -> float:
         """Mean of Me over the free length."""
@@ -201,7 +202,7 @@ class SheetModel(Displayed):
         self, configuration: str, places: Sequence[tuple[float | None, float]]
     ) -> list[ConditionProblem]:
         """Beam problems of conditions, given by position and voltage, effects included."""
-        plain = [self._plain(configuration, *place) for place in places]
+        plain = self._plain(configuration, places)
         if not self.effects:
             return plain
         from model.sheet.applied_effects import with_effects
@@ -217,18 +218,26 @@ class SheetModel(Displayed):
         return tuple(dict.fromkeys((float(voltage_V), 0.0, opposite)))
 
     def _plain(
-        self, configuration: str, position_m: float | None, voltage_V: float
-    ) -> ConditionProblem:
+        self, configuration: str, places: Sequence[tuple[float | None, float]]
+    ) -> list[ConditionProblem]:
+        """Return beam problems without effects; those of one voltage share its field."""
         one = self.sheet(configuration)
-        if not np.isfinite(0.0 if position_m is None else position_m) or not np.isfinite(voltage_V):
-            raise ModelError("position and voltage must be finite numbers")
-        along = np.nan if position_m is None else position_m / one.sheet.arc_radius_m
-        return ConditionProblem(
-            sheet=one.sheet, voltage_V=voltage_V, angle_rad=one.sheet.arc_origin_rad + along,
-            B_Nm2=one.B.value, rest=one.rest.field(one.sheet.free_length_m),
-            eibm=one.eibm_at(voltage_V), session=self.session,
-            measured_length_m=self.cut_from_m.get(configuration, 0.0),
-        )  # fmt: skip
+        R, origin = one.sheet.arc_radius_m, one.sheet.arc_origin_rad
+        rest, eibm, result = one.rest.field(one.sheet.free_length_m), {}, []
+        for position_m, voltage_V in places:
+            along = np.nan if position_m is None else position_m / R
+            if (position_m is not None and not isfinite(position_m)) or not isfinite(voltage_V):
+                raise ModelError("position and voltage must be finite numbers")
+            if voltage_V not in eibm:
+                eibm[voltage_V] = one.eibm_at(voltage_V)
+            result.append(
+                ConditionProblem(
+                    sheet=one.sheet, voltage_V=voltage_V, angle_rad=origin + along,
+                    B_Nm2=one.B.value, rest=rest, eibm=eibm[voltage_V], session=self.session,
+                    measured_length_m=self.cut_from_m.get(configuration, 0.0),
+                )
+            )  # fmt: skip
+        return result
 
     @overload
     def predict(self, configuration: str, position_m: float, voltage_V: float) -> Prediction: ...

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from model.measurements import FloatArray
 from model.mechanics.equilibrium import Equilibria, Problems, Shapes, SolverStatus, problems, solve
-from model.mechanics.field import Field, merged_breaks, padded
+from model.mechanics.field import Field, for_each_field, merged_breaks, padded
 from model.mechanics.free_shape import free_shape
 from model.sheet.beam_problem import ConditionProblem
 
@@ -35,6 +35,13 @@ def free_curvature(setup: ConditionProblem) -> Field:
     return Field.smooth(value, rest.length_m, kinks)
 
 
+def _free_curvatures(setups: Sequence[ConditionProblem]) -> list[Field]:
+    """Return each one's free curvature; setups that share their fields share it."""
+    keys = [(id(s.rest), id(s.eibm), id(s.softness), s.B_Nm2) for s in setups]
+    made = {key: free_curvature(s) for key, s in dict(zip(keys, setups, strict=True)).items()}
+    return [made[key] for key in keys]
+
+
 def batch(setups: Sequence[ConditionProblem]) -> Problems:
     """Return the beam problems of setups of one sheet, all with the contact on the arc."""
     return _batch(setups, [s.angle_rad - s.clamp_rad for s in setups], setups[0].sheet.arc_radius_m)
@@ -44,7 +51,7 @@ def _batch(
     setups: Sequence[ConditionProblem], angles: Sequence[float], radius_m: float
 ) -> Problems:
     sheet = setups[0].sheet
-    kappa, softness = [free_curvature(s) for s in setups], [s.softness for s in setups]
+    kappa, softness = _free_curvatures(setups), [s.softness for s in setups]
     bends = any(s.elongation_soft > 0.0 for s in setups) and sheet.elongation_m > 0.0
     if not bends and all(c is softness[0] for c in softness):
         return problems(kappa, angles, radius_m, sheet.elongation_m, softness[0])
@@ -55,8 +62,8 @@ def _batch(
         soft = [_longer(c, beyond, s.elongation_soft) for c, s in zip(soft, setups, strict=True)]
         beyond = 0.0
     breaks = merged_breaks([f.breaks_m for f in (*kappa, *soft)])
-    made = problems([k.on(breaks) for k in kappa], angles, radius_m, beyond)
-    rows = [c.on(made.breaks_m).coefficients for c in soft]
+    made = problems(for_each_field(lambda k: k.on(breaks), kappa), angles, radius_m, beyond)
+    rows = for_each_field(lambda c: c.on(made.breaks_m).coefficients, soft)
     degree = max(r.shape[1] for r in rows)
     return replace(made, softness=np.stack([padded(r, degree) for r in rows]))
 

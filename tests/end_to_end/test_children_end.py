@@ -65,7 +65,8 @@ def test_the_workers_of_a_killed_analysis_end(
     session = tmp_path / "session.h5"
     shutil.copy(small_rig(tmp_path_factory) / "session.h5", session)
     script = (
-        "from pathlib import Path\nfrom labrig.analysis import analyze\n"
+        "from pathlib import Path\nfrom labrig.analysis import analyze, curves\n"
+        "curves.WORTH_PROCESSES_S = 0.0\n"
         f"if __name__ == '__main__':\n    analyze(Path({str(session)!r}), workers=2)\n"
     )
     (tmp_path / "evaluate.py").write_text(script)

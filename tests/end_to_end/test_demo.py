@@ -14,13 +14,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from labrig.analysis import analyze
 from labrig.cli.commands import demo as demo_command
 from labrig.model_file import load_model
+from labrig.report.parts.style import save_all
 from labrig.session import load_measurements, open_session
 from model import Measurements, fit
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
+from tests.labrig.conftest import NOTHING
 from tests.made_once import made_once
 
 pytestmark = [
@@ -68,18 +71,29 @@ def run_demo(folder: Path) -> Demo:
 
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory, data_unchecked: None) -> Demo:
-    """All configurations, voltages and steps of it, with fewer positions and readings."""
+    """All configurations, voltages and steps of it, with fewer positions and readings.
+
+    Left out is what other tests look at: figures inside the pages (test_report_page.py), and the
+    models of others beside the moving sheet (test_dynamic_fit_command.py).
+    """
 
     def make(folder: Path) -> None:
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(demo_command, "READINGS", 3)
             fewer = with_fewer_positions(demo_command._state_readings)
             patch.setattr(demo_command, "_state_readings", fewer)
+            patch.setattr("labrig.report.parts.figures.svg_text", lambda _fig: NOTHING)
+            patch.setattr("labrig.report.parts.figures.save_all", only_svg)
+            patch.setattr("labrig.cli.moving_demo._compare", lambda _fit, _session: None)
             made = run_demo(folder)
         kept_beside(folder).write_text(json.dumps([made.printed, made.code]))
 
     folder = made_once(tmp_path_factory, "demo", make)
     return Demo(folder, *json.loads(kept_beside(folder).read_text()))
+
+
+def only_svg(fig: Figure, folder: Path, name: str, _formats: object, svg: str) -> list[Path]:
+    return save_all(fig, folder, name, ("svg",), svg)
 
 
 def with_fewer_positions(state_readings: Callable[[Path], None]) -> Callable[[Path], None]:

@@ -119,7 +119,7 @@ def path(request, tmp_path_factory) -> str:
     return request.param(tmp_path_factory.mktemp("tree"))
 
 
-# Of what takes long one way is enough: that a part is found is tested both ways by all others.
+# One way is enough for what a part does: that it is found is tested both ways by an effect.
 BY_EACH_WAY = pytest.mark.parametrize(
     "path",
     [installed, pytest.param(copied, marks=pytest.mark.thorough)],
@@ -148,6 +148,7 @@ def test_an_effect_is_in_the_catalogue(path, tmp_path):
     assert "tanh" in labrig(path, tmp_path, "effects", "show", "cable_pickup")
 
 
+@BY_EACH_WAY
 def test_an_effect_and_a_location_change_what_a_model_predicts(path, tmp_path):
     script = """
 import json
@@ -176,6 +177,7 @@ print(json.dumps([list(locations()), force(), force(scale), force(pickup)]))
     assert picked_N - plain_N == pytest.approx(-1e-3 * np.tanh(1.0), rel=1e-6)
 
 
+@BY_EACH_WAY
 def test_a_simulated_board_is_wired_by_world_toml_and_checked(path, tmp_path):
     names = {"drive": "ao0", "force": "ai0", "current": "ai1", "readback": "ai2"}
     wiring = "".join(f'{signal} = "Box/{name}"\n' for signal, name in names.items())
@@ -188,6 +190,7 @@ def test_a_simulated_board_is_wired_by_world_toml_and_checked(path, tmp_path):
     assert "Box is a USB-6001" in labrig(path, tmp_path, "check", rig)
 
 
+@BY_EACH_WAY
 def test_devices_are_kinds_of_rig_toml_with_keys_of_their_own(path, tmp_path):
     assert labrig(path, tmp_path, "config", "schema", tmp_path)
     schema = (tmp_path / "rig.schema.json").read_text()
@@ -221,6 +224,7 @@ def test_a_protocol_and_an_extra_are_planned_and_run_and_recorded(path, tmp_path
     assert "slow ramp" in [run["purpose"] for run in found["runs"]]
 
 
+@BY_EACH_WAY
 def test_an_extractor_finds_a_curve(path, tmp_path):
     cv2.imwrite(str(tmp_path / "strip.png"), examples()[0].image)
     optics = {"px_per_mm": PX_PER_MM, "clamp_px": CLAMP_PX}
@@ -242,6 +246,7 @@ def test_a_section_a_command_and_a_batch_task_use_an_analysed_session(path, tmp_
     assert "1 done" in labrig(path, tmp_path, "batch", "readings_of_each", "made.h5")
 
 
+@BY_EACH_WAY
 def test_a_page_is_listed_by_the_panel(path, tmp_path):
     script = """
 from labrig.panel.pages.interface import listing

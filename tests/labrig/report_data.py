@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import tempfile
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -56,13 +58,14 @@ def truth(*names: str) -> SheetModel:
     return SheetModel(sheets=sheets)
 
 
+@lru_cache(maxsize=16)
 def measure(
     *names: str,
     curves: bool = True,
     seed: int = 1,
     positions_m: tuple[float, ...] = POSITIONS_M,
 ) -> Measurements:
-    """What a quiet rig would measure of them."""
+    """What a quiet rig would measure of them; to be left as it is, as it is made once."""
     rng = np.random.default_rng(seed)
     model = truth(*names)
     conditions = tuple(
@@ -139,10 +142,22 @@ def schedule(*names: str) -> Schedule:
     return make_schedule(train, [Place(name, POSITIONS_M[:2]) for name in names or ("long",)])
 
 
+@lru_cache(maxsize=8)
+def recorded(names: tuple[str, ...]) -> bytes:
+    """The file of a session, recorded once for all that are copies of it."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "made.h5"
+        record(path, schedule(*names), texts=TEXTS)
+        return path.read_bytes()
+
+
 def session(path: Path, measurements: Measurements | None, **changes: object) -> Path:
     """A recorded session that holds `measurements`."""
     names = tuple(measurements.sheets) if measurements else ("long",)
-    record(path, schedule(*names), **({"texts": TEXTS} | changes))
+    if changes:
+        record(path, schedule(*names), **({"texts": TEXTS} | changes))
+    else:
+        path.write_bytes(recorded(names))
     if measurements is not None:
         store_measurements(path, measurements)
     return path

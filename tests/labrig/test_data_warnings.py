@@ -8,9 +8,11 @@ from html import unescape
 
 import pytest
 
+import model.discrepancy
 from labrig.cli.main import run
 from tests.labrig.report_data import measure, session
 
+FOUND: dict[str, object] = {}  # by the checksum of the data
 WRONG = "the base model does not fit 'long'"
 
 
@@ -26,6 +28,19 @@ def unlike(tmp_path_factory):
     conditions = tuple(map(shifted, measured.conditions))
     path = tmp_path_factory.mktemp("unlike") / "made.h5"
     return session(path, replace(measured, conditions=conditions))
+
+
+@pytest.fixture(autouse=True)
+def searched_once(monkeypatch):
+    """Both tests ask the same data, and the search is what takes long."""
+    search = model.discrepancy.check_data
+
+    def check_data(measurements):
+        if measurements.checksum not in FOUND:
+            FOUND[measurements.checksum] = search(measurements)
+        return FOUND[measurements.checksum]
+
+    monkeypatch.setattr(model.discrepancy, "check_data", check_data)
 
 
 @pytest.mark.slow

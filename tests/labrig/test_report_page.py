@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
@@ -133,23 +132,19 @@ def test_figures_take_the_colour_of_the_page(whole):
     assert all("currentColor" in one and "#1b1f24" not in one for one in svg)
 
 
-@pytest.fixture(scope="module")
-def long_alone(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("long")
-    return write_report(session(folder / "made.h5", measure("long")), folder / "out")
-
-
 @pytest.mark.thorough
-def test_a_second_report_removes_the_figures_that_it_no_longer_has(long_alone, tmp_path):
-    out = shutil.copytree(long_alone.parent, tmp_path / "out")
+def test_a_second_report_removes_the_figures_that_it_no_longer_has(tmp_path):
+    out = tmp_path / "out"
+    write_report(session(tmp_path / "made.h5", measure("long")), out)
     assert (out / "figures" / "figure-7.png").exists()
     write_report(stopped_session(tmp_path / "bare.h5", after_runs=0), out)
     assert not (out / "figures" / "figure-7.png").exists()
 
 
 @pytest.mark.slow
-def test_one_configuration_alone_is_reported_and_said(long_alone):
-    text = read(long_alone)
+@pytest.mark.usefixtures("words_only")
+def test_one_configuration_alone_is_reported_and_said(tmp_path):
+    text = read(write_report(session(tmp_path / "made.h5", measure("long"))))
     assert "Only the configuration long was measured." in text
     assert "short, this session" not in text
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import model.design.force_map as force_maps
 from model import ModelError, Parameter, SheetModel
 from model.design.force_map import force_map, propagate, resized, section, varied
 from model.design.linear_models import controller, fit_linear, linearise, state_space, validity
@@ -19,6 +20,7 @@ from model.design.working_section import (
     shortest_sheet,
 )
 from model.identification.baselines import MODELS, compare
+from model.sheet.beam_problem import ActiveEffect
 
 LOW, HIGH = 0.0, 0.03
 
@@ -31,6 +33,31 @@ def unsure(truth: SheetModel) -> SheetModel:
         for name, one in truth.sheets.items()
     }
     return SheetModel(sheets=sheets)
+
+
+def test_an_uncertain_parameter_of_an_effect_is_carried_through(truth):
+    def answer(sigma: float) -> Parameter:
+        decay = Parameter(value=12.0, sigma=sigma, unit="mm")
+        effect = ActiveEffect(name="nonuniform_eibm", parameters={"decay_length_mm": decay})
+        model = truth.with_effects(effect)
+        return best_line(model, "long", 0.0, 0.010, 2.0).at_zero_N
+
+    known, unsure = answer(0.0), answer(0.5)
+    assert unsure.value == known.value
+    assert unsure.sigma > known.sigma + 1e-6
+
+
+def test_questions_about_the_same_maps_solve_them_once(truth, monkeypatch):
+    solved = []
+    solve = force_maps.solved
+    monkeypatch.setattr(force_maps, "solved", lambda setups: solved.append(1) or solve(setups))
+    place = (truth, "long", 0.0, 0.010)
+    alone = force_both_ways(*place), best_line(*place, 2.0)
+    apart = len(solved)
+    with force_maps.keeping_maps():
+        together = force_both_ways(*place), best_line(*place, 2.0)
+    assert together == alone
+    assert 2 * (len(solved) - apart) <= apart
 
 
 def test_the_best_line_of_the_short_sheet_fits_within_a_percent(unsure):

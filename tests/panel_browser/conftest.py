@@ -28,6 +28,11 @@ SCHEMAS = Path(__file__).parents[2] / "docs" / "schemas"
 Visit = Callable[..., Any]
 
 
+def pytest_ignore_collect(config: pytest.Config) -> bool | None:
+    """All of them are slow: see below."""
+    return True if "not slow" in config.option.markexpr else None
+
+
 def pytest_itemcollected(item: pytest.Item) -> None:
     item.add_marker(pytest.mark.system_package("Chromium"))
 

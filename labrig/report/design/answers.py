@@ -11,7 +11,7 @@ import numpy as np
 
 from labrig.report.parts.table import Table, with_sigma
 from model import ModelError, Parameter, SheetModel
-from model.design.force_map import known_voltages
+from model.design.force_map import keeping_maps, known_voltages
 from model.design.linear_models import (
     Controller,
     LinearModel,
@@ -116,6 +116,11 @@ class _Questions:
 def answer(model: SheetModel, wanted: Wanted) -> DesignAnswers:
     """Ask everything. Raises ModelError when nothing about the section has an answer."""
     _check_section(model, wanted)
+    with keeping_maps():
+        return _answer(model, wanted)
+
+
+def _answer(model: SheetModel, wanted: Wanted) -> DesignAnswers:
     place = (model, wanted.configuration, wanted.low_m, wanted.high_m)
     asked = _Questions()
     lines = [

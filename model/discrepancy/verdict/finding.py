@@ -54,6 +54,7 @@ from model.discrepancy.verdict.messages import (
     scattered,
     sentence,
     too_few,
+    worse,
 )
 from model.discrepancy.verdict.posterior import (
     Choice,
@@ -168,6 +169,7 @@ class Finding:
                 *self.ready.notes,
                 *remarks(self.measurements, base),
                 *map(promise_note, promises),
+                *worse(apart.gap, apart.floor),
                 *notes(named, outliers, apart.chosen),
                 *not_ruled_out(decision.answers, named, unknown),
             ),

@@ -11,6 +11,7 @@ from model.discrepancy.thresholds import FEWEST_SETUPS, REPORTED_FORM_SHARE, REP
 from model.discrepancy.verdict.result import (
     BeforeAfter,
     ClosedGap,
+    Gap,
     Named,
     Promise,
     Unknown,
@@ -145,6 +146,17 @@ def closed_sentence(one: ClosedGap) -> str:
         f"Gap closed above the noise floor: {percent(one.share)} of {one.quantity}"
         f" ({before} → {after} {one.unit}, floor {floor})."
     )
+
+
+def worse(left_out: BeforeAfter, least: Gap) -> Iterator[str]:
+    """Yield what the model with what was found predicts worse than the base model, beyond noise."""
+    for name, quantity in (("force_rmse_mN", "force"), ("curve_rmse_mm", "neutral curve")):
+        before, after, noise = (getattr(g, name) for g in (left_out.before, left_out.after, least))
+        if after > REPORTED_GAP_RATIO * max(before, noise):
+            yield (
+                f"the {quantity} at left-out positions is predicted worse than by the base model;"
+                " do not predict it with this model"
+            )
 
 
 def promise_note(one: Promise) -> str:

@@ -156,7 +156,8 @@ def test_curves_are_found_in_mean_images_and_frame_by_frame(pictured):
 
 
 @pytest.mark.slow
-def test_two_processes_find_the_same_as_one(tmp_path):
+def test_two_processes_find_the_same_as_one(tmp_path, monkeypatch):
+    monkeypatch.setattr("labrig.analysis.curves.WORTH_PROCESSES_S", 0.0)
     schedule = make_schedule(TRAIN, [Place("long", (0.0, 0.005))])
     path = record_with(
         tmp_path / "s.h5", schedule, with_pictures(curvature), frame_shape=(260, 360)

@@ -159,6 +159,7 @@ def test_tables_with_other_names_of_columns_are_read(cases, tmp_path):
     assert renamed.whole == FitEach().work(item, tmp_path).whole
 
 
+@pytest.mark.thorough  # as fits are, in the test above
 def test_a_diagnosis_in_a_batch_is_the_one_made_alone(cases, monkeypatch):
     monkeypatch.chdir(cases)
     assert run(["batch", "diagnose", "CASES/case1/sheet.toml", "-o", "out", "--workers", "1"]) == 0
@@ -189,19 +190,19 @@ sys.meta_path.insert(0, Hidden())
 """
 
 
-def test_workers_fit_and_diagnose_without_the_packages_of_a_rig(cases, tmp_path):
+@pytest.mark.parametrize("task", ["fit", pytest.param("diagnose", marks=pytest.mark.thorough)])
+def test_workers_fit_and_diagnose_without_the_packages_of_a_rig(cases, tmp_path, task):
     (tmp_path / "sitecustomize.py").write_text(_HIDE)
     case = "CASES/case2/sheet.toml"
     environment = os.environ | {"PYTHONPATH": str(tmp_path)}
-    for task in ("fit", "diagnose"):
-        command = [sys.executable, "-m", "labrig", "batch", task, case, "-o", str(tmp_path / "out")]
-        ended = subprocess.run(
-            command, cwd=cases, env=environment, capture_output=True, text=True, check=False
-        )
-        assert ended.returncode == 0, ended.stderr
-        assert "there are no figures: matplotlib is not installed." in ended.stdout
-        (row,) = table(tmp_path / "out" / task)
-        assert row["outcome"] == "done", row["why"]
+    command = [sys.executable, "-m", "labrig", "batch", task, case, "-o", str(tmp_path / "out")]
+    ended = subprocess.run(
+        command, cwd=cases, env=environment, capture_output=True, text=True, check=False
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert "there are no figures: matplotlib is not installed." in ended.stdout
+    (row,) = table(tmp_path / "out" / task)
+    assert row["outcome"] == "done", row["why"]
 
 
 @pytest.fixture(scope="module")

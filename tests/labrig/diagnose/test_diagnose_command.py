@@ -211,7 +211,6 @@ def test_the_model_file_predicts_with_what_was_found(make, finding, recorded, tm
     assert json.loads(capsys.readouterr().out)[0]["F_N"] == pytest.approx(one, rel=1e-6)
 
 
-@pytest.mark.slow
 def test_a_model_with_what_was_found_answers_design_questions(finding, recorded, tmp_path, capsys):
     finding(made.found)
     path = tmp_path / "model+.toml"
@@ -241,7 +240,7 @@ def test_what_was_found_is_kept_and_shown_in_the_sessions_report(finding, tmp_pa
     "make",
     [
         made.found,
-        made.unknown,
+        pytest.param(made.unknown, marks=pytest.mark.thorough),
         pytest.param(made.cannot_tell, marks=pytest.mark.thorough),
         pytest.param(made.nothing_missing, marks=pytest.mark.thorough),
         pytest.param(made.indistinguishable, marks=pytest.mark.thorough),

@@ -55,7 +55,7 @@ def test_a_hidden_effect_is_named_added_and_then_nothing_is_missing(imported, tm
         assert own["model+.toml"]["force_rmse_mN"] < 3.0 * best
 
 
-@pytest.mark.slow
+@pytest.mark.thorough  # tests/labrig/python_api/test_functions.py asks for less data
 @pytest.mark.timeout(900)
 def test_next_proposes_something_that_the_protocol_knows(imported, tmp_path, capsys):
     path = tmp_path / "protocol.toml"

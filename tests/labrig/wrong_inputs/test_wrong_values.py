@@ -211,6 +211,12 @@ LINES = [
     ("rig.toml", "[limits]", "[limits", "not valid TOML"),
     ("protocol.toml", "pulse_s = 0.6", "puls_s = 0.6", "did you mean pulse_s"),
     ("protocol.toml", "[pulse_train]", "[pulse_trains]", "did you mean pulse_train"),
+    (
+        "rig.toml",
+        "gain = 10.0",
+        "gain = 10.0\nduration_s = 4.0",
+        "[amplifier] duration_s is not a known key; known are gain, ",
+    ),
     ("protocol.toml", 'mode = "paper"', "tilt_deg = 90", "upright (0) or is turned over (180)"),
     ("protocol.toml", 'mode = "paper"', "release = 5", "release = 5: should be true or false"),
     ("protocol.toml", 'mode = "paper"', "remounts = 0.5", "remounts = 0.5: should be a whole"),

@@ -62,6 +62,7 @@ def test_every_attribute_is_documented_and_of_the_order_of_one():
             assert all(abs(v) < 12.0 for v in alternative.attributes.values())
 
 
+@pytest.mark.slow
 def test_a_choice_set_survives_a_record():
     for one in diagnosed(FALLING).choice_sets:
         again = ChoiceSet.from_json(json.loads(json.dumps(one.to_json())))

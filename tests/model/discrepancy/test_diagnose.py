@@ -250,10 +250,11 @@ def test_the_same_data_give_the_same_answer_and_the_threshold_may_be_simulated()
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "of",
-    [(NOTHING,), (FALLING,), (LATE, WITHOUT_DELAY)],
+    [(NOTHING,), (FALLING,), pytest.param((LATE, WITHOUT_DELAY), marks=pytest.mark.thorough)],
     ids=["nothing_missing", "effect_named", "unknown_effect"],
 )
 def test_json_has_these_keys_and_nothing_that_is_no_number(request, of):
+    """Of what is unknown: tests/model/discrepancy/test_verdict_checks.py."""
     told = json.loads(json.dumps(diagnosed(*of).to_json(), allow_nan=False))
     assert told["verdict"] in request.node.name
     assert set(told) == KEYS

@@ -83,7 +83,10 @@ def test_what_a_wave_adds_to_the_force():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("case", "location"), [(BEATING, "load_cell"), (BREATHING, "time")])
+@pytest.mark.parametrize(
+    ("case", "location"),
+    [(BEATING, "load_cell"), pytest.param(BREATHING, "time", marks=pytest.mark.thorough)],
+)
 def test_it_is_unknown_and_told_with_its_period(case, location):
     found = diagnosed(case)
     assert (found.verdict, found.effects) == ("unknown_effect", ())

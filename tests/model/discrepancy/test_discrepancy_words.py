@@ -14,6 +14,7 @@ from model.discrepancy.verdict.messages import (
     not_ruled_out,
     promise_note,
     sentence,
+    worse,
 )
 from model.discrepancy.verdict.result import (
     BeforeAfter,
@@ -54,6 +55,15 @@ def test_what_was_not_measured_is_not_in_the_sentence(before, after, wanted):
     assert said.startswith("Gravity is not in the model. ")
     assert said.endswith(wanted)
     assert "nan" not in said
+
+
+def test_what_is_predicted_worse_than_before_is_told():
+    noise, both = gap(0.01, 0.005, 1.0), BeforeAfter(gap(0.025, 0.552, 9.0), gap(0.677, 0.344, 1.0))
+    told = list(worse(both, noise))
+    assert len(told) == 1
+    assert told[0].startswith("the force at left-out positions is predicted worse than")
+    within_noise = BeforeAfter(gap(0.005, NAN, 1.0), gap(0.011, NAN, 1.0))
+    assert not list(worse(within_noise, noise))
 
 
 def test_effects_bear_the_names_that_readers_know():

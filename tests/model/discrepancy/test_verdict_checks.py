@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from functools import cache
 from pathlib import Path
@@ -18,6 +19,7 @@ from model.effects import effect
 from model.identification.likelihood.model_state import Found
 from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
 from tests.model.discrepancy.sessions import FALLING, diagnosed
+from tests.model.discrepancy.test_diagnose import KEYS, UNKNOWN_KEYS
 
 CERTAIN = 0.95
 FOREIGN = {
@@ -81,7 +83,9 @@ def test_what_no_catalogue_has_gets_no_name_with_certainty(name):
 @pytest.mark.slow
 def test_a_failed_check_is_named_in_the_sentence_and_in_the_json():
     found = foreign("a torsion spring of the wires")
-    failed = [one for one in found.to_json()["checks"] if not one["passed"]]
+    told = json.loads(json.dumps(found.to_json(), allow_nan=False))
+    assert (set(told), set(told["unknown"])) == (KEYS, UNKNOWN_KEYS)
+    failed = [one for one in told["checks"] if not one["passed"]]
     assert [one["name"] for one in failed] == ["quantity_structure"]
     assert failed[0]["effects"] == ["clamp_angle"]
     assert "Check 'quantity_structure' failed: the amplitude of clamp angle" in found.sentence
