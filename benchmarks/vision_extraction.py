@@ -4,6 +4,7 @@
     python -m benchmarks.vision_extraction failures     silent failures and refusals
     python -m benchmarks.vision_extraction faces        the same where the sheet shows its far face
     python -m benchmarks.vision_extraction speed        frames per second, cold and following
+    python -m benchmarks.vision_extraction refusals     what a refusal costs, in cold searches
 
 Run one at a time on a quiet machine; `--scenes N` sets how many, `--first SEED` which. `failures`
 draws a fifth of N of every kind but the mixed one, unless `--kind NAME` asks for one only. Beside
@@ -187,9 +188,45 @@ def speed(count: int) -> None:
         )
 
 
+def refusals(count: int, first: int) -> None:
+    """Processor time of images without a sheet over that of a cold search on mixed scenes."""
+    import cv2
+
+    cv2.setNumThreads(1)
+
+    def seconds(kind: str, seed: int) -> float | None:
+        try:
+            scene = make_scene(MIXED[kind](seed))
+        except RuntimeError:
+            return None
+        begin = time.process_time()
+        found = neutral_curve(scene.image, *parts(scene)).ok
+        return time.process_time() - begin if found == scene.recipe.sheet else None
+
+    kinds = ("mixed", "no sheet", "no sheet, clutter")
+    for kind in kinds:  # what is compiled or loaded once costs no search
+        seconds(kind, first)
+    taken: dict[str, list[float]] = {kind: [] for kind in kinds}
+    for seed in range(first + 1, first + 1 + count):  # in turns: other load slows all of them
+        for kind in kinds:
+            spent = seconds(kind, seed)
+            if spent is not None:
+                taken[kind].append(spent)
+    cold = float(np.median(taken["mixed"]))
+    print("| scenes | n | median, cold searches | 95 % below | most |")
+    print("|---|---|---|---|---|")
+    for kind in kinds:
+        many = np.array(taken[kind]) / cold
+        print(
+            f"| {kind} | {len(many)} | {np.median(many):.2f} | {np.percentile(many, 95):.2f} "
+            f"| {many.max():.2f} |"
+        )
+    print(f"a cold search: {cold * 1e3:.0f} ms of processor time")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("accuracy", "failures", "faces", "speed"))
+    parser.add_argument("what", choices=("accuracy", "failures", "faces", "speed", "refusals"))
     parser.add_argument("--scenes", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     parser.add_argument("--kind", choices=list(MIXED), help="of failures: only this kind")
@@ -197,7 +234,9 @@ def main() -> None:
     if given.what == "speed":
         speed(given.scenes)
         return
-    if given.what == "accuracy":
+    if given.what == "refusals":
+        refusals(given.scenes, given.first)
+    elif given.what == "accuracy":
         accuracy(given.scenes, given.first)
     else:
         kinds = MIXED if given.what == "failures" else {"faces": faced}

@@ -6,7 +6,7 @@ The photographs are in public repositories, named in benchmarks/photographs/trac
 licences; they are not copied here. FOLDER holds them as OWNER+NAME/PATH. Each is measured with the
 clamp's place and a ruler, and with nothing else; `--direction` states a second place on the strip.
 Right: within 2 pixels of the hand reading at each of its 13 places, and ended within 3 % of the
-length (and 3 pixels) of its last one.
+length (and 3 pixels) of its last one; where the strip leaves the picture, anywhere beyond it.
 """
 
 from __future__ import annotations
@@ -41,6 +41,7 @@ class Photograph:
     tuned_on: bool
     image: np.ndarray
     trace_px: np.ndarray  # (places, 2) from the clamp on
+    leaves_image: bool  # the strip goes on beyond the last place, to the border
 
     @property
     def length_px(self) -> float:
@@ -64,6 +65,7 @@ def load(folder: Path) -> list[Photograph]:
                     tuned_on=entry["tuned_on"],
                     image=_picture(path, entry),
                     trace_px=np.array(entry["trace_px"]),
+                    leaves_image=entry.get("leaves_image", False),
                 )
             )
     return found
@@ -139,7 +141,8 @@ def verdict(curve: NeutralCurve, photograph: Photograph) -> tuple[str, str]:
     text = f"{np.median(error):.2f} (at most {error[worst]:.2f}, sigma there {sigma[worst]:.2f})"
     text += f", end {end:+.1f}"
     allowed = max(END_MIN_PX, END_SHARE_MAX * photograph.length_px)
-    if error[worst] <= RIGHT_PX and abs(end) <= allowed:
+    ended = end >= -allowed if photograph.leaves_image else abs(end) <= allowed
+    if error[worst] <= RIGHT_PX and ended:
         return "right", text
     silent = (error > RIGHT_PX) & (sigma < SIGMA_SHARE_MIN * error)
     return ("silent" if silent.any() else "wrong"), text

@@ -20,6 +20,10 @@ LEVEL_RANGE_MIN_RATIO: Final = 0.01
 UNIT_RANGE_MARGIN: Final = 0.05  # floats this far outside of 0 to 1 are still taken as such
 LEVEL_RANGE_MAX_SIGMAS: Final = 12.0  # darkest to brightest of a million pixels of pure noise
 
+# Search. By trial on drawn scenes: sheets that only a broad search finds have 0.6 and more;
+# benchmark: `failures`, mixed, in clutter and without a sheet.
+BROAD_SCORE_MIN: Final = 0.4  # mean ridge score of a broad search's path, to be worth a fit
+
 # Downscaling of thick strips. The fit's cell sizes were chosen for sheets 2 to 4 pixels thick;
 # no benchmark: tests/labrig/vision/test_thick_strips.py, photographs (docs/explanation/vision.md).
 FULL_RESOLUTION_THICKNESS_MAX_PX: Final = 8.0  # thicker strips are downscaled
@@ -200,10 +204,24 @@ OUTLINE_END_SIGMA_MAX_PX: Final = 3.0  # and at most
 RIVAL_EDGE_RATIOS: Final = (0.45, 0.85)
 OUTLINE_SIGMA_MIN_RATIO: Final = 0.03  # of the thickness: which part of an edge is the edge
 OUTLINE_SIGMA_MIN_PX: Final = 0.1
+# of the thickness, where the profile shows the strip and not both edges: it may be of one edge
+OUTLINE_PROFILE_SIGMA_RATIO: Final = 0.1
 OUTLINE_SEEN_SHARE_MIN: Final = 0.6  # of the blocks
+# of the seen blocks: of one edge alone it is not known which it is
+OUTLINE_BOTH_SHARE_MIN: Final = 0.75
 OUTLINE_START_SHARE_MIN: Final = 0.4  # of the blocks of the first eighth
 OUTLINE_WIDTH_SCATTER_MAX_RATIO: Final = 0.15  # of the width from block to block, to the width
 OUTLINE_RESIDUAL_MAX_RATIO: Final = 0.15  # of the middles about the curve, to the width
 OUTLINE_SIGMA_MAX_RATIO: Final = 0.25  # of sigma to the thickness, where that is more than 2 px
 OUTLINE_SIGMA_MAX_PX: Final = 5.0  # and at most
 END_PRESENT_RATIO: Final = 0.5  # of the weaker edge to the usual one: nearer than that is the end
+
+# The strip's end: where the profile along its course ceases to be the strip's. By trial on the
+# photographs of benchmarks/photographs/traces.json; benchmark: the same.
+END_GAP_WIDTHS: Final = 3.0  # a gap longer than this
+END_GAP_SHARE: Final = 0.12  # and than this share of the way: what lies beyond is another thing
+COURSE_ALIKE_MIN: Final = 0.5  # of the correlation of a profile with those shortly before
+COURSE_WIDE_RATIO: Final = 0.6  # of edges further apart to the strip's: may be another thing
+COURSE_EDGE_RATIO: Final = 0.3  # of the weaker edge to what it was: less is none
+COURSE_PROFILE_SIGMA_MIN: Final = 0.12  # of a profile's size, against the strip's
+COURSE_SEEN_MIN: Final = 1.0  # log odds of a block whose edges are too faint, to be used

@@ -88,6 +88,7 @@ class NeutralCurve(Displayed):
     points_px: FloatArray = field(default_factory=lambda: np.empty((0, 2)))  # raw pixels
     covered: float = 0.0  # share of the length on which the sheet was really seen
     seen: npt.NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, dtype=bool))
+    end_sigma_m: float = 0.0  # of where the strip ends, along it; 0 where the length was stated
     residual_px: float = 0.0  # RMS distance of the locally measured sheet from the curve
     contrast: float = 0.0  # of the sheet over the background, grey levels without a sign
     snr: float = 0.0  # contrast over the noise of one pixel
@@ -120,6 +121,11 @@ class NeutralCurve(Displayed):
             ("tip x", f"{1e3 * self.x_m[-1]:+.3f}", "mm"),
             ("tip y", f"{1e3 * self.y_m[-1]:+.3f}", "mm"),
             ("uncertainty of the tip along the normal", f"{1e3 * self.sigma_m[-1]:.4f}", "mm"),
+            *(
+                [("uncertainty of the end along the curve", f"{1e3 * self.end_sigma_m:.2f}", "mm")]
+                if self.end_sigma_m
+                else []
+            ),
             ("share of the length that was seen", f"{100 * self.covered:.0f}", "%"),
             ("residual", f"{self.residual_px:.3f}", "px"),
         ]

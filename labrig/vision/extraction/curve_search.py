@@ -20,17 +20,17 @@ from labrig.vision.image.image import GreyImage
 from labrig.vision.image.mask import polygon_mask
 from labrig.vision.search.ridge_tracing import RidgeMaps, Trace, ridge_maps, trace_from_clamp
 from labrig.vision.search.straight_lines import OUTSIDE_DISTANCE_PX, find_branches, find_wires
-from labrig.vision.thresholds import (
-    LINE_LENGTH_MIN_PX,
-)
+from labrig.vision.thresholds import BROAD_SCORE_MIN, LINE_LENGTH_MIN_PX
 
 FloatArray = npt.NDArray[np.float64]
 
 MASK_MARGIN_PX = 3.0
 # of one image, so that a refusal costs little:
 BROAD_MAX = 1  # broad searches
-RIVALS_MAX = 5  # other paths than the likeliest
+QUICK_WIDTH, BROAD_WIDTH = 90, 300  # states that a search keeps
+RIVALS_MAX = 3  # other paths than the likeliest
 HEAD_MARGIN = 0.1  # of a share, in which a rival's first part may be seen better
+SOMETHING_SHARE = 0.1  # of a curve, for it to be looked at further
 LINE_ROUNDS = 2  # of finding lines beside the best curve, and searching without them
 
 
@@ -100,7 +100,10 @@ class CurveSearch(Refiner):
         best = self._best_of_searches()
         for _ in range(LINE_ROUNDS):
             before = self.wires
-            if best is None or not self._leaves_out_lines(best):
+            # where next to nothing is seen of any path, no line led it
+            if best is None or best.verdict.covered < SOMETHING_SHARE:
+                break
+            if not self._leaves_out_lines(best):
                 break
             again = self._best_of_searches(best)
             if (again is None or again.verdict.why) and self._is_the_sheet_itself(best):
@@ -129,10 +132,10 @@ class CurveSearch(Refiner):
             self.known_sign = known.context.sign
             if known.confirmed and found[0].confirmed:
                 return found[0]  # what is left of a wire might explain more than a gap in the sheet
-        found += self._candidates(width=90, hasty=True)
+        found += self._candidates(width=QUICK_WIDTH, hasty=True)
         if all(c.verdict.why for c in found) and self.broad < BROAD_MAX:
             self.broad += 1
-            found += self._candidates(width=800, hasty=False)
+            found += self._candidates(width=BROAD_WIDTH, hasty=False)
         best = max(found, key=lambda c: c.rank, default=None)
         if known is not None and best is not None and best.verdict.why:
             # its reason explains more than that of a path beside the wires
@@ -196,7 +199,8 @@ class CurveSearch(Refiner):
         found = []
         for sign in signs:
             trace = trace_from_clamp(ridges, self.optics, self.strip, sign, width=width)
-            if trace is not None:
+            # the quick search's curve gives the reason, where nothing better is seen
+            if trace is not None and (hasty or trace.score >= BROAD_SCORE_MIN):
                 found.append(self.refine(trace, sign))
                 if not found[-1].confirmed:
                     enough = 0.75 if found[-1].verdict.why else 0.7

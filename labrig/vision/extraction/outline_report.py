@@ -17,6 +17,7 @@ from labrig.vision.thresholds import (
     HIDDEN_SIGMA_MAX_PX,
     LENGTH_ERROR_MAX_PX,
     LENGTH_ERROR_MAX_RATIO,
+    OUTLINE_BOTH_SHARE_MIN,
     OUTLINE_RESIDUAL_MAX_RATIO,
     OUTLINE_SEEN_SHARE_MIN,
     OUTLINE_SIGMA_MAX_PX,
@@ -35,13 +36,13 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     blocks, total = fit.blocks, fit.shape.basis.total_px
     width = located.thickness_px
     eighth = max(2, len(blocks.seen) // 8)
-    share = float(blocks.seen.mean())
+    share, both = float(blocks.seen.mean()), float(blocks.by_edges.mean())
     loose = float(fit.inner_sigma_px.max())
     most = min(OUTLINE_SIGMA_MAX_PX, OUTLINE_SIGMA_MAX_RATIO * width)
     most = max(HIDDEN_SIGMA_MAX_PX, most)
-    if share < OUTLINE_SEEN_SHARE_MIN:
+    if share < OUTLINE_SEEN_SHARE_MIN or both < OUTLINE_BOTH_SHARE_MIN * share:
         return (
-            f"search failed: only {share:.0%} of the best path shows two edges; check clamp_px and "
+            f"search failed: only {both:.0%} of the best path shows two edges; check clamp_px and "
             "the direction (--along-px), state the length or mask what confuses."
         )
     if blocks.seen[:eighth].mean() < OUTLINE_START_SHARE_MIN:
@@ -141,11 +142,12 @@ def outline_in_metres(
         covariance=covariance * np.outer(unit, unit),
         normal_modes=shape.normal_modes() / ppm / unit,
         free_length_m=shape.basis.free_px / ppm,
-        thickness_m=float(np.median(fit.blocks.width_px[fit.blocks.seen])) / ppm,
+        thickness_m=float(np.median(fit.blocks.width_px[fit.blocks.by_edges])) / ppm,
         polarity="bright" if outline.located.sign > 0 else "dark",
         covered=float(fit.blocks.seen.mean()),
         seen=seen,
         residual_px=fit.residual_px,
+        end_sigma_m=0.0 if strip.length_known else outline.end_sigma_px / ppm,
         contrast=outline.located.edge,
         snr=contrast,
         excess_px=np.zeros(len(seen)),
@@ -159,12 +161,14 @@ def _assumed(outline: Outline, optics: Optics, strip: StripGeometry) -> list[str
     found = []
     total_mm = outline.fit.shape.basis.total_px / optics.px_per_mm
     if not strip.thickness_known:
-        thick = float(np.median(outline.fit.blocks.width_px[outline.fit.blocks.seen]))
+        thick = float(np.median(outline.fit.blocks.width_px[outline.fit.blocks.by_edges]))
         found.append(f"thickness {thick / optics.px_per_mm:.2f} mm ({thick:.1f} pixels)")
     if not strip.length_known:
-        where = "to its end"
-        if outline.located.leaves_image or not outline.end_seen:
-            where = "as far as it is seen in the image; its end is not seen"
+        where = f"to its end, ±{outline.end_sigma_px / optics.px_per_mm:.1f} mm"
+        if outline.goes_on:
+            where += "; something that looks different goes on there"
+        if outline.leaves_image:
+            where = "to the border of the image; its end is not seen"
         found.append(f"length {total_mm:.1f} mm ({where})")
     if not optics.clamp_angle_known:
         degrees = math.degrees(outline.fit.shape.phi[0])

@@ -11,24 +11,33 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry
 from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
-from labrig.vision.fit.outline import OutlineFit, across_px, edge_sizes, fit_outline
+from labrig.vision.fit.course import StripCourse, completed, course_along
+from labrig.vision.fit.outline import ROUNDS, Blocks, OutlineFit, fit_outline
 from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located
-from labrig.vision.thresholds import END_PRESENT_RATIO
+from labrig.vision.thresholds import FULL_RESOLUTION_THICKNESS_MAX_PX
 
 FloatArray = npt.NDArray[np.float64]
 
 CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
 FURTHER_ROUNDS = 12  # in which a strip is followed beyond its located end, at most
-BEYOND_WIDTHS = 2.0  # how far beyond the located end the strip is looked for
+BEYOND_WIDTHS, BEYOND_MIN_PX, BEYOND_SHARE = (
+    4.0,
+    16.0,
+    0.06,
+)  # how far beyond an end it is looked for
+BEYOND_TURN_MAX_RAD = 0.5  # of the strip there, as it bends before
 COARSE_OFFSET_SIGMA_RATIO = 0.5  # of a located begin, in widths
 COARSE_ANGLE_SIGMA_RAD = 0.4
-END_GAP_WIDTHS, END_GAP_SHARE = 3.0, 0.12  # of a gap beyond which no end is looked for
 END_ROOM_RATIO = 0.06  # of a stated length: how far beyond it the strip is looked for
 LONGEST_CELL_PX = 1.0
 COEFFICIENTS = (6, 41)
+WIDTH_CHANGES = (0.8, 1.25)  # from a located width to the fitted one, at most
+BEGIN_SHARE = 1 / 16  # of the length, in which a clamp may hide where the strip begins
+ASIDE_WIDTHS = (-1.2, -0.6, 0.6, 1.2)  # beside the curve, as far beyond its end as is looked
+OWN_EDGE_WIDTHS = 0.4  # at the clamp and the tip, where these have edges of their own
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -38,8 +47,86 @@ class Outline:
     fit: OutlineFit
     optics: Optics
     located: Located
-    end_px: float  # along the curve, where the edges end
-    end_seen: bool
+    end_px: float  # along the curve, where the strip's profile ends
+    end_sigma_px: float
+    leaves_image: bool  # where it ends
+    goes_on: bool  # something that looks different
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Fitter:
+    """Fits curves to one strip of one image."""
+
+    images: Sequence[GreyImage]
+    optics: Optics
+    width_px: float
+
+    def fit(
+        self, shape: CurveShape, *, rounds: int = ROUNDS, whole: bool = False
+    ) -> OutlineFit | None:
+        """Return the curve beside a first one; `whole`: which is that from begin to end."""
+        prior = np.array([COARSE_OFFSET_SIGMA_RATIO * self.width_px + 1, COARSE_ANGLE_SIGMA_RAD])
+        return fit_outline(
+            shape,
+            self.images,
+            self.optics,
+            width_px=self.width_px,
+            prior=prior,
+            rounds=rounds,
+            completed=self._without_ends if whole else self._completed,
+        )
+
+    def course(self, shape: CurveShape) -> StripCourse:
+        return course_along(shape, self.images, self.optics, self.width_px)
+
+    def _completed(self, shape: CurveShape, blocks: Blocks) -> Blocks:
+        if blocks.seen.all():
+            return blocks
+        return completed(self.course(shape), blocks, shape.basis.step_px)
+
+    def _without_ends(self, shape: CurveShape, blocks: Blocks) -> Blocks:
+        """Return what is seen of the strip between the edges of its clamp and of its tip."""
+        course = course_along(shape, self.images, self.optics, self.width_px, backward=True)
+        total = shape.basis.total_px
+        own = min(OWN_EDGE_WIDTHS * self.width_px, BEGIN_SHARE * total)
+        begin = max(course.begin(BEGIN_SHARE * total), own)
+        blocks = completed(course, blocks, shape.basis.step_px)
+        s = shape.basis.s[blocks.node]
+        return replace(blocks, seen=blocks.seen & (s >= begin) & (s <= total - own))
+
+    def followed(self, fit: OutlineFit) -> tuple[OutlineFit, StripCourse]:
+        """Return a fit that reaches beyond the strip's end or to the image's border."""
+        course = self.course(fit.shape)
+        for _ in range(FURTHER_ROUNDS):
+            if course.leaves_image:
+                break
+            end = course.end[0]
+            more = max(BEYOND_WIDTHS * self.width_px, BEYOND_MIN_PX, BEYOND_SHARE * end)
+            further: CurveShape | None = fit.shape
+            if fit.shape.basis.total_px > end + 0.75 * more:
+                # nothing there: a faint strip may lead a little aside of where the curve does
+                further = self._aside(fit.shape, end, more)
+            if further is None:
+                break
+            longer = self.fit(_cut(further, end + more, self.width_px), rounds=2)
+            if longer is None:
+                break
+            fit, course = longer, self.course(longer.shape)
+        return fit, course
+
+    def _aside(self, shape: CurveShape, end: float, more: float) -> CurveShape | None:
+        """Return the curve turned at its end so that more of the strip shows, if any does."""
+        best, most = None, end + 0.5 * more
+        if self.width_px > FULL_RESOLUTION_THICKNESS_MAX_PX:
+            return None  # a thick one shows as far aside as it may lie
+        whole = _cut(shape, end, self.width_px)
+        for widths in ASIDE_WIDTHS:
+            turn = widths * self.width_px / more
+            turned = _cut(whole, end + more, self.width_px, turn_rad=turn)
+            seen = self.course(turned).end[0]
+            if seen > most:
+                best, most = turned, seen
+        return best
 
 
 def fitted_outline(
@@ -53,38 +140,46 @@ def fitted_outline(
         length = strip.length_m * optics.px_per_m
         free = strip.free_length_m * optics.px_per_m
     else:
-        free = length = total if located.leaves_image else total + BEYOND_WIDTHS * width
+        free = length = total + max(BEYOND_WIDTHS * width, BEYOND_MIN_PX, BEYOND_SHARE * total)
     there, shape = _first_shape(plane, optics, width, free, length)
-    prior = np.array([COARSE_OFFSET_SIGMA_RATIO * width + 1, COARSE_ANGLE_SIGMA_RAD])
-    fit = fit_outline(shape, images, there, width_px=width, prior=prior)
+    fitter = _Fitter(images=images, optics=there, width_px=width)
+    if not strip.length_known:
+        ahead = fitter.course(shape).end[0] + BEYOND_WIDTHS * width
+        if ahead < length:  # what lies beyond the end must not draw the curve
+            shape = _cut(shape, max(ahead, 4 * width), width)
+    fit = fitter.fit(shape)
     if fit is None:
         return None
+    least, most = WIDTH_CHANGES
+    width = min(max(fit.width_px, least * width), most * width)
+    fitter = replace(fitter, width_px=width)
     if strip.length_known:
         # a strip that continues beyond its stated length is another one, or longer
         further = _cut(fit.shape, length + BEYOND_WIDTHS * width + END_ROOM_RATIO * length, width)
-        end, seen = _end_px(fit, further, images, there, width)
-        fit = _with_rivals(fit, images, there)
-        return Outline(fit=fit, optics=there, located=located, end_px=end, end_seen=seen)
-    end, seen = _end_px(fit, fit.shape, images, there, width)
-    for _ in range(FURTHER_ROUNDS):
-        if seen or located.leaves_image:
-            break
-        # both edges are there up to where it was looked for them: the strip goes on
-        longer = _cut(fit.shape, fit.shape.basis.total_px + BEYOND_WIDTHS * width, width)
-        followed = fit_outline(longer, images, there, width_px=width, prior=prior, rounds=2)
-        if followed is None:
-            break
-        fit = followed
-        end, seen = _end_px(fit, fit.shape, images, there, width)
+        course = fitter.course(further)
+        return _outline(_with_rivals(fit, images, there), fitter, located, course)
+    fit, course = fitter.followed(fit)
+    end, _ = course.end
     if end < 3 * width:
         return None
     begin = _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
-    shape = _cut(fit.shape, end, width, begin_px=begin)
-    again = fit_outline(shape, images, there, width_px=width, prior=prior, rounds=3)
+    again = fitter.fit(_cut(fit.shape, end, width, begin_px=begin), rounds=3, whole=True)
     if again is None:
         return None
-    again = _with_rivals(again, images, there)
-    return Outline(fit=again, optics=there, located=located, end_px=end, end_seen=seen)
+    return _outline(_with_rivals(again, images, there), fitter, located, course)
+
+
+def _outline(fit: OutlineFit, fitter: _Fitter, located: Located, course: StripCourse) -> Outline:
+    end, sigma = course.end
+    return Outline(
+        fit=fit,
+        optics=fitter.optics,
+        located=located,
+        end_px=end,
+        end_sigma_px=sigma,
+        goes_on=course.goes_on,
+        leaves_image=course.leaves_image and end > course.total_px - 0.5 * fitter.width_px - 2,
+    )
 
 
 def _with_rivals(fit: OutlineFit, images: Sequence[GreyImage], optics: Optics) -> OutlineFit:
@@ -134,17 +229,34 @@ def _begin_px(fit: OutlineFit, most: float) -> float:
     return float(begin) if begin <= most else 0.0
 
 
-def _cut(shape: CurveShape, length_px: float, width: float, *, begin_px: float = 0) -> CurveShape:
-    """Return the first part of a curve without its begin, or all of it led on straight."""
+def _cut(
+    shape: CurveShape,
+    length_px: float,
+    width: float,
+    *,
+    begin_px: float = 0,
+    turn_rad: float = 0,
+) -> CurveShape:
+    """Return the first part of a curve without its begin, or all of it led on with a turn."""
     if begin_px > 0:
         return _cut_begin(shape, begin_px, length_px - begin_px, width)
     basis = make_basis(
         round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
     )
     turn = float(shape.parameters[1])
-    wanted = np.interp(basis.s, shape.basis.s, shape.phi) - shape.heading - turn
+    wanted = _led_on(shape, basis.s, width, turn_rad) - shape.heading - turn
     c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
     return make_shape(basis, shape.start, shape.heading, np.concatenate([shape.parameters[:2], c]))
+
+
+def _led_on(shape: CurveShape, s: FloatArray, width: float, turn_rad: float) -> FloatArray:
+    """Return the direction along a curve; beyond its end it bends as it did shortly before."""
+    along = shape.basis.s
+    last = float(along[-1])
+    few = min(BEYOND_WIDTHS * width, 0.25 * last)
+    bend = float(shape.phi[-1] - np.interp(last - few, along, shape.phi)) / few
+    further = np.clip(bend * np.maximum(s - last, 0), -BEYOND_TURN_MAX_RAD, BEYOND_TURN_MAX_RAD)
+    return np.asarray(np.interp(s, along, shape.phi) + further + turn_rad * (s > last))
 
 
 def _cut_begin(shape: CurveShape, begin_px: float, length_px: float, width: float) -> CurveShape:
@@ -157,37 +269,3 @@ def _cut_begin(shape: CurveShape, begin_px: float, length_px: float, width: floa
     wanted = np.interp(basis.s + begin_px, along, shape.phi) - heading
     c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
     return make_shape(basis, start, heading, np.concatenate([[0.0, 0.0], c]))
-
-
-def _end_px(
-    fit: OutlineFit, shape: CurveShape, images: Sequence[GreyImage], optics: Optics, width: float
-) -> tuple[float, bool]:
-    """Return where along a fitted curve, or a longer one, both edges end; and whether they do."""
-    across, step = across_px(width), shape.basis.step_px
-    many = max(1, round(0.2 * width / step))
-    size = edge_sizes(shape, images, optics, width, many)
-    count = len(size)
-    usual = float(np.median(fit.blocks.width_px[fit.blocks.seen]))
-    near = 0.25 * width
-    sides = []
-    for side in (-0.5, 0.5):
-        part = np.abs(across - side * usual) <= near
-        sides.append(size[:, part].max(axis=1))
-    weaker = np.minimum(*sides)
-    whole = round(count * fit.shape.basis.total_px / shape.basis.total_px)
-    middle = weaker[whole // 8 : max(whole // 8 + 2, whole // 2)]
-    present = weaker / max(float(np.median(middle)), 1e-9)
-    # up to the end it is there, beyond it is not: the place where that is truest
-    gain = np.cumsum(np.minimum(present, 1.0) - END_PRESENT_RATIO)
-    at = int(gain[: _before_gap(present, END_GAP_WIDTHS * width / (many * step))].argmax()) + 1
-    return at * many * step, at < count - 1
-
-
-def _before_gap(present: FloatArray, longest: float) -> int:
-    """Return how many blocks lie before a long gap: what is seen beyond it may be another thing."""
-    unseen = 0
-    for at, there in enumerate(present > END_PRESENT_RATIO):
-        unseen = 0 if there else unseen + 1
-        if unseen > max(longest, END_GAP_SHARE * at):
-            return max(1, at - unseen + 1)
-    return len(present)

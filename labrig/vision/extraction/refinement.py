@@ -33,7 +33,8 @@ SIDE_FACE_ROUNDS = 3
 EDGE_ROUNDS = 3
 LENGTH_SIGMA_PX = 0.5  # the stated length, as it shows in the image
 
-FACES_OF_REFUSED_MAX = 2  # searches for a side face beside curves that are refused without one
+FACES_OF_REFUSED_MAX = 1  # searches for a side face beside curves that are refused without one
+FACE_START_SHARE = 0.6  # of the first eighth of such a curve: a face hides no start
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -153,8 +154,11 @@ class Refiner:
         if plain.verdict.covered < 0.5 or not separable:
             return plain
         # the dearest step: after some tries only for what passes without it
-        if plain.verdict.why and self.faces >= FACES_OF_REFUSED_MAX:
-            return plain
+        if plain.verdict.why:
+            used = plain.fit.used
+            start = float(used[: max(1, len(used) // 8)].mean())
+            if self.faces >= FACES_OF_REFUSED_MAX or start < FACE_START_SHARE:
+                return plain
         self.faces += 1
         search = SideFaceSearch(plain.fit, plain.context)
         found, side_face = plain, search.first()

@@ -9,7 +9,7 @@ shifts that shows both edges best is taken, and a smooth curve is fitted to the 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +24,7 @@ from labrig.vision.search.straightened import slopes
 from labrig.vision.thresholds import (
     OUTLINE_END_SIGMA_MAX_PX,
     OUTLINE_END_SIGMA_RATIO,
+    OUTLINE_PROFILE_SIGMA_RATIO,
     OUTLINE_SIGMA_MIN_PX,
     OUTLINE_SIGMA_MIN_RATIO,
     OUTLINE_STRENGTH_MIN_RATIO,
@@ -65,6 +66,12 @@ class Blocks:
     width_px: FloatArray
     strength: FloatArray  # the change at the weaker edge, over noise and texture
     seen: BoolArray
+    by_profile: BoolArray  # seen by the whole profile only, for an edge is too faint
+
+    @property
+    def by_edges(self) -> BoolArray:
+        """(blocks,) whether both edges are seen, so that a width is measured."""
+        return np.asarray(self.seen & ~self.by_profile)
 
     def longest_gap_px(self, step_px: float) -> float:
         """Return the length on which no block shows both edges, at most."""
@@ -88,7 +95,7 @@ class OutlineFit:
     @property
     def width_px(self) -> float:
         """The strip's usual width."""
-        return float(np.median(self.blocks.width_px[self.blocks.seen]))
+        return float(np.median(self.blocks.width_px[self.blocks.by_edges]))
 
     @property
     def covariance(self) -> FloatArray:
@@ -108,7 +115,7 @@ class OutlineFit:
         where a second edge lies outside of one.
         """
         blocks = self.blocks
-        at, wide = blocks.node[blocks.seen], blocks.width_px[blocks.seen]
+        at, wide = blocks.node[blocks.by_edges], blocks.width_px[blocks.by_edges]
         usual = self.width_px
         least = max(OUTLINE_SIGMA_MIN_PX, OUTLINE_SIGMA_MIN_RATIO * usual)
         few = running_middle(wide, FRAY_HALF_BLOCKS)
@@ -116,6 +123,8 @@ class OutlineFit:
         unsure = np.hypot(max(least, 0.5 * self.width_scatter_px), 0.5 * _wander(few))
         if self.rival_px is not None:  # if it is the strip's edge, the middle lies half as far out
             unsure = np.hypot(unsure, 0.5 * np.hypot(*self.rival_px))
+        one_edge = np.interp(np.arange(len(self.shape.x)), blocks.node, 1.0 * blocks.by_profile)
+        unsure = np.hypot(unsure, OUTLINE_PROFILE_SIGMA_RATIO * usual * one_edge)
         return np.asarray(np.hypot(unsure, OUTLINE_TAPER_SHARE * apart))
 
     @property
@@ -164,16 +173,20 @@ def fit_outline(
     width_px: float,
     prior: FloatArray,
     rounds: int = ROUNDS,
+    completed: Callable[[CurveShape, Blocks], Blocks] | None = None,
 ) -> OutlineFit | None:
     """Return the curve between the edges beside a first one; None where they are nowhere seen.
 
-    `images`: the same one in each colour channel in which an edge may show.
+    `images`: the same one in each colour channel in which an edge may show. `completed`: sees the
+    strip in blocks whose edges are too faint.
     """
     fit = None
     for _ in range(rounds):
         blocks = measure_blocks(shape, images, optics, width_px)
         if blocks.seen.sum() < 4:
             return None
+        if completed is not None:
+            blocks = completed(shape, blocks)
         fit = _fitted(shape, blocks, prior)
         shape = fit.shape
     return fit
@@ -210,6 +223,7 @@ def measure_blocks(
         width_px=wide,
         strength=strength,
         seen=seen,
+        by_profile=np.zeros(count, dtype=bool),
     )
 
 
@@ -326,7 +340,7 @@ def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray) -> OutlineFit:
     seen = blocks.seen
     offset = np.where(seen, blocks.middle_px, 0.0)
     rough = _roughness(blocks.middle_px[seen])
-    width = float(np.median(blocks.width_px[seen]))
+    width = float(np.median(blocks.width_px[blocks.by_edges]))
     sigma = max(rough, 0.005 * width, 0.03) * math.sqrt(INDEPENDENT_BLOCKS)
     modes = shape.normal_modes()[blocks.node]
     weight = np.where(seen, 1 / sigma**2, 0.0)
@@ -343,7 +357,7 @@ def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray) -> OutlineFit:
         normal=normal,
         pull=pull,
         residual_px=float(np.sqrt(np.mean(left[seen] ** 2))),
-        width_scatter_px=_roughness(blocks.width_px[seen]),
+        width_scatter_px=_roughness(blocks.width_px[blocks.by_edges]),
     )
 
 
