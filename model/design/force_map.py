@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import pickle
+import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -37,7 +37,7 @@ class ForceMap:
         return bool(np.all(self.reachable))
 
 
-_kept: ContextVar[dict[bytes, ForceMap] | None] = ContextVar("_kept", default=None)
+_kept: ContextVar[dict[str, ForceMap] | None] = ContextVar("_kept", default=None)
 
 
 @contextmanager
@@ -58,7 +58,7 @@ def force_map(
     kept = _kept.get()
     if kept is None:
         return _solved_map(model, configuration, p, V)
-    key = pickle.dumps((model, configuration, p, V))
+    key = json.dumps([model.to_dict(), configuration, p.tolist(), V.tolist()])
     if key not in kept:
         kept[key] = _solved_map(model, configuration, p, V)
     return kept[key]

@@ -157,7 +157,8 @@ def session(path: Path, measurements: Measurements | None, **changes: object) ->
     if changes:
         record(path, schedule(*names), **({"texts": TEXTS} | changes))
     else:
-        path.write_bytes(recorded(names))
+        with path.open("wb") as file:  # tests may let `Path.write_bytes` fail
+            file.write(recorded(names))
     if measurements is not None:
         store_measurements(path, measurements)
     return path

@@ -27,7 +27,7 @@ FloatArray = npt.NDArray[np.float64]
 MASK_MARGIN_PX = 3.0
 # of one image, so that a refusal costs little:
 BROAD_MAX = 1  # broad searches
-QUICK_WIDTH, BROAD_WIDTH = 90, 300  # states that a search keeps
+QUICK_WIDTH, BROAD_WIDTH = 90, 500  # states that a search keeps
 RIVALS_MAX = 3  # other paths than the likeliest
 HEAD_MARGIN = 0.1  # of a share, in which a rival's first part may be seen better
 SOMETHING_SHARE = 0.1  # of a curve, for it to be looked at further

@@ -8,8 +8,6 @@ misfit. A base fit that fails and that no change mends is told, too: no effect e
 
 from __future__ import annotations
 
-import hashlib
-import pickle
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -17,6 +15,7 @@ import numpy as np
 
 from model.discrepancy.data_checks.catalogue import data_checks
 from model.discrepancy.data_checks.changed_data import Compared, Trial, compared, of_one
+from model.discrepancy.data_checks.content_digest import content_digest
 from model.discrepancy.data_checks.contract import Change, DataCheck, Suspicion
 from model.discrepancy.data_checks.kinds._data import quoted
 from model.discrepancy.data_checks.quick_fit import (
@@ -93,7 +92,7 @@ _KEPT = dict[bytes, tuple[tuple[Suspicion, ...], Sequence[DataCheck]]]()
 def _once(data: Measurements, checks: Sequence[DataCheck]) -> tuple[Suspicion, ...]:
     """Fit the same data once: a fit, a diagnosis and a report in one process ask for the same."""
     numbers = replace(data, source="", checksum="")  # a file also changes when results are kept
-    key = hashlib.sha256(pickle.dumps((numbers, [id(check) for check in checks]))).digest()
+    key = content_digest(numbers, [id(check) for check in checks])
     kept = _KEPT.pop(key, None)
     if kept is None:
         kept = tuple(_of_the_fit(data, checks)), checks
