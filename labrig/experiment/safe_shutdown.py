@@ -33,7 +33,7 @@ class SafeShutdown:
 
     def make_safe(self) -> SafetyReport:
         """Write 0 V and read it back; return what is known of the output. Never raises."""
-        end_s = self._rig.clock.now() + _ALL_S
+        end_s, self._is_told = self._rig.clock.now() + _ALL_S, False
         report = self._by_our_devices()
         if not report.is_safe:
             self._not_yet()

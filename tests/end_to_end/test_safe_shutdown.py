@@ -142,6 +142,21 @@ def test_without_a_guard_zero_is_tried_until_the_deadline_of_the_shutdown(
     monkeypatch.undo()
 
 
+def test_each_shutdown_that_fails_is_told(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_board_V: float) -> None:
+        raise DeviceError("the board refuses")
+
+    shutdown, told = SafeShutdown(rig), []
+    shutdown.tell = told.append
+    for times in (1, 2):
+        with monkeypatch.context() as broken:
+            broken.setattr(rig.output._output, "write", refuse)
+            shutdown.make_safe()
+        assert len(told) == times
+        rig.boards.open()  # they were let go of
+        rig.signals.open()
+
+
 def test_a_run_that_was_made_safe_is_not_made_safe_again(rig: Rig) -> None:
     with safe_shutdown(rig) as shutdown:
         first = shutdown.make_safe()

@@ -23,11 +23,8 @@ FloatArray = npt.NDArray[np.float64]
 CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
 FURTHER_ROUNDS = 12  # in which a strip is followed beyond its located end, at most
-BEYOND_WIDTHS, BEYOND_MIN_PX, BEYOND_SHARE = (
-    4.0,
-    16.0,
-    0.06,
-)  # how far beyond an end it is looked for
+# how far beyond an end it is looked for: in widths, at least, and of the length
+BEYOND_WIDTHS, BEYOND_MIN_PX, BEYOND_SHARE = 4.0, 16.0, 0.06
 BEYOND_TURN_MAX_RAD = 0.5  # of the strip there, as it bends before
 COARSE_OFFSET_SIGMA_RATIO = 0.5  # of a located begin, in widths
 COARSE_ANGLE_SIGMA_RAD = 0.4
@@ -36,7 +33,7 @@ LONGEST_CELL_PX = 1.0
 COEFFICIENTS = (6, 41)
 WIDTH_CHANGES = (0.8, 1.25)  # from a located width to the fitted one, at most
 BEGIN_SHARE = 1 / 16  # of the length, in which a clamp may hide where the strip begins
-ASIDE_WIDTHS = (-1.2, -0.6, 0.6, 1.2)  # beside the curve, as far beyond its end as is looked
+TRIED_ASIDE_WIDTHS = (-1.2, -0.6, 0.6, 1.2)  # beside the curve, as far beyond its end as is looked
 OWN_EDGE_WIDTHS = 0.4  # at the clamp and the tip, where these have edges of their own
 
 
@@ -120,7 +117,7 @@ class _Fitter:
         if self.width_px > FULL_RESOLUTION_THICKNESS_MAX_PX:
             return None  # a thick one shows as far aside as it may lie
         whole = _cut(shape, end, self.width_px)
-        for widths in ASIDE_WIDTHS:
+        for widths in TRIED_ASIDE_WIDTHS:
             turn = widths * self.width_px / more
             turned = _cut(whole, end + more, self.width_px, turn_rad=turn)
             seen = self.course(turned).end[0]

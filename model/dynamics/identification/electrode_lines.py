@@ -33,7 +33,7 @@ MOST_SAMPLES = 500  # of a run, to begin with
 MOTION_SAYS = 10.0  # chi2 by which force and frames may speak for what the current speaks against
 
 
-def best_line(
+def best_electrodes(
     parameters: LogParameters, runs: Sequence[RecordedRun], noise: RecordingNoise, by: Resolution
 ) -> FloatArray:
     """Return logarithms with the electrodes that explain the current best."""
@@ -54,7 +54,7 @@ def best_line(
     return found.at.theta
 
 
-def other_lines(
+def other_electrodes(
     parameters: LogParameters, runs: Sequence[RecordedRun], noise: RecordingNoise, by: Resolution,
     theta: FloatArray,
 ) -> Iterator[FloatArray]:  # fmt: skip

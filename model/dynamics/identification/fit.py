@@ -13,11 +13,11 @@ from math import sqrt
 import numpy as np
 
 from model.dynamics.beam import DynamicBeam
-from model.dynamics.identification.electrode_lines import best_line, other_lines
+from model.dynamics.identification.electrode_lines import best_electrodes, other_electrodes
 from model.dynamics.identification.noise import RecordingNoise, tempered
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.identification.predicted_run import FINE, coarser
-from model.dynamics.identification.rivals import beside, best_and_rivals
+from model.dynamics.identification.rivals import best_and_rivals, covering_both
 from model.dynamics.identification.runs import RecordedRun
 from model.dynamics.identification.search import SearchProblem, search
 from model.dynamics.identification.thresholds import GUARD, LEAST_MISFIT, SURE_MISFIT
@@ -79,7 +79,7 @@ def identify(
     begun = parameters.theta if near else _beginning(parameters, runs, noise, by)
     problem = SearchProblem(parameters, runs, noise, by)
     first = search(problem, begun, tolerance, finish=True)
-    others = other_lines(parameters, runs, noise, by, first.at.theta)
+    others = other_electrodes(parameters, runs, noise, by, first.at.theta)
     ended, rivals = best_and_rivals(problem, first, others, tolerance)
     at = ended.at
     scale = max(1.0, at.chi2 / problem.count)
@@ -90,7 +90,7 @@ def identify(
 
     found = surely(found, covariance, at.theta, parameters.theta, there)
     for rival in rivals:
-        found = beside(found, there(rival.at.theta))
+        found = covering_both(found, there(rival.at.theta))
     if not ended.converged and _misses(at.chi2, problem.count):  # it is not known where it is
         found = tuple(replace(one, determined=False) for one in found)
     return Identification(
@@ -135,7 +135,7 @@ def _beginning(
     One swing first, so that no period is counted wrongly; noise taken for stronger than it is, so
     that the loss does not run away to explain a frequency that is still wrong.
     """
-    theta = best_line(parameters, runs, noise, fine)
+    theta = best_electrodes(parameters, runs, noise, fine)
     coarse = coarser(fine)
     for stage in STAGES:
         some = [run.until(_first_edge_s(run) + stage.until_s) for run in runs]

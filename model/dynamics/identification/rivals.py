@@ -28,7 +28,7 @@ def best_and_rivals(
     return best, [end for end in others if end.least_cost < best.at.cost + RIVAL * scale]
 
 
-def beside(
+def covering_both(
     found: tuple[DynamicParameter, ...], rival: tuple[DynamicParameter, ...]
 ) -> tuple[DynamicParameter, ...]:
     """Return parameters whose intervals cover those of both, or that are not determined."""

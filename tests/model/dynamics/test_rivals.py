@@ -9,10 +9,10 @@ import pytest
 
 from model.dynamics import ElectrodeLine, HeldVoltage, Resolution
 from model.dynamics.identification import ChannelNoise, RecordedRun, RecordingNoise, RunPlan
-from model.dynamics.identification.electrode_lines import other_lines
+from model.dynamics.identification.electrode_lines import other_electrodes
 from model.dynamics.identification.parameters import LogParameters
 from model.dynamics.identification.predicted_run import predict
-from model.dynamics.identification.rivals import beside, best_and_rivals
+from model.dynamics.identification.rivals import best_and_rivals, covering_both
 from model.dynamics.identification.search import Derivatives, SearchPoint, SearchProblem, search
 from model.dynamics.identification.uncertainty import judged
 from tests.model.dynamics.cases import driven
@@ -58,7 +58,7 @@ def told(apart, dearer):
     ]
     found = told[0]
     for rival in told[1:]:
-        found = beside(found, rival)
+        found = covering_both(found, rival)
     return found, best
 
 
@@ -117,5 +117,5 @@ def test_from_a_false_line_the_current_leads_to_the_true_one():
         force=ChannelNoise(white=1e-4), current=ChannelNoise(white=5e-5), curve_m=3e-5
     )
     theta = LogParameters(true).theta
-    ends = list(other_lines(PARAMETERS, [run], noise, by, theta + np.log(16.0) * LINE))
+    ends = list(other_electrodes(PARAMETERS, [run], noise, by, theta + np.log(16.0) * LINE))
     assert min(np.max(np.abs(end - theta)[LINE != 0.0]) for end in ends) < 0.1
