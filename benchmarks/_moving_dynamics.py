@@ -17,7 +17,7 @@ from benchmarks.worlds.generators.moving import WORLD
 from model import Along, Parameter, SheetModel
 from model.dynamics import DynamicSheet, PronyTerm
 from model.measurements import Condition, Measurements, SheetGeometry, TimeSeries
-from model.sheet.sheet_model import ConfiguredSheet
+from model.sheet.configured_sheet import ConfiguredSheet
 
 FEW_M = (0.0, 0.01, 0.02, 0.03)
 MOST_M = (0.0, 0.005, 0.01, 0.015, 0.02, 0.025, 0.03)

@@ -12,9 +12,10 @@ from model.measurements import (
     TimeSeries,
 )
 from model.parameter import Parameter
+from model.sheet.configured_sheet import Along, ConfiguredSheet
 from model.sheet.prediction import Prediction, predict, predict_free
 from model.sheet.predictions import PredictionArray, predict_array
-from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
+from model.sheet.sheet_model import SheetModel
 
 __all__ = [
     "Along",

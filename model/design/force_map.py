@@ -15,7 +15,8 @@ from model.measurements import FloatArray, ModelError
 from model.mechanics.equilibrium import SolverStatus
 from model.parameter import Parameter
 from model.sheet.beam_problem import ConditionProblem
-from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
+from model.sheet.configured_sheet import Along, ConfiguredSheet
+from model.sheet.sheet_model import SheetModel
 from model.sheet.solution import SolvedProblems, solved
 
 

@@ -26,7 +26,8 @@ from model.measurements import (
 from model.measurements.columns import of_rows
 from model.parameter import Parameter
 from model.sheet import misfit
-from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
+from model.sheet.configured_sheet import Along, ConfiguredSheet
+from model.sheet.sheet_model import SheetModel
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -12,124 +12,16 @@ import numpy.typing as npt
 
 from model.dynamics import ContactSetup, DynamicBeam, DynamicSheet
 from model.effects.between_sessions import sessions_in
-from model.measurements import Displayed, FloatArray, ModelError, SheetGeometry, Summary
-from model.mechanics.field import Field
-from model.parameter import Parameter, finite
+from model.measurements import Displayed, ModelError, Summary
+from model.parameter import finite
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
+from model.sheet.configured_sheet import ConfiguredSheet, table
 
 if TYPE_CHECKING:
     from model.sheet.prediction import Prediction
     from model.sheet.predictions import PredictionArray
 
 FORMAT, WITH_FORMS = 1, 2  # of a model file; the second where effects have forms of their own
-
-
-@dataclass(frozen=True, repr=False)
-class Along(Displayed):
-    """A quantity along the sheet: nodes, straight lines between; one node: the same everywhere."""
-
-    s_m: FloatArray
-    values: FloatArray
-    sigma: FloatArray
-    unit: str
-
-    def summary(self) -> Summary:
-        """Return its range along the sheet."""
-        first, last = float(self.values[0]), float(self.values[-1])
-        if len(self.s_m) == 1:
-            return Summary(f"Along: {first:.4g} {self.unit} everywhere")
-        return Summary(
-            f"Along: {first:.4g} to {last:.4g} {self.unit}, {len(self.s_m)} nodes from "
-            f"{1e3 * self.s_m[0]:.4g} to {1e3 * self.s_m[-1]:.4g} mm"
-        )
-
-    @staticmethod
-    def constant(parameter: Parameter) -> Along:
-        """Return the same parameter everywhere along the sheet."""
-        return Along(
-            np.zeros(1), np.array([parameter.value]), np.array([parameter.sigma]), parameter.unit
-        )
-
-    def field(self, length_m: float) -> Field:
-        """For computing with."""
-        return Field.linear(self.s_m, self.values, length_m)
-
-    def to_dict(self) -> dict[str, Any]:
-        """For a model file."""
-        return {
-            "s_m": self.s_m.tolist(), "value": self.values.tolist(),
-            "sigma": self.sigma.tolist(), "unit": self.unit,
-        }  # fmt: skip
-
-    @staticmethod
-    def from_dict(data: object, where: str) -> Along:
-        """From a model file."""
-        if not isinstance(data, dict):
-            raise ModelError(f"{where}: a table with s_m, value, sigma and unit is wanted")
-        rows = {}
-        for key in ("s_m", "value", "sigma"):
-            row = data.get(key)
-            if not isinstance(row, list) or not row:
-                raise ModelError(f"{where}.{key}: a list of numbers is wanted")
-            rows[key] = np.array([finite(v, f"{where}.{key}") for v in row])
-        if not len(rows["s_m"]) == len(rows["value"]) == len(rows["sigma"]):
-            raise ModelError(f"{where}: s_m, value and sigma must be equally long")
-        return Along(rows["s_m"], rows["value"], rows["sigma"], str(data.get("unit", "")))
-
-
-@dataclass(frozen=True, repr=False)
-class ConfiguredSheet(Displayed):
-    """One configuration's parameters."""
-
-    sheet: SheetGeometry
-    B: Parameter  # N m^2
-    rest: Along  # k0, 1/m
-    eibm: Mapping[float, Along]  # by voltage, N m
-
-    def summary(self) -> Summary:
-        """Return B, E and the mean EIBM of each voltage."""
-        rows = [
-            ("bending stiffness B", *_said(self.B, 1e6), "µN m²"),
-            ("equivalent Young modulus E", *_said(self.E, 1e-6), "MPa"),
-            *(
-                (f"EIBM at {v:+g} V, {_form(along)}", *_said(self._mean(v), 1e6), "µN m")
-                for v, along in sorted(self.eibm.items(), reverse=True)
-            ),
-        ]
-        columns = ("parameter", "value", "sigma", "unit")
-        return Summary(f"ConfiguredSheet: {self.sheet.summary().title}", columns, rows)
-
-    def _mean(self, voltage_V: float) -> Parameter:
-        sigma = float(np.sqrt(np.mean(self.eibm[voltage_V].sigma ** 2)))
-        return Parameter(value=self.mean_eibm(voltage_V), sigma=sigma, unit="N m")
-
-    @property
-    def E(self) -> Parameter:
-        """(6) equivalent Young modulus."""
-        return self.B.scaled(12.0 / (self.sheet.width_m * self.sheet.thickness_m**3), "Pa")
-
-    def eibm_at(self, voltage_V: float) -> Field:
-        """Me(s) at a voltage: known at the fitted ones and 0 V, in proportion between."""
-        length = self.sheet.free_length_m
-        volts = sorted({0.0, *self.eibm})
-        if not volts[0] <= voltage_V <= volts[-1]:
-            raise ModelError(
-                f"the model of '{self.sheet.configuration}' knows {volts[0]:g} V to"
-                f" {volts[-1]:+g} V;"
-                f" {voltage_V:+g} V is outside"
-            )
-        if voltage_V in self.eibm:
-            return self.eibm[voltage_V].field(length)
-        if voltage_V == 0.0:
-            return Field.constant(0.0, length)
-        high = next(i for i, v in enumerate(volts) if v > voltage_V)
-        low_V, high_V = volts[high - 1], volts[high]
-        share = (voltage_V - low_V) / (high_V - low_V)
-        return self.eibm_at(low_V) * (1.0 - share) + self.eibm_at(high_V) * share
-
-    def mean_eibm(self, voltage_V: float) -> float:
-        """Mean of Me over the free length."""
-        return self.eibm_at(voltage_V).mean(self.sheet.free_length_m)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -295,7 +187,8 @@ class SheetModel(Displayed):
             },
             "figures_of_merit": dict(self.merit),
             "configurations": {
-                name: _sheet_to_dict(one, self.own_merit.get(name, {}))
+                name: one.to_dict()
+                | _merit_to_dict(self.own_merit.get(name, {}))
                 | ({"dynamic": self.dynamic[name].to_dict()} if name in self.dynamic else {})
                 for name, one in self.sheets.items()
             },
@@ -309,14 +202,14 @@ class SheetModel(Displayed):
             raise ModelError(
                 f"this is not a model file of format {FORMAT} or {WITH_FORMS} (key labrig_model)"
             )
-        sheets = _table(data, "configurations")
+        sheets = table(data, "configurations")
         fitted = data.get("fitted_to", {})
         if not isinstance(fitted, dict):
             raise ModelError("fitted_to: a table is wanted")
         effects = data.get("effects", [])
         if not isinstance(effects, list):
             raise ModelError("effects: a list of tables is wanted")
-        known = {name: _sheet_from_dict(name, one) for name, one in sheets.items()}
+        known = {name: ConfiguredSheet.from_dict(name, one) for name, one in sheets.items()}
         own = {name: _merit(one, f"configurations.{name}.") for name, one in sheets.items()}
         return SheetModel(
             sheets=known,
@@ -334,23 +227,6 @@ class SheetModel(Displayed):
         )  # fmt: skip
 
 
-def _said(parameter: Parameter, factor: float) -> tuple[str, str]:
-    """Return value and standard uncertainty in another unit."""
-    sigma = f"{factor * parameter.sigma:.2g}" if parameter.sigma else "-"
-    return f"{factor * parameter.value:.4g}", sigma
-
-
-def _form(along: Along) -> str:
-    return "constant" if np.ptp(along.values) == 0.0 else "mean along the sheet"
-
-
-_LENGTHS = {
-    "free_length_mm": "free_length_m", "width_mm": "width_m", "thickness_mm": "thickness_m",
-    "elongation_mm": "elongation_m", "clamped_length_mm": "clamped_length_m",
-    "arc_radius_mm": "arc_radius_m",
-}  # fmt: skip
-
-
 def _merit(data: dict[str, Any], where: str = "") -> dict[str, float]:
     """Return the figures of merit of a model file or of one of its configurations."""
     merit = data.get("figures_of_merit", {})
@@ -359,61 +235,5 @@ def _merit(data: dict[str, Any], where: str = "") -> dict[str, float]:
     return {str(k): finite(v, f"{where}figures_of_merit.{k}") for k, v in merit.items()}
 
 
-def _sheet_to_dict(one: ConfiguredSheet, merit: Mapping[str, float]) -> dict[str, Any]:
-    geometry: dict[str, Any] = {
-        key: round(getattr(one.sheet, name) * 1e3, 12) for key, name in _LENGTHS.items()
-    }
-    geometry["arc_origin_deg"] = float(np.degrees(one.sheet.arc_origin_rad))
-    geometry["rise_time_s"] = one.sheet.rise_time_s
-    return {
-        "geometry": geometry,
-        "B_Nm2": one.B.to_dict(),
-        "E_Pa": one.E.to_dict(),
-        "initial_curvature": one.rest.to_dict(),
-        "eibm": {str(float(v)): along.to_dict() for v, along in sorted(one.eibm.items())},
-        **({"figures_of_merit": dict(merit)} if merit else {}),
-    }
-
-
-def _sheet_from_dict(name: str, data: object) -> ConfiguredSheet:
-    where = f"configurations.{name}"
-    if not isinstance(data, dict):
-        raise ModelError(f"{where}: a table is wanted")
-    geometry = _table(data, "geometry", where)
-    lengths = {
-        field_name: finite(geometry.get(key, 0.0), f"{where}.geometry.{key}") * 1e-3
-        for key, field_name in _LENGTHS.items()
-    }
-    for key in ("free_length_mm", "width_mm", "thickness_mm", "arc_radius_mm"):
-        if lengths[_LENGTHS[key]] <= 0.0:
-            raise ModelError(f"{where}.geometry.{key}: must be positive")
-    rest = Along.from_dict(data.get("initial_curvature"), f"{where}.initial_curvature")
-    sheet = SheetGeometry(
-        configuration=name,
-        arc_origin_rad=float(np.radians(finite(geometry.get("arc_origin_deg", 0.0), where))),
-        initial_curvature=(rest.s_m, rest.values),
-        rise_time_s=finite(geometry.get("rise_time_s", 0.0), f"{where}.geometry.rise_time_s"),
-        **lengths,
-    )
-    B = Parameter.from_dict(data.get("B_Nm2"), f"{where}.B_Nm2")
-    if B.value <= 0.0:
-        raise ModelError(f"{where}.B_Nm2.value: the bending stiffness must be positive")
-    eibm = {
-        _voltage(v, where): Along.from_dict(one, f"{where}.eibm.{v}")
-        for v, one in _table(data, "eibm", where).items()
-    }
-    return ConfiguredSheet(sheet, B, rest, eibm)
-
-
-def _voltage(text: object, where: str) -> float:
-    try:
-        return float(str(text))
-    except ValueError:
-        raise ModelError(f"{where}.eibm: '{text}' is not a voltage") from None
-
-
-def _table(data: dict[str, Any], key: str, where: str = "") -> dict[str, Any]:
-    table = data.get(key)
-    if not isinstance(table, dict):
-        raise ModelError(f"{where}{'.' if where else ''}{key}: a table is wanted")
-    return table
+def _merit_to_dict(merit: Mapping[str, float]) -> dict[str, Any]:
+    return {"figures_of_merit": dict(merit)} if merit else {}

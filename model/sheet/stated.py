@@ -9,7 +9,8 @@ import numpy as np
 
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.parameter import Parameter
-from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
+from model.sheet.configured_sheet import Along, ConfiguredSheet
+from model.sheet.sheet_model import SheetModel
 
 # Me in N m: one number, or (s_m, Me_Nm) with straight lines between the nodes
 StatedEibm = float | tuple[FloatArray, FloatArray]

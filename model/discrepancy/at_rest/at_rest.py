@@ -26,7 +26,8 @@ from model.discrepancy.at_rest.varied import Step, Varied, unsure
 from model.dynamics import Resolution
 from model.effects.catalogue import catalogue
 from model.measurements import Condition, Measurements, ModelError, TimeSeries
-from model.sheet.sheet_model import Along, SheetModel
+from model.sheet.configured_sheet import Along
+from model.sheet.sheet_model import SheetModel
 
 STEP = 0.05  # relative, of stiffness and EIBM
 EDGE_S = 1e-3  # how well the edges' times are known against those of frames and readings

@@ -27,7 +27,8 @@ from model.measurements import (
     SheetGeometry,
 )
 from model.parameter import Parameter
-from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
+from model.sheet.configured_sheet import Along, ConfiguredSheet
+from model.sheet.sheet_model import SheetModel
 from model.sheet.solution import SolvedProblems, solved
 
 WITHIN = np.linspace(-WINDOW_S, WINDOW_S, 9)  # of a reading: for the mean that its filter makes

@@ -14,7 +14,8 @@ from model.effects import title
 from model.effects.catalogue import catalogue
 from model.measurements import Measurements
 from model.sheet.beam_problem import ActiveEffect
-from model.sheet.sheet_model import ConfiguredSheet, SheetModel
+from model.sheet.configured_sheet import ConfiguredSheet
+from model.sheet.sheet_model import SheetModel
 
 
 def with_dynamics(

@@ -16,8 +16,9 @@ from model.identification.likelihood.model_state import Found
 from model.measurements import Measurements
 from model.parameter import Parameter
 from model.sheet.beam_problem import UNKNOWN, ActiveEffect
+from model.sheet.configured_sheet import Along, ConfiguredSheet
 from model.sheet.free_effect import FreeEffect
-from model.sheet.sheet_model import Along, ConfiguredSheet, SheetModel
+from model.sheet.sheet_model import SheetModel
 
 
 def sheet_model(final: MixedModelFit, measurements: Measurements, options: Options) -> SheetModel:
