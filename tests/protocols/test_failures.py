@@ -297,5 +297,5 @@ def test_a_read_back_is_within_the_limit_where_most_of_it_is(drive_V):
     ids=str,
 )
 def test_a_read_back_is_beyond_the_limit_where_most_of_it_is(drive_V):
-    with pytest.raises(OvervoltageError, match="beyond the limit of 2.5 V"):
+    with pytest.raises(OvervoltageError, match=r"beyond the limit of 2\.5 V"):
         check_drive(np.array(drive_V), 2.5, Rules())
