@@ -1,21 +1,30 @@
-"""The mechanics of the sheet: equilibrium, identification, effects, discrepancy, design."""
+"""The mechanics of the sheet: equilibrium, identification, effects, discrepancy, design.
 
-from model.identification.fit import ConfigurationFit, Fit, fit
-from model.identification.options import FitOptions
-from model.measurements import (
-    Condition,
-    Curve,
-    Measurements,
-    ModelError,
-    Reading,
-    SheetGeometry,
-    TimeSeries,
-)
-from model.parameter import Parameter
-from model.sheet.configured_sheet import Along, ConfiguredSheet
-from model.sheet.prediction import Prediction, predict, predict_free
-from model.sheet.predictions import PredictionArray, predict_array
-from model.sheet.sheet_model import SheetModel
+Each name below is loaded when it is first used: who only reads measurements needs no scipy.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from model.identification.fit import ConfigurationFit, Fit, fit
+    from model.identification.options import FitOptions
+    from model.measurements import (
+        Condition,
+        Curve,
+        Measurements,
+        ModelError,
+        Reading,
+        SheetGeometry,
+        TimeSeries,
+    )
+    from model.parameter import Parameter
+    from model.sheet.configured_sheet import Along, ConfiguredSheet
+    from model.sheet.prediction import Prediction, predict, predict_free
+    from model.sheet.predictions import PredictionArray, predict_array
+    from model.sheet.sheet_model import SheetModel
 
 __all__ = [
     "Along",
@@ -39,3 +48,35 @@ __all__ = [
     "predict_array",
     "predict_free",
 ]
+_HOMES = {
+    "Along": "sheet.configured_sheet",
+    "Condition": "measurements",
+    "ConfigurationFit": "identification.fit",
+    "ConfiguredSheet": "sheet.configured_sheet",
+    "Curve": "measurements",
+    "Fit": "identification.fit",
+    "FitOptions": "identification.options",
+    "Measurements": "measurements",
+    "ModelError": "measurements",
+    "Parameter": "parameter",
+    "Prediction": "sheet.prediction",
+    "PredictionArray": "sheet.predictions",
+    "Reading": "measurements",
+    "SheetGeometry": "measurements",
+    "SheetModel": "sheet.sheet_model",
+    "TimeSeries": "measurements",
+    "fit": "identification.fit",
+    "predict": "sheet.prediction",
+    "predict_array": "sheet.predictions",
+    "predict_free": "sheet.prediction",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'model' has no attribute {name!r}")
+    return getattr(import_module(f"model.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return list(__all__)

@@ -20,7 +20,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Generic, TypeVar, cast
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint
+    from importlib.metadata import EntryPoint, EntryPoints
 
 T = TypeVar("T")
 OWN = "labrig"  # the distribution of the parts in our own folders
@@ -95,11 +95,9 @@ def _choice(name: str, known: list[str]) -> str:
 @lru_cache(maxsize=64)
 def _found(folder: PluginFolder[object], path: tuple[str, ...]) -> dict[str, Part[object]]:
     """Return the parts as seen from these places; what is installed there is read once."""
-    from importlib.metadata import entry_points  # slow to import
-
-    del path
     parts = _own(folder)
-    for entry in sorted(entry_points(group=folder.group), key=lambda e: (e.name, e.value)):
+    entries = _entries(path).select(group=folder.group)
+    for entry in sorted(entries, key=lambda e: (e.name, e.value)):
         if entry.name in parts:
             article = "an" if folder.what[0] in "aeiou" else "a"
             _leave_out(folder, entry, f"there is {article} {folder.what} of that name already")
@@ -111,6 +109,15 @@ def _found(folder: PluginFolder[object], path: tuple[str, ...]) -> dict[str, Par
                 entry.name, part, dist.name if dist else "?", dist.version if dist else "?"
             )
     return parts
+
+
+@lru_cache(maxsize=8)
+def _entries(path: tuple[str, ...]) -> EntryPoints:
+    """Return all entry points as seen from these places: a file of each distribution is read."""
+    from importlib.metadata import entry_points  # slow to import
+
+    del path
+    return entry_points()
 
 
 def _own(folder: PluginFolder[object]) -> dict[str, Part[object]]:

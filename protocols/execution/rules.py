@@ -68,9 +68,12 @@ def check_drive(drive_V: FloatArray, limit_V: float, rules: Rules) -> None:
 
     A single sample, or an edge's overshoot, is not enough: most of the block must be beyond it.
     """
+    most_V = limit_V + rules.drive_tolerance_V
+    if np.abs(drive_V).max(initial=0.0) <= most_V:
+        return  # as nearly always, and ten times as quick as a median; not where one is no number
     finite = drive_V[np.isfinite(drive_V)]
     seen_V = float(np.median(finite)) if finite.size else 0.0
-    if abs(seen_V) > limit_V + rules.drive_tolerance_V:
+    if abs(seen_V) > most_V:
         raise OvervoltageError(
             f"the drive reads back {seen_V:.3g} V, beyond the limit of {limit_V:g} V; measure the "
             "amplifier's gain, correct [amplifier] gain or the wiring of the read-back"

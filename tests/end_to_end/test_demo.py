@@ -11,20 +11,22 @@ from contextlib import redirect_stdout
 from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from labrig.analysis import analyze
 from labrig.cli.commands import demo as demo_command
 from labrig.model_file import load_model
-from labrig.report.parts.style import save_all
 from labrig.session import load_measurements, open_session
 from model import Measurements, fit
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
 from tests.labrig.conftest import NOTHING
 from tests.made_once import made_once
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 pytestmark = [
     pytest.mark.slow,
@@ -93,6 +95,8 @@ def demo(tmp_path_factory: pytest.TempPathFactory, data_unchecked: None) -> Demo
 
 
 def only_svg(fig: Figure, folder: Path, name: str, _formats: object, svg: str) -> list[Path]:
+    from labrig.report.parts.style import save_all  # with matplotlib: slow to import
+
     return save_all(fig, folder, name, ("svg",), svg)
 
 

@@ -24,6 +24,7 @@ NAMES = (
     "google-chrome", "google-chrome-stable", "msedge",
 )  # fmt: skip
 WAIT_MS = 30_000  # a shared machine may be slow; nothing waits longer than it must
+HERE = "tests/panel_browser/"  # how the names of its tests begin
 SCHEMAS = Path(__file__).parents[2] / "docs" / "schemas"
 Visit = Callable[..., Any]
 
@@ -188,5 +189,5 @@ def text_of(page: Any, selector: str) -> str:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """A browser takes seconds."""
     for item in items:
-        if Path(__file__).parent in item.path.parents:
+        if item.nodeid.startswith(HERE):
             item.add_marker(pytest.mark.slow)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.interfaces import OverloadError
+from drivers.interfaces import OverloadError, OvervoltageError
 from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols import EventBus, FinishReason, LoopTiming, RunState
 from protocols.execution.channels import force_channel
@@ -20,6 +20,7 @@ from protocols.execution.events import (
     VoltageSet,
     Warned,
 )
+from protocols.execution.rules import Rules, check_drive
 
 # Fewer calls to fail, one after another.
 COARSE = LoopTiming(service_s=0.1, starved_s=1.0)
@@ -276,3 +277,25 @@ def test_a_mistake_in_the_program_is_named_as_such():
     assert scheduler.status.finish is FinishReason.INTERNAL_ERROR
     assert isinstance(scheduler.status.error, AttributeError)
     assert "an error in labrig itself: AttributeError" in rig.events[-1].reason
+
+
+NAN, INF = float("nan"), float("inf")
+
+
+@pytest.mark.parametrize(
+    "drive_V",
+    [[], [2.7] * 5, [-2.7] * 5, [NAN] * 5, [5.0, 5.0, 0.0, 0.0, 0.0], [5.0, NAN, 0.0, 0.0]],
+    ids=str,
+)
+def test_a_read_back_is_within_the_limit_where_most_of_it_is(drive_V):
+    check_drive(np.array(drive_V), 2.5, Rules())
+
+
+@pytest.mark.parametrize(
+    "drive_V",
+    [[2.71] * 5, [-2.71] * 5, [3.0, 3.0, 3.0, 0.0, 0.0], [3.0, NAN, NAN, NAN], [3.0, 3.0, INF]],
+    ids=str,
+)
+def test_a_read_back_is_beyond_the_limit_where_most_of_it_is(drive_V):
+    with pytest.raises(OvervoltageError, match=r"beyond the limit of 2\.5 V"):
+        check_drive(np.array(drive_V), 2.5, Rules())

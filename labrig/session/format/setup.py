@@ -5,9 +5,11 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import platform
+import sys
 import uuid
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -31,6 +33,13 @@ _PACKAGES = ("labrig", "numpy", "scipy", "h5py", "nidaqmx", "opencv-python-headl
 
 def present_versions() -> dict[str, str]:
     """Return versions of labrig, its packages and plug-ins, Python and the platform."""
+    return dict(_versions_at(tuple(sys.path)))
+
+
+@lru_cache(maxsize=8)
+def _versions_at(path: tuple[str, ...]) -> dict[str, str]:
+    """Return them as seen from these places; the files of each distribution are read once."""
+    del path
     found = {"python": platform.python_version(), "platform": platform.platform()}
     found |= _plugin_versions()
     for package in _PACKAGES:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-import matplotlib as mpl
+from typing import TYPE_CHECKING
+
 import numpy as np
 import pytest
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 import labrig
 from labrig.errors import BadInputError
 from model.dynamics import SheetMotion
 from tests.labrig.report_data import VOLTAGES, measure, truth
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @pytest.fixture(autouse=True)
@@ -26,6 +28,8 @@ def no_window(monkeypatch):
 
 @pytest.fixture
 def axes() -> Axes:
+    from matplotlib.figure import Figure  # slow to import
+
     return Figure().subplots()
 
 
@@ -65,6 +69,9 @@ def test_curves_and_shapes_have_equal_aspect(axes):
 
 
 def test_a_new_figure_leaves_the_settings_of_matplotlib_as_they_are():
+    import matplotlib as mpl
+    from matplotlib.axes import Axes
+
     before = mpl.rcParams["axes.grid"]
     made = labrig.plot.eibm(truth("long"))
     assert isinstance(made, Axes)

@@ -4,7 +4,6 @@ import re
 from functools import lru_cache
 
 import cv2
-import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -150,6 +149,8 @@ def test_beside_a_ruler_a_second_pixel_states_the_sheets_direction(along_px):
 @pytest.mark.slow
 def test_the_board_prints_at_its_true_size(tmp_path):
     path = tmp_path / "board.pdf"
+    import matplotlib as mpl  # slow to import
+
     with mpl.rc_context({"pdf.compression": 0}):
         write_board_pdf(path, CalibrationBoard())
     data = path.read_bytes()

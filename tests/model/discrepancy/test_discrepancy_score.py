@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
 
 from model.discrepancy.search.evidence import (
     Candidate,
@@ -60,6 +59,8 @@ def small(seed: int = 0):
 
 
 def test_evidence_is_the_ratio_of_marginal_likelihoods():
+    from scipy.stats import multivariate_normal  # slow to import
+
     data, solution, columns = small()
     X, Z, y = data.X.reshape(12, 2), data.groups[0][:, :, 0], data.y.ravel()
     V = np.diag(np.full(12, 0.1 + 0.36)) + X @ X.T / 0.25

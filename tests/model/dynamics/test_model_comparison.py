@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal, norm
 
 from model.dynamics import AIR, ContactSetup, HeldVoltage, Resolution
 from model.dynamics.comparison import (
@@ -181,6 +180,8 @@ def test_the_whitening_knows_its_determinant():
 
 @pytest.mark.parametrize("noise", [NOISE, DRIFTING])
 def test_the_evidence_of_a_linear_model_is_exact(noise):
+    from scipy.stats import multivariate_normal, norm  # slow to import
+
     t = np.arange(0.0, 2.5, 5e-3)
     C = covariance(noise.force, t)
     force = 4e-5 * t + np.random.default_rng(1).multivariate_normal(0.0 * t, C)
