@@ -211,6 +211,25 @@ def test_the_asymmetry_adds_at_one_polarity_what_it_takes_from_the_other():
     assert more[-1] / more[0] == pytest.approx(np.exp(-length_m / 0.025))
 
 
+def test_an_asymmetry_of_one_side_leaves_the_other_polarity_as_it_is():
+    beam, contact = example_beam()
+    p = values("eibm_asymmetry", ratio=0.8) | {"fall_mm": 25.0, "side": -1.0}
+    other = effect("eibm_asymmetry").beam(beam, contact, p).eibm
+    below = beam.voltage_V < 0.0
+    np.testing.assert_array_equal(other[~below], beam.eibm[~below])
+    both = effect("eibm_asymmetry").beam(beam, contact, {**p, "side": 0.0}).eibm
+    np.testing.assert_allclose((other - beam.eibm)[below], 2.0 * (both - beam.eibm)[below])
+
+
+def test_beside_an_eibm_of_each_polarity_only_what_is_uneven_is_looked_for():
+    whole = effect("eibm_asymmetry")
+    left = whole.outside_base()
+    assert left is not None
+    assert left.parameters[1].starting_values == (25.0,)
+    assert left.parameters[2].starting_values == (0.0, 1.0, -1.0)
+    assert effect("gravity").outside_base() is effect("gravity")
+
+
 def test_a_hinge_at_the_joint_turns_by_what_lets_the_contact_go_as_far():
     beam, contact = example_beam()
     p = {"relative_compliance": 0.03, "in_the_joint": 1.0}
