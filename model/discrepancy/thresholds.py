@@ -120,6 +120,10 @@ UNEXPLAINED_SHARE = 0.2
 # may be another one. On open worlds 20 right names missed 0.11 at most, four of seven wrong ones
 # 0.16 to 0.28.
 MISSED_BY_FORM_SHARE = 0.15
+# Names from which on they may together imitate one thing that no catalogue has; and the share of
+# what the best of them leaves to the others that one nonparametric term has to explain, too, to
+# stand for all of them.
+MANY_NAMES, SHARE_OF_MANY = 3, 0.5
 # Log Bayes factor by which a nonparametric term must exceed all names.
 NONPARAMETRIC_MARGIN_LN = 4.5
 # Scatter between set-ups over the usual one, beyond which no verdict 'nothing missing' is given.

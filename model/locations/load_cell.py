@@ -14,7 +14,7 @@ from model.measurements import FloatArray
 
 AMPLITUDE_MN = 0.2
 PERIODIC_MN = 2.0
-DEGREES = range(2, 6)  # of the force: in proportion to the force is what B is, too
+DEGREES = range(6)  # a curve of response that need not be zero without a force, as zeros are set
 WAVES_IN_SESSION = 8
 
 
