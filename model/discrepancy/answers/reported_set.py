@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 from model.discrepancy.answers.calibrated_answers import Judged, is_name
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
-from model.discrepancy.thresholds import MANY_NAMES, OVERLOOKED_TOLD
-from model.discrepancy.verdict.decision import Decision
+from model.discrepancy.thresholds import MANY_NAMES, OVERLOOKED_TOLD, TRUST_IN_PIECES
+from model.discrepancy.verdict.decision import Decision, pieces
 from model.discrepancy.verdict.result import Unknown
 
 NO_ANSWER = Judged({}, ())
@@ -31,15 +31,17 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     names = dict.fromkeys([name, *judged.names, *decision.criticism.rivals(name)])
     others = [one for one in judged.answers if not is_name(one)]
     overlooked = decision.criticism.overlooked(name)
-    # so many names may together imitate something that none of them says
-    many = len(decision.named) >= MANY_NAMES
-    doubtful = many or decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
+    # several names may together imitate something that none of them says
+    piece = name in pieces(decision.named)
+    several = piece or len(decision.named) >= MANY_NAMES
+    doubtful = several or decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
+    believed = overlooked * (TRUST_IN_PIECES if piece else 1.0)
     others += [UNKNOWN] if doubtful else []
     or_else = tuple(dict.fromkeys(others))
     chances = {one: judged.probabilities.get(one, 0.0) for one in (*names, *or_else)}
-    if overlooked < 1.0:  # what somebody should have noticed is something else
-        chances[UNKNOWN] = chances.get(UNKNOWN, 0.0) + (1.0 - overlooked) * chances[name]
-        chances[name] *= overlooked
+    if believed < 1.0:  # what somebody should have noticed is something else
+        chances[UNKNOWN] = chances.get(UNKNOWN, 0.0) + (1.0 - believed) * chances[name]
+        chances[name] *= believed
     return ReportedSet(
         confidence=min(sum(chances[one] for one in names), 1.0),
         confusable_with=tuple(one for one in names if one != name),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from model.effects import catalogue, effect
+from model.effects._loop import hung
 from model.effects._memory import lagging
 from model.effects.conformance import plausible
 from model.effects.interface import AcquisitionTimes, LoadCellInput
@@ -655,3 +656,13 @@ def test_an_older_picture_shows_what_had_come_by_then(through_zero: float):
     late = effect("frame_delay").pictured(clock, {**p, "delay_s": 0.55})  # before the edge
     assert late == pytest.approx((1.0 - way) / now - 1.0)
     assert effect("force_offset").pictured(clock, {"force_mN": 1.0}) is None
+
+
+def test_the_loop_of_one_run_is_that_of_each_of_several():
+    force_N = 1e-3 * np.random.default_rng(3).normal(size=(2, 40))
+    position_m = np.broadcast_to(np.repeat([0.0, 0.01], 20), force_N.shape)
+    for begins in ({"from_no_load": True}, {"from_no_load": False, "goes_on": True}):
+        both = hung(force_N, position_m, 4e-4, **begins)
+        each = [hung(f, p, 4e-4, **begins) for f, p in zip(force_N, position_m, strict=True)]
+        np.testing.assert_array_equal(both, each)
+    assert hung(force_N[0, :0], position_m[0, :0], 4e-4, from_no_load=True).shape == (0,)
