@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from model.discrepancy.answers.calibrated_answers import Judged, calibrated
 from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
@@ -16,14 +14,12 @@ from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
+from model.discrepancy.search.nonparametric_terms import stands_for_names
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     LEAST_PROBABILITY,
-    MANY_NAMES,
-    MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
     PROBABLE_ALL_THE_SAME,
-    SHARE_OF_MANY,
     UNEXPLAINED_SHARE,
 )
 from model.discrepancy.verdict.fitted_model import sheet_model
@@ -87,7 +83,7 @@ class Judgement:
             beside = self._leftover(full)
             if not self._unexplained(beside):
                 named, known, rest = more, full, beside
-        only = rest is not None and alone(rest, base, known, self._single)
+        only = rest is not None and alone(rest, base, known, self.outcome.single)
         if rest is None or not (only or self._unexplained(rest)):
             return self._with_names(named, known, rest)
         if only:
@@ -172,7 +168,7 @@ class Judgement:
             kept = tuple(f for f in known.found if f.effect.name not in rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
         rest = leftover(self.outcome, known, self.effects)
-        if rest is not None and alone(rest, base, known, self._single):
+        if rest is not None and alone(rest, base, known, self.outcome.single):
             named, known = [], base
         free = None if rest is None else rest.first if known is base else rest.last
         nothing_else = rest is None or free is None or free.gain < self.threshold
@@ -203,11 +199,6 @@ class Judgement:
         """Return what nonparametric terms find beside the names."""
         return leftover(self.outcome, known, self.effects) if self.enough else None
 
-    @property
-    def _single(self) -> float:
-        """Return what the best name explains by itself."""
-        return max((c.gain for c in self.outcome.turns[0].ranking if c.known), default=0.0)
-
     def _unexplained(self, rest: Leftover | None) -> bool:
         """Return whether that exceeds the rest of a form."""
         if rest is None or rest.share < UNEXPLAINED_SHARE:
@@ -224,20 +215,11 @@ def pieces(named: Sequence[Choice]) -> list[str]:
     return [one.effect.name for one in named if count[one.effect.location] > 1]
 
 
-def alone(
-    rest: Leftover, base: MixedModelFit, known: MixedModelFit, single: float = np.inf
-) -> bool:
+def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit, single: float) -> bool:
     """Return whether one free form explains more than all the names together.
 
-    A single name may be of another form, and lose some of what a free form explains. Three or more
-    names bend to much: they have to explain more than a free form by a good part of what the best
-    name, which explains `single` by itself, leaves to the others.
+    `single` is what the best name explains by itself.
     """
     names = len(known.found) - len(base.found)
-    if not names:
-        return False
     explained = 0.5 * (base.deviance - known.deviance)
-    form = MISSED_BY_FORM_SHARE if names == 1 else 0.0
-    if names >= MANY_NAMES:
-        explained = min(single + SHARE_OF_MANY * max(explained - single, 0.0), explained)
-    return rest.first.gain * (1.0 - form) > explained + NONPARAMETRIC_MARGIN_LN
+    return stands_for_names(rest.first.gain, explained, names, single)

@@ -131,13 +131,13 @@ def test_one_free_form_that_explains_more_than_the_names_stands_for_them():
         return base, SimpleNamespace(found=("name",) * names, deviance=0.0)
 
     free = SimpleNamespace(first=SimpleNamespace(gain=110.0))
-    assert alone(free, *fits(2))
-    assert not alone(free, *fits(1))  # which may be of another form
-    assert not alone(free, *fits(0))
+    assert alone(free, *fits(2), 90.0)
+    assert not alone(free, *fits(1), 90.0)  # which may be of another form
+    assert not alone(free, *fits(0), 90.0)
     less = SimpleNamespace(first=SimpleNamespace(gain=102.0))
-    assert not alone(less, *fits(2))
+    assert not alone(less, *fits(2), 90.0)
     much_more = SimpleNamespace(first=SimpleNamespace(gain=125.0))
-    assert alone(much_more, *fits(1))
+    assert alone(much_more, *fits(1), 90.0)
 
 
 def test_three_names_have_to_explain_more_than_a_free_form():
