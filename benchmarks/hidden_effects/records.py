@@ -128,6 +128,7 @@ class Record:
     left_out: Foretold | None = None  # at a position of the session that was not given
     # answers that labrig compared, with their attributes (`ChoiceSet.to_json`)
     choice_sets: list[dict[str, Any]] = field(default_factory=list)
+    not_ruled_out: list[str] = field(default_factory=list)  # though it is not reported
 
     @property
     def names(self) -> tuple[str, ...]:

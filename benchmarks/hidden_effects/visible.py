@@ -59,9 +59,10 @@ class Visible:
 
 def known(symmetric: bool, exclude: Sequence[str] = ()) -> list[Effect]:
     """The effects that `diagnose` considers."""
-    skip = {*exclude} if symmetric else {*exclude, "eibm_asymmetry"}
-    asked = [e.for_sessions(1) for name, e in catalogue().items() if name not in skip]
-    return [e for e in asked if e is not None]
+    asked = (e for name, e in catalogue().items() if name not in exclude)
+    lacking = (e if symmetric else e.outside_base() for e in asked)
+    found = (e.for_sessions(1) for e in lacking if e is not None)
+    return [e for e in found if e is not None]
 
 
 class Yardstick:

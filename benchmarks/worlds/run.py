@@ -110,7 +110,8 @@ def _asked(one: Made, kept: Record) -> Record:
     kept = replace(
         kept, verdict=_verdict(said), named=said.named, unknown=said.unknown,
         invisible=said.invisible, ranking=said.ranking, closed=said.closed,
-        choice_sets=said.choice_sets, seconds=time.perf_counter() - began,
+        choice_sets=said.choice_sets, not_ruled_out=said.not_ruled_out,
+        seconds=time.perf_counter() - began,
         cpu_s=time.process_time() - cpu,
     )  # fmt: skip
     if not one.sizes or said.foretell is None:

@@ -149,8 +149,7 @@ def _effects(options: Options, count: int) -> list[Effect]:
     unknown = [name for name in options.exclude if name not in every]
     if unknown:
         raise ModelError(f"there is no effect called '{unknown[0]}'; `labrig effects` lists them")
-    asked = [
-        one.for_sessions(count) for name, one in every.items()
-        if name not in options.exclude and (options.symmetric or not one.in_base_model)
-    ]  # fmt: skip
-    return [one for one in asked if one is not None]
+    asked = (one for name, one in every.items() if name not in options.exclude)
+    lacking = (one if options.symmetric else one.outside_base() for one in asked)
+    found = (one.for_sessions(count) for one in lacking if one is not None)
+    return [one for one in found if one is not None]

@@ -106,6 +106,9 @@ LEAST_PROBABILITY = 0.5
 # data, beside 'unknown'. On open worlds six wrong names with a failed check of structure had 0.83
 # at most, right ones 0.89 and more.
 PROBABLE_ALL_THE_SAME = 0.85
+# Share of the probability of a name that it keeps beside another one of its location. On an open
+# world two changes in time imitated a third one with 0.94 and 0.95.
+TRUST_IN_PIECES = 0.85
 # Best names that are compared for each place in the verdict.
 COMPARED_NAMES = 8
 # Degrees of freedom of the reported intervals: about the number of set-ups of a session. Moves the
@@ -120,6 +123,10 @@ UNEXPLAINED_SHARE = 0.2
 # may be another one. On open worlds 20 right names missed 0.11 at most, four of seven wrong ones
 # 0.16 to 0.28.
 MISSED_BY_FORM_SHARE = 0.15
+# Names from which on they may together imitate one thing that no catalogue has; and the share of
+# what the best of them leaves to the others that one nonparametric term has to explain, too, to
+# stand for all of them.
+MANY_NAMES, SHARE_OF_MANY = 3, 0.5
 # Log Bayes factor by which a nonparametric term must exceed all names.
 NONPARAMETRIC_MARGIN_LN = 4.5
 # Scatter between set-ups over the usual one, beyond which no verdict 'nothing missing' is given.

@@ -117,7 +117,7 @@ class Effect:
     # whether at 0 V it depends on how the sheet came there, which its form cannot know
     by_history: bool = False
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
-    # whether the base model has it as a parameter, unless it is asked to be symmetric
+    # whether the base model has its plain shape as a parameter, unless asked to be symmetric
     in_base_model: bool = False
     title: str = ""  # what readers are shown; empty: the name, in words
     needs_session: bool = False  # says nothing of a single run, whose session has no course
@@ -134,6 +134,10 @@ class Effect:
         """Return the effect for so many sessions analysed together; None: it needs more."""
         del count
         return self
+
+    def outside_base(self) -> Effect | None:
+        """Return what of the effect the usual base model lacks; None: it has all of it."""
+        return None if self.in_base_model else self
 
     def differs(self, sizes: Sequence[float]) -> bool:
         """Return whether sizes found together are those of this effect, not of a simpler one."""

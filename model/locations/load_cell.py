@@ -14,7 +14,7 @@ from model.measurements import FloatArray
 
 AMPLITUDE_MN = 0.2
 PERIODIC_MN = 2.0
-DEGREES = range(2, 6)  # of the force: in proportion to the force is what B is, too
+DEGREES = range(6)  # of the force: a curve of response may have a zero of its own
 WAVES_IN_SESSION = 8
 
 
@@ -50,8 +50,12 @@ class LoadCell(Location):
         yield self._added(
             at, waves[0], zero, part="zero", along="position", term=constant, alone=True
         )
-        powers = (polynomial(degree, AMPLITUDE_MN) for degree in DEGREES)
-        yield from bases_of(self, at, powers, along="force", part="force", shared=True)
+        for degree in DEGREES:
+            power = polynomial(degree, AMPLITUDE_MN)
+            yield from bases_of(
+                self, at, [power], along="force", part="force", shared=True,
+                alone=degree == 0,  # of the whole it is a wave of the position
+            )  # fmt: skip
         yield from self._in_time(at)
 
     def _in_time(self, at: Linearised) -> Iterator[Basis]:

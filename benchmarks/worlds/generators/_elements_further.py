@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.worlds.generators._elements_beam import Cases, Law, Point
+from benchmarks.worlds.generators._elements_known import since_slot_before
 from benchmarks.worlds.session.effects import (
     Acting,
     Array,
@@ -59,6 +60,15 @@ def _stretched_electrode(size: float) -> Law:
         at.eibm_Nm = at.eibm_Nm * np.exp(-size * (at.curvature_per_m / 40.0) ** 2)
 
     return law
+
+
+def _rubs_farther(s_hat: Array, at: Samples, coefficient: float) -> Array:
+    slid = since_slot_before(s_hat, at)
+    return coefficient * (s_hat / 30e-3) ** 2 * slid / (np.abs(slid) + 0.05e-3)
+
+
+def _bent(load: Load, size: float) -> Array:
+    return load.force_N * (1.0 + size * load.force_N / 5e-3)
 
 
 def _two_ranges(load: Load, size: float) -> Array:
@@ -128,6 +138,12 @@ FURTHER: dict[str, Acting] = {
     "second_range": _u(
         "Beyond 1 mN the amplifier of the load cell has another gain, by a share c.",
         ("load_cell",), sizes=(0.08, 0.6), unit="", force=_two_ranges),
+    "bent_response": _u(
+        "The load cell's response is bent: F (1 + c F/5 mN).",
+        ("load_cell",), sizes=(0.08, 0.6), unit="", force=_bent),
+    "dirty_stretch": _u(
+        "Dirt towards the end rubs: c |N| (s/30 mm)^2 d/(|d| + 0.05 mm), d slid.",
+        ("position",), sizes=(0.1, 0.6), unit="", slides=_rubs_farther),
     "rests_on_table": _u(
         "The sheet's edge rests on the table and takes c tanh(F/0.3 mN) of the force.",
         ("load_cell", "position"), sizes=(0.08, 0.8), unit="mN", force=_table),

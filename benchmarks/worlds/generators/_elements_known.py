@@ -84,6 +84,14 @@ def _line_of_resistors(size: float) -> Law:
     return law
 
 
+def _one_face(size: float) -> Law:
+    def law(at: Point) -> None:
+        less = size * np.exp(-at.s_m / 15e-3)
+        at.eibm_Nm = at.eibm_Nm * np.where(at.eibm_Nm > 0.0, 1.0 - less, 1.0)
+
+    return law
+
+
 def _thicker(size: float) -> Law:
     def law(at: Point) -> None:
         share = (at.s_m / at.length_m) ** 2
@@ -190,6 +198,9 @@ KNOWN: dict[str, Acting] = dict(
         _k("The electrodes are a line of resistors: Me falls as cosh((l - s)/d), d = 50 mm/c,"
            " with the same mean.", "nonuniform_eibm", "eibm", sizes=(1.2, 5.0), unit="",
            law=_line_of_resistors),
+        _k("At positive voltage the crushed electrode gives less near the clamp:"
+           " Me (1 - a exp(-s/15 mm)).", "eibm_asymmetry", "even_moment",
+           sizes=(0.3, 0.9), unit="", law=_one_face),
         _k("The stiffness grows with the square of the distance: B (1 + c ((s/l)^2 - 1/3)).",
            "nonuniform_stiffness", "compliance", sizes=(0.25, 1.2), unit="", law=_thicker),
         _k("The sheet stiffens: B (1 + c (sqrt(1 + (u/20 per m)^2) - 1)), u = k - k0.",

@@ -85,6 +85,14 @@ def _falling(size: float) -> Law:
     return law
 
 
+def _weak_face(size: float) -> Law:
+    def law(here: Section) -> None:
+        lost = size * here.s_m / here.length_m
+        here.eibm_Nm = here.eibm_Nm * np.where(here.eibm_Nm < 0.0, 1.0 - lost, 1.0)
+
+    return law
+
+
 def _stiff_end(size: float) -> Law:
     def law(here: Section) -> None:
         share = here.s_m / here.length_m
@@ -186,6 +194,9 @@ KNOWN: dict[str, Acting] = dict(
            sizes=(1.5, 20.0), unit="1/m", law=_rest),
         _k("The EIBM is less beyond 22 mm from the clamp: Me (1 - a (1 + tanh((s - 22)/8 mm))/2).",
            "nonuniform_eibm", ("eibm",), sizes=(0.4, 1.0), unit="", law=_falling),
+        _k("At negative voltage the electrode gives less the farther from the clamp:"
+           " Me (1 - a s/l).", "eibm_asymmetry", ("even_moment", "eibm"),
+           sizes=(0.3, 1.0), unit="", law=_weak_face),
         _k("The outer half of the sheet is stiffer: B (1 + c tanh((s/l - 1/2)/0.2)/2).",
            "nonuniform_stiffness", ("compliance",), sizes=(0.2, 1.0), unit="", law=_stiff_end),
         _k("The sheet stiffens as it is bent, less and less: B (1 + c u/(u + 15 per m)), u the"

@@ -30,6 +30,7 @@ class Answer:
     invisible: list[str] = field(default_factory=list)  # effects that this session could not show
     ranking: list[tuple[str, float]] = field(default_factory=list)  # best first
     closed: float | None = None  # share of the gap on left-out conditions, as the method states it
+    not_ruled_out: list[str] = field(default_factory=list)  # may be there though it is not said
     foretell: Foretell | None = None  # None: the method predicts nothing
     choice_sets: list[dict[str, Any]] = field(default_factory=list)  # for `calibrate`; labrig's own
 

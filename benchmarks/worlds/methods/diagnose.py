@@ -29,5 +29,6 @@ def answer(measurements: Measurements) -> Answer:
         closed=float(found.closed) if np.isfinite(found.closed) else None,
         # data that contradict what is stated of them have no model
         foretell=partial(predict, read_back(found.model)) if found.searched else None,
+        not_ruled_out=list(found.not_ruled_out),
         choice_sets=[one.to_json() for one in found.choice_sets],
     )

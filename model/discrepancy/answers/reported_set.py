@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from model.discrepancy.answers.calibrated_answers import Judged, is_name
-from model.discrepancy.answers.choice_set import UNKNOWN
-from model.discrepancy.thresholds import OVERLOOKED_TOLD
-from model.discrepancy.verdict.decision import Decision
+from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
+from model.discrepancy.thresholds import MANY_NAMES, OVERLOOKED_TOLD, TRUST_IN_PIECES
+from model.discrepancy.verdict.decision import Decision, pieces
 from model.discrepancy.verdict.result import Unknown
 
 NO_ANSWER = Judged({}, ())
+LEAST_REJECTED = 0.05  # probability of a rejected name, from which on it is not ruled out
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,13 +31,17 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     names = dict.fromkeys([name, *judged.names, *decision.criticism.rivals(name)])
     others = [one for one in judged.answers if not is_name(one)]
     overlooked = decision.criticism.overlooked(name)
-    doubtful = decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
+    # several names may together imitate something that none of them says
+    piece = name in pieces(decision.named)
+    several = piece or len(decision.named) >= MANY_NAMES
+    doubtful = several or decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
+    believed = overlooked * (TRUST_IN_PIECES if piece else 1.0)
     others += [UNKNOWN] if doubtful else []
     or_else = tuple(dict.fromkeys(others))
     chances = {one: judged.probabilities.get(one, 0.0) for one in (*names, *or_else)}
-    if overlooked < 1.0:  # what somebody should have noticed is something else
-        chances[UNKNOWN] = chances.get(UNKNOWN, 0.0) + (1.0 - overlooked) * chances[name]
-        chances[name] *= overlooked
+    if believed < 1.0:  # what somebody should have noticed is something else
+        chances[UNKNOWN] = chances.get(UNKNOWN, 0.0) + (1.0 - believed) * chances[name]
+        chances[name] *= believed
     return ReportedSet(
         confidence=min(sum(chances[one] for one in names), 1.0),
         confusable_with=tuple(one for one in names if one != name),
@@ -60,6 +65,27 @@ def with_alternatives(unknown: Unknown, decision: Decision) -> Unknown:
                 chances[name] = max(chances.get(name, 0.0), judged.probabilities[name])
     others = sorted((n for n in chances if n != UNKNOWN), key=lambda n: -chances[n])
     return replace(unknown, confusable_with=tuple(others), probabilities=chances)
+
+
+def not_ruled_out(decision: Decision, reported: Collection[str]) -> dict[str, float]:
+    """Return what may be there, too, or although nothing is reported, with its probability.
+
+    Beside something unknown that is reported nothing else is told: see `with_alternatives`.
+    """
+    chances = dict[str, float]()
+    if decision.unknown is not None:
+        return chances
+    for asked, judged in zip(decision.choice_sets, decision.answers, strict=True):
+        if asked.considered in reported:
+            continue
+        told = dict.fromkeys(judged.answers)
+        # a name that a check rejected
+        if judged.probabilities.get(asked.considered, 0.0) >= LEAST_REJECTED:
+            told[asked.considered] = None
+        for name in told:
+            if name != NOTHING and name not in reported:
+                chances[name] = max(chances.get(name, 0.0), judged.probabilities[name])
+    return dict(sorted(chances.items(), key=lambda one: -one[1]))
 
 
 def answer_about(considered: str, decision: Decision) -> Judged:

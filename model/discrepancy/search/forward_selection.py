@@ -10,6 +10,7 @@ import numpy as np
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.evidence import Projected, score
 from model.discrepancy.search.form_share import form_share
+from model.discrepancy.search.nonparametric_terms import is_free, stands_for_names
 from model.discrepancy.search.outliers import numbers_of, without
 from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
@@ -62,6 +63,17 @@ class SearchResult:
         return [turn.chosen for turn in self.turns if turn.chosen is not None]
 
     @property
+    def single(self) -> float:
+        """Evidence of the best name by itself."""
+        return max((c.gain for c in self.turns[0].ranking if c.known), default=0.0)
+
+    @property
+    def no_names(self) -> bool:
+        """Whether one free form stands for all that was added."""
+        free = max((c.gain for c in self.turns[0].ranking if is_free(c.name)), default=0.0)
+        return stands_for_names(free, self.gain, len(self.chosen), self.single)
+
+    @property
     def gain(self) -> float:
         """Evidence of all of them together."""
         return 0.5 * (self.base.deviance - self.final.deviance)
@@ -94,7 +106,7 @@ def search(
     fitted = fit_mixed_model(problem, theta, found)
     outcome = _forward(fitted, effects, threshold, most, report)
     loose = {c.name for c in outcome.chosen if _share(c) > LOOSE_FORM_SHARE}
-    if not loose or most < 2:
+    if not loose or most < 2 or outcome.no_names:
         return outcome
     rest = [e for e in effects if e.name not in loose]
     other = _forward(fitted, rest, threshold, most, report, LOOSE_FORM_SHARE)
@@ -134,9 +146,11 @@ def _forward(
             fitted = _left_out(outcome, fitted, numbers_of(first.name))
             continue
         outcome.turns.append(turn)
+        if len(outcome.turns) > most:  # no more are named, and nothing is worth a fit
+            break
         report(f"{step}: {title(first.name)}", share * (len(outcome.turns) - 0.5))
         turn.ranking = refine_best(fitted, turn.ranking)
-        turn.chosen = _worth(turn, threshold) if len(outcome.turns) <= most else None
+        turn.chosen = _worth(turn, threshold)
         if turn.chosen is None or turn.chosen.fitted is None:
             break
         fitted = turn.chosen.fitted

@@ -13,6 +13,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate
+from model.discrepancy.thresholds import (
+    MANY_NAMES,
+    MISSED_BY_FORM_SHARE,
+    NONPARAMETRIC_MARGIN_LN,
+    SHARE_OF_MANY,
+)
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location, locations
@@ -73,6 +79,26 @@ def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
                     terms=terms, alone=basis.alone,
                 )  # fmt: skip
     return [shape for shape in result.values() if np.any(shape.rows)]
+
+
+def is_free(name: str) -> bool:
+    """Return whether a candidate of this name is a nonparametric term."""
+    return name.startswith("unknown:")
+
+
+def stands_for_names(free: float, explained: float, names: int, single: float) -> bool:
+    """Return whether the evidence of one free form is more than that of so many names together.
+
+    A single name may be of another form, and lose some of what a free form explains. Three or more
+    names bend to much: they have to explain more than a free form by a good part of what the best
+    name, which explains `single` by itself, leaves to the others.
+    """
+    if not names:
+        return False
+    form = MISSED_BY_FORM_SHARE if names == 1 else 0.0
+    if names >= MANY_NAMES:
+        explained = min(single + SHARE_OF_MANY * max(explained - single, 0.0), explained)
+    return free * (1.0 - form) > explained + NONPARAMETRIC_MARGIN_LN
 
 
 def unknowns(fitted: MixedModelFit) -> list[Candidate]:

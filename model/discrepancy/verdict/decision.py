@@ -14,10 +14,10 @@ from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
+from model.discrepancy.search.nonparametric_terms import stands_for_names
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     LEAST_PROBABILITY,
-    MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
     PROBABLE_ALL_THE_SAME,
     UNEXPLAINED_SHARE,
@@ -83,7 +83,7 @@ class Judgement:
             beside = self._leftover(full)
             if not self._unexplained(beside):
                 named, known, rest = more, full, beside
-        only = rest is not None and alone(rest, base, known)
+        only = rest is not None and alone(rest, base, known, self.outcome.single)
         if rest is None or not (only or self._unexplained(rest)):
             return self._with_names(named, known, rest)
         if only:
@@ -168,7 +168,7 @@ class Judgement:
             kept = tuple(f for f in known.found if f.effect.name not in rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
         rest = leftover(self.outcome, known, self.effects)
-        if rest is not None and alone(rest, base, known):
+        if rest is not None and alone(rest, base, known, self.outcome.single):
             named, known = [], base
         free = None if rest is None else rest.first if known is base else rest.last
         nothing_else = rest is None or free is None or free.gain < self.threshold
@@ -215,14 +215,11 @@ def pieces(named: Sequence[Choice]) -> list[str]:
     return [one.effect.name for one in named if count[one.effect.location] > 1]
 
 
-def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit) -> bool:
+def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit, single: float) -> bool:
     """Return whether one free form explains more than all the names together.
 
-    A single name may be of another form, and lose some of what a free form explains.
+    `single` is what the best name explains by itself.
     """
     names = len(known.found) - len(base.found)
-    if not names:
-        return False
     explained = 0.5 * (base.deviance - known.deviance)
-    form = MISSED_BY_FORM_SHARE if names == 1 else 0.0
-    return rest.first.gain * (1.0 - form) > explained + NONPARAMETRIC_MARGIN_LN
+    return stands_for_names(rest.first.gain, explained, names, single)

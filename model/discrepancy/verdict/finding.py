@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from model.discrepancy.answers.choice_set import NOTHING
-from model.discrepancy.answers.reported_set import of_name, with_alternatives
+from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
 from model.discrepancy.criticism.catalogue import origins as origins_of_checks
 from model.discrepancy.next_measurement.candidate_measurements import (
     Suspect,
@@ -47,8 +47,8 @@ from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
     DIFFERS,
     improbable,
-    not_ruled_out,
     notes,
+    open_answers,
     promise_note,
     refused,
     scattered,
@@ -121,6 +121,7 @@ class Finding:
         seen = self._signatures(pool, decision)
         named = tuple(_named(c, decision) for c in decision.named)
         unknown = decision.unknown and with_alternatives(decision.unknown, decision)
+        open_still = not_ruled_out(decision, _reported(named))
         beside, effects = self._beside(pool, decision), {e.name: e for e in self.effects}
         lengths = np.array([beside[name] for name in seen.names])
         unseen = _not_reported(
@@ -171,13 +172,14 @@ class Finding:
                 *map(promise_note, promises),
                 *worse(apart.gap, apart.floor),
                 *notes(named, outliers, apart.chosen),
-                *not_ruled_out(decision.answers, named, unknown),
+                *open_answers(open_still, named),
             ),
             model=decision.model,
             plugins={**origins_of_locations(), **origins_of_effects(), **origins_of_checks()},
             base=base_parameters(told),
             checks=decision.criticism.results,
             choice_sets=decision.choice_sets,
+            not_ruled_out=open_still,
         )
 
     @property
@@ -321,8 +323,12 @@ class Finding:
 
 def _not_reported(some: Mapping[str, Said], named: Sequence[Named]) -> dict[str, Said]:
     """Return what is said of effects, without those that are reported."""
-    reported = {name for one in named for name in (one.name, *one.confusable_with)}
+    reported = _reported(named)
     return {name: told for name, told in some.items() if name not in reported}
+
+
+def _reported(named: Sequence[Named]) -> set[str]:
+    return {name for one in named for name in (one.name, *one.confusable_with)}
 
 
 def _named(one: Choice, decision: Decision) -> Named:

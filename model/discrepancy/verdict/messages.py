@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
@@ -101,13 +101,8 @@ def improbable(considered: str, judged: Judged) -> str:
     )
 
 
-def not_ruled_out(
-    answers: Sequence[Judged], named: Sequence[Named], unknown: Unknown | None
-) -> Iterator[str]:
+def open_answers(others: Collection[str], named: Sequence[Named]) -> Iterator[str]:
     """Yield what may be in the data besides, or although nothing is named."""
-    if not answers or unknown is not None:
-        return
-    others = [name for name in answers[-1].answers if name != NOTHING]
     if others:
         besides = " besides" if named else ""
         yield f"not ruled out{besides}: {', '.join(map(answer_title, others))}"

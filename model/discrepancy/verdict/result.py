@@ -365,6 +365,8 @@ class Diagnosis(Displayed):
     floor: Gap | None = None  # prediction error that noise and scatter alone cause
     promises: tuple[Promise, ...] = ()  # of proposals that were measured
     checks: tuple[CheckResult, ...] = ()  # what the verdict checks said of the names
+    # names, and UNKNOWN, that are not reported but may be there, with their probabilities
+    not_ruled_out: Mapping[str, float] = field(default_factory=dict)
     limits: Mapping[str, DetectionLimit] = field(default_factory=dict)  # of effects not named
     choice_sets: tuple[ChoiceSet, ...] = ()  # the answers that were compared, for benchmarks
     # by configuration: what the dynamics of the model that was given explain
@@ -431,6 +433,7 @@ class Diagnosis(Displayed):
             "invisible": list(self.invisible),
             "detection_limits": {name: one.to_json() for name, one in self.limits.items()},
             "unknown": None if self.unknown is None else self.unknown.to_json(),
+            "not_ruled_out": {name: _number(p) for name, p in self.not_ruled_out.items()},
             "where": [w.to_json() for w in self.where],
             "gap": {"fitted": self.fitted.to_json(), "held_out": self.held_out.to_json()},
             "gap_closed": None if self.closed_gap is None else self.closed_gap.to_json(),

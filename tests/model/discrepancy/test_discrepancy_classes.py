@@ -10,7 +10,7 @@ import pytest
 
 from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import ChoiceSet
-from model.discrepancy.answers.reported_set import with_alternatives
+from model.discrepancy.answers.reported_set import not_ruled_out, with_alternatives
 from model.discrepancy.criticism.check_result import Failure
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.prepare import Options, prepare
@@ -36,6 +36,7 @@ def decided(
     rivals: tuple[str, ...] = (),
     *,
     doubted: bool = False,
+    many: bool = False,
     overlooked: float = 1.0,
 ):
     """A decision for gravity, with the judged answers to that question."""
@@ -59,7 +60,8 @@ def decided(
         )
         failures += (noticed,)
     return SimpleNamespace(
-        written=one, known=one, named=[choice], criticism=Criticism(failures=failures),
+        written=one, known=one, named=[choice] * (3 if many else 1), unknown=None,
+        criticism=Criticism(failures=failures),
         choice_sets=(ChoiceSet("gravity", ()),), answers=(Judged(probabilities, answers),),
     )  # fmt: skip
 
@@ -200,6 +202,26 @@ def test_what_is_unknown_has_the_names_that_it_may_be_all_the_same():
     assert one.confusable_with == ("clamp_angle", "gravity")
     assert one.probabilities == {"unknown": 0.6, "clamp_angle": 0.966, "gravity": 0.004}
     assert one.to_json()["confusable_with"] == ["clamp_angle", "gravity"]
+
+
+def test_answers_of_the_set_that_are_not_reported_are_not_ruled_out():
+    found = decided(
+        {"nothing": 0.8, "clamp_angle": 0.15, "gravity": 0.05}, ("nothing", "clamp_angle")
+    )
+    found.named, found.unknown = [], None
+    # gravity was rejected by a check, and is as probable as that
+    assert not_ruled_out(found, ()) == {"clamp_angle": 0.15, "gravity": 0.05}
+    assert not_ruled_out(found, {"clamp_angle"}) == {"gravity": 0.05}
+    assert not_ruled_out(found, {"gravity"}) == {}  # its set is reported with it
+    found.unknown = True
+    assert not_ruled_out(found, ()) == {}
+
+
+def test_so_many_names_may_be_something_unknown(reported):
+    one = reported({"gravity": 0.9, "unknown": 0.04}, ("gravity",), many=True)
+    assert one.or_else == ("unknown",)
+    # they share a location, too: together they may imitate what acts there
+    assert one.probabilities == pytest.approx({"gravity": 0.765, "unknown": 0.175})
 
 
 def test_what_is_reported_is_not_invisible(reported):

@@ -12,7 +12,7 @@ from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.verdict.inferred_form import dependence
 from model.discrepancy.verdict.messages import (
     improbable,
-    not_ruled_out,
+    open_answers,
     promise_note,
     sentence,
     worse,
@@ -173,10 +173,9 @@ def test_what_is_not_likely_enough_is_told_with_the_other_answers():
 
 
 def test_what_is_not_ruled_out_is_told_beside_nothing_and_beside_names():
-    judged = Judged({"nothing": 0.9, "gravity": 0.1}, ("nothing", "gravity"))
-    assert [*not_ruled_out([judged], [], None)] == ["not ruled out: gravity"]
-    assert [*not_ruled_out([judged], [NAMED], None)] == ["not ruled out besides: gravity"]
-    assert [*not_ruled_out([Judged({"nothing": 1.0}, ("nothing",))], [], None)] == []
+    assert [*open_answers({"gravity": 0.1}, [])] == ["not ruled out: gravity"]
+    assert [*open_answers({"gravity": 0.1}, [NAMED])] == ["not ruled out besides: gravity"]
+    assert [*open_answers({}, [])] == []
 
 
 def test_a_closed_share_is_said_with_its_errors_and_the_floor():

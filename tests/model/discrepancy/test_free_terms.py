@@ -11,7 +11,7 @@ import pytest
 
 from model import predict
 from model.discrepancy.criticism.kinds import voltage_structure
-from model.discrepancy.search.nonparametric_terms import shapes
+from model.discrepancy.search.nonparametric_terms import shapes, unknowns
 from model.discrepancy.verdict.decision import alone
 from model.effects import effect
 from model.identification.likelihood.forward_model import ForwardModel
@@ -131,13 +131,36 @@ def test_one_free_form_that_explains_more_than_the_names_stands_for_them():
         return base, SimpleNamespace(found=("name",) * names, deviance=0.0)
 
     free = SimpleNamespace(first=SimpleNamespace(gain=110.0))
-    assert alone(free, *fits(2))
-    assert not alone(free, *fits(1))  # which may be of another form
-    assert not alone(free, *fits(0))
+    assert alone(free, *fits(2), 90.0)
+    assert not alone(free, *fits(1), 90.0)  # which may be of another form
+    assert not alone(free, *fits(0), 90.0)
     less = SimpleNamespace(first=SimpleNamespace(gain=102.0))
-    assert not alone(less, *fits(2))
+    assert not alone(less, *fits(2), 90.0)
     much_more = SimpleNamespace(first=SimpleNamespace(gain=125.0))
-    assert alone(much_more, *fits(1))
+    assert alone(much_more, *fits(1), 90.0)
+
+
+def test_three_names_have_to_explain_more_than_a_free_form():
+    base = SimpleNamespace(found=(), deviance=200.0)
+    two, three = (SimpleNamespace(found=("name",) * n, deviance=0.0) for n in (2, 3))
+    free = SimpleNamespace(first=SimpleNamespace(gain=80.0))
+    assert alone(free, base, three, 40.0)  # the others add 60 to the best name, the free form 40
+    assert not alone(free, base, two, 40.0)
+    assert not alone(free, base, three, 70.0)  # the best name explains about as much
+
+
+def test_a_curve_of_response_may_have_a_zero_of_its_own():
+    """The square of a force is no Legendre polynomial of two and more degrees."""
+    base = base_fit()
+    one = next(c for c in unknowns(base) if (c.location, c.part) == ("load_cell", "force"))
+    forward, states = base.problem.forward, base.linear.states
+    added = [forward.no_step(c) for c in range(len(states))]
+    square = np.sum([
+        forward.rows_of(c, state, replace(step, force_N=state.weighed.force_N**2))
+        for c, (state, step) in enumerate(zip(states, added, strict=True))
+    ], axis=0)  # fmt: skip
+    left = square - one.columns @ np.linalg.lstsq(one.columns, square, rcond=None)[0]
+    assert np.linalg.norm(left) < 1e-6 * np.linalg.norm(square)
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from model.locations import locations
 TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "nonuniform_eibm": ("eibm", ("decay_length_mm", "end_to_root_ratio"), ()),
     "initial_curvature": ("rest_curvature", ("curvature_error_per_m",), ("like_stated",)),
-    "eibm_asymmetry": ("even_moment", ("ratio",), ("fall_mm",)),
+    "eibm_asymmetry": ("even_moment", ("ratio",), ("fall_mm", "side")),
     "nonuniform_stiffness": ("compliance", ("relative_change",), ()),
     "nonlinear_stiffness": ("compliance", ("relative_change_at_10_per_m",), ("power",)),
     "stiffness_drift": ("time", ("relative_change",), ("since_wetting", "settles")),

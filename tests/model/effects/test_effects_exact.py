@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from model.effects import catalogue, effect
+from model.effects._loop import hung
 from model.effects._memory import lagging
 from model.effects.conformance import plausible
 from model.effects.interface import AcquisitionTimes, LoadCellInput
@@ -209,6 +210,25 @@ def test_the_asymmetry_adds_at_one_polarity_what_it_takes_from_the_other():
     assert falling @ WEIGHTS == pytest.approx(other @ WEIGHTS)
     more, length_m = falling[1] / beam.eibm[1] - 1.0, beam.s_m[-1] - beam.s_m[0]
     assert more[-1] / more[0] == pytest.approx(np.exp(-length_m / 0.025))
+
+
+def test_an_asymmetry_of_one_side_leaves_the_other_polarity_as_it_is():
+    beam, contact = example_beam()
+    p = values("eibm_asymmetry", ratio=0.8) | {"fall_mm": 25.0, "side": -1.0}
+    other = effect("eibm_asymmetry").beam(beam, contact, p).eibm
+    below = beam.voltage_V < 0.0
+    np.testing.assert_array_equal(other[~below], beam.eibm[~below])
+    both = effect("eibm_asymmetry").beam(beam, contact, {**p, "side": 0.0}).eibm
+    np.testing.assert_allclose((other - beam.eibm)[below], 2.0 * (both - beam.eibm)[below])
+
+
+def test_beside_an_eibm_of_each_polarity_only_what_is_uneven_is_looked_for():
+    whole = effect("eibm_asymmetry")
+    left = whole.outside_base()
+    assert left is not None
+    assert left.parameters[1].starting_values == (25.0,)
+    assert left.parameters[2].starting_values == (0.0, 1.0, -1.0)
+    assert effect("gravity").outside_base() is effect("gravity")
 
 
 def test_a_hinge_at_the_joint_turns_by_what_lets_the_contact_go_as_far():
@@ -636,3 +656,13 @@ def test_an_older_picture_shows_what_had_come_by_then(through_zero: float):
     late = effect("frame_delay").pictured(clock, {**p, "delay_s": 0.55})  # before the edge
     assert late == pytest.approx((1.0 - way) / now - 1.0)
     assert effect("force_offset").pictured(clock, {"force_mN": 1.0}) is None
+
+
+def test_the_loop_of_one_run_is_that_of_each_of_several():
+    force_N = 1e-3 * np.random.default_rng(3).normal(size=(2, 40))
+    position_m = np.broadcast_to(np.repeat([0.0, 0.01], 20), force_N.shape)
+    for begins in ({"from_no_load": True}, {"from_no_load": False, "goes_on": True}):
+        both = hung(force_N, position_m, 4e-4, **begins)
+        each = [hung(f, p, 4e-4, **begins) for f, p in zip(force_N, position_m, strict=True)]
+        np.testing.assert_array_equal(both, each)
+    assert hung(force_N[0, :0], position_m[0, :0], 4e-4, from_no_load=True).shape == (0,)
