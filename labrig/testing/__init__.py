@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import curve_extractor_faults as curve_extractor_faults
     from labrig.testing.conformance import curve_faults as curve_faults
     from labrig.testing.conformance import data_check_faults as data_check_faults
+    from labrig.testing.conformance import dynamic_model_faults as dynamic_model_faults
     from labrig.testing.conformance import effect_faults as effect_faults
     from labrig.testing.conformance import export_format_faults as export_format_faults
     from labrig.testing.conformance import extra_faults as extra_faults
@@ -61,6 +62,7 @@ _HOMES = {
         "curve_faults",
         "data_check_faults",
         "verdict_check_faults",
+        "dynamic_model_faults",
         "effect_faults",
         "export_format_faults",
         "extra_faults",

@@ -33,6 +33,7 @@ from labrig.report.sections.conformance import faults as section_faults
 from labrig.vision.checks.conformance import faults as curve_check_faults
 from model.discrepancy.criticism.conformance import faults as verdict_check_faults
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
+from model.dynamics.models.conformance import faults as dynamic_model_faults
 from model.effects.conformance import faults as effect_faults
 from model.locations.conformance import faults as location_faults
 from protocols.extras.conformance import faults as extra_faults
@@ -52,6 +53,7 @@ __all__ = [
     "curve_extractor_faults",
     "curve_faults",
     "data_check_faults",
+    "dynamic_model_faults",
     "effect_faults",
     "export_format_faults",
     "extra_faults",
