@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import positioner_faults as positioner_faults
     from labrig.testing.conformance import positioner_kind_faults as positioner_kind_faults
     from labrig.testing.conformance import protocol_faults as protocol_faults
+    from labrig.testing.conformance import read_back_faults as read_back_faults
     from labrig.testing.conformance import rescue_faults as rescue_faults
     from labrig.testing.conformance import section_content_faults as section_content_faults
     from labrig.testing.conformance import section_faults as section_faults
@@ -77,6 +78,7 @@ _HOMES = {
         "positioner_faults",
         "positioner_kind_faults",
         "protocol_faults",
+        "read_back_faults",
         "rescue_faults",
         "timed_output_faults",
         "section_content_faults",

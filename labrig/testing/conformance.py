@@ -16,6 +16,7 @@ from drivers.boards.conformance import (
     timed_output_faults,
 )
 from drivers.boards.contract import faults as board_kind_faults
+from drivers.boards.read_back_conformance import read_back_faults
 from drivers.cameras.conformance import camera_faults
 from drivers.cameras.contract import faults as camera_kind_faults
 from drivers.force_sensors.conformance import force_sensor_faults
@@ -67,6 +68,7 @@ __all__ = [
     "positioner_faults",
     "positioner_kind_faults",
     "protocol_faults",
+    "read_back_faults",
     "rescue_faults",
     "section_content_faults",
     "section_faults",
