@@ -10,7 +10,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.config import load_rig
-from labrig.config.settings_text import settings_text
+from labrig.config.templates.settings_text import settings_text
 
 
 @dataclass(frozen=True, kw_only=True)

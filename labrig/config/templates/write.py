@@ -19,7 +19,7 @@ from drivers.plugins import PluginFolder, UnknownPartError
 from drivers.positioners.contract import DEFAULT as STAGE_DEFAULT
 from drivers.positioners.contract import POSITIONERS
 from labrig.config.derived import SIMULATED
-from labrig.config.settings_text import settings_text
+from labrig.config.templates.settings_text import settings_text
 from labrig.errors import BadInputError
 from labrig.files import not_written, write_text
 
@@ -181,4 +181,4 @@ def template_text(name: str) -> str:
 
 def template_path(name: str) -> Path:
     """Where one of the shipped files is."""
-    return Path(__file__).parent / "template_files" / name
+    return Path(__file__).parents[1] / "template_files" / name
