@@ -3,16 +3,36 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
+import inspect
+from collections.abc import Iterator, Mapping, Sequence
+
+
+def call_fault(name: str, function: object, arguments: Sequence[str]) -> str:
+    """Return why a function cannot be called with these arguments by position; empty: it can."""
+    if not callable(function):
+        return f"its {name} cannot be called"
+    try:
+        signature = inspect.signature(function)
+    except (TypeError, ValueError):  # a function of C that does not say
+        return ""
+    try:
+        signature.bind(*arguments)
+    except TypeError as error:
+        return f"its {name} cannot be called as {name}({', '.join(arguments)}): {error}"
+    return ""
 
 
 def kind_faults(
-    part: object, contract: type, calls: tuple[str, ...], needed: tuple[str, ...] = ()
+    part: object,
+    contract: type,
+    calls: Mapping[str, Sequence[str]],
+    needed: tuple[str, ...] = (),
 ) -> Iterator[str]:
     """Yield what is wrong with a kind: a sentence for each fault.
 
-    A kind is an object of the folder's dataclass, with `kind`, `help` and `settings`. `calls`: its
-    functions (None where the contract has None as a default); `needed`: fields of its settings.
+    A kind is an object of the folder's dataclass, with `kind`, `help` and `settings`. `calls`: the
+    arguments of its functions (each None where the contract has None as a default); `needed`:
+    fields of its settings.
     """
     if not isinstance(part, contract):
         yield f"it is a {type(part).__name__} where a {contract.__name__} is needed"
@@ -22,10 +42,12 @@ def kind_faults(
         yield f"its kind is {kind!r} where a name such as my_part is needed"
     if not (isinstance(text, str) and text and "\n" not in text):
         yield "its help is not one line of text"
-    for name in calls:
+    for name, arguments in calls.items():
         function = getattr(part, name)
-        if not (callable(function) or function is None is getattr(contract, name, 0)):
-            yield f"its {name} cannot be called"
+        if function is None is getattr(contract, name, 0):
+            continue
+        if fault := call_fault(name, function, arguments):
+            yield fault
     if not (isinstance(settings, type) and dataclasses.is_dataclass(settings)):
         yield "its settings are not a dataclass"
         return

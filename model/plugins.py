@@ -13,10 +13,12 @@ from __future__ import annotations
 import pkgutil
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
+from pathlib import Path
+from traceback import extract_tb
 from typing import TYPE_CHECKING, Generic, TypeVar, cast
 
 if TYPE_CHECKING:
@@ -80,6 +82,20 @@ class PluginFolder(Generic[T]):
         }
 
 
+def first_faults(checks: Iterable[Callable[[], Iterable[str]]]) -> list[str]:
+    """Return the faults of the first check that finds some; what a part raises is one of them."""
+    for check in checks:
+        try:
+            found = list(check())
+        except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+            last = extract_tb(error.__traceback__)[-1]
+            place = f"{Path(last.filename).name}, line {last.lineno}"
+            return [f"its code raised {type(error).__name__}: {error} ({place})"]
+        if found:
+            return found
+    return []
+
+
 def _choice(name: str, known: list[str]) -> str:
     """Return what could be meant: the names alike, or all where they are few."""
     from difflib import get_close_matches
@@ -137,7 +153,7 @@ def _loaded(folder: PluginFolder[object], entry: EntryPoint) -> object | None:
     try:
         part: object = entry.load()
         said = "; ".join(folder.faults(part))
-    except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
         said = f"loading it failed with {type(error).__name__}: {error}"
         part = None
     if said:

@@ -74,6 +74,12 @@ def test_a_part_that_cannot_be_used_is_left_out_with_a_sentence(numbers, point, 
     sys.modules.pop("bad_numbers", None)
 
 
+def test_a_module_that_ends_python_when_it_is_imported_ends_nothing_else(numbers):
+    install(numbers, "ending_numbers", "two = ending_numbers:TWO", "import sys; sys.exit(3)\n")
+    with pytest.warns(PluginWarning, match="loading it failed with SystemExit: 3"):
+        assert list(folder().parts()) == ["one"]
+
+
 def test_an_unknown_name_is_answered_with_those_there_are(numbers):
     with pytest.raises(UnknownPartError, match=r"no number 'on'; choose one of: one .*'one'"):
         folder().get("on")

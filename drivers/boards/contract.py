@@ -155,7 +155,14 @@ class BoardFamily:
 
 def faults(part: object) -> list[str]:
     """Return what is wrong with a family of boards, a sentence each."""
-    calls = ("connect", "inputs", "output_place", "rescue", "check_line", "own_watchdog")
+    calls = {
+        "connect": ("settings", "clock", "transport"),
+        "inputs": ("settings",),
+        "output_place": ("settings", "limit_V", "safe_below_V", "line"),
+        "rescue": ("place", "clock"),
+        "check_line": ("name",),
+        "own_watchdog": ("settings", "line"),
+    }
     return list(kind_faults(part, BoardFamily, calls, needed=("address", "sample_rate_hz")))
 
 

@@ -152,7 +152,8 @@ class CameraKind:
 
 def faults(part: object) -> list[str]:
     """Return what is wrong with a kind of camera, a sentence each."""
-    found = list(kind_faults(part, CameraKind, ("make", "find"), needed=("source",)))
+    calls = {"make": ("settings", "clock", "rate_hz"), "find": ()}
+    found = list(kind_faults(part, CameraKind, calls, needed=("source",)))
     if isinstance(part, CameraKind) and not part.sets <= ALL_SETTINGS:
         found.append(f"it sets {', '.join(sorted(part.sets - ALL_SETTINGS))}, which is no setting")
     return found

@@ -36,7 +36,8 @@ class ForceSensorKind:
 
 def faults(part: object) -> list[str]:
     """Return what is wrong with a kind of force sensor, a sentence each."""
-    return list(kind_faults(part, ForceSensorKind, ("make",)))
+    calls = {"make": ("settings", "clock", "transport")}
+    return list(kind_faults(part, ForceSensorKind, calls))
 
 
 FORCE_SENSORS: PluginFolder[ForceSensorKind] = PluginFolder(

@@ -43,7 +43,7 @@ class PositionerKind:
 
 def faults(part: object) -> list[str]:
     """Return what is wrong with a kind of positioner, a sentence each."""
-    return list(kind_faults(part, PositionerKind, ("make",)))
+    return list(kind_faults(part, PositionerKind, {"make": ("settings", "surroundings")}))
 
 
 POSITIONERS: PluginFolder[PositionerKind] = PluginFolder(

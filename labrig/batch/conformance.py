@@ -10,6 +10,7 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints
 
+from drivers.kinds import call_fault
 from labrig.batch.contract import BatchInput, BatchItem, BatchTask, InputKind
 
 _TYPES = (bool, int, float, str, Path)
@@ -65,6 +66,8 @@ def _behaves(task: type[BatchTask]) -> Iterator[str]:
     except TypeError as error:
         yield f"it cannot be made without options ({error})"
         return
+    if fault := call_fault("work", made.work, ("item", "folder")):
+        yield fault
     if pickle.loads(pickle.dumps(made)) != made:  # noqa: S301 - what was just written
         yield "it changes on its way to another process"
     if not made.version():

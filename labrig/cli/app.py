@@ -13,12 +13,11 @@ from typing import Annotated
 import typer
 from typer.core import TyperGroup
 
-from labrig.cli.command import Command, faults
+from labrig.cli.command import Command
 from labrig.cli.screen import say
 from labrig.version import version
 
 PACKAGE = "labrig.cli.commands"
-GROUP = "labrig.commands"
 
 
 def app_for(arguments: Sequence[str]) -> TyperGroup:
@@ -35,13 +34,11 @@ def app_for(arguments: Sequence[str]) -> TyperGroup:
 
 def all_commands() -> list[Command]:
     """Return all commands in their order; warn of each that is left out."""
-    from drivers.plugins import PluginFolder, PluginWarning  # the drivers are slow to import
+    from drivers.plugins import PluginWarning  # the drivers are slow to import
+    from labrig.cli.command_folder import COMMANDS
 
-    folder: PluginFolder[Command] = PluginFolder(
-        what="command", package=PACKAGE, constant="COMMAND", group=GROUP, faults=faults
-    )
     by_name: dict[str, Command] = {}
-    for part in folder.parts().values():
+    for part in COMMANDS.parts().values():
         if part.part.name in by_name:
             text = (
                 f"the command '{part.part.name}' of {part.distribution} is left out: "

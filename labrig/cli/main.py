@@ -103,6 +103,7 @@ def _run(arguments: list[str]) -> int:
 
 def _report_fault(error: Exception) -> int:
     from drivers.interfaces import DeviceError
+    from labrig.cli.sentences.foreign_code import foreign_place  # reads what is installed
     from model.measurements import ModelError
 
     if isinstance(error, ModelError):
@@ -114,8 +115,11 @@ def _report_fault(error: Exception) -> int:
     handle, name = tempfile.mkstemp(prefix="labrig-fault-", suffix=".txt", text=True)
     with os.fdopen(handle, "w", encoding="utf-8") as file:
         traceback.print_exception(error, file=file)
+    place = foreign_place(error)
+    said = "this should not have happened" if place is None else f"{place} failed"
+    whom = "" if place is None else " to its authors"
     warn(
-        f"labrig: this should not have happened ({type(error).__name__}: {error}); "
-        f"please report it with {Path(name)}."
+        f"labrig: {said} ({type(error).__name__}: {error}); "
+        f"please report it{whom} with {Path(name)}."
     )
     return ExitCode.FAILED

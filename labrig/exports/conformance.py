@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from drivers.kinds import call_fault
+
 
 def faults(candidate: object) -> list[str]:
     """Return what is wrong with an export format, a sentence each without its full stop."""
@@ -16,5 +18,5 @@ def _faults(candidate: object) -> Iterator[str]:
         yield "summary must be one sentence with its full stop"
     if not isinstance(getattr(candidate, "extra", None), str):
         yield "extra must be a text, empty where no package is needed"
-    if not callable(getattr(candidate, "write", None)):
-        yield "it has no method write(session, folder)"
+    if fault := call_fault("write", getattr(candidate, "write", None), ("session", "folder")):
+        yield fault

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import curve_extractor_faults as curve_extractor_faults
     from labrig.testing.conformance import curve_faults as curve_faults
     from labrig.testing.conformance import data_check_faults as data_check_faults
+    from labrig.testing.conformance import dynamic_model_faults as dynamic_model_faults
     from labrig.testing.conformance import effect_faults as effect_faults
     from labrig.testing.conformance import export_format_faults as export_format_faults
     from labrig.testing.conformance import extra_faults as extra_faults
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import positioner_faults as positioner_faults
     from labrig.testing.conformance import positioner_kind_faults as positioner_kind_faults
     from labrig.testing.conformance import protocol_faults as protocol_faults
+    from labrig.testing.conformance import read_back_faults as read_back_faults
     from labrig.testing.conformance import rescue_faults as rescue_faults
     from labrig.testing.conformance import section_content_faults as section_content_faults
     from labrig.testing.conformance import section_faults as section_faults
@@ -61,6 +63,7 @@ _HOMES = {
         "curve_faults",
         "data_check_faults",
         "verdict_check_faults",
+        "dynamic_model_faults",
         "effect_faults",
         "export_format_faults",
         "extra_faults",
@@ -75,6 +78,7 @@ _HOMES = {
         "positioner_faults",
         "positioner_kind_faults",
         "protocol_faults",
+        "read_back_faults",
         "rescue_faults",
         "timed_output_faults",
         "section_content_faults",

@@ -16,6 +16,7 @@ from drivers.boards.conformance import (
     timed_output_faults,
 )
 from drivers.boards.contract import faults as board_kind_faults
+from drivers.boards.read_back_conformance import read_back_faults
 from drivers.cameras.conformance import camera_faults
 from drivers.cameras.contract import faults as camera_kind_faults
 from drivers.force_sensors.conformance import force_sensor_faults
@@ -33,6 +34,7 @@ from labrig.report.sections.conformance import faults as section_faults
 from labrig.vision.checks.conformance import faults as curve_check_faults
 from model.discrepancy.criticism.conformance import faults as verdict_check_faults
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
+from model.dynamics.models.conformance import faults as dynamic_model_faults
 from model.effects.conformance import faults as effect_faults
 from model.locations.conformance import faults as location_faults
 from protocols.extras.conformance import faults as extra_faults
@@ -52,6 +54,7 @@ __all__ = [
     "curve_extractor_faults",
     "curve_faults",
     "data_check_faults",
+    "dynamic_model_faults",
     "effect_faults",
     "export_format_faults",
     "extra_faults",
@@ -65,6 +68,7 @@ __all__ = [
     "positioner_faults",
     "positioner_kind_faults",
     "protocol_faults",
+    "read_back_faults",
     "rescue_faults",
     "section_content_faults",
     "section_faults",

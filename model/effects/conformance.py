@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import fields, is_dataclass, replace
+from functools import partial
 from typing import get_args, get_type_hints
 
 import numpy as np
@@ -22,6 +23,7 @@ from model.locations.examples import (
     example_weighed,
 )
 from model.measurements import FloatArray
+from model.plugins import first_faults
 
 WORDS = ("meaning", "form", "signature", "isolates", "source")
 ACTIONS = ("beam", "course", "lagging", "force", "curve", "pictured")
@@ -37,10 +39,7 @@ def faults(effect: object) -> list[str]:
     """
     if not isinstance(effect, Effect):
         return [f"it is of type {type(effect).__name__}, not a model.effects.Effect"]
-    for check in (faults_of_form, *_CHECKS):
-        if found := list(check(effect)):
-            return found
-    return []
+    return first_faults(partial(check, effect) for check in (faults_of_form, *_CHECKS))
 
 
 def faults_of_form(effect: Effect) -> list[str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from copy import deepcopy
 from dataclasses import fields
+from functools import partial
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from model.locations.contract import Basis, BasisTerm, Linearised, Location
 from model.locations.examples import example_linearised
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
+from model.plugins import first_faults
 
 TEXTS = ("meaning", "depends", "unit")
 COORDINATES = {"s": (0.0, 0.05), "position": (0.005, 0.025), "force": (-3e-3, 3e-3)}
@@ -25,10 +27,7 @@ def faults(location: object) -> list[str]:
     """Return what is wrong with a location, a sentence each without its full stop."""
     if not isinstance(location, Location):
         return [f"it is of type {type(location).__name__}, not a model.locations.Location"]
-    for check in (_description, _terms, _bases):
-        if found := list(check(location)):
-            return found
-    return []
+    return first_faults(partial(check, location) for check in (_description, _terms, _bases))
 
 
 def _description(location: Location) -> Iterator[str]:

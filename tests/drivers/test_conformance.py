@@ -6,6 +6,7 @@ import ctypes
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from drivers.boards.ni.analog_output import NiVoltageOutput
 from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.interlock import NiInterlock
 from drivers.boards.ni.rescue import NiRescue, OutputPlace
+from drivers.boards.read_back_conformance import read_back_faults
 from drivers.cameras import CAMERAS
 from drivers.cameras.capture_camera import CaptureCamera
 from drivers.cameras.conformance import camera_faults
@@ -230,6 +232,42 @@ def test_ni_boards_keep_the_contract(ni_rig):
     output = NiVoltageOutput(ni_rig.connection, clock, ni_rig.drive, 0.25)
     assert output_faults(output, 0.25, clock) == []
     assert signal_faults(ni_rig.signals(), clock) == []
+
+
+def read_back_of(rig, **changed) -> list[str]:
+    output, signals = rig.output(), rig.signals()
+    output.open()
+    signals.open()
+    for name, value in changed.items():
+        setattr(signals, name, value(signals))
+    try:
+        return read_back_faults(output, signals, 0.2, rig.clock)
+    finally:
+        signals.close()
+        output.close()
+
+
+def test_the_read_back_of_ni_boards_shows_an_edge_when_it_was_written(simulated_ni):
+    assert read_back_of(simulated_ni) == []
+
+
+def test_a_read_back_whose_samples_are_labelled_late_is_found(simulated_ni):
+    def late(signals):
+        start = signals.start
+        return lambda: replace(started := start(), start_s=started.start_s + 0.08)
+
+    (fault,) = read_back_of(simulated_ni, start=late)
+    assert "drive shows a write 80 ms after it, by the samples' clock; 50 ms are allowed" in fault
+
+
+def test_a_read_back_that_shows_nothing_is_found(simulated_ni):
+    def still(signals):
+        read = signals.read_available
+        return lambda: replace(block := read(), volts=np.zeros_like(block.volts))
+
+    assert read_back_of(simulated_ni, read_available=still) == [
+        "drive does not change when 0.2 V are written"
+    ]
 
 
 def test_the_ni_family_keeps_the_contract():

@@ -16,6 +16,7 @@ import typer
 import labrig.cli.commands
 from labrig.cli.app import all_commands, module_of
 from labrig.cli.command import Command, CommandExample, faults
+from labrig.cli.main import run
 from tests.labrig.report_data import measure, session
 
 ROOT = Path(__file__).parents[2]
@@ -117,6 +118,18 @@ def install(where: Path, module: str, point: str, code: str) -> None:
     info.mkdir()
     (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {module}\nVersion: 1.2\n")
     (info / "entry_points.txt").write_text(f"[labrig.commands]\n{point} = {module}:COMMAND\n")
+
+
+def test_the_failure_of_another_distribution_is_said_to_be_its_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    install(tmp_path, "failing", "count-lines", COUNT.replace("open(file)", "1 / 0"))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert run(["count-lines", "failing.py"]) == 5
+    said = capsys.readouterr().err
+    assert "labrig: failing 1.2 (failing.py, line 6) failed (ZeroDivisionError: " in said
+    assert "report it to its authors with " in said
+    monkeypatch.delitem(sys.modules, "failing")
 
 
 def labrig_with(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

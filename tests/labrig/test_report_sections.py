@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from drivers.plugins import PluginWarning
+from drivers.plugins import PluginFolder, PluginWarning
 from labrig.errors import BadInputError
 from labrig.report.data.findings import Findings
 from labrig.report.data.fitted import FittedSheets
@@ -119,6 +119,13 @@ def test_a_section_that_fails_is_left_out_with_a_sentence_and_the_others_are_wri
     text = render(findings, found)
     assert "All is well." in text
     assert "(part0) is left out" in text
+
+
+@pytest.mark.slow
+def test_a_section_that_fails_names_the_distribution_that_it_is_of(findings, tmp_path, monkeypatch):
+    monkeypatch.setattr(PluginFolder, "origins", lambda _folder: {"part0": "weather 0.3"})
+    found = content(findings, tmp_path, made("Climate", lambda *_: 1 / 0))
+    assert "The section 'Climate' (part0 of weather 0.3) is left out: " in found.left_out[0]
 
 
 def test_a_section_that_cannot_decide_whether_it_applies_is_left_out_too(findings, tmp_path):

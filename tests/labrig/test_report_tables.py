@@ -16,7 +16,7 @@ from labrig.report.tables.fit import residual_table, trust
 from labrig.report.tables.measurements import measurements_as_dict, measurements_tables
 from labrig.report.tables.observations import observations
 from labrig.report.tables.paper import compared_conditions, table_3, table_4, table_5, table_6
-from model import Condition, Reading, predict
+from model import Condition, Measurements, Reading, predict
 from tests.labrig.report_data import STIFFNESS, invalid, measure, truth
 
 
@@ -187,7 +187,8 @@ def test_the_analysis_tables_name_failed_curves_and_invalid_readings(measured):
     broken = invalid(measured, "short", "it stuck")
     first = replace(broken.conditions[0], curve=None)
     broken = replace(broken, conditions=(first, *broken.conditions[1:]))
-    rows, summary = measurements_tables(broken)
+    rows, summary, reasons = measurements_tables(broken)
+    assert reasons.rows[0][1] == "it stuck"
     assert cell(rows, "long, 0 mm, 0 V", "curve") == "none"
     assert cell(rows, "short, 0 mm, +2 V", "invalid") == "10"
     assert cell(summary, "short", "with force") == "0"
@@ -196,6 +197,17 @@ def test_the_analysis_tables_name_failed_curves_and_invalid_readings(measured):
     one = next(c for c in found["conditions"] if c["configuration"] == "short")
     assert one["force_mN"] is None
     assert one["invalid"][0]["why"] == "it stuck"
+
+
+def test_reasons_of_invalid_readings_that_differ_in_numbers_alone_are_counted_together():
+    whys = ["", "3 samples lost", "12 samples lost", "it stuck"]
+    readings = tuple(
+        Reading(index=i, kind="kept", force_N=1e-3, valid=not why, why=why)
+        for i, why in enumerate(whys)
+    )
+    condition = Condition(configuration="long", position_m=0.0, voltage_V=2.0, readings=readings)
+    *_, reasons = measurements_tables(Measurements(sheets={}, conditions=(condition,)))
+    assert reasons.rows == (("2 of 4", "3 samples lost"), ("1 of 4", "it stuck"))
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ KINDS = [
     "board_kind_faults",
     "camera_kind_faults",
     "command_faults",
+    "dynamic_model_faults",
     "effect_faults",
     "extra_faults",
     "curve_check_faults",

@@ -22,14 +22,32 @@ def init(
     camera: Annotated[
         str, typer.Option("--camera", help="the kind of camera, such as opencv, aravis or gentl")
     ] = "opencv",
+    stage: Annotated[
+        str, typer.Option("--stage", help="the kind of positioner, such as manual or zaber")
+    ] = "manual",
+    force_sensor: Annotated[
+        str,
+        typer.Option(
+            "--force-sensor", help="the kind of force sensor, such as load_cell (at the boards)"
+        ),
+    ] = "load_cell",
 ) -> None:
     """Write commented configuration files to start from.
 
-    They are rig.toml, sheet.toml, protocol.toml, about.toml and calibrations.
+    They are rig.toml, sheet.toml, protocol.toml, about.toml and calibrations. `labrig parts boards`
+    lists the families of boards, `labrig parts cameras` the cameras, and so on.
     """
     from labrig.config.templates import write_templates
 
-    for path in write_templates(folder, simulated=simulated, board=board, camera=camera):
+    written = write_templates(
+        folder,
+        simulated=simulated,
+        board=board,
+        camera=camera,
+        stage=stage,
+        force_sensor=force_sensor,
+    )
+    for path in written:
         say(f"wrote {path}")
 
 

@@ -6,6 +6,8 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+from drivers.kinds import call_fault
+
 _MODES = {"rig", "sessions", "replay", "photographs"}
 
 
@@ -38,7 +40,7 @@ def _content_faults(page: object) -> Iterator[str]:
         isinstance(script, Path) and script.suffix == ".js" and script.is_file()
     ):
         yield f"its script {script} must be the path of a .js file"
-    if data is not None and not callable(data):
-        yield "data must be a function"
+    if data is not None and (fault := call_fault("data", data, ("panel",))):
+        yield fault
     if not isinstance(getattr(page, "router", None), APIRouter | None):
         yield "router must be a fastapi.APIRouter"

@@ -9,7 +9,7 @@ from labrig.report.data.findings import Findings
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.section import Section
 from labrig.report.sections.conformance import content_faults
-from labrig.report.sections.interface import ReportSection
+from labrig.report.sections.interface import SECTIONS, ReportSection
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,8 @@ def _made(part: ReportSection, findings: Findings, figures: FigureFolder) -> Sec
 
 def _why(name: str, part: ReportSection, error: Exception) -> str:
     text = " ".join(str(error).split()).rstrip(".")
+    origin = SECTIONS.origins().get(name, "")
     return (
-        f"The section '{part.title}' ({name}) is left out: "
+        f"The section '{part.title}' ({name}{origin and ' of '}{origin}) is left out: "
         f"making it failed with {type(error).__name__}: {text}."
     )

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator
 
+from drivers.kinds import call_fault
 from labrig.report.parts.section import Drawn, Folded, Section
 from labrig.report.parts.table import Table
 
@@ -24,9 +25,9 @@ def _faults(section: object) -> Iterator[str]:
     order = getattr(section, "order", None)
     if isinstance(order, bool) or not isinstance(order, int | float) or not math.isfinite(order):
         yield "its order must be a finite number"
-    for name in ("applies", "make"):
-        if not callable(getattr(section, name, None)):
-            yield f"{name} must be a function"
+    for name, arguments in {"applies": ("findings",), "make": ("findings", "figures")}.items():
+        if fault := call_fault(name, getattr(section, name, None), arguments):
+            yield fault
     names = getattr(section, "figures", None)
     if not isinstance(names, tuple) or not all(map(_is_figure_name, names)):
         yield "figures must be names of files without an ending: small letters, digits, - and _"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -10,14 +12,16 @@ from labrig.report.data.selection import conditions_of, configurations, mean_for
 from labrig.report.parts.table import Table, fixed, volts
 from model import Condition, Measurements
 
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?")
+
 
 def measurements_tables(measurements: Measurements) -> list[Table]:
-    """One row for each condition, and a summary for each configuration."""
+    """Rows for the conditions, a summary of each configuration, and why readings are invalid."""
     names = configurations(measurements)
     rows = [_row(c) for name in names for c in conditions_of(measurements, name)]
     columns = ("condition", "F mN", "scatter mN", "readings", "invalid", "curve")
     summary = [_summary(measurements, name) for name in names]
-    return [
+    tables = [
         Table(title="Conditions", columns=columns, rows=tuple(rows)),
         Table(
             title="Found",
@@ -25,6 +29,24 @@ def measurements_tables(measurements: Measurements) -> list[Table]:
             rows=tuple(summary),
         ),
     ]
+    invalid = _reasons(measurements)
+    if invalid:
+        tables.append(
+            Table(title="Invalid readings", columns=("readings", "why"), rows=tuple(invalid))
+        )
+    return tables
+
+
+def _reasons(measurements: Measurements) -> list[tuple[str, str]]:
+    """Return how many readings are invalid for each reason, the commonest first.
+
+    Reasons that differ in their numbers alone are one, shown with those of its first reading.
+    """
+    readings = [reading for condition in measurements.conditions for reading in condition.readings]
+    whys = [reading.why or "not stated" for reading in readings if not reading.valid]
+    first = {_NUMBER.sub("#", why): why for why in reversed(whys)}
+    counted = Counter(_NUMBER.sub("#", why) for why in whys)
+    return [(f"{n} of {len(readings)}", first[alike]) for alike, n in counted.most_common()]
 
 
 def _row(condition: Condition) -> tuple[str, ...]:

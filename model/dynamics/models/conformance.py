@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from math import isfinite
 
 import numpy as np
 
 from model.dynamics.models.contract import QUANTITIES, DrivenSheet, PublishedModel, Response
 from model.measurements import FloatArray, SheetGeometry
+from model.plugins import first_faults
 
 TEXTS = ("title", "source", "equations")
 SHEET = SheetGeometry(
@@ -32,10 +34,8 @@ def faults(model: object) -> list[str]:
     """Return what is wrong with a model, a sentence each without its full stop."""
     if not isinstance(model, PublishedModel):
         return [f"it is of type {type(model).__name__}, not a model.dynamics.models.PublishedModel"]
-    for check in (_description, _parameters, _responses, _rest):
-        if found := list(check(model)):
-            return found
-    return []
+    checks = (_description, _parameters, _responses, _rest)
+    return first_faults(partial(check, model) for check in checks)
 
 
 def _description(model: PublishedModel) -> Iterator[str]:

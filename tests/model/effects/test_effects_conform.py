@@ -59,6 +59,22 @@ UNITS = {
 EFFECTS = catalogue()
 
 
+@dataclass(frozen=True)
+class Narrow(Effect):
+    """Its method has one argument too few."""
+
+    def force(self, weighed):
+        """Take no parameters."""
+        return weighed.force_N
+
+
+def test_what_the_code_of_an_effect_raises_is_one_of_its_faults() -> None:
+    good = EFFECTS["force_offset"]
+    narrow = Narrow(**{name: getattr(good, name) for name in Effect.__dataclass_fields__})
+    (fault,) = faults(narrow)
+    assert fault.startswith("its code raised TypeError: Narrow.force() takes 2 positional")
+
+
 def test_the_catalogue_holds_these_effects():
     assert set(EFFECTS) >= set(TABLE)
 

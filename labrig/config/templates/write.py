@@ -2,17 +2,28 @@
 
 from __future__ import annotations
 
+import dataclasses
 import datetime as dt
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any, TypeVar
 
 from drivers.boards import BOARD_FAMILIES, DEFAULT, Starter
 from drivers.cameras import CAMERAS
 from drivers.cameras.contract import FALLBACK as CAMERA_DEFAULT
-from drivers.plugins import UnknownPartError
+from drivers.cameras.contract import CameraSettings
+from drivers.force_sensors.contract import DEFAULT as FORCE_DEFAULT
+from drivers.force_sensors.contract import FORCE_SENSORS
+from drivers.plugins import PluginFolder, UnknownPartError
+from drivers.positioners.contract import DEFAULT as STAGE_DEFAULT
+from drivers.positioners.contract import POSITIONERS
+from labrig.config.derived import SIMULATED
+from labrig.config.templates.settings_text import settings_text
 from labrig.errors import BadInputError
 from labrig.files import not_written, write_text
 
+Kind = TypeVar("Kind")
 _COMMON = {
     "sheet.toml": "sheet.toml",
     "protocol.toml": "protocol.toml",
@@ -27,15 +38,28 @@ NOT_CALIBRATED = dt.date(1970, 1, 1)
 
 
 def write_templates(
-    folder: Path, *, simulated: bool, board: str = DEFAULT, camera: str = CAMERA_DEFAULT
+    folder: Path,
+    *,
+    simulated: bool,
+    board: str = DEFAULT,
+    camera: str = CAMERA_DEFAULT,
+    stage: str = STAGE_DEFAULT,
+    force_sensor: str = FORCE_DEFAULT,
 ) -> list[Path]:
     """Write the files into `folder`, which may hold others; none is ever overwritten.
 
     The calibrations are those of the simulated rig, and true of it; of another they are not.
-    `board` is the family of boards and `camera` the kind of camera that rig.toml is written for.
+    `board`, `camera`, `stage` and `force_sensor` are the kinds that rig.toml is written for.
     """
-    starter = _starter(board)
+    starter = _starter(board, simulated=simulated)
     camera_text = _camera_starter(camera, simulated=simulated)
+    ports = {"port": SIMULATED} if simulated else {}
+    tables = {
+        "stage": _kind_table(POSITIONERS, "--stage", (stage, STAGE_DEFAULT), ports),
+        "force_sensor": _kind_table(
+            FORCE_SENSORS, "--force-sensor", (force_sensor, FORCE_DEFAULT), ports
+        ),
+    }
     if folder.exists() and not folder.is_dir():
         raise BadInputError(f"{folder}: this is a file, a folder is needed.")
     names = _COMMON | {"rig.toml": "rig_simulated.toml" if simulated else "rig.toml"}
@@ -53,33 +77,76 @@ def write_templates(
             if name == "rig.toml" and camera_text:
                 line = DEFAULT_TRIGGER_LINE if starter is None else starter.trigger_line
                 text = _for_camera(text, camera_text, line)
+            if name == "rig.toml":
+                text = _with_tables(text, tables)
             write_text(folder / name, _as_of_today(text) if simulated else text)
     except OSError as error:
         raise not_written(folder, error) from None
     return [folder / name for name in sorted(names)]
 
 
-def _starter(board: str) -> Starter | None:
-    """Return what a family of boards brings to start from; the files have that of the default."""
+def _starter(board: str, *, simulated: bool) -> Starter | None:
+    """Return what a family of boards brings to start from; the files have that of the default.
+
+    Of a family that brings nothing, its settings are the text.
+    """
+    family = _part(BOARD_FAMILIES, "--board", board)
+    if family.starter is not None or board == DEFAULT:
+        return family.starter
+    if simulated:
+        raise BadInputError(
+            f"--board {board}: these boards bring no simulated rig to start from; leave out "
+            "--simulated."
+        )
+    return Starter(
+        table=f"[{board}]\n{settings_text(family.settings)}", simulated_table="", interlock=""
+    )
+
+
+def _part(folder: PluginFolder[Kind], option: str, name: str) -> Kind:
     try:
-        starter = BOARD_FAMILIES.get(board).starter
+        return folder.get(name)
     except UnknownPartError as error:
-        raise BadInputError(f"--board {board}: {error}.") from None
-    if starter is None and board != DEFAULT:
-        raise BadInputError(f"--board {board}: these boards bring no rig.toml to start from.")
-    return starter
+        raise BadInputError(f"{option} {name}: {error}.") from None
+
+
+def _kind_table(
+    folder: PluginFolder[Any], option: str, kinds: tuple[str, str], known: Mapping[str, str]
+) -> str:
+    """Return the keys of a table that names its kind, of the wanted and the default one.
+
+    Empty: the file's own stay.
+    """
+    kind, default = kinds
+    part = _part(folder, option, kind)
+    return "" if kind == default else f'kind = "{kind}"\n{settings_text(part.settings, known)}'
+
+
+def _with_tables(text: str, tables: Mapping[str, str]) -> str:
+    """Return rig.toml with other keys in these tables; those that are empty stay as they are."""
+    for name, keys in tables.items():
+        if keys:
+            text = re.sub(rf"^(# )?\[{name}\].*\n(?:.+\n?)*", "", text, flags=re.MULTILINE)
+            text = f"{text.rstrip()}\n\n[{name}]\n{keys}"
+    return re.sub(r"\n{3,}", "\n\n", text)
 
 
 def _camera_starter(kind: str, *, simulated: bool) -> str:
     """Return the keys of [camera] that a kind brings; empty: those of the file stay."""
-    try:
-        part = CAMERAS.get(kind)
-    except UnknownPartError as error:
-        raise BadInputError(f"--camera {kind}: {error}.") from None
+    part = _part(CAMERAS, "--camera", kind)
     text = part.simulated_starter if simulated else part.starter
-    if not text and kind != CAMERA_DEFAULT:
-        raise BadInputError(f"--camera {kind}: this kind brings no [camera] to start from.")
-    return text
+    if text or kind == CAMERA_DEFAULT:
+        return text
+    if simulated:
+        raise BadInputError(
+            f"--camera {kind}: this kind brings no simulated [camera] to start from; leave out "
+            "--simulated."
+        )
+    known = {"source": part.prefix} if part.prefix else {"kind": kind}
+    first = "" if part.prefix else f'kind = "{kind}"\n'
+    common = {field.name for field in dataclasses.fields(CameraSettings)} - {"source"}
+    own = settings_text(part.settings, known, without=common - part.sets)
+    return f'{first}{own}optics = "optics.json"\n'
 
 
 def _for_camera(text: str, keys: str, line: str) -> str:
@@ -114,4 +181,4 @@ def template_text(name: str) -> str:
 
 def template_path(name: str) -> Path:
     """Where one of the shipped files is."""
-    return Path(__file__).parent / "template_files" / name
+    return Path(__file__).parents[1] / "template_files" / name
