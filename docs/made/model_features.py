@@ -14,10 +14,9 @@ The paper names nine features of models of an ionic-polymer sheet (its table 1),
 models of other authors by them (its table 2). The two tables here are labrig's own: the build runs
 each model and tests its predictions.
 
-labrig's forms of other authors' models have
-[a reading of their own](../../explanation/dynamic_models.md) where the source leaves something open.
-So a mark can differ from the paper's. Most sources give the force in one place only; labrig's forms
-give it anywhere along the arc.
+Where the source leaves something open, labrig's form of a model has
+[a reading of its own](../../explanation/dynamic_models.md). So a mark can differ from the paper's.
+Most sources give the force in one place only; labrig's forms give it anywhere along the arc.
 
 ## The features
 """

@@ -65,7 +65,7 @@ def _section(e: Effect) -> Iterable[str]:
         "; each configuration may have its own size" if e.by_configuration else ""
     )
     if e.explained_by_dynamics:
-        yield "- **explained by dynamics**: beside a model that has them, it is the deviation from them"
+        yield "- **explained by dynamics**: beside a model that has them, the deviation from these"
     yield f"- **source**: {e.source}\n"
     yield "| parameter | meaning | unit | prior scale | bounds | absent at | starting values |"
     yield "|---|---|---|---|---|---|---|"
