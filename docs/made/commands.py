@@ -13,10 +13,10 @@ from labrig.cli.command import Command, CommandExample
 HEAD = """\
 # Commands
 
-`labrig COMMAND --help` prints what stands here. Each example is run when this documentation is
-built, and what is shown is what it printed, without the lines that report progress. The folder of
-the examples is that of [the first session](../../tutorials/first_session.md). A block ends with
-`...` where more lines follow.
+`labrig COMMAND --help` prints the same text. Each example is run when this documentation is built.
+The page shows its output, without the lines that report progress; `...` at the end of a block means
+that more lines follow. The folder of the examples is that of
+[the first session](../../tutorials/first_session.md).
 
 `labrig --install-completion` makes the shell complete commands and options with the Tab key. It
 knows bash, zsh, fish and PowerShell; open a new terminal afterwards.

@@ -36,7 +36,7 @@ MEANINGS = {
     "time_s": "since the run began",
     "session_s": "since the session began",
     "wetted_s": "since the sheet was last moistened",
-    "kind": "zero, discarded, kept or no_contact: what the reading is for; default kept",
+    "kind": "purpose of the reading: zero, discarded, kept or no_contact; default kept",
     "valid": "true or false; default true",
     "why": "why a reading is not valid",
     "mounting": "number of the placement, where a position was set anew",
@@ -75,7 +75,7 @@ def _table(name: str) -> Iterator[str]:
     about, required, optional = TABLES[name]
     yield f"\n## {name}\n"
     yield f"{about}\n"
-    yield "| column | needed | meaning |"
+    yield "| column | required | meaning |"
     yield "|---|---|---|"
     for column in required:
         yield f"| `{column}` | yes | {MEANINGS[column]} |"

@@ -9,16 +9,16 @@ HEAD = """\
 # Checks of a curve
 
 Each curve that `labrig curves` finds is checked. A refusal means that there is no curve; its
-sentence names the step that failed and what mends it. A warning goes with the curve. Several
-checks also widen the credible band. The checks are asked in this order; the first refusal is told.
+sentence names the step that failed and the remedy. A warning is kept with the curve. Several checks
+also widen the credible band. The checks run in this order; the first refusal is reported.
 
-- `candidate`: asked of each fitted curve, to choose between them
-- `chosen`: asked of the chosen curve
-- `uncertainty`: asked of the chosen curve with its whole uncertainty
+- `candidate`: runs on each fitted curve, to choose between them
+- `chosen`: runs on the chosen curve
+- `uncertainty`: runs on the chosen curve with its whole uncertainty
 
 [How to add a check](../../howto/extending.md#a-check-of-a-curve)
 
-| name | asked | looks at | says |
+| name | runs on | looks at | finding |
 |---|---|---|---|
 """
 

@@ -12,12 +12,11 @@ HEAD = """\
 
 The paper names nine features of models of an ionic-polymer sheet (its table 1), and compares the
 models of other authors by them (its table 2). The two tables here are labrig's own: the build runs
-each model and looks at what it predicts.
+each model and tests its predictions.
 
-The models of other authors are the forms that labrig has of them, with
-[our own reading](../../explanation/dynamic_models.md) where the source leaves something open. So a
-mark can differ from the paper's. Most sources give the force in one place only; labrig's forms give
-it anywhere along the arc.
+Where the source leaves something open, labrig's form of a model has
+[a reading of its own](../../explanation/dynamic_models.md). So a mark can differ from the paper's.
+Most sources give the force in one place only; labrig's forms give it anywhere along the arc.
 
 ## The features
 """
@@ -25,8 +24,8 @@ SECOND = """\
 
 ## The models
 
-The columns are the features above. `-`: the model predicts nothing that would show it. *held only*:
-in contact with the load cell, but not the shape of the free sheet.
+The columns are the features above. `-`: no prediction of the model could show it. *held only*: in
+contact with the load cell, but not the shape of the free sheet.
 """
 END = """\
 

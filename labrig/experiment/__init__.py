@@ -1,1 +1,1 @@
-"""Protocol + rig + session file = one recorded experiment."""
+"""Run an experiment: protocol, rig and session file together give one recorded session."""

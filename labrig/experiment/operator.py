@@ -1,4 +1,4 @@
-"""Who answers when the session asks for something to be done by hand."""
+"""Ask the operator for work by hand, and wait for the answer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Ask a running session to pause: a file beside the session, which any process can write."""
+"""Ask a running session to pause, by a file beside the session."""
 
 from __future__ import annotations
 

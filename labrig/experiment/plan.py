@@ -1,4 +1,4 @@
-"""What is going to be done: the files as written, as understood, and the schedule they make."""
+"""Read the files of an experiment and make its schedule."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Is the rig ready? Nothing but 0 V is written to find out."""
+"""Check whether the rig is ready, with nothing but 0 V at the output."""
 
 from __future__ import annotations
 

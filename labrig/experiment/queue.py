@@ -1,4 +1,4 @@
-"""Several sessions, one after the other: all of them are checked before the first begins."""
+"""Run several sessions one after the other, after checking all of them."""
 
 from __future__ import annotations
 

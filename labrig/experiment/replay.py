@@ -1,4 +1,4 @@
-"""Replay: a recorded session in place of the rig, its samples and frames through the drivers.
+"""Replay a recorded session: its samples and frames through the drivers, in place of the rig.
 
 Boards and camera are simulated; they measure what was recorded. The director is notified of each
 run as it begins. It then answers every request for a sample with the one of the same index, and

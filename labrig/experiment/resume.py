@@ -1,4 +1,4 @@
-"""Resume a session that was not finished: its complete runs are published as events again.
+"""Resume an unfinished session: its complete runs are published again as events.
 
 The session stays as it is. The new one is a whole session: the complete runs are copied into it,
 through the same writer and journal, before the first voltage; then the others are run. A kill

@@ -1,4 +1,4 @@
-"""Safe shutdown: however a run ends, the output is made safe here."""
+"""Make the output safe at the end of a run, however it ends."""
 
 from __future__ import annotations
 

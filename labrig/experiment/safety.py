@@ -1,4 +1,4 @@
-"""Where the output is, for whoever must make it safe from outside, and `labrig safe` itself."""
+"""`labrig safe`, and where the output is, for processes outside the run."""
 
 from __future__ import annotations
 

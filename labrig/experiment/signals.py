@@ -1,4 +1,4 @@
-"""Ctrl-C and its relatives ask the run to stop; they never interrupt an instrument call."""
+"""Turn Ctrl-C and other signals into requests to stop; instrument calls are never interrupted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Disagreement between simulation and measurement: its location, the effects, the remainder."""
+"""Discrepancy between simulation and measurement: where it is, and which effects explain it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Prepare measurements for the search; a message says why where that is impossible."""
+"""Prepare measurements for the search, or report why that is impossible."""
 
 from __future__ import annotations
 

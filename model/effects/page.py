@@ -15,8 +15,8 @@ HEAD = """\
 An effect is a physical cause that the base model leaves out. `labrig diagnose` looks for all of
 these. The documentation build makes this page from the effects themselves.
 
-Each section says what the effect is, its formula, and what it leaves in the data. The formula is a
-first guess: the data may depart from it along what is listed under *may differ along*.
+Each section has the effect's meaning, its formula, and its trace in the data. The formula is a
+first guess: the data may depart from it along the coordinates listed under *may differ along*.
 `labrig effects show NAME` prints the same.
 
 To add an effect, write one file with a frozen subclass of `Effect` and the constant `EFFECT`; its
@@ -27,8 +27,8 @@ first parameter is the amplitude. It goes into `model/effects/`, or into a distr
 moonlight = "my_package.moonlight:EFFECT"
 ```
 
-`labrig.testing.effect_faults(EFFECT)` returns what is wrong with it. A faulty one is left out with
-a warning. `diagnose` records the name and version of the distribution that an effect comes from.
+`labrig.testing.effect_faults(EFFECT)` returns its faults. A faulty effect is left out with a
+warning. `diagnose` records the name and version of the distribution that an effect comes from.
 """
 
 
@@ -65,7 +65,7 @@ def _section(e: Effect) -> Iterable[str]:
         "; each configuration may have its own size" if e.by_configuration else ""
     )
     if e.explained_by_dynamics:
-        yield "- **explained by dynamics**: with a model that has them it is what they leave"
+        yield "- **explained by dynamics**: beside a model that has them, the deviation from these"
     yield f"- **source**: {e.source}\n"
     yield "| parameter | meaning | unit | prior scale | bounds | absent at | starting values |"
     yield "|---|---|---|---|---|---|---|"

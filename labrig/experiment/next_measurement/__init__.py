@@ -1,1 +1,1 @@
-"""The measurement that is needed next: its protocol, the loop that makes it, what it must have."""
+"""The next measurement: its proposal, its protocol, and the loop that makes it."""

@@ -1,4 +1,4 @@
-"""Measure, diagnose, and measure what separates the candidates, until one is named.
+"""Measure, diagnose, and measure again until one candidate is named.
 
 Each further measurement is a session of its own that names the first one by its identifier; all of
 them are diagnosed together. It ends when the verdict is no class any more, when nothing on the menu

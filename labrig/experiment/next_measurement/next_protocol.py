@@ -1,4 +1,4 @@
-"""A measurement that would tell two effects apart, as a protocol.toml ready to run.
+"""Write the measurement that separates two effects as a protocol.toml.
 
 It is a session of its own, linked to the one before by its identifier: the analysis takes both
 together, and each session is a mounting of its own.

@@ -1,4 +1,4 @@
-"""Which proposed measurements have been made, so that what they promised is compared."""
+"""Find which proposed measurements were made, to compare promise and result."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The measurement that separates two effects: those that are named, or those of a diagnosis."""
+"""Propose the measurement that separates two effects, stated or from a diagnosis."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Who is told of a session while it runs: hooks, and subscribers of its documents."""
+"""Inform others of a running session: hooks, and published documents."""

@@ -1,4 +1,4 @@
-"""Tells the hooks that a session has stopped when its process was killed and cannot tell them.
+"""Call the hooks for a session whose process was killed.
 
 A small process stands by from the session's begin to its end, where hooks are configured. A
 session that ends in any other way than by being killed ends this process first. It acts only after

@@ -1,4 +1,4 @@
-"""Tell somebody that a session waits for them, has stopped, or is done.
+"""Call a program or web address when a session waits, has stopped, or is done.
 
 A hook runs in a thread of its own, beside the session: it can delay nothing and break nothing.
 """

@@ -1,4 +1,4 @@
-"""What is looked at around a run: who is left to write 0 V, and whether this computer keeps up."""
+"""Precautions around a run: the watch at the boards, and checks that need no device."""
 
 from labrig.experiment.precautions.checks import precautions
 

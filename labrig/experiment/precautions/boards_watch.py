@@ -1,4 +1,4 @@
-"""`labrig watch`: watch over the output from the computer that has the boards."""
+"""`labrig watch`: guard the output from the computer that has the boards."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks that need no device: who writes 0 V when program and guard are gone; punctuality."""
+"""Checks without a device: who writes 0 V when program and guard are gone, and punctuality."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is recorded of the devices of a rig: what each reports of itself, or its calibration."""
+"""Record the identity of a rig's devices: what each reports, or its calibration."""
 
 from __future__ import annotations
 

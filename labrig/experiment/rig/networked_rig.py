@@ -1,4 +1,4 @@
-"""A simulated rig behind real sockets and serial lines, on the real clock, for the demo."""
+"""A simulated rig behind real sockets and serial lines, on the real clock."""
 
 from __future__ import annotations
 

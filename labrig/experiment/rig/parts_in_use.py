@@ -1,4 +1,4 @@
-"""Which parts of other distributions a rig is made of, for the record."""
+"""Record which parts of a rig are from other distributions."""
 
 from __future__ import annotations
 

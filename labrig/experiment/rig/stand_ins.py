@@ -1,4 +1,4 @@
-"""What stands in for hardware where rig.toml says `simulated`: one simulated rig, virtual time."""
+"""Simulated devices in place of hardware, where rig.toml says `simulated`."""
 
 from __future__ import annotations
 

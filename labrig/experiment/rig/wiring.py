@@ -1,4 +1,4 @@
-"""From rig.toml to devices: the one place that knows whether hardware is real or simulated."""
+"""Make a rig's devices from rig.toml; no other module knows whether they are real or simulated."""
 
 from __future__ import annotations
 

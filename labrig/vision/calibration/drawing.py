@@ -1,4 +1,4 @@
-"""Drawings: of a calibration (the world's grid over its image), and what marks a drawing as one."""
+"""Draw a calibration: the grid of the sheet's plane over the image it was made from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""OpenCV's lens model on points: forward, and back by Newton's method.
+"""OpenCV's lens model on points: distort directly, undistort by Newton's method.
 
 Written out here because `cv2.undistortPoints` stops at about 1e-3 pixels by default and its
 arguments differ between OpenCV 4 and 5.

@@ -1,4 +1,4 @@
-"""What is known of the camera: optics.json, and the way between the sheet's plane and pixels.
+"""optics.json: the camera's parameters, and the map between the sheet's plane and pixels.
 
 World coordinates (m): origin at the clamp, x along the clamped sheet, y up in the image. An
 integer pixel coordinate is a pixel's centre. The lens is OpenCV's model; points are undistorted,

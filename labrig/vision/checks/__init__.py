@@ -1,1 +1,1 @@
-"""Check whether a fitted curve is the sheet: one check a file of `kinds`."""
+"""Check whether a fitted curve is the sheet. Each check is one file of `kinds`."""

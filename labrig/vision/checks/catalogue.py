@@ -1,4 +1,4 @@
-"""Find the checks of a curve: one a file of `kinds`, and those of other distributions.
+"""Find the checks of a curve: the files of `kinds`, and those of other distributions.
 
 A file adds one by its constant `CHECK`; another distribution by an entry point of the group
 `labrig.curve_checks`.

@@ -1,4 +1,4 @@
-"""What every check of a curve must fulfil: `faults` finds nothing in a good one."""
+"""Conformance of a check of a curve: `faults` returns what is wrong with it."""
 
 from __future__ import annotations
 

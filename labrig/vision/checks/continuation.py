@@ -1,4 +1,4 @@
-"""Whether the sheet continues beyond its stated end: the image is followed from there.
+"""Follow the image beyond the sheet's stated end, to see whether the sheet continues.
 
 A scale that is too small, or a length that is too short, puts the stated end on the middle of the
 sheet, and perhaps under a roll. So the path follows what is there by small steps, through what may

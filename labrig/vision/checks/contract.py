@@ -1,4 +1,4 @@
-"""The contract of a check of a curve: one file, one thing that it looks at, one sentence.
+"""The contract of a check of a curve: it looks at one thing and returns at most one finding.
 
 A check is asked about a fitted curve and returns a `CurveFinding`, or None where nothing is wrong.
 The refusal of the check with the lowest order is the one that the user reads. A check must not

@@ -1,4 +1,4 @@
-"""The kernel that follows the sheet beyond its stated end, a pixel a step."""
+"""Compiled kernel that follows the sheet beyond its stated end, one pixel a step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Whether what is seen beyond a hidden stretch continues from what is seen before it.
+"""Compare the curve after a hidden stretch with a prediction from before it.
 
 A line that happens to leave a roll where the sheet does is led into by a sharp turn that nobody
 sees. So each stretch is compared with the prediction from the sheet before it, whose curvature may

@@ -1,4 +1,4 @@
-"""What lies beside a curve: the image straightened along it."""
+"""Structures beside a curve, found in the image straightened along it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a check of a curve looks at: the fit, its image, and what was measured on both."""
+"""The input of a check of a curve: the fit, its image, and the measurements on both."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a check of another distribution looks at where a curve was found between two edges.
+"""The input of another distribution's check for a curve that was found between two edges.
 
 It has the parts of a `SeenCurve` that such a curve has, under the same names.
 """

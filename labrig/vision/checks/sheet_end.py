@@ -1,4 +1,4 @@
-"""Where the sheet ends in the image: the profile along the curve's last pixels and beyond."""
+"""Find where the sheet ends in the image, by its profile along and beyond the end of the curve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The verdict on a curve: what the checks of a stage say together."""
+"""The result of a stage of checks: accepted, refused or warned of."""
 
 from __future__ import annotations
 

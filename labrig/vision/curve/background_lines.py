@@ -1,4 +1,4 @@
-"""Straight things that are no sheet, such as wires: where each lies against a curve."""
+"""Straight lines of the background, such as wires: where each lies relative to a curve."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The strip's geometry, which goes in with an image, and the neutral curve, which comes out."""
+"""The strip's geometry (input) and the neutral curve (result) of the extraction."""
 
 from __future__ import annotations
 

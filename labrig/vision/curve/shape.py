@@ -1,4 +1,4 @@
-"""A plane curve given by its curvature: k(s) a cubic B-spline, everything else follows from it.
+"""A plane curve from its curvature, a cubic B-spline of the arc length.
 
 `phi` is the spline's exact antiderivative, `r` its integral by Simpson's rule. All lengths here
 are in pixels of the sheet's plane (world coordinates times px_per_m), y up. Beyond the free length

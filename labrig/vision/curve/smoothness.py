@@ -1,4 +1,4 @@
-"""How smooth a sheet's curvature is: it is not known beforehand, so the image decides.
+"""Smoothness priors of a sheet's curvature; the image decides among them.
 
 Two kinds of priors, each of eight strengths: a curvature that wanders, int (dk/ds)^2 ds (the
 minimum variation curve's), and one whose slope does, int (d2k/ds2)^2 ds. The second is what gels

@@ -1,4 +1,4 @@
-"""The search for the sheet in one image: along an earlier curve, or from the clamp on."""
+"""Search for the sheet in one image: along an earlier curve, or from the clamp."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a checked curve in pixels to a `NeutralCurve` in metres, with its uncertainty."""
+"""Convert a checked curve in pixels to a `NeutralCurve` in metres, with its uncertainty."""
 
 from __future__ import annotations
 

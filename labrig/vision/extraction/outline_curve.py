@@ -1,4 +1,4 @@
-"""The curve of a strip of which little is known, or that is thick, short or shaded: by its edges.
+"""Find a strip's curve by its two edges: for strips that are thick, short, shaded or little known.
 
 First it is located: path, thickness and length (`search.locate`). Then a curve is fitted midway
 between its edges (`fit.outline`), its end is measured, and both are judged.

@@ -1,4 +1,4 @@
-"""What is said of a curve between two edges: why it is refused, or where it is, in metres."""
+"""Report a curve between two edges: the reason of a refusal, or the curve in metres."""
 
 from __future__ import annotations
 

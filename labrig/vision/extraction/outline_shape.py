@@ -1,4 +1,4 @@
-"""The curve between the edges of a strip that is roughly located, up to where they end."""
+"""The curve midway between the edges of a roughly located strip, up to where they end."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From a way that a sheet may take to the curve there, fitted to the image and judged."""
+"""From a possible path of the sheet to a curve: fit it to the image and check it."""
 
 from __future__ import annotations
 

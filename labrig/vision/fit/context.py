@@ -1,4 +1,4 @@
-"""What stays the same while one image is fitted, and how its pixels are fetched."""
+"""The fit context: everything that stays the same while one image is fitted, and its pixels."""
 
 from __future__ import annotations
 

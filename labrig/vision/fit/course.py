@@ -1,4 +1,4 @@
-"""The strip's profile along its course: up to where it is that of the strip.
+"""Find the end of a strip by its profile along the course: where it ceases to be the strip's.
 
 Two things are compared with what they were shortly before, block by block along a curve: the
 profile across (in all channels, with its signs), and how clear both edges are. So a strip that

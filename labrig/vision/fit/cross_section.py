@@ -1,4 +1,4 @@
-"""The pixels beside a curve and the cross-section fitted to them: kernels of the intensity fit.
+"""Kernels of the intensity fit: the pixels beside a curve, and the cross-section fitted to them.
 
 Model of a pixel at distance d (along the normal) from the curve: b + a d + c P(d), with P a band
 of the sheet's thickness blurred by the lens, and beside it the sheet's side face where one is seen,

@@ -1,4 +1,4 @@
-"""The two fits: a curve through sub-pixel ridge points, then through the intensities themselves.
+"""Fit a curve to sub-pixel ridge points, then to the intensities.
 
 Both are Gauss-Newton on the curve's parameters, with a prior that curvature is smooth and with the
 clamp's calibration as one on the first two parameters. For points a weak penalty

@@ -1,4 +1,4 @@
-"""The middle between a thick strip's edges, which light and shade across it do not move.
+"""Place a thick strip's curve midway between its edges, unaffected by light and shade across it.
 
 The fit's cross-section has two equally bright halves; where light falls on one of them more
 the middle of the light lies beside that of the strip. Its edges are where the image changes most,

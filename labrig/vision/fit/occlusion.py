@@ -1,4 +1,4 @@
-"""Stretches of a curve that cannot be the sheet, because a sheet hides what is behind it.
+"""Find stretches of a curve that cannot be the sheet: a sheet hides what is behind it.
 
 Before another ground its own grey continues; where that is the ground's, too, the sheet disappears.
 What shows there instead, such as a wire, is as much brighter or darker as that ground is.

@@ -1,4 +1,4 @@
-"""A curve midway between a strip's two edges, measured block by block, whatever lies between them.
+"""Measure a curve midway between a strip's two edges, block by block.
 
 The fit of intensities takes a strip to be equally bright across and along. One that is shiny,
 shaded on one half, ringed or short and thick is not: but its edges are where the image changes

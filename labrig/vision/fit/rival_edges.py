@@ -1,4 +1,4 @@
-"""A second edge beside each of a strip's two: which of them is the strip's edge is not known.
+"""Find a second edge beside each edge of a strip: either may be the strip's own.
 
 A tube in the light from one side shows the edge of its shade, too; a strip may have a shadow or a
 neighbour. The image is looked at more finely than for the fit, for such edges are sharp.

@@ -1,4 +1,4 @@
-"""The side face: a sheet is wide across the image's plane, and its far edge looks smaller.
+"""Fit the side face: the stripe that a wide sheet shows beside its near edge.
 
 So beside its near edge a stripe of its face shows, towards the point where lines square to the
 sheet's plane meet: its width is known along the whole sheet from two numbers. Taken for a part of

@@ -1,4 +1,4 @@
-"""The visible thickness of a sheet whose thickness is not stated."""
+"""Measure the visible thickness of a sheet where it is not stated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The files that an image is measured with: its own, those given, or those of its folder."""
+"""Find the optics.json and sheet.toml of an image: its own, the stated ones, or its folder's."""
 
 from __future__ import annotations
 

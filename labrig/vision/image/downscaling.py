@@ -1,4 +1,4 @@
-"""Images of thick strips, reduced: to a fit a strip 20 pixels thick is as one of four from afar.
+"""Downscale the image of a thick strip, so that the fit sees a strip of about four pixels.
 
 What the fit knows of a sheet's looks is in pixels of one a few pixels thick: how far along it light
 and width stay the same, how far beside it something else may lie. A strip that fills more pixels

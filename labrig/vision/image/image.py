@@ -1,4 +1,4 @@
-"""An image as the fit wants it: grey floats, its noise, and the sheet's plane at every pixel."""
+"""An image prepared for the fit: grey floats, their noise, and the sheet's plane at every pixel."""
 
 from __future__ import annotations
 

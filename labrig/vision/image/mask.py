@@ -1,4 +1,4 @@
-"""Polygons of an image whose pixels are not used: what confuses is masked by the user."""
+"""Masks: polygons of an image whose pixels are not used."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A picture with the curves on it, readable whatever the picture's size."""
+"""Draw curves over an image, readable at any size of the image."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Read pictures: photographs turned upright, the pages of a TIFF, the frames of a video."""
+"""Read images: photographs turned upright, the pages of a TIFF, the frames of a video."""
 
 from __future__ import annotations
 

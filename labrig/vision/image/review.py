@@ -1,4 +1,4 @@
-"""What a person decided about the curves of a folder's pictures: curves_review.json beside them."""
+"""The decisions of a person about a folder's curves, kept beside them in curves_review.json."""
 
 from __future__ import annotations
 

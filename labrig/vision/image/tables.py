@@ -1,4 +1,4 @@
-"""The tables of curves: a row for each point (curves.csv), and a line for each picture."""
+"""Write the tables of curves: curves.csv has a row for each point, summary.csv for each image."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where a strip is of which little is known: its direction, length and thickness, found first.
+"""Locate a strip of which little is known: its direction, length and thickness.
 
 A path is searched at each of several widths, in an image reduced to it. The path whose two edges
 change most, over the longest way, is the strip: a line inside a strip or along one of its edges

@@ -1,4 +1,4 @@
-"""Sub-pixel ridge points: the middle of a band across a line of pixels, its height and width."""
+"""Measure sub-pixel ridge points: middle, height and width of a band across a line of pixels."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From nothing to a first curve: ridge maps, the beam search from the clamp, a curve through it."""
+"""Find a first curve from nothing: ridge maps, path search from the clamp, a curve fit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Straight things that are no sheet, such as wires: they reach the border, or leave a found curve.
+"""Find straight lines that are no sheet, such as wires: they reach the border or leave a curve.
 
 Where one runs along the sheet no pixel tells the two apart, but everywhere else it does: a wire is
 found at the border, where no sheet is, or beside a curve, which no sheet leaves; it is followed

@@ -1,4 +1,4 @@
-"""Straight ridges: where they cross a ring of places, and how far each can be followed."""
+"""Find straight ridges: where they cross a ring of places, and how far each can be followed."""
 
 from __future__ import annotations
 

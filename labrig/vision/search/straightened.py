@@ -1,4 +1,4 @@
-"""The image along a path, laid out straight: rows along the path, columns across it."""
+"""Straighten the image along a path: rows along the path, columns across it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the rolls touch the sheet, from the image alone: a check on the stage's position.
+"""Find where the rolls touch the sheet in the image: a check of the stage's position.
 
 Two methods, of which the better one is reported: the rolls themselves where they are seen; else
 the place where the curve crosses the arc, for the sheet always runs between the rolls, which are on

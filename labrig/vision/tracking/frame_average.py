@@ -1,4 +1,4 @@
-"""The curve of the mean image compared with those of its frames: whether the sheet moved."""
+"""Compare the curve of a mean image with those of its frames, to see whether the sheet moved."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The two rolls that the sheet runs between: discs on both sides of the curve, rims and centres.
+"""Find the two rolls beside the sheet: discs on both sides of the curve, by rims and centres.
 
 Seen along their axes the rolls are two circles of one size that touch the sheet from both sides at
 one place. Of all such pairs near a place of the curve the one is chosen whose rims are edges nearly

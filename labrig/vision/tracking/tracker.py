@@ -1,4 +1,4 @@
-"""Curves frame by frame: the last one is followed, and looked for anew when it was lost."""
+"""Follow a sheet from frame to frame; search again where it was lost."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""How well a curve is known, and what may pull it aside."""
+"""The uncertainty of a curve, and the biases that belong to it."""

@@ -1,4 +1,4 @@
-"""How wide the sheet looks, against how thick it is: where it looks wider, something is with it.
+"""Compare the sheet's apparent width with its thickness: a wider sheet has something beside it.
 
 In a silhouette the sheet's face is as dark as its edge, and no fit can tell which part is which.
 The curve is then good to half the excess only; that goes into its band and into a warning.

@@ -1,4 +1,4 @@
-"""What touches the sheet and pulls the curve aside, such as its reflection: how far.
+"""Estimate the lateral bias from something that touches the sheet, such as its reflection.
 
 The fit's band has two sides alike. Light that one side has more of is taken for a displacement and
 a blur; what those two do not explain of it tells that it is there, and so how far it pulls.

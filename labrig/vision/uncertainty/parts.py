@@ -1,4 +1,4 @@
-"""The parts of a curve's uncertainty: what noise leaves, and what no averaging removes."""
+"""The parts of a curve's uncertainty: noise, and parts that averaging does not remove."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far what is seen lies beside the curve where the curve does not follow it.
+"""Measure how far beside the curve the image shows the sheet.
 
 A frayed strip, or one that looks much thicker in one place, is not drawn as the fit's band has it:
 there cells are left out, and a smooth curve bridges them, or misses them by more than their noise.

@@ -1,1 +1,1 @@
-"""The answers that compete for each place of a verdict: probabilities and calibrated sets."""
+"""The possible answers to each question of a verdict: probabilities and calibrated sets."""

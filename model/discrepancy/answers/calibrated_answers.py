@@ -1,4 +1,4 @@
-"""Probabilities of answers, and sets made to hold the right one in 95 % of the training worlds.
+"""Calibrated probabilities of answers, and sets that hold the right one in 95 % of training cases.
 
 The probability of answer a of a choice set is a conditional logit (McFadden 1974, in Frontiers in
 Econometrics),

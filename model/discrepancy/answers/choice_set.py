@@ -1,4 +1,4 @@
-"""The answers that compete for a place in a verdict, with what the search knows of each.
+"""A choice set: the possible answers to one question of a verdict, with their attributes.
 
 A verdict answers one question for each name that it considers (which effect is it?) and a last one
 (is anything else not in the model?). The answers to a question are a choice set (McFadden 1974):

@@ -1,4 +1,4 @@
-"""From a judged search to the choice sets of its verdict."""
+"""Make the choice sets of a verdict from a finished search."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the sets of answers to what is reported of each name, and of what is unknown."""
+"""Make the reported sets of a verdict: alternatives of each name, and of 'unknown'."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""By how many left-out positions each name is chosen that competes for one question.
+"""Count the left-out positions at which each competing name is chosen.
 
 The other names are in place: a second effect that is chosen without any of the positions is as sure
 as a first one.

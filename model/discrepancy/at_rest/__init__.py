@@ -1,1 +1,1 @@
-"""What the dynamics of a model explain is taken off measurements before the search."""
+"""Subtract what a model's dynamics explain from measurements, before the search."""

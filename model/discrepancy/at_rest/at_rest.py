@@ -1,4 +1,4 @@
-"""Measurements as the sheet would give them at rest: less what its dynamics say of each instant.
+"""Reduce measurements to a sheet at rest, by subtracting the predicted motion at each instant.
 
 A static model compared with them sees what the dynamics do not explain. What they say goes with
 stiffness and EIBM, which the fit finds, and is as unsure as the other parameters: the same is done

@@ -1,4 +1,4 @@
-"""How far a moving, charging sheet is from its shape and force at rest, reading by reading.
+"""Predict the excess of a moving, charging sheet over the sheet at rest, reading by reading.
 
 At rest means the base model: the relaxed stiffness B, and at each voltage one EIBM, the same along
 the sheet. That EIBM is the mean over the sheet of what the electrodes' charge makes at the instants

@@ -1,4 +1,4 @@
-"""A diagnosis of what the dynamics of a model leave."""
+"""Diagnose the rest of the measurements after the dynamics are subtracted."""
 
 from __future__ import annotations
 

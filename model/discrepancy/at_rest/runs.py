@@ -1,4 +1,4 @@
-"""The runs of measurements: what was driven, and which conditions and series belong to it."""
+"""Divide measurements into runs: the drive, and the conditions and series of each."""
 
 from __future__ import annotations
 

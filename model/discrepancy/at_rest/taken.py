@@ -1,4 +1,4 @@
-"""What the dynamics of a model explain of measurements, as a diagnosis tells it."""
+"""Report how much of the measurements the dynamics of a model explained."""
 
 from __future__ import annotations
 

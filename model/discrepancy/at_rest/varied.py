@@ -1,4 +1,4 @@
-"""Dynamics a step beside the stated ones: what they say is linear in between.
+"""Vary each dynamic parameter by a step; the subtracted part is linear in between.
 
 Stiffness and EIBM are those of the base model, which are found with the rest. All other parameters
 are as unsure as the model file says.

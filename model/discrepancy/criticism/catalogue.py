@@ -1,4 +1,4 @@
-"""Find the verdict checks: one a file of `kinds`, and those of other distributions.
+"""Find the verdict checks: the files of `kinds`, and those of other distributions.
 
 A file adds one by its constant `CHECK`; another distribution by an entry point of the group
 `labrig.verdict_checks`.

@@ -1,4 +1,4 @@
-"""What a verdict check says: its failures, and the result that is reported."""
+"""The result of a verdict check: its failures and its reported outcome."""
 
 from __future__ import annotations
 

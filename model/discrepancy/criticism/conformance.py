@@ -1,4 +1,4 @@
-"""What every verdict check must fulfil: `faults` finds nothing in a good one."""
+"""Conformance of a verdict check: `faults` returns what is wrong with it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The contract of a verdict check: what a name implies against what the data show.
+"""The contract of a verdict check: it compares what a name implies with the data.
 
 A check is asked once, after the effects are named and before anything is reported, and only where
 something is named. It yields one `Failure` for each thing that is wrong, and nothing where the

@@ -1,4 +1,4 @@
-"""Ask all verdict checks about a model with named effects."""
+"""Run all verdict checks on a model with named effects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows of the data by what people measure: force, curve, course of a run, pulse; by voltage."""
+"""Group the rows of the data by quantity (force, curve, trend along a run, pulse) and voltage."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A model with its named effects, as the verdict checks see it: all is computed when asked for."""
+"""A model with its named effects: the input of the verdict checks, computed when needed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Checks of what is stated of a measurement, before anything is searched for."""
+"""Check the stated values of a measurement against its data, before the search."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Find the data checks: one a file of `kinds`, and those of other distributions.
+"""Find the data checks: the files of `kinds`, and those of other distributions.
 
 A file adds one by its constant `CHECK`; another distribution by an entry point of the group
 `labrig.data_checks`.

@@ -1,4 +1,4 @@
-"""One configuration as stated against the same with one datum changed."""
+"""Compare a configuration as stated with the same one after one value is changed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Check data before anything is searched for: units, signs, order and lengths, wild readings.
+"""Check units, signs, order, lengths and outliers of the data before the search.
 
 What is stated of a measurement is compared with what the data say. A configuration that the base
 model fits is left at that. Where it does not fit, it is fitted again with one datum changed, for

@@ -1,4 +1,4 @@
-"""A digest of what objects hold: equal for equal content, whichever objects hold it."""
+"""A digest of the content of objects, equal for equal content."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The contract of a data check: what is stated of a measurement against what the data say.
+"""The contract of a data check: it compares a stated value with the data.
 
 A data check looks for one kind of mistake: a wrong unit, sign, order or length. It may do so in
 three ways, each a method that yields nothing unless it is overridden:

@@ -1,4 +1,4 @@
-"""What data checks say as a part of a diagnosis, or in its place."""
+"""Report the data checks, as a part of a diagnosis or in its place."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A quick fit of the base model to mean forces and mean curves, with B, EIBM and one more datum.
+"""Fit the base model quickly to mean forces and curves, with one more value free.
 
 It has no noise model: residuals are judged against a fixed tolerance, which is about what noise and
 scatter between set-ups leave. That is enough to tell a wrong unit from a right one, and costs a

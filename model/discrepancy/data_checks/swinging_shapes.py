@@ -1,4 +1,4 @@
-"""Free shapes that still swing are no shapes at rest: they are left out before a search."""
+"""Leave out free shapes that still swing, before the search."""
 
 from __future__ import annotations
 

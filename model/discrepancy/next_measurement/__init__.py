@@ -1,1 +1,1 @@
-"""Choose the measurement that best separates the candidates that are left."""
+"""Choose the measurement that best separates the remaining candidates."""

@@ -1,4 +1,4 @@
-"""How models do on positions that were left out of choosing and fitting them."""
+"""Cross-validate models on positions that were left out of choosing and fitting them."""
 
 from __future__ import annotations
 

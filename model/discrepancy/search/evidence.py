@@ -1,4 +1,4 @@
-"""Evidence of each candidate for the residual of the present model.
+"""Compute each candidate's evidence from the residual of the present model.
 
 A candidate is a set of columns: its form, and the ways in which the form may differ, with a common
 scale. The scale is integrated over a range of sizes, so that a candidate pays for being flexible

@@ -1,4 +1,4 @@
-"""How much of an effect that is in a model is deviation from the catalogue's form."""
+"""Compute how much of a fitted effect is deviation from the catalogue's form."""
 
 from __future__ import annotations
 

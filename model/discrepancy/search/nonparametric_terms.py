@@ -1,4 +1,4 @@
-"""Candidates that may be anything smooth, one for each location of discrepancy.
+"""Candidates that are any smooth function, one for each location of discrepancy.
 
 The columns of such a candidate are basis shapes that share one scale; they bend to whatever is
 there and pay for it in the evidence. Where a location explains the data and no effect of the

@@ -1,4 +1,4 @@
-"""The evidence threshold: the best candidate's gain in simulated sessions without any effect."""
+"""Compute the evidence threshold from simulated sessions without any effect."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Single conditions that stand apart: a slip of the hand, not a missing effect."""
+"""Find single conditions that are outliers: mistakes of handling, not missing effects."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rank everything that could be added to a model by its log Bayes factor."""
+"""Rank all candidates by their log Bayes factors."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fit the best candidates in the model, all values free, from several starting values."""
+"""Fit the best candidates with all parameters free, from several starting values."""
 
 from __future__ import annotations
 

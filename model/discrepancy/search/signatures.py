@@ -1,4 +1,4 @@
-"""Detectability of effects in these data, and which of them are indistinguishable."""
+"""Compute signatures and detectability of effects, and which effects are indistinguishable."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""From the candidates to a verdict, with its parameters, prediction errors and messages."""
+"""Make the verdict from the search: parameters, prediction errors and messages."""

@@ -1,4 +1,4 @@
-"""Data checks: oddities of data that can be fitted all the same."""
+"""Remarks on oddities in data that can still be fitted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""From the result of the search to a decision: names, what has none, and the model with both."""
+"""Decide from the search: which effects are named, what stays unknown, and the model with both."""
 
 from __future__ import annotations
 

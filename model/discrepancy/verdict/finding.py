@@ -1,4 +1,4 @@
-"""From the result of the search to the diagnosis: names, verdict, prediction errors, next step."""
+"""Make the diagnosis from the search: names, verdict, prediction errors, next step."""
 
 from __future__ import annotations
 

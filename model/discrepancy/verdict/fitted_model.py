@@ -1,4 +1,4 @@
-"""The fitted parameters with their uncertainty, and the fitted model for the next job."""
+"""The fitted parameters with their uncertainty, and the model with them."""
 
 from __future__ import annotations
 

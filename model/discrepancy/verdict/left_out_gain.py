@@ -1,4 +1,4 @@
-"""What left-out positions ask for: inferred forms of names, and parts of what is unknown."""
+"""Choose the inferred forms and parts of an unknown that improve left-out positions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where simulation and measurement disagree: forces, curves and signals that stand out."""
+"""Locate the residuals: forces, curves and signals that simulation does not match."""
 
 from __future__ import annotations
 

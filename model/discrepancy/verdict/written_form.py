@@ -1,4 +1,4 @@
-"""The model as it is written: inferred forms are part of it, and the fit is solved with them.
+"""The model that is written to the file, with its inferred forms, fitted again with them.
 
 In the search the deviations of a form are linear. Strong ones bend the line; here they become
 terms of the model, act through the hooks as in every prediction, and everything is fitted again

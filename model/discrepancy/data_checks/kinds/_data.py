@@ -1,4 +1,4 @@
-"""What several checks do to measurements, and ask of them."""
+"""Helpers that several data checks share."""
 
 from __future__ import annotations
 
