@@ -59,9 +59,10 @@ class CameraUse(ClosedModel):
 class ExtrasConfig(ClosedModel):
     """Minutes at the rig that decide what can be known afterwards; mode "paper" has none of them.
 
-    In mode "default" those that cost under a minute each are on unless they are switched off. The
-    keys of `protocols.extras`, such as `free_shapes` and `release`, are added by `protocol_model`.
+    In mode "default" those that cost under a minute each are on unless they are switched off.
     """
+
+    # `protocol_model` adds the keys of `protocols.extras`, such as `free_shapes` and `release`.
 
     mode: Literal["default", "paper"] = "default"
     random_order: bool | None = Field(None, description="of the positions; the order is recorded")
@@ -143,10 +144,9 @@ class RulesConfig(ClosedModel):
 
 
 class ProtocolConfig(ClosedModel):
-    """The whole of protocol.toml: one kind of protocol, run at each position of each place.
+    """The whole of protocol.toml: one kind of protocol, run at each position of each place."""
 
-    The tables of the kinds, such as [pulse_train], are added by `protocol_model`.
-    """
+    # `protocol_model` adds the tables of the kinds, such as [pulse_train].
 
     places: list[PlaceConfig] = Field(min_length=1, max_length=1000)
     moisten: bool = Field(default=True, description="ask for it before each run")
@@ -210,8 +210,13 @@ def _model_of(kinds: Named, extras: Named) -> type[ProtocolConfig]:
         "ExtrasConfig", __base__=ExtrasConfig, __doc__=ExtrasConfig.__doc__, **keys
     )
     tables["extras"] = (added, added())
+    one_kind = {"oneOf": [{"required": [name]} for name, _ in kinds]}
     made: type[ProtocolConfig] = create_model(
-        "ProtocolConfig", __base__=ProtocolConfig, __doc__=ProtocolConfig.__doc__, **tables
+        "ProtocolConfig",
+        __base__=ProtocolConfig,
+        __doc__=ProtocolConfig.__doc__,
+        __cls_kwargs__={"json_schema_extra": one_kind},
+        **tables,
     )
     return made
 

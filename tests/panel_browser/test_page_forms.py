@@ -135,14 +135,19 @@ def test_places_can_be_added_and_removed(fake, visit):
     page.locator(".list .field-fault").filter(has_text="at least 1").wait_for()
 
 
-def test_another_kind_of_protocol_is_switched_on_by_its_box(fake, visit):
+def test_a_protocol_is_of_the_one_kind_that_is_chosen(fake, visit):
     page = visit(f"{fake.url}#/new")
-    page.locator("fieldset[data-key='pulse_train'] > legend input").uncheck()
-    page.locator("fieldset[data-key='hold'] > legend input").check()
+    kinds = page.locator("select[data-key='kind']")
+    assert kinds.locator("option:checked").inner_text() == "pulse train"
+    assert not field(page, "relax_s").is_visible()
+    kinds.select_option(label="hold")
+    assert not field(page, "pulse_s").is_visible()
     field(page, "relax_s").fill("4")
     said = page.evaluate("labrig.page.protocol.form.get()")
     assert "pulse_train" not in said
     assert said["hold"] == {"relax_s": 4}
+    kinds.select_option(label="pulse train")  # what was there has stayed
+    assert page.evaluate("labrig.page.protocol.form.get()")["pulse_train"]["pulse_s"] == 0.6
 
 
 def test_an_extra_is_on_or_off_or_has_values_of_its_own(fake, visit):

@@ -19,7 +19,12 @@ def test_the_menu_leads_to_the_pages_of_another_distribution(server, visit):
     page.click("#tabs >> text=Plain notes")
     page.locator("main td").filter(has_text="data folder").wait_for()
     assert "All is noted." in text_of(page, "main")
-    assert page.locator("main td.num").all_inner_texts() == ["3"]
+    assert page.locator("main td.num").all_inner_texts() == ["1", "3", "2"]
+    sides = [
+        head.evaluate("(cell) => getComputedStyle(cell).textAlign")
+        for head in page.locator("main thead th").all()
+    ]
+    assert sides == ["left", "left", "right"]  # a column of numbers alone stands to the right
     page.locator("#tabs a", has_text="Notes").first.click()
     page.locator("main h1").filter(has_text="Notes: from another file, sessions").wait_for()
     assert page.locator("#tabs a[aria-current]").all_inner_texts() == ["Notes"]
@@ -39,7 +44,8 @@ def test_a_page_that_has_no_data_says_why(server, visit):
     page = visit(server.address)
     page.click("#tabs >> text=Failing")
     page.locator("main .fault").wait_for()
-    assert text_of(page, "main .fault") == "the page failing has no data: KeyError: 'ink'."
+    said = "the page 'failing' of labrig-notes 0.3 has no data: KeyError: 'ink'."
+    assert text_of(page, "main .fault") == said
 
 
 def test_a_page_whose_module_does_not_load_says_so_and_the_others_work(fake, visit):

@@ -10,7 +10,7 @@ from typing import Any
 from fastapi import FastAPI
 from fastapi.responses import FileResponse, JSONResponse
 
-from drivers.plugins import OWN, PluginWarning
+from drivers.plugins import OWN, Part, PluginWarning
 from labrig.errors import LabrigError
 from labrig.panel.core.requests import Here
 from labrig.panel.errors import MissingError
@@ -37,7 +37,7 @@ def add_page_routes(app: FastAPI) -> None:
             prefix = "" if part.distribution == OWN else f"/api/pages/{address}"
             app.include_router(page.router, prefix=prefix)
         if page.data is not None:
-            app.get(f"/api/pages/{address}")(_data_route(address, page))
+            app.get(f"/api/pages/{address}")(_data_route(part))
         if page.script is not None and not page.script.is_relative_to(STATIC):
             folders[address] = page.script.parent.resolve()
 
@@ -62,8 +62,9 @@ def _file(folders: dict[str, Path], address: str, path: str) -> Path:
     return file
 
 
-def _data_route(address: str, page: PanelPage) -> Callable[[Here], Any]:
-    ask = page.data
+def _data_route(part: Part[PanelPage]) -> Callable[[Here], Any]:
+    ask = part.part.data
+    origin = "" if part.distribution == OWN else f" of {part.distribution} {part.version}"
     assert ask is not None  # noqa: S101 - checked by the caller
 
     def data(panel: Here) -> Any:
@@ -73,6 +74,8 @@ def _data_route(address: str, page: PanelPage) -> Callable[[Here], Any]:
             raise
         except Exception as error:  # noqa: BLE001 - other people's code may raise anything
             why = " ".join(f"{type(error).__name__}: {error}".split()).rstrip(".")
-            return JSONResponse({"error": f"the page {address} has no data: {why}."}, 500)
+            return JSONResponse(
+                {"error": f"the page '{part.name}'{origin} has no data: {why}."}, 500
+            )
 
     return data

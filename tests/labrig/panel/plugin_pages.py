@@ -36,9 +36,9 @@ def fail(panel):
     raise KeyError("ink")
 
 def table(panel):
-    rows = [["data folder", panel.settings.data.name], ["pages", 3]]
+    rows = [["data folder", panel.settings.data.name, 1], ["pages", 3, 2]]
     return {"sentences": ["All is noted."], "tables": [
-        {"title": "Notes", "columns": ["what", "value"], "rows": rows}]}
+        {"title": "Notes", "columns": ["what", "value", "line"], "rows": rows}]}
 
 WEB = Path(__file__).parent / "labrig_notes_web"
 NOTES = PanelPage(title="Notes", order=25, router=router, script=WEB / "page.js", data=table)

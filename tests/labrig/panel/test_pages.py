@@ -150,7 +150,7 @@ def test_a_page_that_fails_answers_with_a_sentence(installed):
     )  # fmt: skip
     status, answer = installed.ask("GET", "/api/pages/failing")
     assert status == 500
-    assert answer["error"] == "the page failing has no data: KeyError: 'ink'."
+    assert answer["error"] == "the page 'failing' of labrig-notes 0.3 has no data: KeyError: 'ink'."
 
 
 @pytest.mark.slow

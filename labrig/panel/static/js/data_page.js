@@ -11,7 +11,7 @@ export function mount(place, app, asked, { name, title }) {
     ({ sentences = [], tables = [] }) =>
       put(
         body,
-        sentences.map((text) => h("p", {}, String(text))),
+        sentences.map((text) => h("p", { class: "data-sentence" }, String(text))),
         tables.map((one) => table(one)),
       ),
     (error) => put(body, h("p", { class: "fault" }, error.message)),
@@ -21,7 +21,10 @@ export function mount(place, app, asked, { name, title }) {
 
 /** A card with one table; names of columns and a title are optional. */
 export function table({ title = "", columns = [], rows = [] }) {
-  const head = columns.map((one) => h("th", { scope: "col" }, String(one)));
+  const numeric = (at) => rows.length > 0 && rows.every((row) => typeof row[at] === "number");
+  const head = columns.map((one, at) =>
+    h("th", { scope: "col", class: numeric(at) ? "num" : "" }, String(one)),
+  );
   const cell = (value) =>
     h("td", { class: typeof value === "number" ? "num" : "" }, String(value ?? "\u2013"));
   return h(

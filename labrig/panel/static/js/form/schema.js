@@ -86,12 +86,17 @@ export class SchemaForm {
   /** A group of fields. */
   object(key, schema, values, required) {
     const needed = new Set(schema.required ?? []);
-    const fields = this.ordered(schema, needed, values).map(([name, one]) => {
+    const kinds = alternativesOf(schema);
+    const ordered = this.ordered(schema, needed, values).filter(([name]) => !kinds.includes(name));
+    const fields = ordered.map(([name, one]) => {
       const field = this.make(name, one, values[name], needed.has(name));
       return { name, field, fixed: resolve(one, this.root).schema.default, given: name in values };
     });
     const named = schema.additionalProperties ? this.tables(schema, values) : null;
-    const body = [fields.map(({ field }) => field.element), named?.element];
+    const kind = kinds.length ? this.alternatives(kinds, schema, values) : null;
+    const elements = fields.map(({ field }) => field.element);
+    if (kind) elements.splice(fields.filter(({ name }) => needed.has(name)).length, 0, kind.element);
+    const body = [elements, named?.element];
     const element = key
       ? h(
           "fieldset",
@@ -110,10 +115,45 @@ export class SchemaForm {
           if (value === undefined) continue;
           if (given || needed.has(name) || !same(value, fixed)) found[name] = value;
         }
-        Object.assign(found, named?.get());
+        Object.assign(found, kind?.get(), named?.get());
         return required || Object.keys(found).length ? found : undefined;
       },
-      faults: () => [...fields.flatMap(({ field }) => field.faults()), ...(named?.faults() ?? [])],
+      faults: () => [
+        ...fields.flatMap(({ field }) => field.faults()),
+        ...(kind?.faults() ?? []),
+        ...(named?.faults() ?? []),
+      ],
+    };
+  }
+
+  /** Exactly one of several groups: which, and below it what belongs to it. */
+  alternatives(keys, schema, values) {
+    const groups = keys.map((key) => {
+      const inner = resolve(schema.properties[key], this.root).schema;
+      const field = this.object(key, inner, values[key] ?? {}, true);
+      return { key, name: nameOf(key).label, field };
+    });
+    const given = keys.find((key) => values[key] != null);
+    const options = groups.map(({ key, name }) => ({ name, value: key }));
+    const show = () => {
+      for (const { key, field } of groups) field.element.hidden = key !== choice.get();
+    };
+    const changed = () => {
+      show();
+      this.changed();
+    };
+    const choice = choiceField("kind", {}, given, options, given ? null : "choose", changed, true);
+    show();
+    const chosen = () => groups.find(({ key }) => key === choice.get());
+    return {
+      element: h(
+        "div",
+        {},
+        choice.element,
+        groups.map(({ field }) => field.element),
+      ),
+      get: () => (chosen() ? { [chosen().key]: chosen().field.get() } : {}),
+      faults: () => [...choice.faults(), ...(chosen()?.field.faults() ?? [])],
     };
   }
 
@@ -327,6 +367,11 @@ export class SchemaForm {
       faults: () => [...kind.faults(), ...(inner?.faults() ?? [])],
     };
   }
+}
+
+/** Keys of which a table has exactly one. */
+function alternativesOf({ oneOf = [] }) {
+  return oneOf.flatMap(({ required }) => required ?? []);
 }
 
 /** Whether a key is true, false, a table of its own, or left out. */

@@ -189,7 +189,7 @@ class Library {
     setText(
       this.said,
       `${total ? `${offset + 1} to ${last} of ${total}` : "no sessions"}${damaged ? `, ${damaged} damaged` : ""}` +
-        `${pending ? `; ${pending} files not looked into yet` : ""}${cut ? `; ${cut}` : ""}`,
+        `${pending ? `; ${pending} ${pending === 1 ? "file" : "files"} not looked into yet` : ""}${cut ? `; ${cut}` : ""}`,
     );
     const head = h(
       "tr",
