@@ -7,6 +7,7 @@ import signal
 import threading
 import time
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -37,15 +38,21 @@ def recorded(tmp_path_factory):
         yield found
 
 
+def written(path, **changes):
+    """Write a model of the moving world's sheet."""
+    save_model(model(load_cell=True, negative_ratio=0.8, **changes), path)
+    return str(path)
+
+
 @pytest.fixture
 def model_file(tmp_path):
-    """Write a model of the moving world's sheet."""
+    return partial(written, tmp_path / "m.toml")
 
-    def write(**changes):
-        save_model(model(load_cell=True, negative_ratio=0.8, **changes), tmp_path / "m.toml")
-        return str(tmp_path / "m.toml")
 
-    return write
+@pytest.fixture(scope="module")
+def of_the_true_model(recorded, tmp_path_factory):
+    """Its answers to the whole session."""
+    return followed(recorded, written(tmp_path_factory.mktemp("true") / "m.toml"))
 
 
 def errors(answers):
@@ -60,16 +67,15 @@ def last_estimate(answers):
 
 
 @pytest.mark.slow
-def test_the_true_model_predicts_force_and_shape_within_the_noise(recorded, model_file):
-    answers = followed(recorded, model_file())
-    found = errors(answers)
+def test_the_true_model_predicts_force_and_shape_within_the_noise(of_the_true_model):
+    found = errors(of_the_true_model)
     assert len(found) == 2
     for motion in found:
         # beside white noise: drift 0.05 mN, hum 0.03 mN, hysteresis, 1 % from set-up to set-up
         assert 0.03 < motion["noise_mN"] < 0.1
         assert motion["force_rms_mN"] < 1.5 * motion["noise_mN"]
         assert motion["shape_rms_mm"] < 0.15
-    row = last_estimate(answers)
+    row = last_estimate(of_the_true_model)
     assert abs(row["B"] - 1) < max(3 * row["B_sigma"], 0.03)
     assert abs(row["moment"] - 1) < max(3 * row["moment_sigma"], 0.03)
     assert row["B_sigma"] < 0.03
@@ -77,9 +83,9 @@ def test_the_true_model_predicts_force_and_shape_within_the_noise(recorded, mode
 
 @pytest.mark.slow
 def test_a_stiffness_that_is_off_by_20_per_cent_shows_in_the_error_and_in_the_estimate(
-    recorded, model_file
+    recorded, model_file, of_the_true_model
 ):
-    right = errors(followed(recorded, model_file()))
+    right = errors(of_the_true_model)
     answers = followed(recorded, model_file(stiffness=1.2))
     wrong = errors(answers)
     assert wrong[0]["force_rms_mN"] > 1.5 * right[0]["force_rms_mN"]
@@ -91,12 +97,11 @@ def test_a_stiffness_that_is_off_by_20_per_cent_shows_in_the_error_and_in_the_es
 
 
 @pytest.mark.slow
-def test_the_prediction_has_each_bin_of_the_signals_once(recorded, model_file):
-    answers = followed(recorded, model_file())
+def test_the_prediction_has_each_bin_of_the_signals_once(recorded, of_the_true_model):
     measured = np.concatenate(
         [strip.values[0] for _, strip, _ in recorded[2] if strip is not None and strip.run == 0]
     )
-    strips = [a.strip for a in answers if a.strip is not None and a.strip.run == 0]
+    strips = [a.strip for a in of_the_true_model if a.strip is not None and a.strip.run == 0]
     assert {strip.kind for strip in strips} == {PREDICTED}
     assert [strip.fresh for strip in strips] == [True] + [False] * (len(strips) - 1)
     predicted = np.concatenate([strip.values[0] for strip in strips])
@@ -105,9 +110,10 @@ def test_the_prediction_has_each_bin_of_the_signals_once(recorded, model_file):
 
 
 @pytest.mark.slow
-def test_a_model_that_is_slow_skips_images_and_takes_signals_in_larger_pieces(recorded, model_file):
-    path = model_file()
-    every = followed(recorded, path)
+def test_a_model_that_is_slow_skips_images_and_takes_signals_in_larger_pieces(
+    recorded, model_file, of_the_true_model
+):
+    every = of_the_true_model
     late = []
     for first in range(0, len(recorded[2]), 6):
         part = recorded[2][first : first + 6]
@@ -115,7 +121,7 @@ def test_a_model_that_is_slow_skips_images_and_takes_signals_in_larger_pieces(re
         strips = joined([row[1] for row in part if row[1] is not None])
         curves = [row[2] for row in part if row[2] is not None]
         late.append((messages, strips[-1] if strips else None, curves[-1] if curves else None))
-    some = followed(recorded, path, late)
+    some = followed(recorded, model_file(), late)
     whole, parts = (
         np.concatenate([a.strip.values for a in found if a.strip is not None], axis=1)
         for found in (every, some)
