@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from typer.core import TyperGroup
 
+from labrig.cli.command import example_help
 from labrig.cli.options import Json
 
 if TYPE_CHECKING:
@@ -75,9 +76,14 @@ class BatchGroup(TyperGroup):
         """Return the command of a task; None where there is none of that name."""
         del ctx
         from labrig.batch.choice import BATCH_TASKS
+        from labrig.cli.commands.batch import EXAMPLES
 
         part = BATCH_TASKS.parts().get(cmd_name)
-        return None if part is None else command_of(cmd_name, part.part)
+        if part is None:
+            return None
+        command = command_of(cmd_name, part.part)
+        command.epilog = example_help(EXAMPLES, f"labrig batch {cmd_name}")
+        return command
 
 
 def command_of(name: str, task: type[BatchTask]) -> Any:
