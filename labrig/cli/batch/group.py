@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from typer.core import TyperGroup
 
+from labrig.cli.batch.examples import EXAMPLES
 from labrig.cli.command import example_help
 from labrig.cli.options import Json
 
@@ -76,7 +77,6 @@ class BatchGroup(TyperGroup):
         """Return the command of a task; None where there is none of that name."""
         del ctx
         from labrig.batch.choice import BATCH_TASKS
-        from labrig.cli.commands.batch import EXAMPLES
 
         part = BATCH_TASKS.parts().get(cmd_name)
         if part is None:
