@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import typer
@@ -64,16 +64,20 @@ class Command:
         """Add this command to the application."""
         if isinstance(self.action, typer.Typer):
             for sub in self.action.registered_commands:
-                sub.epilog = self._epilog(str(sub.name or getattr(sub.callback, "__name__", "")))
-            app.add_typer(self.action, name=self.name)
+                name = str(sub.name or getattr(sub.callback, "__name__", ""))
+                sub.epilog = example_help(self.examples, f"labrig {self.name} {name}")
+            group = example_help(self.examples, f"labrig {self.name}")
+            app.add_typer(self.action, name=self.name, epilog=group)
         else:
-            app.command(name=self.name, epilog=self._epilog())(self.action)
+            epilog = example_help(self.examples, f"labrig {self.name}")
+            app.command(name=self.name, epilog=epilog)(self.action)
 
-    def _epilog(self, *below: str) -> str | None:
-        """Return the examples of a command, or of one of its subcommands, for its help."""
-        words = ["labrig", self.name, *below]
-        lines = [e.line for e in self.examples if e.line.split()[: len(words)] == words]
-        return "\b\n" + "\n".join(["Example:", *(f"  {line}" for line in lines)]) if lines else None
+
+def example_help(examples: Iterable[CommandExample], path: str) -> str | None:
+    """Return the examples of what is typed, with those of its subcommands, as help shows them."""
+    lines = [e.line for e in examples if f"{e.line} ".startswith(f"{path} ")]
+    head = "Example:" if len(lines) == 1 else "Examples:"
+    return "\b\n" + "\n".join([head, *(f"  {line}" for line in lines)]) if lines else None
 
 
 def faults(command: object) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, replace
@@ -12,10 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from model.measurements import FloatArray, ModelError
-from model.mechanics.equilibrium import SolverStatus
-from model.parameter import Parameter
 from model.sheet.beam_problem import ConditionProblem
-from model.sheet.configured_sheet import Along, ConfiguredSheet
 from model.sheet.sheet_model import SheetModel
 from model.sheet.solution import SolvedProblems, solved
 
@@ -79,7 +76,7 @@ def _solved_map(model: SheetModel, configuration: str, p: FloatArray, V: FloatAr
     return ForceMap(
         position_m=p, voltage_V=V, tangential_N=found.force_N.reshape(shape),
         normal_N=normal.reshape(shape), s_hat_m=found.s_hat_m.reshape(shape),
-        reachable=(found.status == SolverStatus.SOLVED).reshape(shape), setups=setups, solved=found,
+        reachable=found.reachable.reshape(shape), setups=setups, solved=found,
     )  # fmt: skip
 
 
@@ -131,70 +128,3 @@ def resized(
         sheets={configuration: replace(one, sheet=sheet)},
         cut_from_m={configuration: measured_m},
     )
-
-
-def varied(one: ConfiguredSheet, B: float, bending: dict[float, float]) -> ConfiguredSheet:
-    """B and, for each voltage, Me/B multiplied by factors."""
-    eibm = {
-        v: Along(a.s_m, a.values * B * bending.get(v, 1.0), a.sigma, a.unit)
-        for v, a in one.eibm.items()
-    }
-    return replace(one, B=replace(one.B, value=one.B.value * B), eibm=eibm)
-
-
-def propagate(
-    model: SheetModel,
-    configuration: str,
-    question: Callable[[SheetModel], Sequence[float]],
-    units: Sequence[str],
-) -> list[Parameter]:
-    """Answers with the uncertainty of B, the EIBMs, k0 and the effects' parameters.
-
-    Forces fix B, shapes fix Me/B, so these two are varied independently, and each parameter of an
-    effect by itself. Uncertainties of an effect's inferred form are not in it.
-    """
-    one = model.sheet(configuration)
-    values = np.array(question(model))
-    stiff = one.B.sigma / one.B.value
-    pairs = [(varied(one, 1.0 + stiff, {}), varied(one, 1.0 - stiff, {}))]
-    for voltage, along in one.eibm.items():
-        share = _relative(along)
-        own = np.sqrt(max(share**2 - stiff**2, 0.1 * share**2))
-        pairs.append(
-            (varied(one, 1.0, {voltage: 1.0 + own}), varied(one, 1.0, {voltage: 1.0 - own}))
-        )
-    if np.any(one.rest.sigma > 0.0):
-        off = float(np.sqrt(np.mean(one.rest.sigma**2)))
-        rests = [replace(one.rest, values=one.rest.values + sign * off) for sign in (1.0, -1.0)]
-        pairs.append((replace(one, rest=rests[0]), replace(one, rest=rests[1])))
-    variance = np.zeros(len(values))
-    models = [
-        [replace(model, sheets={**model.sheets, configuration: sheet}) for sheet in pair]
-        for pair in pairs
-    ]
-    for both in [*models, *_of_effects(model, configuration)]:
-        moved = [np.array(question(changed)) for changed in both]
-        if not np.all(np.isfinite(moved)):
-            raise ModelError(
-                "within the uncertainty of the model's parameters this question has no answer; make"
-                " the working section smaller or the demand lower"
-            )
-        variance += (0.5 * (moved[0] - moved[1])) ** 2
-    return [
-        Parameter(value=float(v), sigma=float(np.sqrt(s)), unit=unit)
-        for v, s, unit in zip(values, variance, units, strict=True)
-    ]
-
-
-def _of_effects(model: SheetModel, configuration: str) -> Iterator[list[SheetModel]]:
-    """Yield for each uncertain parameter of an effect two models, at both ends of its interval."""
-    for place, effect in enumerate(model.effects):
-        before, after = model.effects[:place], model.effects[place + 1 :]
-        for ends in effect.varied(configuration):
-            yield [replace(model, effects=(*before, one, *after)) for one in ends]
-
-
-def _relative(along: Along) -> float:
-    """Return uncertainty of a moment's mean, relative to it."""
-    mean = float(np.mean(np.abs(along.values)))
-    return float(np.sqrt(np.mean(along.sigma**2))) / mean if mean else 0.0

@@ -8,7 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from model.design.force_map import force_map, known_voltages, propagate, resized, section
+from model.design.force_map import force_map, known_voltages, resized, section
+from model.design.propagation import propagate
 from model.design.working_section import shortest_sheet
 from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.design.force_map import force_map, known_voltages, propagate, reached, section
+from model.design.force_map import force_map, known_voltages, reached, section
+from model.design.propagation import propagate
 from model.measurements import FloatArray
 from model.parameter import Parameter
 from model.sheet.sheet_model import SheetModel

@@ -14,11 +14,11 @@ from model.design.force_map import (
     ForceMap,
     force_map,
     known_voltages,
-    propagate,
     reached,
     resized,
     section,
 )
+from model.design.propagation import propagate
 from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter
 from model.sheet.sheet_model import SheetModel

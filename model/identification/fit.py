@@ -11,6 +11,7 @@ import numpy as np
 from model.identification.base_model import not_weighed, weighs
 from model.identification.data.outlier_readings import without_outliers
 from model.identification.joint import Joint, joint_fit
+from model.identification.joint_deviations import deviations
 from model.identification.observations import Observed, observe
 from model.identification.options import FitOptions
 from model.identification.paper import PaperFit, identify
@@ -27,6 +28,7 @@ from model.measurements.columns import of_rows
 from model.parameter import Parameter
 from model.sheet import misfit
 from model.sheet.configured_sheet import Along, ConfiguredSheet
+from model.sheet.deviations import Deviations
 from model.sheet.sheet_model import SheetModel
 
 if TYPE_CHECKING:
@@ -185,6 +187,7 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
         SheetModel(
             sheets={name: part.sheet(varying) for name, part in parts.items()},
             source=measurements.source, checksum=measurements.checksum, held_out=held_out,
+            deviations=_deviations(joint) if varying else {},
         )
         for varying in (False, True)
     ]  # fmt: skip
@@ -207,6 +210,12 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
         rmse=errors, scatter=joint.scatter(), noise=joint.noise(), bootstrap_ratio=ratio,
         notes=notes, options=options, joint=joint,
     )  # fmt: skip
+
+
+def _deviations(joint: Joint) -> dict[str, Deviations]:
+    """Return those of each configuration of which forces were measured."""
+    looks = zip(joint.forward.names, joint.forward.looks, strict=True)
+    return {name: deviations(joint, n) for n, (name, one) in enumerate(looks) if weighs(one)}
 
 
 def _merit(

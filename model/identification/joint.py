@@ -194,7 +194,7 @@ class Joint:
         variance: FloatArray = np.einsum("si,ij,sj->s", by, self.covariance, by)
         return np.sqrt(variance)
 
-    def _rest_counts(self, n: int) -> bool:
+    def rest_counts(self, n: int) -> bool:
         """Whether Me counts from the stated k0: not with one |EIBM|, which has to be odd in V."""
         part = self._part(n)
         one_size = len({place for place, _ in part.eibm.values()}) < len(part.eibm)
@@ -212,7 +212,7 @@ class Joint:
         (first, sign), count = part.eibm[voltage_V], len(part.forms)
         rows = np.zeros((len(values), len(self.fitted.theta)))
         rows[:, first : first + count] = sign * B * values[:, :count]
-        if self._rest_counts(n):
+        if self.rest_counts(n):
             rows[:, list(part.rest)] = B * values[:, : len(part.rest)]
         return rows
 
@@ -220,7 +220,7 @@ class Joint:
         """Row whose product with the parameters is a mean EIBM, and its systematic doubt."""
         means = np.array([[np.mean([f.mean(x) for x in lengths]) for f in self._basis(n)]])
         row, doubt = self._by_terms(n, voltage_V, means)[0], 0.0
-        if self._rest_counts(n):
+        if self.rest_counts(n):
             # a shape at 0 V other than stated: was the sheet bent, or was there a moment?
             rest = list(self._part(n).rest)
             doubt = float(row[rest] @ self.fitted.theta[rest]) / np.sqrt(12.0)

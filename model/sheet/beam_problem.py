@@ -171,6 +171,19 @@ class ActiveEffect:
             for ends in [one.interval(STANDARD)]
         ]
 
+    def names(self, configuration: str) -> tuple[str, ...]:
+        """Return the names of its parameters in a configuration; none where it does not act."""
+        return tuple(self._acting(configuration) or ())
+
+    def moved(self, configuration: str, change: Mapping[str, float]) -> ActiveEffect:
+        """Return the effect with parameters changed; what is positive, by factors."""
+        known, result = self._acting(configuration) or {}, self
+        for name, much in change.items():
+            one = known[name]
+            grown = one.value * np.exp(much / one.value) if one.positive else one.value + much
+            result = result._with(configuration, name, float(np.clip(grown, one.low, one.high)))
+        return result
+
     def _acting(self, configuration: str) -> dict[str, Parameter] | None:
         if self.configurations and configuration not in self.configurations:
             return None

@@ -10,7 +10,7 @@ import numpy as np
 
 from model.measurements import Displayed, FloatArray, Summary, dataframe
 from model.mechanics.contact_range import limit_m, other_solutions, stable
-from model.mechanics.equilibrium import Equilibria, SolverStatus
+from model.mechanics.equilibrium import Equilibria
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 from model.sheet.solution import SolvedProblems, sampled_s, solved
 
@@ -121,7 +121,7 @@ def predict(
     found = solved(model.setups(configuration, [(position_m, v) for v in volts]))
     setup = found.setups[0]
     asked = _Asked(configuration=configuration, position_m=position_m, voltage_V=voltage_V)
-    if found.status[0] != SolverStatus.SOLVED:
+    if not found.reachable[0]:
         nothing = np.zeros(0)
         gone = np.nan
         return Prediction(

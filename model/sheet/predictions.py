@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from model.measurements import Displayed, FloatArray, ModelError, Summary, dataframe
-from model.mechanics.equilibrium import SolverStatus
 from model.sheet.prediction import Predictable, Prediction, predict
 from model.sheet.solution import sampled_s, solved
 
@@ -141,7 +140,7 @@ def predict_array(
     return PredictionArray(
         model=model, configuration=configuration, position_m=flat_p.reshape(p.shape),
         voltage_V=flat_V.reshape(p.shape),
-        reachable=(found.status == SolverStatus.SOLVED).reshape(p.shape),
+        reachable=found.reachable.reshape(p.shape),
         F_N=(found.force_N + added_N).reshape(p.shape), N_N=found.normal_N.reshape(p.shape),
         s_hat_m=found.s_hat_m.reshape(p.shape), phi_hat_rad=found.phi_hat_rad.reshape(p.shape),
         s_m=sampled_s(setups[0]), as_seen=as_seen, problems=tuple(setups),
@@ -169,7 +168,7 @@ def _load_cell_N(
     rows = {one.voltage_V: row for row, one in enumerate(setups)}
     positions = [position_m] * len(setups)
     found = solved(setups)
-    if found.status[0] != SolverStatus.SOLVED:
+    if not found.reachable[0]:
         return np.nan
     return load_cell_N(model.effects, found, positions, rows, setups[0].voltage_V)
 

@@ -16,6 +16,7 @@ from model.measurements import Displayed, ModelError, Summary
 from model.parameter import finite
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 from model.sheet.configured_sheet import ConfiguredSheet, table
+from model.sheet.deviations import Deviations
 
 if TYPE_CHECKING:
     from model.sheet.prediction import Prediction
@@ -41,6 +42,9 @@ class SheetModel(Displayed):
     session: int = 0
     # free lengths as measured of sheets that are cut to another, to which their effects refer
     cut_from_m: Mapping[str, float] = field(default_factory=dict)
+    # how the parameters of a configuration, with the effects', are uncertain together; a
+    # configuration that is not here: each by itself
+    deviations: Mapping[str, Deviations] = field(default_factory=dict)
 
     def summary(self) -> Summary:
         """Return the parameters of each configuration, and the names of the effects."""
@@ -160,7 +164,7 @@ class SheetModel(Displayed):
 
     def with_effects(self, *effects: ActiveEffect) -> SheetModel:
         """Return the same model with these effects."""
-        return replace(self, effects=effects)
+        return replace(self, effects=effects, deviations={})
 
     @property
     def sessions(self) -> int:
@@ -189,7 +193,11 @@ class SheetModel(Displayed):
             "configurations": {
                 name: one.to_dict()
                 | _merit_to_dict(self.own_merit.get(name, {}))
-                | ({"dynamic": self.dynamic[name].to_dict()} if name in self.dynamic else {})
+                | {
+                    key: parts[name].to_dict()
+                    for key, parts in (("deviations", self.deviations), ("dynamic", self.dynamic))
+                    if name in parts
+                }
                 for name, one in self.sheets.items()
             },
             "effects": [e.to_dict() for e in self.effects],
@@ -223,6 +231,11 @@ class SheetModel(Displayed):
                 name: DynamicSheet.from_dict(one["dynamic"], f"configurations.{name}.dynamic")
                 for name, one in sheets.items()
                 if "dynamic" in one
+            },
+            deviations={
+                name: Deviations.from_dict(one["deviations"], f"configurations.{name}.deviations")
+                for name, one in sheets.items()
+                if "deviations" in one
             },
         )  # fmt: skip
 

@@ -95,6 +95,11 @@ class SolvedProblems:
     parts: tuple[tuple[npt.NDArray[np.int64], Equilibria], ...]  # rows, and how they were solved
 
     @property
+    def reachable(self) -> npt.NDArray[np.bool_]:
+        """(K,) where there is an equilibrium; true where nothing touches."""
+        return np.asarray(self.status == SolverStatus.SOLVED)
+
+    @property
     def B_Nm2(self) -> FloatArray:
         """Of each setup."""
         return np.array([s.B_Nm2 for s in self.setups])

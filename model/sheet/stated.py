@@ -43,7 +43,7 @@ def with_eibm(model: SheetModel, eibm_Nm: Mapping[float, StatedEibm]) -> SheetMo
         return model
     stated = {_voltage(volts): _along(volts, values) for volts, values in eibm_Nm.items()}
     sheets = {name: replace(one, eibm={**one.eibm, **stated}) for name, one in model.sheets.items()}
-    return replace(model, sheets=sheets, merit={}, own_merit={}, dynamic={})
+    return replace(model, sheets=sheets, merit={}, own_merit={}, dynamic={}, deviations={})
 
 
 def _voltage(voltage_V: float) -> float:

@@ -11,8 +11,9 @@ import sys
 from pathlib import Path
 
 import pytest
+import typer
 
-from labrig.cli.app import all_commands
+from labrig.cli.app import all_commands, app_for
 from labrig.cli.main import run
 from labrig.cli.screen import time_left
 from labrig.cli.sentences.compiling import TOLD, compiling_is_told
@@ -51,6 +52,34 @@ def test_the_first_sentences_fit_a_terminal(capsys, monkeypatch):
     listed = capsys.readouterr().out.partition("Commands:")[2]
     assert "..." not in listed
     assert len(listed.strip().splitlines()) == len(COMMANDS)
+
+
+GROUPS = [name for name, one in COMMANDS.items() if isinstance(one.action, typer.Typer)]
+
+
+def subcommands(name):
+    group = app_for([name]).commands[name]
+    return group.list_commands(typer.Context(group))
+
+
+@pytest.mark.parametrize("name", GROUPS)
+def test_the_first_sentences_of_a_groups_commands_fit_too(name, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    assert run([name, "-h"]) == 0
+    listed = capsys.readouterr().out.partition("Commands:")[2].partition("\n\n")[0]
+    assert "..." not in listed
+    assert len(listed.strip().splitlines()) == len(subcommands(name))
+
+
+SUBCOMMANDS = [f"{group} {name}" for group in GROUPS for name in subcommands(group)]
+
+
+@pytest.mark.parametrize("name", [*COMMANDS, *SUBCOMMANDS])
+def test_each_help_ends_with_an_example(name, capsys):
+    assert run([*name.split(), "-h"]) == 0
+    shown = re.split(r"\n  Examples?:\n", capsys.readouterr().out)[1].splitlines()
+    assert shown
+    assert all(line.startswith(f"    labrig {name}") for line in shown)
 
 
 def completed(words: str) -> set[str]:

@@ -9,8 +9,9 @@ import pytest
 
 import model.design.force_map as force_maps
 from model import ModelError, Parameter, SheetModel
-from model.design.force_map import force_map, propagate, resized, section, varied
+from model.design.force_map import force_map, resized, section
 from model.design.linear_models import controller, fit_linear, linearise, state_space, validity
+from model.design.propagation import propagate, varied
 from model.design.sizing import least_area, linearity
 from model.design.working_section import (
     best_line,

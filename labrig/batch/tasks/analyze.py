@@ -10,9 +10,10 @@ from labrig.batch.contract import BatchAnswer, BatchItem, BatchTask, InputKind, 
 
 @dataclass(frozen=True, kw_only=True)
 class AnalyzeEach(BatchTask):
-    """Measure forces and neutral curves of each session and keep them in it, as labrig analyze.
+    """Measure forces and neutral curves of each session.
 
-    A row has the number of conditions, readings and curves, and the warnings.
+    Each session keeps its own, as with labrig analyze. A row has the number of conditions, readings
+    and curves, and the warnings.
     """
 
     takes = frozenset({InputKind.SESSION})

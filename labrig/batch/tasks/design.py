@@ -29,10 +29,11 @@ _MILLI = 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class DesignSweep(BatchTask):
-    """Answer labrig design's questions for all combinations of models and what is given.
+    """Answer the design questions for many models and sections.
 
-    A row is one combination: a model, one of its configurations, a working section, a force and a
-    direction. It has the least area, the shortest length, the largest forces and the best line.
+    They are those of labrig design, for all combinations of what is given. A row is one
+    combination: a model, one of its configurations, a working section, a force and a direction. It
+    has the least area, the shortest length, the largest forces and the best line.
     """
 
     takes = frozenset({InputKind.MODEL})

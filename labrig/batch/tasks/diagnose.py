@@ -23,11 +23,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class DiagnoseEach(BatchTask):
-    """Diagnose each session, or each sheet.toml with tables beside it, as labrig diagnose does.
+    """Diagnose each session, or each sheet.toml with its tables.
 
-    A row has the verdict, the effects named, and B and EIBM of the base model; each/NAME.json the
-    whole diagnosis and each/NAME.toml the model with its effects. Sessions that were not analysed
-    yet are analysed, and keep their measurements; the diagnosis itself is not stored in them.
+    It is what labrig diagnose does. A row has the verdict, the effects named, and B and EIBM of the
+    base model; each/NAME.json the whole diagnosis and each/NAME.toml the model with its effects.
+    Sessions that were not analysed yet are analysed, and keep their measurements; the diagnosis
+    itself is not stored in them.
     """
 
     takes = frozenset({InputKind.SESSION, InputKind.TABLES})

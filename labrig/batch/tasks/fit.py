@@ -19,11 +19,11 @@ from labrig.batch.tasks._measured import (
 
 @dataclass(frozen=True, kw_only=True)
 class FitEach(BatchTask):
-    """Fit each session, or each sheet.toml with tables beside it, as labrig fit does.
+    """Fit each session, or each sheet.toml with its tables.
 
-    A row has B and EIBM of each configuration and the errors; each/NAME.json what fit --json prints
-    and each/NAME.toml the model that fit -o writes. Sessions that were not analysed yet are
-    analysed, and keep their measurements.
+    It is what labrig fit does. A row has B and EIBM of each configuration and the errors;
+    each/NAME.json what fit --json prints and each/NAME.toml the model that fit -o writes. Sessions
+    that were not analysed yet are analysed, and keep their measurements.
     """
 
     takes = frozenset({InputKind.SESSION, InputKind.TABLES})

@@ -11,9 +11,10 @@ from labrig.batch.contract import BatchAnswer, BatchItem, BatchTask, InputKind, 
 
 @dataclass(frozen=True, kw_only=True)
 class ReportEach(BatchTask):
-    """Write tables, figures and one self-contained page about each session, as labrig report.
+    """Write a page with tables and figures about each session.
 
-    each/NAME/index.html is the page. A row has what the page had to leave out.
+    It is that of labrig report, in one file: each/NAME/index.html holds it. A row has what the page
+    had to leave out.
     """
 
     takes = frozenset({InputKind.SESSION})

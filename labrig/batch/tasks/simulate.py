@@ -26,7 +26,9 @@ _MILLI = 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class CoverageStudy(BatchTask):
-    """Draw sessions from a model file, fit each, and count how often intervals hold the truth.
+    """Count how often the intervals of a fit hold the truth.
+
+    Sessions are drawn from a model file, and each is fitted.
 
     The sessions are of the model's own sheets, at 0 V and its voltages, with the noise that is
     stated and no scatter from set-up to set-up. A row is a session: whether the 90 % interval of B

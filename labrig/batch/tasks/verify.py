@@ -10,9 +10,9 @@ from labrig.batch.contract import BatchAnswer, BatchItem, BatchTask, InputKind
 
 @dataclass(frozen=True, kw_only=True)
 class VerifyEach(BatchTask):
-    """Check structure, checksums and completeness of each session, as labrig verify does.
+    """Check structure, checksums and completeness of each session.
 
-    A row says whether all is in order, and which checks failed.
+    It is what labrig verify does. A row says whether all is in order, and which checks failed.
     """
 
     takes = frozenset({InputKind.SESSION})

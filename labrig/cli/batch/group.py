@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from typer.core import TyperGroup
 
+from labrig.cli.batch.examples import EXAMPLES
+from labrig.cli.command import example_help
 from labrig.cli.options import Json
 
 if TYPE_CHECKING:
@@ -77,7 +79,11 @@ class BatchGroup(TyperGroup):
         from labrig.batch.choice import BATCH_TASKS
 
         part = BATCH_TASKS.parts().get(cmd_name)
-        return None if part is None else command_of(cmd_name, part.part)
+        if part is None:
+            return None
+        command = command_of(cmd_name, part.part)
+        command.epilog = example_help(EXAMPLES, f"labrig batch {cmd_name}")
+        return command
 
 
 def command_of(name: str, task: type[BatchTask]) -> Any:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import typer
 
+from labrig.cli.batch.examples import EXAMPLES
 from labrig.cli.batch.group import BatchGroup
-from labrig.cli.command import Command, CommandExample
+from labrig.cli.command import Command
 
 app = typer.Typer(
     cls=BatchGroup,
@@ -25,17 +26,4 @@ def batch() -> None:
     """Have a task by name, which is asked for when it is needed."""
 
 
-COMMAND = Command(
-    "batch",
-    app,
-    order=185,
-    examples=(
-        CommandExample(line="labrig batch analyze *.h5 --dry-run"),
-        CommandExample(line="labrig batch fit session.h5 night --dry-run"),
-        CommandExample(line="labrig batch diagnose *.h5 --dry-run"),
-        CommandExample(line="labrig batch report *.h5 --dry-run"),
-        CommandExample(line="labrig batch verify session.h5 night --workers 1 -o verified"),
-        CommandExample(line="labrig batch simulate model.toml --count 100 --dry-run"),
-        CommandExample(line="labrig batch design model.toml --force-mN 0.2 --dry-run"),
-    ),
-)
+COMMAND = Command("batch", app, order=185, examples=EXAMPLES)

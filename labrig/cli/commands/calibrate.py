@@ -31,9 +31,10 @@ def load_cell(
     ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="take each weight as hung")] = False,
 ) -> None:
-    """Calibrate the load cell with dead weights, one by one, and write load_cell.toml.
+    """Calibrate the load cell with dead weights, one by one.
 
-    The output stays at 0 V. The calibration that is replaced is kept under its date.
+    It writes load_cell.toml. The output stays at 0 V. The calibration that is replaced is kept
+    under its date.
     """
     from labrig.config.file_kinds import LOAD_CELL, refuse_to_replace
     from labrig.experiment.load_cell_calibration import weigh, write_calibration
@@ -88,7 +89,9 @@ def camera(
     square_mm: SquareMm = 5.0,
     marker_mm: MarkerMm = 3.6,
 ) -> None:
-    """Calibrate the camera: scale, axes and lens, from images of a board, or from a ruler.
+    """Calibrate the camera with images of a board or a ruler.
+
+    It finds scale, axes and lens, and writes optics.json.
 
     Print the board with `labrig calibrate board`. One image of it, flat in the sheet's plane, is
     enough; three or more fix the lens better.
@@ -125,7 +128,10 @@ def board(
     square_mm: SquareMm = 5.0,
     marker_mm: MarkerMm = 3.6,
 ) -> None:
-    """Write the calibration board as a PDF of its true size, with a ruler to check the print."""
+    """Write the calibration board as a PDF of its true size.
+
+    It has a ruler to check the print.
+    """
     from labrig.config.file_kinds import PDF, refuse_to_replace
     from labrig.vision import write_board_pdf
 

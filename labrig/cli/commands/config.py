@@ -17,7 +17,10 @@ from labrig.files import write_text
 def schema(
     folder: Annotated[Path, typer.Argument(help="where to write the *.schema.json files")],
 ) -> None:
-    """Write the JSON Schemas of the configuration files, for editors and forms."""
+    """Write the JSON Schemas of the configuration files.
+
+    Editors and forms use them.
+    """
     from labrig.config.schema import schemas
 
     if folder.exists() and not folder.is_dir():

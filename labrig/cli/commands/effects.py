@@ -30,7 +30,10 @@ def list_effects(context: typer.Context, as_json: Json = False) -> None:
 def show_effect(
     name: Annotated[str, typer.Argument(help="an effect's name")], as_json: Json = False
 ) -> None:
-    """Show an effect: what it is, its form, how it shows, and what isolates it."""
+    """Show one effect.
+
+    What it is, its form, how it shows, and what isolates it.
+    """
     from labrig.report.tables.effects import effect_as_dict, effect_lines, parameter_table
     from model.effects import effect
 

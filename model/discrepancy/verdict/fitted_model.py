@@ -8,6 +8,7 @@ import numpy as np
 
 from model.discrepancy.prepare import Options
 from model.discrepancy.thresholds import INTERVAL_FREEDOM
+from model.discrepancy.verdict.written_deviations import deviations
 from model.discrepancy.verdict.written_form import with_bands
 from model.effects.interface import EffectParameter
 from model.identification.base_model import weighs
@@ -23,11 +24,18 @@ from model.sheet.sheet_model import SheetModel
 
 def sheet_model(final: MixedModelFit, measurements: Measurements, options: Options) -> SheetModel:
     """Return the model with the effects found and their forms."""
-    sheets = {name: _sheet(final, c) for c, name in enumerate(final.problem.forward.names)}
+    forward = final.problem.forward
+    sheets = {name: _sheet(final, c) for c, name in enumerate(forward.names)}
+    together = {
+        name: deviations(final, c)
+        for c, name in enumerate(forward.names)
+        if weighs(forward.looks[c])
+    }
     held = tuple(f"{name or 'all'}, {at * 1e3:g} mm" for name, at in options.hold_out)
     return SheetModel(
         sheets=sheets, effects=tuple(_active(f, final) for f in final.found),
         source=measurements.source, checksum=measurements.checksum, held_out=held,
+        deviations=together,
     )  # fmt: skip
 
 

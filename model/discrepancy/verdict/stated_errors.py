@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from model.discrepancy.verdict.measured_places import Seen, seen_at
 from model.identification.data.data_vector import ConditionData
 from model.identification.likelihood.forward_model import ForwardModel
 from model.measurements import FloatArray
-from model.sheet.measured_places import Seen, seen_at
 from model.sheet.sheet_model import SheetModel
 
 

@@ -147,12 +147,20 @@ def with_bands(one: Found, fitted: MixedModelFit) -> tuple[Profile, ...]:
     first = span.start + len(one.parameters())
     places = slice(first, first + len(one.ways))
     covariance, result = fitted.solution.covariance[places, places], list[Profile]()
+    for total, by in zip(one.terms, by_ways(one), strict=True):
+        band = np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, covariance, by), 0.0))
+        result.append(replace(total, sigma=tuple(np.hypot(band, total.sigma).tolist())))
+    return tuple(result)
+
+
+def by_ways(one: Found) -> list[FloatArray]:
+    """Return for each term of an effect's form what the sizes of its ways change, (nodes, ways)."""
+    result = []
     for total in one.terms:
         by = np.zeros((len(total.at), len(one.ways)))
         for i, way in enumerate(one.ways):
             for term in way.terms:
                 if key_of(term) == key_of(total):
                     by[:, i] += term.values
-        band = np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, covariance, by), 0.0))
-        result.append(replace(total, sigma=tuple(np.hypot(band, total.sigma).tolist())))
-    return tuple(result)
+        result.append(by)
+    return result

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.measurements import FloatArray, ModelError
-from model.mechanics.equilibrium import SolverStatus
 from model.sheet.instruments import as_pictured, camera_m, load_cell_N
 from model.sheet.prediction import Predictable
 from model.sheet.solution import sampled_s, solved
@@ -36,7 +35,7 @@ def seen_at(
     )
     rows = {place: k for k, place in enumerate(every)}
     found = solved(model.setups(configuration, list(rows)))
-    if np.any(found.status != SolverStatus.SOLVED):
+    if not np.all(found.reachable):
         raise ModelError("with the model's effects a measured condition is not reachable")
     positions_m = [at_m for at_m, _ in rows]
     s_m = sampled_s(found.setups[0])

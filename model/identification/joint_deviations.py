@@ -1,0 +1,96 @@
+"""How B, the EIBM along the sheet and k0 of a joint fit are uncertain together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from model.identification.joint import Joint
+from model.identification.likelihood.mixed_model import freedom
+from model.measurements import FloatArray
+from model.mechanics.field import legendre_field
+from model.sheet.deviations import (
+    STIFFNESS,
+    USUAL_FREEDOM,
+    Deviations,
+    columns_of,
+    curvature_key,
+    eibm_key,
+    few_columns,
+)
+
+PLACES = 25  # along the sheet, at which it is seen how much a deviation turns it
+LEFT_OUT = 0.01  # of the variance of the angle anywhere, and of B
+
+
+def deviations(joint: Joint, n: int) -> Deviations:
+    """Return those of the model with the EIBM along the sheet.
+
+    Forces and shapes know of a deviation by how it turns the sheet: those that turn it nowhere are
+    left out.
+    """
+    own = joint.own_parameters(n)
+    covariance = joint.covariance[np.ix_(own, own)]
+    columns = columns_of(covariance)
+    moves = np.zeros((len(joint.fitted.theta), columns.shape[1]))
+    moves[own] = columns
+    # systematic: where the shape at 0 V is not as stated, was it bent, or was there a moment?
+    doubt = np.zeros(len(joint.fitted.theta))
+    rest = list(joint.fitted.problem.bases.parts[n].rest)
+    if joint.rest_counts(n):
+        doubt[rest] = joint.fitted.theta[rest] / np.sqrt(12.0)
+    found = _rows(joint, n, moves, doubt)
+    kept = few_columns(found, _turns(joint, n, found), LEFT_OUT)
+    inverse = np.linalg.pinv(covariance)
+    degrees = [
+        _freedom(joint, own, inverse @ (columns @ turn[:-1]), float(np.sum(turn[:-1] ** 2)))
+        for turn in kept.T
+    ]
+    return found.turned(kept, np.array(degrees))
+
+
+def _rows(joint: Joint, n: int, moves: FloatArray, doubt: FloatArray) -> Deviations:
+    """Return the rows by parameter; the last column is the systematic doubt."""
+    part, theta = joint.fitted.problem.bases.parts[n], joint.fitted.theta
+    B = joint.stiffness(n).value
+    rows = {STIFFNESS: np.append(B * moves[part.stiffness], 0.0)}
+    for k, i in enumerate(part.rest):
+        rows[curvature_key(k)] = np.append(moves[i], doubt[i])
+    counted = dict(enumerate(part.rest)) if joint.rest_counts(n) else {}
+    for voltage, (first, sign) in part.eibm.items():
+        for k in range(len(part.forms)):
+            i, j = first + k, counted.get(k)
+            much, less = sign * theta[i], 0.0
+            if j is not None:
+                much, less = much + theta[j], -B * doubt[j]
+            change = B * (sign * moves[i] + much * moves[part.stiffness])
+            rows[eibm_key(voltage, k)] = np.append(change, less)
+    return Deviations(rows, np.full(moves.shape[1] + 1, USUAL_FREEDOM))
+
+
+def _turns(joint: Joint, n: int, found: Deviations) -> list[FloatArray]:
+    """Return what the columns change of B, and of the angle along the sheet at each voltage."""
+    part, length = joint.fitted.problem.bases.parts[n], joint.forward.scenes[n].length
+    theta, B = joint.fitted.theta, joint.stiffness(n).value
+    s, none = np.linspace(0.0, length, PLACES + 1)[1:], np.zeros(len(found))
+    terms = range(max(len(part.forms), len(part.rest)))
+    angle = np.stack([legendre_field(k, length).integral(s) for k in terms], axis=1)
+    rest = np.stack([found.rows.get(curvature_key(k), none) for k in terms])
+    result = [found.rows[STIFFNESS][None], angle @ rest]
+    for voltage, (first, sign) in part.eibm.items():
+        moment = np.stack([found.rows.get(eibm_key(voltage, k), none) for k in terms])
+        much = np.zeros(len(terms))
+        much[: len(part.forms)] = sign * theta[first : first + len(part.forms)]
+        if joint.rest_counts(n):
+            much[: len(part.rest)] += theta[list(part.rest)]
+        bent = (moment - much[:, None] * found.rows[STIFFNESS]) / B
+        result.append(angle @ (rest + bent))
+    return result
+
+
+def _freedom(joint: Joint, own: list[int], direction: FloatArray, share: float) -> float:
+    """Return the degrees of freedom of a column; `share`: of it that is not the doubt."""
+    if share < 1e-6:
+        return USUAL_FREEDOM
+    every = np.zeros(len(joint.fitted.theta))
+    every[own] = direction
+    return min(USUAL_FREEDOM, freedom(joint.fitted.solution, joint.spread, every) / share**2)
