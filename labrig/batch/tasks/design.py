@@ -29,7 +29,7 @@ _MILLI = 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class DesignSweep(BatchTask):
-    """Answer labrig design's questions for all combinations of models and what is given.
+    """Answer labrig design's questions for all combinations of models and options.
 
     A row is one combination: a model, one of its configurations, a working section, a force and a
     direction. It has the least area, the shortest length, the largest forces and the best line.

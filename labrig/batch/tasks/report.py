@@ -13,7 +13,7 @@ from labrig.batch.contract import BatchAnswer, BatchItem, BatchTask, InputKind, 
 class ReportEach(BatchTask):
     """Write tables, figures and one self-contained page about each session, as labrig report.
 
-    each/NAME/index.html is the page. A row has what the page had to leave out.
+    each/NAME/index.html is the page. A row lists the parts that had to be left out.
     """
 
     takes = frozenset({InputKind.SESSION})
