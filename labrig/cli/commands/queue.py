@@ -25,7 +25,7 @@ def queue(
         Path | None, typer.Option(help="sheet.toml; by default the one beside rig.toml")
     ] = None,
     yes: Annotated[
-        bool, typer.Option("--yes", help="take whatever is asked of the operator as done")
+        bool, typer.Option("--yes", help="answer the operator's questions with yes")
     ] = False,
 ) -> None:
     """Run several protocols, one session each.

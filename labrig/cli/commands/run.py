@@ -20,7 +20,7 @@ def run(
         Path | None, typer.Option("--output", "-o", help="the session file to make")
     ] = None,
     yes: Annotated[
-        bool, typer.Option("--yes", help="take whatever is asked of the operator as done")
+        bool, typer.Option("--yes", help="answer the operator's questions with yes")
     ] = False,
     resume: Annotated[
         Path | None,
