@@ -29,14 +29,14 @@ OWN = "labrig"  # the distribution of the parts in our own folders
 
 
 class PluginWarning(UserWarning):
-    """A part of another distribution is left out; the text says which, and why."""
+    """A part of another distribution is left out; the text names it with the reason."""
 
 
 MOST_NAMED = 12  # parts that one sentence lists
 
 
 class UnknownPartError(LookupError):
-    """No part has this name; the text says which there are."""
+    """No part has this name; the text lists those there are."""
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from labrig.config.schema import schemas
 from labrig.vision import Optics
 
 _FILES = {
-    "rig": ("rig.toml", "What is wired, how fast it is sampled, and what must never be exceeded."),
+    "rig": ("rig.toml", "The wiring, the sample rate, and the limits that are never exceeded."),
     "sheet": (
         "sheet.toml",
         "The arc and the sheet. Its tables other than `[arc]` are configurations; you name them.",
@@ -17,8 +17,8 @@ _FILES = {
     "protocol": (
         "protocol.toml",
         (
-            "What is done at each position, and what is kept. It has one table of a kind of "
-            "protocol, such as `[pulse_train]`. [What a protocol can determine](../protocol.md)"
+            "Voltages, positions and recordings of a session. It has one table of a kind of "
+            "protocol, such as `[pulse_train]`. [The protocol file](../protocol.md)"
         ),
     ),
     "load_cell": (
@@ -30,8 +30,8 @@ _FILES = {
 _OPTICS = (
     "optics.json",
     (
-        "Where the sheet's plane is in the image. `labrig calibrate camera` writes it. Required "
-        "are `px_per_mm` and `clamp_px`."
+        "The relation of pixels to the sheet's plane. `labrig calibrate camera` writes it. Only "
+        "`px_per_mm` and `clamp_px` are required."
     ),
 )
 
@@ -59,24 +59,61 @@ def _table(part: dict[str, Any], schema: dict[str, Any], path: str, level: int) 
     required = part.get("required", [])
     keys, inner = [], []
     for name, value in part.get("properties", {}).items():
-        table = _object(value, schema)
+        tables = _tables(value, schema)
         named = _named_tables(value, schema)
         if named is not None:
-            inner.append((f"{name}.NAME", value, named))
-        elif table is None or not table.get("properties"):
+            inner.append((f"{name}.NAME", value, [named]))
+        elif not any(table.get("properties") for table in tables):
             keys.append(_row(name, value, schema, needed=name in required))
         else:
-            inner.append((name, value, table))
-    if keys:
-        yield "| key | value | default | meaning |"
-        yield "|---|---|---|---|"
-        yield from keys
-        yield ""
-    for name, value, table in inner:
+            inner.append((name, value, tables))
+            if _may_be_plain(value):
+                keys.append(_row(name, value, schema, needed=name in required))
+    yield from _rows(keys)
+    for name, value, tables in inner:
         repeated = "array" in str(value.get("type", "")) or "items" in value
         below = f"{path}.{name}" if path else name
         said = value.get("description") or ""
-        yield from _section(table, schema, below, level, said=said, repeated=repeated)
+        if len(tables) > 1:
+            yield from _kinds(tables, schema, below, level, said)
+        else:
+            yield from _section(tables[0], schema, below, level, said=said, repeated=repeated)
+
+
+def _rows(rows: list[str]) -> Iterator[str]:
+    if rows:
+        yield "| key | value | default | meaning |"
+        yield "|---|---|---|---|"
+        yield from rows
+        yield ""
+
+
+def _kinds(
+    tables: list[dict[str, Any]], schema: dict[str, Any], path: str, level: int, said: str
+) -> Iterator[str]:
+    """Yield the keys that all kinds of a device share, then the further keys of each kind."""
+    rows = [_rows_of(table, schema) for table in tables]
+    shared = [row for row in rows[0] if all(row in others for others in rows)]
+    names = [_shown(table["properties"]["kind"].get("const")) for table in tables]
+    yield f"{'#' * level} `[{path}]`\n"
+    if said:
+        yield f"{_sentence(said)}\n"
+    yield from _rows([f"| `kind` | {' or '.join(names)} | | |", *shared])
+    for table, own, name in zip(tables, rows, names, strict=True):
+        further = [row for row in own if row not in shared]
+        if further:
+            yield f"{'#' * (level + 1)} `[{path}]` with `kind = `{name}\n".replace("``", "")
+            yield f"{_sentence(table.get('description', ''))}\n"
+            yield from _rows(further)
+
+
+def _rows_of(table: dict[str, Any], schema: dict[str, Any]) -> list[str]:
+    required = table.get("required", [])
+    return [
+        _row(name, value, schema, needed=name in required)
+        for name, value in table.get("properties", {}).items()
+        if name != "kind"
+    ]
 
 
 def _section(
@@ -95,7 +132,8 @@ def _section(
         else f"{'#' * min(level, 4)} `[{path}]`\n"
     )
     about = table.get("description", "")
-    yield f"{_sentence(about)} {_sentence(said) if said != about else ''}\n"
+    before = "" if about.startswith(said.rstrip(".")) else f"{_sentence(said)} "
+    yield f"{before}{_sentence(about)}\n"
     yield from _table(table, schema, path, level + 1)
 
 
@@ -137,15 +175,20 @@ def _bounds(value: dict[str, Any]) -> str:
     return f", {', '.join(said)}" if said else ""
 
 
-def _object(value: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the table that a value is, or that a list holds; None for a plain value."""
+def _tables(value: dict[str, Any], schema: dict[str, Any]) -> list[dict[str, Any]]:
+    """Return the tables that a value may be, or that a list holds; none for a plain value."""
     value = _resolved(value, schema)
     if "anyOf" in value:
-        tables = [_object(one, schema) for one in value["anyOf"]]
-        return next((one for one in tables if one is not None), None)
+        return [table for one in value["anyOf"] for table in _tables(one, schema)]
     if value.get("type") == "array":
-        return _object(value.get("items", {}), schema)
-    return value if value.get("type") == "object" else None
+        return _tables(value.get("items", {}), schema)
+    return [value] if value.get("type") == "object" else []
+
+
+def _may_be_plain(value: dict[str, Any]) -> bool:
+    """Return whether a value may be a number, a text or a truth value in place of a table."""
+    plain = {"string", "number", "integer", "boolean"}
+    return any(one.get("type") in plain or "const" in one for one in value.get("anyOf", ()))
 
 
 def _named_tables(value: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any] | None:
@@ -158,8 +201,7 @@ def _named_tables(value: dict[str, Any], schema: dict[str, Any]) -> dict[str, An
     further = next(iter(named.values()), value.get("additionalProperties"))
     if not isinstance(further, dict):
         return None
-    table = _object(further, schema)
-    return table if table and table.get("properties") else None
+    return next((one for one in _tables(further, schema) if one.get("properties")), None)
 
 
 def _resolved(value: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:

@@ -67,7 +67,7 @@ def connection_faults(connection: BoardConnection, clock: Clock) -> list[str]:
 def output_faults(output: BoardOutput, limit_V: float, clock: Clock) -> list[str]:
     """Return what an output, not open yet, does against `BoardOutput`. It is driven to its limit.
 
-    Nothing may be connected to it that stands less.
+    Connect nothing to it that cannot bear this voltage.
     """
     checks = Checks(clock)
     checks.refuse("write before open", lambda: output.write(0.0))
@@ -101,7 +101,7 @@ def timed_output_faults(
 ) -> list[str]:
     """Return what an output does against `TimedBoardOutput`; it and the inputs are open.
 
-    It is driven to its limit for 0.1 s. Nothing may be connected to it that stands less.
+    It is driven to its limit for 0.1 s. Connect nothing to it that cannot bear this voltage.
     """
     checks = Checks(clock)
     if not checks.require(output.is_timed, "is_timed is False"):

@@ -29,7 +29,7 @@ MAP_STEPS = 13  # beginnings and ends of a map
 
 @dataclass(frozen=True, repr=False)
 class Design(Displayed, Sequence[DesignAnswers]):
-    """The answers of each configuration, and the model that was asked."""
+    """The answers of each configuration, and the model they are of."""
 
     answers: tuple[DesignAnswers, ...]
     model: SheetModel

@@ -42,7 +42,7 @@ def diagnose(
         curves: curves.csv.
         signals: signals.csv.
         columns: which column of the tables is which of labrig's, such as {"force_mN": "F"}.
-        values: what no column says, such as {"configuration": "long"}.
+        values: a value that no column has, such as {"configuration": "long"}.
         model: a model (or its file) whose effects are known.
         hold_out: positions to leave out, such as "position=25" (mm).
         symmetric: one |EIBM| for both polarities; asymmetry is then a finding.

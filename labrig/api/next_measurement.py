@@ -76,7 +76,7 @@ def next_measurement(
         curves: curves.csv.
         signals: signals.csv.
         columns: which column of the tables is which of labrig's, such as {"force_mN": "F"}.
-        values: what no column says, such as {"configuration": "long"}.
+        values: a value that no column has, such as {"configuration": "long"}.
         model: a model (or its file) whose effects are known.
         symmetric: one |EIBM| for both polarities.
         progress: called with the share done (0 to 1) and a text.

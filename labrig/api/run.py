@@ -44,8 +44,8 @@ def run(
         protocol: protocol.toml.
         sheet: sheet.toml.
         output: the session file to make; it must not be there yet.
-        yes: take whatever is asked of the operator as done.
-        operator: who is asked for moves and moistening: an object with `ask(prompt) -> bool`.
+        yes: answer the operator's questions with yes.
+        operator: asked for moves and moistening: an object with `ask(prompt) -> bool`.
             One of `yes` and `operator` is needed where the rig is not simulated.
         about: about.toml; default: the one beside rig.toml, if any.
         on_event: called for each event of the session, in a thread of its own at a real rig. It
@@ -60,7 +60,7 @@ def run(
         LabrigError, DeviceError: one sentence for a wrong file, a failed preflight or a device.
 
     In the main thread Ctrl-C (in a notebook: the stop button) once stops after the current pulse,
-    twice at once. Doubts of the preflight are told as `LabrigWarning`.
+    twice at once. Warnings of the preflight are given as `LabrigWarning`.
 
     Example:
         >>> result = labrig.run(

@@ -39,7 +39,7 @@ def measurements_of_tables(
         signals: a table of signals.
         columns: which column of the tables is which of labrig's: {"force_mN": "F"}, or
             ["force_mN=F"].
-        values: what no column says, the same in all lines: {"configuration": "long"}.
+        values: a value that no column has, the same in all lines: {"configuration": "long"}.
 
     Returns:
         Measurements: for `labrig.fit` and all other functions that take measurements.

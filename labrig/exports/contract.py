@@ -16,7 +16,7 @@ class ExportFormat(Protocol):
 
     @property
     def summary(self) -> str:
-        """One sentence, with its full stop, that says what is written."""
+        """One sentence, with its full stop: what is written."""
         ...
 
     @property

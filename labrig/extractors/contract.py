@@ -24,7 +24,7 @@ class CurveExtractor(Protocol):
 
     @property
     def summary(self) -> str:
-        """One sentence, with its full stop, that says how the curve is found."""
+        """One sentence, with its full stop: how the curve is found."""
         ...
 
     def curve(

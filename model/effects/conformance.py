@@ -35,7 +35,7 @@ _FORM_COORDINATES = get_args(get_args(get_type_hints(Effect)["form_error_along"]
 def faults(effect: object) -> list[str]:
     """Return the faults of an effect, a sentence each without its full stop; none: it conforms.
 
-    What is checked later may rest on what was checked before, so the first faults end it.
+    Later checks may depend on earlier ones, so the first faults end it.
     """
     if not isinstance(effect, Effect):
         return [f"it is of type {type(effect).__name__}, not a model.effects.Effect"]

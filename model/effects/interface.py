@@ -127,7 +127,7 @@ class Effect:
 
     @property
     def amplitude(self) -> EffectParameter:
-        """The parameter that says how much of the effect there is."""
+        """The parameter that measures the size of the effect."""
         return self.parameters[0]
 
     def for_sessions(self, count: int) -> Effect | None:

@@ -66,11 +66,21 @@ def test_every_key_of_a_configuration_file_is_on_its_page(file):
 
     schema = schemas().get(file) or Optics.model_json_schema()
     page = made("configuration").pages()[f"{file}_file"]
-    tables = [schema, *schema.get("$defs", {}).values()]
-    keys = {key for table in tables for key in table.get("properties", {})}
+    keys = set(keys_of(schema))
     assert keys
     shown = ("`{}`", "{}]", "[{}.")
     assert [key for key in keys if not any(form.format(key) in page for form in shown)] == []
+
+
+def keys_of(schema):
+    """Yield the keys of a table and of all tables in it, those of each kind of a device too."""
+    if isinstance(schema, dict):
+        yield from schema.get("properties", {})
+        for inner in schema.values():
+            yield from keys_of(inner)
+    elif isinstance(schema, list):
+        for inner in schema:
+            yield from keys_of(inner)
 
 
 # -- features of models, the paper's tables 1 and 2

@@ -13,8 +13,7 @@ from labrig.batch.contract import BatchAnswer, BatchItem, BatchTask, InputKind, 
 class ReportEach(BatchTask):
     """Write a page with tables and figures about each session.
 
-    It is that of labrig report, in one file: each/NAME/index.html holds it. A row has what the page
-    had to leave out.
+    each/NAME/index.html is the page. A row lists the parts that had to be left out.
     """
 
     takes = frozenset({InputKind.SESSION})

@@ -12,7 +12,7 @@ from labrig.batch.contract import BatchAnswer, BatchItem, BatchTask, InputKind
 class VerifyEach(BatchTask):
     """Check structure, checksums and completeness of each session.
 
-    It is what labrig verify does. A row says whether all is in order, and which checks failed.
+    A row states whether the file is in order, and which checks failed.
     """
 
     takes = frozenset({InputKind.SESSION})

@@ -20,9 +20,9 @@ def analyze(
 ) -> None:
     """Measure a session's forces and neutral curves.
 
-    They are kept in the session.
+    They are stored in the session.
 
-    Measurements that it holds already are replaced; what was recorded is never changed.
+    Measurements that it holds already are replaced; the recording is never changed.
     """
     from labrig.analysis import analyze as analyze_session
     from labrig.extractors.choice import BUILT_IN

@@ -15,9 +15,9 @@ app = typer.Typer(
 
     It runs in several processes, or on a cluster.
 
-    A line of rows.jsonl is kept for each as it ends; the same command goes on where it was broken
-    off, and does again what has changed. What was found is also one table (CSV, and Parquet where
-    pyarrow is installed) and a summary with figures.""",
+    Each result is a line of rows.jsonl, written as it ends. After an interruption the same command
+    continues, and repeats only what has changed. All results are also one table (CSV, and Parquet
+    where pyarrow is installed) and a summary with figures.""",
 )
 
 

@@ -104,15 +104,15 @@ def curves(
     and it has a row in the tables. Photographs are turned as their EXIF states. Each page of a
     TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image.
 
-    With --to-end the length is measured, without a thickness in sheet.toml also that, and without
-    a direction in optics.json also that; a clamp within 20 pixels is enough. What was measured in
-    place of being stated is said with the curve.
+    With --to-end the length is measured. A thickness that sheet.toml does not state, and a
+    direction that optics.json does not state, are measured as well; a clamp within 20 pixels is
+    enough. The curve's warnings name the measured quantities.
 
-    --mask says what of the images is not used. With several strips in a picture (--strip, or
-    `strips` in optics.json) each has its own curve; it takes the table of its name in sheet.toml.
+    --mask excludes parts of the images. With several strips in an image (--strip, or `strips` in
+    optics.json) each has its own curve; it takes the table of its name in sheet.toml.
     --method runs one curve extractor against another; -o FILE.csv keeps the comparison.
     --page serves a page for a folder: click clamp, direction, ruler and mask for one photograph or
-    for all, look at every curve, accept or refuse. What is clicked stays beside the photographs.
+    for all, look at every curve, accept or refuse. The clicks are kept beside the photographs.
     """
     if page is not None:
         if any((sources, optics, sheet, batch, output, summary, overlay, method, mask, strip)):

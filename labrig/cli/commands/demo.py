@@ -45,9 +45,9 @@ def demo(
 
     It records, analyses, fits, diagnoses and reports.
 
-    Then ten seconds on the real clock, the same drivers speaking TCP and serial to the simulated
-    boards, camera and stage in another process. Last a sheet that moves: a release and some pulses
-    are recorded, mass, losses and electrodes identified, and a pulse drawn with its model.
+    Then it runs for ten seconds on the real clock: the same drivers speak TCP and serial to the
+    simulated boards, camera and stage in another process. At last it records a sheet that moves,
+    identifies mass, losses and electrodes, and draws a pulse with its model.
     """
     from labrig.config.templates import write_templates
 

@@ -61,8 +61,8 @@ def design(
 
     Best line and controller, largest difference of shapes, shortest sheet, largest forces, force in
     both directions, the sheet of least area with and without a rigid elongation, and the work along
-    the arc. Each question is answered by itself; what has no answer is reported with the reason. So
-    is a model that does not describe its own data.
+    the arc. Each question is answered by itself; where one has no answer, the reason is printed. A
+    model that does not describe its own data gives a warning.
 
     With --eibm, for EIBMs of your own; with --stiffness-Nm2 too, sheet.toml takes the model file's
     place.

@@ -15,8 +15,8 @@ _SIMULATED = {True: "yes", False: "no", None: "not known"}
 def devices(as_json: Json = False) -> None:
     """List the cameras that can be found.
 
-    Each with its source for rig.toml. Cameras on the network, on USB 3 and behind GenTL producers
-    are found; those of OpenCV and FireWire are not.
+    Each is listed with its source for rig.toml. Cameras on the network, on USB 3 and behind GenTL
+    producers are found; those of OpenCV and FireWire are not.
     """
     from drivers.cameras import CAMERAS
     from drivers.interfaces import DeviceError, DeviceIdentity

@@ -46,9 +46,9 @@ def import_tables(
     """Make a session of tables of older measurements.
 
     Columns are separated by commas, semicolons or tabs, decimals by points or commas; lines above
-    the names of the columns are passed over. The letters are UTF-8, UTF-16 or Latin-1. How each
-    table was understood is printed first. Where one is not written as labrig writes it you are
-    asked whether that is right; --yes agrees beforehand, but never to a guess.
+    the names of the columns are skipped. The encoding is UTF-8, UTF-16 or Latin-1. labrig first
+    prints how it understood each table. Where a table is not written as labrig writes it, it asks
+    whether that is right; --yes agrees beforehand, but never to a guess.
 
     forces: configuration, position_mm, voltage_V, force_mN; also reading, sd_mN and mean_of (where
     force_mN is a mean), time_s, kind, valid, run, approach, mounting, tilt_deg.

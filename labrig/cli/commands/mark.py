@@ -24,8 +24,8 @@ def mark(
 ) -> None:
     """Mark a run or reading of a session invalid, and say why.
 
-    Marks are kept beside what was recorded, which stays as it is; none is ever removed, --undo adds
-    a line that takes one back. What was analysed before is out of date then.
+    Marks are added to the file and change no recording. None is ever removed; --undo adds a line
+    that withdraws one. An earlier analysis is then out of date.
     """
     from labrig.session import Mark, add_mark, open_session
 

@@ -82,11 +82,12 @@ def next_measurement(
 
     It writes the protocol of that measurement.
 
-    Without --between, what the diagnosis of the (first) session proposes; a session that holds none
-    is diagnosed first.
+    Without --between, it is the one that the diagnosis of the (first) session proposes; a session
+    without a diagnosis is diagnosed first.
 
-    With --dynamic, which further run would determine what of the sheet in time: a table of the 90 %
-    intervals now and expected. It fits the session as labrig fit --dynamic does, or takes --model.
+    With --dynamic, it prints which further run would determine which parameter of the sheet in
+    time: the 90 % intervals now and expected. It fits the session as labrig fit --dynamic does, or
+    takes --model.
     """
     from labrig.api.next_measurement import proposed, require_two
     from labrig.report.diagnosis.tables import next_sentence

@@ -24,7 +24,7 @@ def note(
 ) -> None:
     """Add a note or a photograph to a session, running or not.
 
-    Nothing of the recording is changed and no note is ever removed. During a run it is kept beside
+    The recording is not changed, and no note is ever removed. During a run the note is kept beside
     the file until that is closed, or recovered.
     """
     from labrig.session import Note, add_note

@@ -20,7 +20,7 @@ def pause(
 
     With --end it continues.
 
-    For another terminal than the one in which the session runs. The output is read back; the
+    Type it in another terminal than the one in which the session runs. The output is read back; the
     pause is recorded in the session's log. Ctrl-C and STOP end a paused session as any other.
     """
     from labrig.experiment.pause import PauseFile

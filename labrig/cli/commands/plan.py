@@ -25,9 +25,9 @@ def plan(
 ) -> None:
     """Show the schedule: times, voltages, readings, durations.
 
-    Says how long the sheet is at rest when free shapes are taken, and warns of what a dynamic fit
-    ([extras] release, [analysis] dynamic) would not know from it, and of positions that can hardly
-    be meant on the arc of the sheet.toml beside it.
+    It states how long the sheet rests before free shapes. It warns where a dynamic fit ([extras]
+    release, [analysis] dynamic) could not determine a parameter, and of implausible positions on
+    the arc of the sheet.toml beside it.
     """
     from labrig.config import load_protocol
     from labrig.experiment.next_measurement.dynamic_needs import not_determined

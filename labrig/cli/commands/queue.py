@@ -25,16 +25,16 @@ def queue(
         Path | None, typer.Option(help="sheet.toml; by default the one beside rig.toml")
     ] = None,
     yes: Annotated[
-        bool, typer.Option("--yes", help="take whatever is asked of the operator as done")
+        bool, typer.Option("--yes", help="answer the operator's questions with yes")
     ] = False,
 ) -> None:
     """Run several protocols, one session each.
 
     The sessions are NN-PROTOCOL.h5 in the folder.
 
-    All are checked (files, limits, disk space) before the first begins. The queue stops on anything
-    but a completed session, and ends with its exit code. [hooks] of rig.toml tell of each session
-    when it waits, has stopped or is done.
+    All are checked (files, limits, disk space) before the first begins. The queue stops at a
+    session that is not completed, and ends with its exit code. [hooks] of rig.toml are called when
+    a session waits, has stopped or is done.
     """
     from labrig.experiment.queue import QueuedRun, faults_of
 

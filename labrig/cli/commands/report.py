@@ -25,7 +25,7 @@ def report(
 ) -> None:
     """Write a page with tables and figures about a session.
 
-    The page is one file that needs nothing else.
+    The page is one file and needs no network.
     """
     from labrig.report.page.write import write_report
     from labrig.report.parts.style import known_formats

@@ -20,7 +20,7 @@ def run(
         Path | None, typer.Option("--output", "-o", help="the session file to make")
     ] = None,
     yes: Annotated[
-        bool, typer.Option("--yes", help="take whatever is asked of the operator as done")
+        bool, typer.Option("--yes", help="answer the operator's questions with yes")
     ] = False,
     resume: Annotated[
         Path | None,
@@ -46,15 +46,15 @@ def run(
 ) -> None:
     """Run the experiment and record it.
 
-    Asks for moves and moistening. Ctrl-C once stops after the current pulse, twice at once; the
-    output is 0 V either way. With a rig whose rig.toml says replay = "session.h5", plays that.
+    It asks for moves and moistening. Ctrl-C once stops after the current pulse, twice at once; the
+    output is 0 V either way. With replay = "session.h5" in rig.toml, that session is played.
 
-    With --resume, runs what a session lacks: its complete runs are copied into a new session
-    (NAME-resumed.h5 unless -o says otherwise), the first incomplete one is begun anew.
+    With --resume, the missing runs of a session are made: its complete runs are copied into a new
+    session (NAME-resumed.h5 unless -o names it), and the first incomplete one begins again.
 
-    With --diagnose, goes on after the run: where the data leave several effects open, proposes the
-    measurement that separates them, runs it as a session of its own (NAME-2.h5, ...) and diagnoses
-    all together, three times at most.
+    With --diagnose, the session is diagnosed after the run. Where several effects remain possible,
+    the measurement that separates them is made as a session of its own (NAME-2.h5, ...), and all
+    are diagnosed together; three times at most.
 
     With --controller and --reference, a controller sets the voltage at its place, so that the force
     follows the reference: force_mN above the force at 0 V from each time_s on, until the last

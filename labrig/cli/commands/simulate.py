@@ -66,9 +66,9 @@ def simulate(
 ) -> None:
     """Predict force and shape with a model.
 
-    All combinations of what is given are predicted.
+    All combinations of the stated conditions are predicted.
 
-    With --eibm, what it predicts for EIBMs of your own; --voltage may then be left out. With
+    With --eibm, the prediction is for EIBMs of your own; --voltage may then be left out. With
     --eibm and --stiffness-Nm2, sheet.toml takes the model file's place.
 
     With --time: force, current and shape at every millisecond of a drive, from rest at 0 V.
