@@ -31,9 +31,9 @@ _MILLI = 1e-3
 class DesignSweep(BatchTask):
     """Answer the design questions for many models and sections.
 
-    They are those of labrig design. A row is one
-    combination: a model, one of its configurations, a working section, a force and a direction. It
-    has the least area, the shortest length, the largest forces and the best line.
+    They are those of labrig design. A row is one combination: a model, one of its configurations, a
+    working section, a force and a direction. It has the least area, the shortest length, the
+    largest forces and the best line.
     """
 
     takes = frozenset({InputKind.MODEL})
