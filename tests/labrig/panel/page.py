@@ -26,12 +26,20 @@ Message = dict[str, Any]
 TRIES, TOO_BUSY = 4, "camera rate"
 
 
-class Server:
-    """`labrig panel` as a process."""
+WITHOUT_FIT = Path(__file__).with_name("without_fit.py")
 
-    def __init__(self, what: Path | None, *options: str) -> None:
+
+class Server:
+    """`labrig panel` as a process.
+
+    `fits`: it fits beside each run, as it does for users. That takes half the processor time of
+    a test with runs, and tests of other things can do without.
+    """
+
+    def __init__(self, what: Path | None, *options: str, fits: bool = True) -> None:
         shown = [] if what is None else [str(what)]
-        command = [sys.executable, "-m", "labrig", "panel", *shown, "--port", "0", *options]
+        program = ["-m", "labrig"] if fits else ["-P", str(WITHOUT_FIT)]
+        command = [sys.executable, *program, "panel", *shown, "--port", "0", *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()
@@ -208,12 +216,14 @@ def start(page: Page, session: str, protocol: str = "long.toml") -> Message:
 
 
 @contextmanager
-def panel(what: Path | None, *options: str, leave_job: bool = False) -> Iterator[Server]:
+def panel(
+    what: Path | None, *options: str, leave_job: bool = False, fits: bool = True
+) -> Iterator[Server]:
     """A panel until the block ends; its job ends with it unless it is to be left.
 
     Without `what`: a panel of sessions, which has no job.
     """
-    server = Server(what, *options)
+    server = Server(what, *options, fits=fits)
     try:
         yield server
     finally:
