@@ -142,10 +142,10 @@ def shared_world(
 ) -> Iterator[RigWorld]:
     """A panel and a rig for all tests of a worker; use `world`.
 
-    It fits beside its runs where a test measures what users are promised.
+    It is lean (see `Server`) unless a test measures what users are promised.
     """
-    fits = any(map(is_alone, request.session.items))
-    with rig_world(tmp_path_factory.mktemp("browser") / "rig", fits=fits) as found:
+    lean = not any(map(is_alone, request.session.items))
+    with rig_world(tmp_path_factory.mktemp("browser") / "rig", lean=lean) as found:
         yield found
 
 

@@ -22,7 +22,7 @@ def world(tmp_path_factory):
     (folder / "protocol.toml").write_text(TWO_POSITIONS.replace("5, 15", "5, 10"))
     run_rig(folder, "a.h5")
     shutil.copy(two_positions(tmp_path_factory), folder / "b.h5")
-    with panel(folder / "rig.toml", fits=False) as server:
+    with panel(folder / "rig.toml", lean=True) as server:
         yield RigWorld(server, folder)
 
 

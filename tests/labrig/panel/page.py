@@ -26,19 +26,19 @@ Message = dict[str, Any]
 TRIES, TOO_BUSY = 4, "camera rate"
 
 
-WITHOUT_FIT = Path(__file__).with_name("without_fit.py")
+LEAN = Path(__file__).with_name("lean_panel.py")
 
 
 class Server:
     """`labrig panel` as a process.
 
-    `fits`: it fits beside each run, as it does for users. That takes half the processor time of
-    a test with runs, and tests of other things can do without.
+    `lean`: without what takes longer than most runs of tests, the fit beside a run and a process
+    that is ready for the next job; for tests of something else.
     """
 
-    def __init__(self, what: Path | None, *options: str, fits: bool = True) -> None:
+    def __init__(self, what: Path | None, *options: str, lean: bool = False) -> None:
         shown = [] if what is None else [str(what)]
-        program = ["-m", "labrig"] if fits else ["-P", str(WITHOUT_FIT)]
+        program = ["-P", str(LEAN)] if lean else ["-m", "labrig"]
         command = [sys.executable, *program, "panel", *shown, "--port", "0", *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
@@ -217,13 +217,13 @@ def start(page: Page, session: str, protocol: str = "long.toml") -> Message:
 
 @contextmanager
 def panel(
-    what: Path | None, *options: str, leave_job: bool = False, fits: bool = True
+    what: Path | None, *options: str, leave_job: bool = False, lean: bool = False
 ) -> Iterator[Server]:
     """A panel until the block ends; its job ends with it unless it is to be left.
 
     Without `what`: a panel of sessions, which has no job.
     """
-    server = Server(what, *options, fits=fits)
+    server = Server(what, *options, lean=lean)
     try:
         yield server
     finally:

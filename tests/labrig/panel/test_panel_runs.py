@@ -34,7 +34,7 @@ def rig(rig_folder):
 
 @pytest.fixture(scope="module")
 def server(rig_folder):
-    """A panel as users have it, which fits beside its runs: what it promises holds then, too."""
+    """A whole panel, as users have it: what it promises is measured here."""
     with panel(rig_folder / "rig.toml") as found:
         yield found
 
