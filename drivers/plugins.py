@@ -22,7 +22,7 @@ from traceback import extract_tb
 from typing import TYPE_CHECKING, Generic, TypeVar, cast
 
 if TYPE_CHECKING:
-    from importlib.metadata import EntryPoint, EntryPoints
+    from importlib.metadata import EntryPoint
 
 T = TypeVar("T")
 OWN = "labrig"  # the distribution of the parts in our own folders
@@ -112,8 +112,7 @@ def _choice(name: str, known: list[str]) -> str:
 def _found(folder: PluginFolder[object], path: tuple[str, ...]) -> dict[str, Part[object]]:
     """Return the parts as seen from these places; what is installed there is read once."""
     parts = _own(folder)
-    entries = _entries(path).select(group=folder.group)
-    for entry in sorted(entries, key=lambda e: (e.name, e.value)):
+    for entry in _entries(path).get(folder.group, ()):
         if entry.name in parts:
             article = "an" if folder.what[0] in "aeiou" else "a"
             _leave_out(folder, entry, f"there is {article} {folder.what} of that name already")
@@ -128,12 +127,19 @@ def _found(folder: PluginFolder[object], path: tuple[str, ...]) -> dict[str, Par
 
 
 @lru_cache(maxsize=8)
-def _entries(path: tuple[str, ...]) -> EntryPoints:
-    """Return all entry points as seen from these places: a file of each distribution is read."""
+def _entries(path: tuple[str, ...]) -> dict[str, list[EntryPoint]]:
+    """Return the entry points of each group, as seen from these places, in their order.
+
+    A file of each distribution is read for it, and there may be hundreds.
+    """
     from importlib.metadata import entry_points  # slow to import
 
     del path
-    return entry_points()
+    found = entry_points()
+    return {
+        group: sorted(found.select(group=group), key=lambda e: (e.name, e.value))
+        for group in found.groups
+    }
 
 
 def _own(folder: PluginFolder[object]) -> dict[str, Part[object]]:

@@ -17,6 +17,7 @@ from labrig.config.templates import template_text
 from tests.panel_browser import fake_panel
 from tests.panel_browser.every_page import every_page, fill
 from tests.panel_browser.rig_world import RigWorld, leave_alone, rig_world
+from tests.side_by_side import is_alone
 
 # The first has no windows and takes half the processor time.
 NAMES = (
@@ -136,9 +137,15 @@ def turn_to(chromium) -> Iterator[Callable[..., Any]]:
 
 
 @pytest.fixture(scope="session")
-def shared_world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RigWorld]:
-    """A panel and a rig for all tests of a worker; use `world`."""
-    with rig_world(tmp_path_factory.mktemp("browser") / "rig") as found:
+def shared_world(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[RigWorld]:
+    """A panel and a rig for all tests of a worker; use `world`.
+
+    It is lean (see `Server`) unless a test measures what users are promised.
+    """
+    lean = not any(map(is_alone, request.session.items))
+    with rig_world(tmp_path_factory.mktemp("browser") / "rig", lean=lean) as found:
         yield found
 
 

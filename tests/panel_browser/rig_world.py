@@ -56,7 +56,7 @@ class RigWorld:
 
 
 @contextmanager
-def rig_world(folder: Path, *options: str) -> Iterator[RigWorld]:
+def rig_world(folder: Path, *options: str, lean: bool = False) -> Iterator[RigWorld]:
     """A panel on a new rig: `short.toml` is done in seconds, `long.toml` takes half a minute.
 
     `protocol.toml` has four positions.
@@ -69,7 +69,7 @@ def rig_world(folder: Path, *options: str) -> Iterator[RigWorld]:
     for name, (moisten, readings, positions) in kinds.items():
         text = PROTOCOL.format(moisten=moisten, readings=readings, positions=positions)
         (folder / f"{name}.toml").write_text(text)
-    with panel(folder / "rig.toml", *options) as server:
+    with panel(folder / "rig.toml", *options, lean=lean) as server:
         yield RigWorld(server, folder)
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import io
+import shutil
 import zipfile
 
 import pytest
 
 from labrig.panel.replay import Recording
 from labrig.session import open_session
-from tests.end_to_end.small_rig import TWO_POSITIONS, labrig, make_rig, run_rig
+from tests.end_to_end.small_rig import TWO_POSITIONS, labrig, make_rig, run_rig, two_positions
 from tests.labrig.panel.page import panel
 from tests.panel_browser.conftest import text_of
 from tests.panel_browser.rig_world import RigWorld, enter
@@ -18,10 +19,10 @@ from tests.panel_browser.rig_world import RigWorld, enter
 @pytest.fixture(scope="module")
 def world(tmp_path_factory):
     folder = make_rig(tmp_path_factory.mktemp("sessions") / "rig")
-    for name, second in (("a.h5", 10), ("b.h5", 15)):
-        (folder / "protocol.toml").write_text(TWO_POSITIONS.replace("5, 15", f"5, {second}"))
-        run_rig(folder, name)
-    with panel(folder / "rig.toml") as server:
+    (folder / "protocol.toml").write_text(TWO_POSITIONS.replace("5, 15", "5, 10"))
+    run_rig(folder, "a.h5")
+    shutil.copy(two_positions(tmp_path_factory), folder / "b.h5")
+    with panel(folder / "rig.toml", lean=True) as server:
         yield RigWorld(server, folder)
 
 

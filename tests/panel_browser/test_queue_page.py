@@ -14,7 +14,7 @@ DONE_MS = 120_000
 @pytest.fixture(scope="module")
 def rig(tmp_path_factory):
     """A rig of its own: others may have been calibrated and stopped by the tests before."""
-    with rig_world(tmp_path_factory.mktemp("queue") / "rig") as found:
+    with rig_world(tmp_path_factory.mktemp("queue") / "rig", lean=True) as found:
         yield found
 
 
@@ -27,7 +27,7 @@ def world(rig):
 @pytest.fixture
 def own(tmp_path):
     """A rig on which nothing has run, with the shipped protocol: long enough to be paused."""
-    with rig_world(tmp_path / "rig") as found:
+    with rig_world(tmp_path / "rig", lean=True) as found:
         (found.folder / "protocol.toml").write_text(template_text("protocol.toml"))
         yield found
         leave_alone(found)  # to run it all would only take long

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="the simulated stage 
 
 @pytest.fixture
 def world(tmp_path):
-    with rig_world(tmp_path / "rig") as found:
+    with rig_world(tmp_path / "rig", lean=True) as found:
         yield found
 
 
@@ -31,7 +31,7 @@ def restarted(world):
     """Kill the panel, start another one on the same folder and port."""
     world.server.end(signal.SIGKILL)
     port = str(urlsplit(world.server.origin).port)
-    world.server = Server(world.folder / "rig.toml", "--port", port)
+    world.server = Server(world.folder / "rig.toml", "--port", port, lean=True)
     return world.server
 
 

@@ -36,8 +36,8 @@ def rig_folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def server(rig_folder):
-    """A panel for all tests of a file."""
-    with panel(rig_folder / "rig.toml") as found:
+    """A panel for all tests of a file, and a lean one: see `Server`."""
+    with panel(rig_folder / "rig.toml", lean=True) as found:
         yield found
 
 

@@ -26,12 +26,20 @@ Message = dict[str, Any]
 TRIES, TOO_BUSY = 4, "camera rate"
 
 
-class Server:
-    """`labrig panel` as a process."""
+LEAN = Path(__file__).with_name("lean_panel.py")
 
-    def __init__(self, what: Path | None, *options: str) -> None:
+
+class Server:
+    """`labrig panel` as a process.
+
+    `lean`: without what takes longer than most runs of tests, the fit beside a run and a process
+    that is ready for the next job; for tests of something else.
+    """
+
+    def __init__(self, what: Path | None, *options: str, lean: bool = False) -> None:
         shown = [] if what is None else [str(what)]
-        command = [sys.executable, "-m", "labrig", "panel", *shown, "--port", "0", *options]
+        program = ["-P", str(LEAN)] if lean else ["-m", "labrig"]
+        command = [sys.executable, *program, "panel", *shown, "--port", "0", *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()
@@ -208,12 +216,14 @@ def start(page: Page, session: str, protocol: str = "long.toml") -> Message:
 
 
 @contextmanager
-def panel(what: Path | None, *options: str, leave_job: bool = False) -> Iterator[Server]:
+def panel(
+    what: Path | None, *options: str, leave_job: bool = False, lean: bool = False
+) -> Iterator[Server]:
     """A panel until the block ends; its job ends with it unless it is to be left.
 
     Without `what`: a panel of sessions, which has no job.
     """
-    server = Server(what, *options)
+    server = Server(what, *options, lean=lean)
     try:
         yield server
     finally:

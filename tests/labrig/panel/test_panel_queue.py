@@ -61,7 +61,7 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def server(folder):
     """A panel that goes on from test to test."""
-    with panel(folder / "rig.toml") as found:
+    with panel(folder / "rig.toml", lean=True) as found:
         yield found
 
 
@@ -180,7 +180,7 @@ def test_a_held_queue_ends_its_session_and_begins_no_further_one(page):
 
 
 def test_a_restarted_panel_goes_on_with_a_run_that_lives_and_then_with_the_next(alone):
-    server = Server(alone / "rig.toml")
+    server = Server(alone / "rig.toml", lean=True)
     page = Page(server)
     page.take_control(force=True)
     add(page, "long.toml", "lives.h5")
@@ -190,7 +190,7 @@ def test_a_restarted_panel_goes_on_with_a_run_that_lives_and_then_with_the_next(
     page.do("/api/pause", on=True)  # so that it lives until the panel is back
     page.until(lambda m: m["type"] == "state" and m["state"] == "paused")
     server.end(signal.SIGKILL)
-    again = Server(alone / "rig.toml", "--port", str(urlsplit(server.origin).port))
+    again = Server(alone / "rig.toml", "--port", str(urlsplit(server.origin).port), lean=True)
     try:
         page = Page(again)
         page.until(lambda m: m["type"] == "state" and m["state"] == "paused")
@@ -214,7 +214,7 @@ def test_a_panel_that_comes_back_later_begins_nothing_by_itself(alone):
         "text": "",
     }
     (hidden / "queue.json").write_text(json.dumps(queue))
-    server = Server(alone / "rig.toml")
+    server = Server(alone / "rig.toml", lean=True)
     try:
         found = Page(server).ask("GET", "/api/queue")[1]
         assert found["going"] is False
@@ -231,7 +231,7 @@ def test_a_session_that_needs_hands_waits_and_the_hook_is_told(alone, tmp_path):
     with (alone / "rig.toml").open("a") as text:
         text.write(f"\n[hooks]\ncommand = {hook}\nwaiting_after_s = 0.2\n")
     (alone / "hands.toml").write_text("moisten = true\n" + (alone / "short.toml").read_text())
-    server = Server(alone / "rig.toml")
+    server = Server(alone / "rig.toml", lean=True)
     page = Page(server)
     try:
         page.take_control(force=True)
@@ -262,7 +262,7 @@ def test_a_run_of_the_page_that_is_killed_is_told_to_the_hooks_once(alone, tmp_p
     hook = json.dumps([sys.executable, "-c", KEEP, str(told_in)])
     with (alone / "rig.toml").open("a") as text:
         text.write(f"\n[hooks]\ncommand = {hook}\n")
-    server = Server(alone / "rig.toml")
+    server = Server(alone / "rig.toml", lean=True)
     page = Page(server)
     try:
         page.take_control(force=True)

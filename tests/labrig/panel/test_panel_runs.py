@@ -32,6 +32,13 @@ def rig(rig_folder):
             os.kill(pid, signal.SIGTERM)
 
 
+@pytest.fixture(scope="module")
+def server(rig_folder):
+    """A whole panel, as users have it: what it promises is measured here."""
+    with panel(rig_folder / "rig.toml") as found:
+        yield found
+
+
 @pytest.fixture
 def page(server, rig):
     """A page that holds control, of a panel that goes on from test to test."""

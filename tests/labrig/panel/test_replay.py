@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(scope="module")
 def recorded(rig_folder):
     """What a page was told of a run, and the file that was made of it."""
-    with panel(rig_folder / "rig.toml") as server:
+    with panel(rig_folder / "rig.toml", lean=True) as server:
         page = Page(server)
         page.take_control()
         run = {"protocol": "short.toml", "session": "recorded.h5", "clock": "virtual"}

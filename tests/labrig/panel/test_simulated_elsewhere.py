@@ -17,7 +17,7 @@ pytestmark = [
 
 
 def test_the_page_says_that_boards_on_the_real_clock_are_simulated(tmp_path):
-    with serving(tmp_path) as rig, panel(rig.folder / "rig" / "rig.toml") as server:
+    with serving(tmp_path) as rig, panel(rig.folder / "rig" / "rig.toml", lean=True) as server:
         page = Page(server)
         try:
             page.take_control()
