@@ -224,8 +224,9 @@ def test_readings_that_do_not_count_are_told_in_log_table_and_warning(fake, visi
     page.wait_for_selector(".mean")
     until(page, ".lost-readings", "do not count")
     late = made_up.reading(4, made_up.readings()[22], 0.0, valid=False)
-    fake.tell({**late, "log": "reading 23 of run 5 (+2 V) does not count: the edge came 7 ms late"})
-    until(page, ".lost-readings", "run 5 (long, 20 mm): 2 of 30: the edge came 7 ms late")
+    why = "the edge came 9.5 ms late"
+    fake.tell({**late, "why": why, "log": f"reading 23 of run 5 (+2 V) does not count: {why}"})
+    until(page, ".lost-readings", "run 5 (long, 20 mm): 2 of 30: the edge came 7 to 9.5 ms late")
     line = page.locator(".log-lines .log-reading")
     assert "LOST reading 23 of run 5" in " ".join(line.inner_text().split())
     row = page.locator(".means ~ .readings-two tr.chosen")
