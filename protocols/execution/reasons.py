@@ -17,8 +17,12 @@ def alike(reasons: Iterable[str]) -> list[list[str]]:
 
 
 def in_short(reasons: Iterable[str]) -> str:
-    """Return each reason once: "its edge came 5.1 to 15.5 ms late (limit 5 ms); no frame came"."""
-    return "; ".join(_as_one(group) for group in alike(reasons))
+    """Return each reason once: "its edge came 5.1 to 15.5 ms late (limit 5 ms); no frame came".
+
+    One that consists of several, with semicolons, is taken apart.
+    """
+    parts = (part for reason in reasons for part in reason.split("; "))
+    return "; ".join(_as_one(group) for group in alike(parts))
 
 
 def _as_one(group: list[str]) -> str:

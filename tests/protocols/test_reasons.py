@@ -16,6 +16,7 @@ from protocols.execution.reasons import in_short
             ["late by 15.5 ms (limit 5 ms)", "no frame came", "late by 9 ms (limit 5 ms)"],
             "late by 9 to 15.5 ms (limit 5 ms); no frame came",
         ),
+        (["late by 7 ms; no frame", "no frame", "late by 8 ms"], "late by 7 to 8 ms; no frame"),
         (["-2 V at +3 mm", "10 V at +3 mm"], "-2 to 10 V at +3 mm"),
         (["PCI6703 is gone", "PCI6034E is gone"], "PCI6703 is gone; PCI6034E is gone"),
     ],

@@ -101,7 +101,7 @@ const NUMBER = /(?<![\w.])[-+]?\d+(?:\.\d+)?/g;
 /** Reasons, each once; those that differ in their numbers alone are one, with their range. */
 export function inShort(reasons) {
   const alike = new Map();
-  for (const reason of reasons) {
+  for (const reason of reasons.flatMap((one) => one.split("; "))) {
     const words = reason.replace(NUMBER, "\0");
     alike.set(words, [...(alike.get(words) ?? []), reason.match(NUMBER) ?? []]);
   }
