@@ -37,8 +37,8 @@ from protocols.execution.events import (
     SessionStopped,
     Warned,
 )
-from protocols.execution.reasons import in_short
 from protocols.execution.stop import StopLevel, StopRequest
+from protocols.reasons import in_short
 
 _MOST_LINES = 3  # of readings that do not count, in one run; then its end says how many
 _MOVE_S = 20.0  # at the rig, between two runs: a move and a moistening

@@ -12,9 +12,9 @@ from protocols.execution.events import (
     OperatorNotAsked,
     ReadingTaken,
 )
-from protocols.execution.reasons import in_short
 from protocols.planning.preparation import Action
 from protocols.planning.schedule import PlannedReading, PlannedRun, ReadingKind, Schedule
+from protocols.reasons import in_short
 
 REPEAT = "repeat"  # kind of the prompt; True: go on without them, False: measure the run again
 EXPIRES_S = 120.0  # a session that nobody attends does not wait for ever

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from protocols.execution.reasons import in_short
+from protocols.reasons import in_short
 
 
 @pytest.mark.parametrize(

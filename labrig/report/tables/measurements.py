@@ -9,7 +9,7 @@ import numpy as np
 from labrig.report.data.selection import conditions_of, configurations, mean_force, place
 from labrig.report.parts.table import Table, fixed, volts
 from model import Condition, Measurements
-from protocols.execution.reasons import alike, in_short
+from protocols.reasons import alike, in_short
 
 
 def measurements_tables(measurements: Measurements) -> list[Table]:
