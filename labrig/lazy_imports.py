@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
 from importlib import import_module
 from typing import Any
 
@@ -24,10 +25,20 @@ def lazily(
 
     def load(name: str) -> Any:
         if name not in every:
-            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+            hint = _hint(name, every)
+            raise AttributeError(f"module {package!r} has no attribute {name!r}{hint}")
         before()
         if name in modules:
             return import_module(f"{package}.{name}")
         return getattr(import_module(home_of[name]), name)
 
     return load, lambda: list(every), every
+
+
+def _hint(name: str, known: Sequence[str]) -> str:
+    """Return "; did you mean open_session?" for names that hold the word or are spelt alike."""
+    if name.startswith("_"):  # Python itself asks for many of these
+        return ""
+    words = [one for one in known if name.lower() in one.lower().split("_")]
+    close = words or get_close_matches(name, known, n=3, cutoff=0.7)
+    return f"; did you mean {' or '.join(close)}?" if close else ""

@@ -38,6 +38,12 @@ if TYPE_CHECKING:
 
 __all__ = ["curves", "diagnosis", "diagnosis_forces", "eibm", "forces", "motion", "shapes"]
 
+
+def __dir__() -> list[str]:
+    """Return what draws, and not what is imported for it."""
+    return list(__all__)
+
+
 # quantity of a motion -> label, and the factor to its unit
 _QUANTITIES = {
     "force_N": ("force F (mN)", 1e3),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -28,8 +28,11 @@ def silent(_fraction: float, _text: str) -> None:
 
 
 def path_of(path: AnyPath) -> Path:
-    """Return a path that was given as text or as a path."""
-    return Path(os.fspath(path))
+    """Return a path that was given as text, as a path or as an open session."""
+    try:
+        return Path(os.fspath(path))
+    except TypeError:
+        raise BadInputError(f"a file is needed, not {_kind(path)}.") from None
 
 
 def several(given: One | Sequence[One] | None) -> list[One]:
@@ -65,6 +68,12 @@ def model_of(model: AnyPath | SheetModel) -> SheetModel:
     """Return a model as it is, or that of a file."""
     if isinstance(model, SheetModel):
         return model
+    if not isinstance(model, str | os.PathLike):
+        of_fit = "; a fit has three: preferred_model, model and varying_model"
+        raise BadInputError(
+            f"a model or its file is needed, not {_kind(model)}"
+            f"{of_fit if hasattr(model, 'preferred_model') else ''}."
+        )
     from labrig.model_file import load_model
 
     return load_model(path_of(model))
@@ -76,4 +85,19 @@ def name_of(model: AnyPath | SheetModel) -> str:
 
 
 def _as_list(data: AnyPath | Sequence[AnyPath]) -> list[AnyPath]:
-    return [data] if isinstance(data, str | os.PathLike) else list(data)
+    if isinstance(data, str | os.PathLike):
+        return [data]
+    if not isinstance(data, Iterable) or hasattr(data, "columns"):  # a data frame is its columns
+        raise BadInputError(
+            f"a session file, several, or measurements are needed, not {_kind(data)}; for tables "
+            "see labrig.measurements_of_tables."
+        )
+    return list(data)
+
+
+def _kind(value: object) -> str:
+    """Return what something is, with its article: an int, a DataFrame, None."""
+    if value is None:
+        return "None"
+    name = type(value).__name__
+    return f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"

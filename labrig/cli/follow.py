@@ -38,6 +38,7 @@ from protocols.execution.events import (
     Warned,
 )
 from protocols.execution.stop import StopLevel, StopRequest
+from protocols.reasons import in_short
 
 _MOST_LINES = 3  # of readings that do not count, in one run; then its end says how many
 _MOVE_S = 20.0  # at the rig, between two runs: a move and a moistening
@@ -222,7 +223,7 @@ class RunDisplay:
         if self._invalid:
             self._lost.append(
                 f"run {event.run + 1}: {len(self._invalid)} of {len(run.readings)} "
-                f"readings do not count: {'; '.join(dict.fromkeys(self._invalid))}"
+                f"readings do not count: {in_short(self._invalid)}"
             )
             warn(self._lost[-1])
         if event.losses:

@@ -14,6 +14,7 @@ from protocols.execution.events import (
 )
 from protocols.planning.preparation import Action
 from protocols.planning.schedule import PlannedReading, PlannedRun, ReadingKind, Schedule
+from protocols.reasons import in_short
 
 REPEAT = "repeat"  # kind of the prompt; True: go on without them, False: measure the run again
 EXPIRES_S = 120.0  # a session that nobody attends does not wait for ever
@@ -84,11 +85,10 @@ def offers(schedule: Schedule, mounted: list[PlannedRun], lost: LostReadings) ->
 
 def _offer(run: PlannedRun, why: dict[int, str]) -> Prompt:
     where = "free" if run.position_m is None else f"{run.position_m * 1e3:g} mm"
-    reasons = "; ".join(dict.fromkeys(why.values()))
     text = (
         f"{len(why)} of {len(counting(run))} readings of run {run.index + 1} ({run.configuration}, "
-        f"{where}) do not count: {reasons}. The sheet is still mounted: go on without them, or "
-        f"measure this run again now? (After {EXPIRES_S:g} s it goes on.)"
+        f"{where}) do not count: {in_short(why.values())}. The sheet is still mounted: go on "
+        f"without them, or measure this run again now? (After {EXPIRES_S:g} s it goes on.)"
     )
     return Prompt(
         kind=REPEAT,

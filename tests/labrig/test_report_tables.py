@@ -207,7 +207,7 @@ def test_reasons_of_invalid_readings_that_differ_in_numbers_alone_are_counted_to
     )
     condition = Condition(configuration="long", position_m=0.0, voltage_V=2.0, readings=readings)
     *_, reasons = measurements_tables(Measurements(sheets={}, conditions=(condition,)))
-    assert reasons.rows == (("2 of 4", "3 samples lost"), ("1 of 4", "it stuck"))
+    assert reasons.rows == (("2 of 4", "3 to 12 samples lost"), ("1 of 4", "it stuck"))
 
 
 @pytest.mark.parametrize(

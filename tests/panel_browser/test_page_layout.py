@@ -8,7 +8,7 @@ from tests.panel_browser.every_page import every_page
 
 PAGES = every_page()
 
-SIZES = {"desk": (1440, 900), "phone": (390, 844)}
+SIZES = {"desk": (1440, 900), "laptop": (1280, 800), "phone": (390, 844)}
 
 
 @pytest.mark.parametrize("name", PAGES)
@@ -59,3 +59,13 @@ BESIDE = """() => {
   };
   return [...fields].filter(beside).map((it) => it.labels[0].innerText.slice(0, 40));
 }"""
+
+
+@pytest.mark.parametrize("width", [1280, 1440])
+def test_the_table_of_single_readings_shows_all_its_columns(turn_to, width):
+    page = turn_to("run", width, 800)
+    page.wait_for_selector(".readings-single td")
+    hidden = page.locator(".readings-single .scroll").evaluate(
+        "(box) => box.scrollWidth - box.clientWidth"
+    )
+    assert hidden <= 0

@@ -182,6 +182,24 @@ def test_who_does_not_hold_control_watches(fake, visit):
     assert not any("prompt" in (body or {}) for body in bodies)
 
 
+def test_enter_in_the_name_takes_control_that_is_free_and_no_other(fake, visit):
+    page = visit(f"{fake.url}#/run")
+    page.wait_for_selector(".mean")
+    fake.tell({"type": "control", "holder": "other", "name": "Ben", "clients": 2})
+    page.locator("text=Take over").wait_for()
+    name = page.locator("[placeholder='your name']")
+    name.fill("Ada")
+    name.press("Enter")
+    fake.tell({"type": "control", "holder": None, "name": None, "clients": 1})
+    page.locator("text=Take control").wait_for()
+    assert not any(path == "/api/control" for _, path, _ in fake.asked)
+    name.press("Enter")
+    page.locator("button", has_text="Release").wait_for()
+    taken = [body for _, path, body in fake.asked if path == "/api/control"]
+    assert taken == [{"do": "take", "name": "Ada"}]
+    assert page.evaluate("document.activeElement.innerText") == "Release"
+
+
 def prompt(number):
     return {
         "type": "prompt", "time_s": 1, "prompt": number, "kind": "move", "configuration": "long",
@@ -224,8 +242,9 @@ def test_readings_that_do_not_count_are_told_in_log_table_and_warning(fake, visi
     page.wait_for_selector(".mean")
     until(page, ".lost-readings", "do not count")
     late = made_up.reading(4, made_up.readings()[22], 0.0, valid=False)
-    fake.tell({**late, "log": "reading 23 of run 5 (+2 V) does not count: the edge came 7 ms late"})
-    until(page, ".lost-readings", "run 5 (long, 20 mm): 2 of 30: the edge came 7 ms late")
+    why = "the edge came 9.5 ms late"
+    fake.tell({**late, "why": why, "log": f"reading 23 of run 5 (+2 V) does not count: {why}"})
+    until(page, ".lost-readings", "run 5 (long, 20 mm): 2 of 30: the edge came 7 to 9.5 ms late")
     line = page.locator(".log-lines .log-reading")
     assert "LOST reading 23 of run 5" in " ".join(line.inner_text().split())
     row = page.locator(".means ~ .readings-two tr.chosen")

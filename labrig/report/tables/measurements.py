@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -11,8 +9,7 @@ import numpy as np
 from labrig.report.data.selection import conditions_of, configurations, mean_force, place
 from labrig.report.parts.table import Table, fixed, volts
 from model import Condition, Measurements
-
-_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?")
+from protocols.reasons import alike, in_short
 
 
 def measurements_tables(measurements: Measurements) -> list[Table]:
@@ -40,13 +37,12 @@ def measurements_tables(measurements: Measurements) -> list[Table]:
 def _reasons(measurements: Measurements) -> list[tuple[str, str]]:
     """Return how many readings are invalid for each reason, the commonest first.
 
-    Reasons that differ in their numbers alone are one, shown with those of its first reading.
+    Reasons that differ in their numbers alone are one, with their range.
     """
     readings = [reading for condition in measurements.conditions for reading in condition.readings]
     whys = [reading.why or "not stated" for reading in readings if not reading.valid]
-    first = {_NUMBER.sub("#", why): why for why in reversed(whys)}
-    counted = Counter(_NUMBER.sub("#", why) for why in whys)
-    return [(f"{n} of {len(readings)}", first[alike]) for alike, n in counted.most_common()]
+    groups = sorted(alike(whys), key=len, reverse=True)
+    return [(f"{len(group)} of {len(readings)}", in_short(group)) for group in groups]
 
 
 def _row(condition: Condition) -> tuple[str, ...]:

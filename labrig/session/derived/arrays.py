@@ -26,6 +26,10 @@ MEAN_IMAGE = -1  # in place of a reading's place: the curve of the condition's m
 # Columns of `points` and `samples`; those a curve or series does not have are NaN.
 _POINT = ("s_m", "x_m", "y_m", "curvature_per_m", "sigma_m", "curvature_sigma_per_m")
 _SAMPLE = ("time_s", "drive_V", "force_N", "current_A")
+# for readers without labrig: what the columns of the plain arrays are
+COLUMNS = {"points": _POINT, "samples": _SAMPLE}
+# of columns whose names do not end with their unit
+UNITS = {"curvature_per_m": "1/m", "curvature_sigma_per_m": "1/m"}
 _CHANNEL = "channel_"  # before the name of a further channel's values, among those of readings
 _CONTACT = ("s_m", "x_m", "y_m", "angle_rad", "position_m", "position_sigma_m", "radius_m")
 

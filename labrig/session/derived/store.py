@@ -9,12 +9,17 @@ from typing import Any
 import numpy as np
 
 from labrig.errors import BadInputError
-from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
+from labrig.session.derived.arrays import (
+    COLUMNS,
+    UNITS,
+    measurements_from_tables,
+    tables_from_measurements,
+)
 from labrig.session.format import layout
 from labrig.session.reading.opening import open_file
 from labrig.session.reading.session import RecordedSession
 from labrig.session.reading.values import read_array, read_dataset, text_attribute
-from labrig.session.recording.hdf5 import set_attributes
+from labrig.session.recording.hdf5 import put_text_list, set_attributes, unit_of
 from labrig.session.supplements.store import replaced, seal
 from model.measurements import Measurements
 
@@ -111,5 +116,19 @@ def write_derived(file: Any, measurements: Measurements, *, curve_extractor: str
         set_attributes(group, curve_extractor=curve_extractor)
     for name, table in tables_from_measurements(measurements).items():
         packed = {"compression": "gzip", "shuffle": True} if table.size else {}
-        group.create_dataset(name, data=table, **(packed if table.shape else {}))
+        made = group.create_dataset(name, data=table, **(packed if table.shape else {}))
+        _describe(made, name)
     seal(group)
+
+
+def _describe(dataset: Any, name: str) -> None:
+    """Write the units of a table's columns, and the names of those that have none in the type."""
+    if name in COLUMNS:
+        put_text_list(dataset, "columns", list(COLUMNS[name]))
+    columns = COLUMNS.get(name, dataset.dtype.names or ())
+    if columns:
+        units = [
+            "" if column.startswith("has_") else UNITS.get(column, unit_of(column))
+            for column in columns
+        ]
+        put_text_list(dataset, "column_units", units)

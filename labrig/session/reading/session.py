@@ -70,7 +70,14 @@ class LoggedEvent:
 
 
 class RecordedSession(Displayed):
-    """An open session file. Close it, or use it in a `with` statement."""
+    """An open session file. Close it, or use it in a `with` statement.
+
+    What was recorded is in `runs` (each with `readings`, `time_s`, `signal_V(channel)` and
+    `image(row)`), `events` and `notes`. `to_dataframe()` has the readings of all runs,
+    `to_xarray()` all of it. Forces and curves of an analysed session are those of
+    `labrig.load_measurements(session)`. Wherever labrig takes a session's file, it takes an open
+    session, too.
+    """
 
     def __init__(self, file: Any, path: Path) -> None:
         self.path = path
@@ -93,6 +100,10 @@ class RecordedSession(Displayed):
         self.devices = self._setup.devices  # none in sessions before version 3
         # Planned ones, begun or not, and those that were measured again; `run` finds one by index.
         self.runs: tuple[RunRecord, ...] = tuple(self._records())
+
+    def __fspath__(self) -> str:
+        """Return the file's path: an open session stands for its file."""
+        return str(self.path)
 
     def summary(self) -> Summary:
         """Return the outcome and a row for each run."""

@@ -319,3 +319,48 @@ def test_a_section_may_be_text_or_a_pair():
         labrig.design(long_sheet(), "0-30")
     with pytest.raises(BadInputError, match="such as 0:30"):
         labrig.design(long_sheet(), (0, 10, 20))
+
+
+@pytest.mark.parametrize(
+    ("guess", "said"),
+    [
+        ("open", "did you mean open_session?"),
+        ("load", "did you mean load_measurements or load_model?"),
+        ("diagnoze", "did you mean diagnose?"),
+        ("forces", "has no attribute 'forces'"),
+    ],
+)
+def test_a_guessed_name_is_answered_with_those_alike(guess, said):
+    with pytest.raises(AttributeError) as raised:
+        getattr(labrig, guess)
+    assert str(raised.value).endswith(said)
+
+
+def test_the_figures_list_nothing_but_themselves():
+    assert dir(labrig.plot) == labrig.plot.__all__
+
+
+@pytest.mark.parametrize(
+    ("data", "said"), [(None, "not None;"), (5, "not an int;"), (object(), "not an object;")]
+)
+def test_what_is_no_session_is_refused_with_what_is_needed(data, said):
+    with pytest.raises(BadInputError, match=f"measurements are needed, {said}"):
+        labrig.fit(data)
+
+
+def test_a_data_frame_is_no_session():
+    frame = pytest.importorskip("pandas").DataFrame({"force_N": [0.0]})
+    with pytest.raises(BadInputError, match="not a DataFrame; for tables see"):
+        labrig.diagnose(frame)
+
+
+def test_a_fit_is_no_model_and_its_models_are_named(fitted):
+    with pytest.raises(BadInputError, match="not a Fit; a fit has three: preferred_model, model"):
+        labrig.predict(fitted, "long", 0.0, 2.0)
+
+
+@pytest.mark.slow
+def test_an_open_session_stands_for_its_file(session_file):
+    with labrig.open_session(session_file) as opened:
+        assert labrig.load_measurements(opened).conditions
+        assert list(labrig.fit(opened).configurations) == ["long"]

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import shutil
+from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 
 from labrig.errors import BadInputError, LabrigError
@@ -20,6 +23,8 @@ from labrig.session.derived.arrays import measurements_from_tables, tables_from_
 from model.measurements import Measurements
 from tests.labrig.session.measured import measurements, same
 from tests.labrig.session.session_recording import record, small_schedule
+
+PAGE = Path(__file__).parents[3] / "docs" / "reference" / "session.md"
 
 
 @pytest.fixture(scope="module")
@@ -113,3 +118,40 @@ def test_series_kept_before_runs_were_counted_are_of_the_first_run():
     earlier = series[[name for name in series.dtype.names if name != "run"]]
     found = measurements_from_tables({**tables, "series": earlier}).series
     assert [one.run for one in found] == [0] * len(series)
+
+
+@pytest.mark.slow
+def test_what_the_page_shows_reads_the_curves_without_labrig(session, monkeypatch):
+    pytest.importorskip("pandas")
+    (example,) = re.findall(r"```python\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+    assert "labrig" not in example
+    store_measurements(session, measurements())
+    monkeypatch.chdir(session.parent)
+    session.rename("session.h5")
+    found: dict[str, object] = {}
+    exec(compile(example, str(PAGE), "exec"), found)
+    assert list(found["readings"])[:1] != []
+    (wanted, *_) = (c for c in measurements().conditions if c.curve is not None)
+    np.testing.assert_array_equal(found["curve"]["x_m"], wanted.curve.x_m)
+    assert found["place"]["voltage_V"] == wanted.voltage_V
+
+
+def test_each_column_of_what_was_derived_has_its_unit(session):
+    store_measurements(session, measurements())
+    with h5py.File(session) as file:
+        derived = file["session/derived"]
+        units = {
+            name: dict(
+                zip(
+                    derived[name].attrs.get("columns", derived[name].dtype.names or ()),
+                    derived[name].attrs["column_units"],
+                    strict=True,
+                )
+            )
+            for name in derived
+            if derived[name].shape
+        }
+    assert units["points"]["curvature_per_m"] == "1/m"
+    assert units["samples"]["force_N"] == "N"
+    assert units["curves"]["has_curvature_per_m"] == ""
+    assert units["readings"]["session_s"] == "s"

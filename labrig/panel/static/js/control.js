@@ -78,6 +78,8 @@ export function controlView(control, place, fault) {
     placeholder: "your name",
     autocomplete: "name",
     onchange: () => control.rename(field.value),
+    // not from somebody else: that takes the button, which says so
+    onkeydown: ({ key }) => key === "Enter" && control.free && press(),
   });
   const held = h("span", { class: "control-held" });
   const button = h("button", { type: "button", class: "small", onclick: () => press() });
@@ -96,7 +98,9 @@ export function controlView(control, place, fault) {
     held.textContent = `Control: ${control.mine ? `you (${name || "operator"})` : control.free ? "nobody" : name || "somebody else"}${pages}`;
     held.dataset.mine = control.mine;
     button.textContent = control.mine ? "Release" : !control.free ? "Take over" : "Take control";
+    const focused = document.activeElement === field;
     field.hidden = control.mine;
+    if (focused && control.mine) button.focus(); // where the field was, for the keyboard
   };
   put(place, held, h("label", { for: id, class: "visually-hidden" }, "your name"), field, button);
   control.watchers.add(show);

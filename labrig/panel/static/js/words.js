@@ -95,3 +95,25 @@ export function placeOf(run) {
 export function timeOf(time_s) {
   return time_s == null ? "" : clock(time_s);
 }
+
+const NUMBER = /(?<![\w.])[-+]?\d+(?:\.\d+)?/g;
+
+/** Reasons, each once; those that differ in their numbers alone are one, with their range. */
+export function inShort(reasons) {
+  const alike = new Map();
+  for (const reason of reasons.flatMap((one) => one.split("; "))) {
+    const words = reason.replace(NUMBER, "\0");
+    alike.set(words, [...(alike.get(words) ?? []), reason.match(NUMBER) ?? []]);
+  }
+  return [...alike]
+    .map(([words, numbers]) => {
+      let at = 0;
+      return words.replaceAll("\0", () => {
+        const values = numbers.map((one) => one[at]).sort((a, b) => a - b);
+        at += 1;
+        const [low, high] = [values[0], values.at(-1)];
+        return low === high ? low : `${low} to ${high}`;
+      });
+    })
+    .join("; ");
+}

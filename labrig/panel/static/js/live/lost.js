@@ -1,7 +1,7 @@
 // Readings that do not count, run by run, with why: a line while a run goes on, a warning at its end.
 
 import { h, put } from "../dom.js";
-import { placeOf } from "../words.js";
+import { inShort, placeOf } from "../words.js";
 
 /** Hidden while every reading counts. */
 export class LostReadings {
@@ -31,7 +31,7 @@ export class LostReadings {
     put(
       this.list,
       found.map(({ run, lost, of }) => {
-        const reasons = [...new Set(lost.map((one) => one.why))].join("; ");
+        const reasons = inShort(lost.map((one) => one.why));
         const where = `run ${run.run + 1} (${placeOf(run)})`;
         return h("li", {}, `${where}: ${lost.length} of ${of}: ${reasons}`);
       }),

@@ -13,7 +13,13 @@ export function mount(place) {
       const rows = actions
         .toReversed()
         .map(({ wall, who, what }) =>
-          h("tr", {}, h("td", {}, when(wall)), h("td", {}, who), h("td", {}, what)),
+          h(
+            "tr",
+            {},
+            h("td", { class: "one-line" }, when(wall)),
+            h("td", { class: "one-line" }, who),
+            h("td", {}, what),
+          ),
         );
       const head = h(
         "tr",
