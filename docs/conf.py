@@ -28,10 +28,18 @@ html_title = "labrig"
 html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["labrig.css"]
+highlight_language = "text"  # of blocks without a language: commands and their output
 html_show_copyright = False
 html_show_sphinx = False
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "terminal", "mermaid_as_text", "navigation"]
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "terminal",
+    "mermaid_as_text",
+    "navigation",
+    "unbroken_units",
+]
 exclude_patterns = [
     "_build",
     "made",
