@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from model.identification.along_runs import eibm_along_runs
 from model.identification.base_model import not_weighed, weighs
 from model.identification.data.outlier_readings import without_outliers
 from model.identification.joint import Joint, joint_fit
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 NODES = 51  # of a quantity along the sheet, as handed on
+UNSETTLED = 0.02  # relative scatter of single readings' EIBM from which on it is said
 POOR = 0.25  # relative uncertainty from which on a parameter is said not to be fixed
 
 
@@ -346,6 +348,13 @@ def _notes(
                 f"B of '{name}' is hardly fixed by these data (±{share:.0f} %): only forces fix it,"
                 " shapes fix Me/B"
             )
+        joint, n = parts[name].joint, parts[name].n
+        notes += [
+            f"the EIBM of '{name}' at {volts:+g} V changes by {100.0 * share:.0f} % along a run:"
+            " leave out the first pulses, or diagnose"
+            for volts, share in eibm_along_runs(joint, n).items()
+            if share > UNSETTLED
+        ]
         off = one.rest_measured_per_m - one.rest_per_m
         if (
             parts[name].known

@@ -113,6 +113,10 @@ class Joint:
         by[:, self._part(n).stiffness] = values
         return values, self._sigma(by)
 
+    def terms(self, n: int, voltage_V: float) -> FloatArray:
+        """Return Me along the sheet as coefficients of Legendre polynomials."""
+        return self._by_terms(n, voltage_V, np.eye(len(self._basis(n)))) @ self.fitted.theta
+
     def directions(self, n: int) -> dict[str, FloatArray]:
         """Return derivatives of B and the EIBMs, which a bootstrap checks, by all parameters."""
         result = {"B": self._by_B(n)}

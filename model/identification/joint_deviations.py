@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from model.identification.along_runs import eibm_along_runs
 from model.identification.joint import Joint
 from model.identification.likelihood.mixed_model import freedom
 from model.measurements import FloatArray
@@ -19,6 +20,7 @@ from model.sheet.deviations import (
 )
 
 PLACES = 25  # along the sheet, at which it is seen how much a deviation turns it
+NEGLIGIBLE = 0.1  # of the mean EIBM's standard uncertainty: 0.5 % of the whole
 LEFT_OUT = 0.01  # of the variance of the angle anywhere, and of B
 
 
@@ -26,7 +28,8 @@ def deviations(joint: Joint, n: int) -> Deviations:
     """Return those of the model with the EIBM along the sheet.
 
     Forces and shapes know of a deviation by how it turns the sheet: those that turn it nowhere are
-    left out.
+    left out. Last comes, for each voltage, how far the EIBM of a single reading is from that of
+    their mean.
     """
     own = joint.own_parameters(n)
     covariance = joint.covariance[np.ix_(own, own)]
@@ -45,7 +48,20 @@ def deviations(joint: Joint, n: int) -> Deviations:
         _freedom(joint, own, inverse @ (columns @ turn[:-1]), float(np.sum(turn[:-1] ** 2)))
         for turn in kept.T
     ]
-    return found.turned(kept, np.array(degrees))
+    return _with_runs(joint, n, found.turned(kept, np.array(degrees)))
+
+
+def _with_runs(joint: Joint, n: int, found: Deviations) -> Deviations:
+    """Return the deviations with those of single readings; those that are negligible left out."""
+    rows, freedom = dict(found.rows), found.freedom
+    for voltage, share in eibm_along_runs(joint, n).items():
+        mean = joint.terms(n, voltage)
+        own = {eibm_key(voltage, k): share * much for k, much in enumerate(mean.tolist())}
+        sigma = float(np.linalg.norm(rows[eibm_key(voltage, 0)]))
+        if abs(own[eibm_key(voltage, 0)]) > NEGLIGIBLE * sigma:
+            rows = {key: np.append(row, own.get(key, 0.0)) for key, row in rows.items()}
+            freedom = np.append(freedom, USUAL_FREEDOM)
+    return Deviations(rows, freedom)
 
 
 def _rows(joint: Joint, n: int, moves: FloatArray, doubt: FloatArray) -> Deviations:

@@ -15,6 +15,7 @@ from model.design.propagation import propagate
 from model.design.sizing import least_area
 from model.design.working_section import shortest_sheet
 from model.discrepancy.diagnose import diagnose
+from model.identification.along_runs import eibm_along_runs
 from model.sheet.deviations import Deviations, columns_of, eibm_key, few_columns
 
 FALL_M = 0.012
@@ -38,9 +39,9 @@ def fitted(falling: SheetModel, measure):
     return fit(measured(falling, measure, 3), FitOptions())
 
 
-def measured(falling: SheetModel, measure, seed: int):
+def measured(falling: SheetModel, measure, seed: int, force_N: float = 1e-4):
     """Four positions, and noise twice as large as usual."""
-    return measure(seed, ("long",), (0, 7, 14, 21), force_N=1e-4, curve_m=2e-5, model=falling)
+    return measure(seed, ("long",), (0, 7, 14, 21), force_N=force_N, curve_m=2e-5, model=falling)
 
 
 def bent(model: SheetModel) -> list[float]:
@@ -66,6 +67,34 @@ def test_deviations_of_a_fit_have_its_uncertainties(fitted):
     wanted = np.sqrt([row @ joint.covariance @ row for row in rows])
     told = [one.sigma for one in propagate(model, "long", bent, ("rad",) * len(PLACES_M))]
     np.testing.assert_allclose(told, wanted, rtol=0.02)
+
+
+@pytest.mark.slow
+def test_an_eibm_that_changes_along_runs_is_uncertain_by_as_much(falling, measure, fitted):
+    assert eibm_along_runs(fitted.joint, 0)[2.0] < 0.005
+    assert not any("along a run" in note for note in fitted.notes)
+    data = measured(falling, measure, 3, force_N=2e-5)
+    found = fit(first_pulse_weaker(data, 0.1), FitOptions())
+    # of ten readings one is a tenth less
+    assert eibm_along_runs(found.joint, 0)[2.0] == pytest.approx(0.1 / np.sqrt(10.0), rel=0.15)
+    assert any("at +2 V changes by 3 % along a run" in note for note in found.notes)
+    (angle,) = propagate(found.varying_model, "long", lambda m: bent(m)[-1:], ("rad",))
+    assert angle.sigma == pytest.approx(0.1 / np.sqrt(10.0) * angle.value, rel=0.2)
+
+
+def first_pulse_weaker(data, share: float):
+    """The first reading at +2 V of each position has less of what the voltage adds."""
+    at_rest = {c.position_m: np.mean([r.force_N for r in c.readings])
+               for c in data.conditions if c.voltage_V == 0.0}  # fmt: skip
+
+    def weaker(one):
+        if one.voltage_V != 2.0:
+            return one
+        first, *others = one.readings
+        less = share * (np.mean([r.force_N for r in one.readings]) - at_rest[one.position_m])
+        return replace(one, readings=(replace(first, force_N=first.force_N - less), *others))
+
+    return replace(data, conditions=tuple(map(weaker, data.conditions)))
 
 
 @pytest.mark.slow

@@ -26,6 +26,7 @@ from labrig.config.file_kinds import (
 from labrig.errors import BadInputError
 from labrig.session.tables.csv_rows import TextTable
 from labrig.session.tables.text.decoding import decoded
+from labrig.session.tables.text.guesses import first_cells
 from labrig.session.tables.text.layout import (
     COMMA,
     MOST_COLUMNS,
@@ -93,7 +94,7 @@ def table_of(
         values.setdefault("configuration", given.only_sheet)
     by_hand = bool(given.columns) or any(one.how in (How.WRITTEN, How.GUESSED) for one in found)
     plain = layout.plain and encoding == "UTF-8" and not by_hand
-    found = check(file, found, expected, own, plain=plain)
+    found = check(file, found, expected, own, plain=plain, cells=first_cells(text, layout))
     cells, lines = _body(text, path, layout, plain)
     table = TextTable(
         path=path,

@@ -220,6 +220,19 @@ BAD = {
     ),
     "column force_mN is missing; is it kraftwerk? Give": PLAIN.replace(
         "force_mN", "kraftwerk").replace("voltage_V", "Voltage (V)"),
+    # neither a temperature nor a number is a name of a sheet
+    "column configuration is missing; give --columns configuration=NAME or": (
+        "Temp (°C);position_mm;voltage_V;reading;force_mN\n21;5;0;0;0,31\n"
+    ),
+    "column force_mN is missing; give --columns force_mN=NAME or": (
+        "Temp (°C);Temp 2 (°C);configuration;position_mm;voltage_V;reading\n21;22;long;5;0;0\n"
+    ),
+    "column force_mN is missing; is it Messwert [N]? Give": (
+        "Temp (°C);Messwert [N];Datum;configuration;position_mm;voltage_V\n21;1;x;long;5;0\n"
+    ),
+    "column configuration is missing; is it Film? Give": (
+        "Temp (°C);Film;position_mm;voltage_V;force_mN\n21;A3;5;0;0,31\n"
+    ),
     "sd_mN: '-1' is not a number from 0": (
         "configuration,position_mm,voltage_V,force_mN,sd_mN\nlong,5,2,1,-1\n"
     ),

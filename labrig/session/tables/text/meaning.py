@@ -9,6 +9,7 @@ from enum import StrEnum
 from typing import Final
 
 from labrig.errors import BadInputError
+from labrig.session.tables.text.guesses import likely
 from labrig.session.tables.text.layout import TextLayout
 from labrig.session.tables.text.names import (
     SplitName,
@@ -120,9 +121,9 @@ def meanings(
     taken |= written
     for ours in expected.known if expected.renamed else ():
         free = [i for i in range(len(names)) if i not in found and names[i]]
-        likely = [i for i in free if ours not in taken and may_mean(_with_unit(layout, i), ours)]
-        if len(likely) == 1:
-            take(likely[0], ours, How.GUESSED)
+        may = [i for i in free if ours not in taken and may_mean(_with_unit(layout, i), ours)]
+        if len(may) == 1:
+            take(may[0], ours, How.GUESSED)
             taken.add(ours)
     return [
         found.get(i, ColumnMeaning(index=i, name=name, means="", how=How.UNUSED))
@@ -135,18 +136,21 @@ def check(
     found: list[ColumnMeaning],
     expected: ExpectedColumns,
     given: ColumnNames,
+    *,
     plain: bool,
+    cells: Sequence[str] = (),
 ) -> list[ColumnMeaning]:
     """Return the columns, without guesses that nobody has agreed to.
 
     Raises BadInputError where one is missing or there twice, where a guess is needed, or where one
-    is not known in a table that is otherwise as ours, or nearly known.
+    is not known in a table that is otherwise as ours, or nearly known. `cells` are the values of
+    a line.
     """
     _refuse_the_same_twice(file, found)
     _refuse_absent(file, found, expected, given)
-    guesses = [one for one in found if one.how is How.GUESSED]
-    if guesses and not given.guesses:
-        needed = [one for one in guesses if one.means in expected.required]
+    guessed = [one for one in found if one.how is How.GUESSED]
+    if guessed and not given.guesses:
+        needed = [one for one in guessed if one.means in expected.required]
         if needed:
             raise _offered(file, needed)
         found = [
@@ -163,7 +167,11 @@ def check(
             )
     for name in expected.required:
         if name not in has and name != expected.numbered:
-            raise BadInputError(_missing(file, name, found, expected, plain))
+            free = [one for one in found if one.how is How.UNUSED and one.name]
+            unused = [(one.index, split_name(one.name)) for one in free]
+            guesses = likely(name, unused, cells) if expected.renamed and not plain else []
+            offered = [short(one.name) for one in free if one.index in guesses]
+            raise BadInputError(_missing(file, name, offered, ask=expected.renamed and not plain))
     return found
 
 
@@ -255,13 +263,10 @@ def quoted(text: str) -> str:
     return f'"{text}"' if set(text) & set(" ()[]<>{}&;|*?$'`#~") else text
 
 
-def _missing(
-    file: str, name: str, found: Sequence[ColumnMeaning], expected: ExpectedColumns, plain: bool
-) -> str:
-    if plain or not expected.renamed:
+def _missing(file: str, name: str, offered: Sequence[str], *, ask: bool) -> str:
+    if not ask:
         return f"{file}: column {name} is missing; it is required."
-    free = [short(one.name) for one in found if one.how is How.UNUSED and one.name][:_MOST_NAMES]
-    there = f"is it {' or '.join(free)}? Give" if free else "give"
+    there = f"is it {' or '.join(offered[:_MOST_NAMES])}? Give" if offered else "give"
     return f"{file}: column {name} is missing; {there} --columns {name}=NAME or --value {name}=..."
 
 

@@ -111,7 +111,12 @@ def may_mean(name: SplitName, column: str) -> bool:
         name.unit and (own.unit is None or name.unit.measures != own.unit.measures)
     ):
         return False
-    return name.word == own.word or name.word in _OTHERS.get(column, "").split()
+    return name.word in words_for(column)
+
+
+def words_for(column: str) -> tuple[str, ...]:
+    """Return the names that our column has here and with others, without their units."""
+    return (split_name(column).word, *_OTHERS.get(column, "").split())
 
 
 def shift(unit: Unit | None, column: str) -> int:
