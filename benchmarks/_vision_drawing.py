@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from benchmarks._vision_recipe import Recipe
 
 SUB = 4
+SWING_TIMES = 9  # of half a swing, from one side to the other
 
 
 def draw(recipe: Recipe, rng, ideal, raw, s, K, dist, optics, rolls):
@@ -27,15 +28,22 @@ def draw(recipe: Recipe, rng, ideal, raw, s, K, dist, optics, rolls):
     if recipe.wire:
         picture = _wire(picture, rng, ideal, contrast)
     if recipe.sheet:
-        picture = _sheet(
-            picture=picture,
-            recipe=recipe,
-            ideal=ideal,
-            s=s,
-            K=K,
-            dist=dist,
-            base=base,
-            contrast=contrast,
+        ground = picture
+        picture = np.mean(
+            [
+                _sheet(
+                    picture=ground,
+                    recipe=recipe,
+                    ideal=there,
+                    s=s,
+                    K=K,
+                    dist=dist,
+                    base=base,
+                    contrast=contrast,
+                )
+                for there in _swung(ideal, s, recipe.swing_px)
+            ],
+            axis=0,
         )
     jaw = base + (0.6 if rng.random() < 0.5 else -0.25) * contrast
     if recipe.clamp:
@@ -45,6 +53,22 @@ def draw(recipe: Recipe, rng, ideal, raw, s, K, dist, optics, rolls):
         if rng.random() < 0.5:
             optics["rolls_px"] = rolls
     return _seen(picture, recipe, rng)
+
+
+def _swung(ideal, s, swing_px):
+    """Places of the sheet at equal times of a swing in its first mode, which is 0 at the clamp."""
+    if swing_px == 0:
+        return [ideal]
+    tangent = np.gradient(ideal, axis=0)
+    tangent /= np.hypot(*tangent.T)[:, None]
+    normal = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
+    beta = 1.8751 * s / s[-1]
+    mode = np.cosh(beta) - np.cos(beta) - 0.7341 * (np.sinh(beta) - np.sin(beta))
+    times = (np.arange(SWING_TIMES) + 0.5) / SWING_TIMES
+    return [
+        ideal + (swing_px * np.sin(np.pi * (t - 0.5)) * mode / mode[-1])[:, None] * normal
+        for t in times
+    ]
 
 
 def _spots(picture, recipe, rng, contrast):

@@ -32,6 +32,7 @@ class Recipe:
     face: float = 0.0  # grey of the far face, share of the contrast
     turn_rad: float | None = None  # total bend; None: at random
     jitter: bool = True  # of clamp_px and angle as written into optics
+    swing_px: float = 0.0  # how far the tip swings to each side while the frames are averaged
     sheet: bool = True
     clutter: int = 0
     bits: int = 8

@@ -3,6 +3,7 @@
     python -m benchmarks.vision_extraction accuracy     RMSE, bound, coverage by SNR
     python -m benchmarks.vision_extraction failures     silent failures and refusals
     python -m benchmarks.vision_extraction faces        the same where the sheet shows its far face
+    python -m benchmarks.vision_extraction swings       mean images of a sheet that swings
     python -m benchmarks.vision_extraction speed        frames per second, cold and following
     python -m benchmarks.vision_extraction refusals     what a refusal costs, in cold searches
 
@@ -33,6 +34,10 @@ def parts(scene: Scene) -> tuple[Optics, StripGeometry]:
         thickness_m=mm["thickness_mm"],
     )
     return Optics.from_json(json.dumps(scene.optics)), strip
+
+
+def curve_px_per_m(scene: Scene) -> float:
+    return scene.recipe.px_per_mm * 1000
 
 
 def signed_errors_px(curve, scene: Scene) -> np.ndarray:
@@ -145,12 +150,44 @@ def failures(count: int, first: int, kinds: dict[str, Callable[[int], Recipe]]) 
             errors.append(rmse_px(curve.points_px, scene.truth_px))
             if errors[-1] > 1 or not scene.recipe.sheet:
                 silent += 1
-                print(f"(silent: {name}, seed {seed}, {errors[-1]:.2f} px)", flush=True)
+                sigma = float(np.sqrt(np.mean(curve.sigma_m**2))) * curve_px_per_m(scene)
+                said = f"{errors[-1]:.2f} px, its own sigma {sigma:.2f}"
+                print(f"(silent: {name}, seed {seed}, {said})", flush=True)
         middle = f"{np.median(errors):.3f}" if errors else "-"
         high = f"{np.percentile(errors, 95):.3f}" if errors else "-"
         print(
             f"| {name} | {n} | {silent} | {wilson(silent, n)} | {refused} | {wilson(refused, n)} "
             f"| {middle} | {high} |",
+            flush=True,
+        )
+
+
+def swings(count: int, first: int) -> None:
+    """Mean images of a plain sheet whose tip swings by up to a pixel to each side."""
+    print("| tip swings by, px | n | refused | face | RMSE median px | p95 px | 95 % band holds |")
+    print("|---|---|---|---|---|---|---|")
+    for swing in (0.25, 0.5, 0.75, 1.0):
+        errors, inside, refused, faces = [], [], 0, 0
+        for seed in range(first, first + count):
+            snr = float(np.random.default_rng(seed).choice([10, 20, 40, 80]))
+            scene = make_scene(
+                Recipe(seed=seed, physical=True, snr=snr, bright=seed % 2 == 0, swing_px=swing)
+            )
+            curve = neutral_curve(scene.image, *parts(scene))
+            if not curve.ok:
+                refused += 1
+                continue
+            miss = signed_errors_px(curve, scene)
+            errors.append(np.sqrt(np.mean(miss**2)))
+            faces += bool(np.abs(curve.side_face_px).max() > 0)
+            inside.append(
+                np.mean(np.abs(miss) < 1.96 * curve.sigma_m * scene.recipe.px_per_mm * 1000)
+            )
+        # of whole images: neighbouring places of one image say the same
+        spread = 1.96 * np.std(inside) / np.sqrt(len(inside))
+        print(
+            f"| {swing} | {count} | {refused} | {faces} | {np.median(errors):.4f} "
+            f"| {np.percentile(errors, 95):.4f} | {np.mean(inside):.1%} ± {spread:.1%} |",
             flush=True,
         )
 
@@ -226,7 +263,9 @@ def refusals(count: int, first: int) -> None:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("what", choices=("accuracy", "failures", "faces", "speed", "refusals"))
+    parser.add_argument(
+        "what", choices=("accuracy", "failures", "faces", "swings", "speed", "refusals")
+    )
     parser.add_argument("--scenes", type=int, default=100)
     parser.add_argument("--first", type=int, default=0, help="seed of the first scene")
     parser.add_argument("--kind", choices=list(MIXED), help="of failures: only this kind")
@@ -236,6 +275,8 @@ def main() -> None:
         return
     if given.what == "refusals":
         refusals(given.scenes, given.first)
+    elif given.what == "swings":
+        swings(given.scenes, given.first)
     elif given.what == "accuracy":
         accuracy(given.scenes, given.first)
     else:

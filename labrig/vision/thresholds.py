@@ -197,7 +197,9 @@ OUTLINE_THICKNESS_MIN_PX: Final = 8.0  # a stated thickness above: edges are loo
 OUTLINE_WIDTH_RATIOS: Final = (0.6, 1.5)  # of a block's width to the strip's
 OUTLINE_STRENGTH_MIN_RATIO: Final = 0.3  # of a block's weaker edge to the usual one
 OUTLINE_STRENGTH_MIN_SIGMAS: Final = 3.0  # of a block's weaker edge over noise and texture
-OUTLINE_TAPER_SHARE: Final = 0.3  # of a local change of width that may be in the middle
+# of a local change of width that may be in the middle: of a strip that is thinner with nothing
+# beside it, and of any other
+OUTLINE_TAPER_SHARES: Final = (0.1, 0.3)
 OUTLINE_END_SIGMA_RATIO: Final = 0.3  # of sigma at both ends to the thickness; it fades within one
 OUTLINE_END_SIGMA_MAX_PX: Final = 3.0  # and at most
 # of another edge's strength to the strip's own: below, it is none; above, it is as likely
@@ -210,6 +212,8 @@ OUTLINE_SEEN_SHARE_MIN: Final = 0.6  # of the blocks
 # of the seen blocks: of one edge alone it is not known which it is
 OUTLINE_BOTH_SHARE_MIN: Final = 0.75
 OUTLINE_START_SHARE_MIN: Final = 0.4  # of the blocks of the first eighth
+# of the width, in sum along the strip, to itself: a strip becomes thinner once or twice
+OUTLINE_TAPER_SUM_MAX_RATIO: Final = 2.2
 OUTLINE_WIDTH_SCATTER_MAX_RATIO: Final = 0.15  # of the width from block to block, to the width
 OUTLINE_RESIDUAL_MAX_RATIO: Final = 0.15  # of the middles about the curve, to the width
 OUTLINE_SIGMA_MAX_RATIO: Final = 0.25  # of sigma to the thickness, where that is more than 2 px

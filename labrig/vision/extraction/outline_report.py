@@ -23,6 +23,7 @@ from labrig.vision.thresholds import (
     OUTLINE_SIGMA_MAX_PX,
     OUTLINE_SIGMA_MAX_RATIO,
     OUTLINE_START_SHARE_MIN,
+    OUTLINE_TAPER_SUM_MAX_RATIO,
     OUTLINE_WIDTH_SCATTER_MAX_RATIO,
 )
 from labrig.vision.uncertainty.parts import calibration_m
@@ -55,6 +56,13 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
             f"check of the width failed: what was followed is {width:.1f} pixels thick and changes "
             f"by {fit.width_scatter_px:.1f} from place to place; state the thickness, or choose "
             "another colour channel (--channel)."
+        )
+    thicker_and_thinner = float(np.abs(np.diff(fit.taper)).sum())
+    if thicker_and_thinner > OUTLINE_TAPER_SUM_MAX_RATIO:
+        return (
+            f"check of the width failed: what was followed is {width:.1f} pixels thick and becomes "
+            "thinner and thicker again along its length; state the thickness, mask what lies "
+            "beside it (--mask), or choose another colour channel (--channel)."
         )
     if fit.residual_px > max(1.0, OUTLINE_RESIDUAL_MAX_RATIO * width):
         return (

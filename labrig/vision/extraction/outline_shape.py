@@ -71,25 +71,29 @@ class _Fitter:
             prior=prior,
             rounds=rounds,
             completed=self._without_ends if whole else self._completed,
+            tapers=whole,
         )
 
-    def course(self, shape: CurveShape) -> StripCourse:
-        return course_along(shape, self.images, self.optics, self.width_px)
+    def course(self, shape: CurveShape, taper: FloatArray | None = None) -> StripCourse:
+        return course_along(shape, self.images, self.optics, self.width_px, taper=taper)
 
-    def _completed(self, shape: CurveShape, blocks: Blocks) -> Blocks:
+    def _completed(self, shape: CurveShape, taper: FloatArray, blocks: Blocks) -> Blocks:
         if blocks.seen.all():
             return blocks
-        return completed(self.course(shape), blocks, shape.basis.step_px)
+        return completed(self.course(shape, taper), blocks, shape.basis.step_px)
 
-    def _without_ends(self, shape: CurveShape, blocks: Blocks) -> Blocks:
+    def _without_ends(self, shape: CurveShape, taper: FloatArray, blocks: Blocks) -> Blocks:
         """Return what is seen of the strip between the edges of its clamp and of its tip."""
-        course = course_along(shape, self.images, self.optics, self.width_px, backward=True)
+        course = course_along(
+            shape, self.images, self.optics, self.width_px, taper=taper, backward=True
+        )
         total = shape.basis.total_px
         own = min(OWN_EDGE_WIDTHS * self.width_px, BEGIN_SHARE * total)
         begin = max(course.begin(BEGIN_SHARE * total), own)
         blocks = completed(course, blocks, shape.basis.step_px)
         s = shape.basis.s[blocks.node]
-        return replace(blocks, seen=blocks.seen & (s >= begin) & (s <= total - own))
+        kept = (s >= begin) & (s <= total - own)
+        return replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
 
     def followed(self, fit: OutlineFit) -> tuple[OutlineFit, StripCourse]:
         """Return a fit that reaches beyond the strip's end or to the image's border."""
@@ -160,7 +164,7 @@ def fitted_outline(
     if end < 3 * width:
         return None
     begin = _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
-    again = fitter.fit(_cut(fit.shape, end, width, begin_px=begin), rounds=3, whole=True)
+    again = fitter.fit(_cut(fit.shape, end, width, begin_px=begin), rounds=4, whole=True)
     if again is None:
         return None
     return _outline(_with_rivals(again, images, there), fitter, located, course)
@@ -180,8 +184,8 @@ def _outline(fit: OutlineFit, fitter: _Fitter, located: Located, course: StripCo
 
 
 def _with_rivals(fit: OutlineFit, images: Sequence[GreyImage], optics: Optics) -> OutlineFit:
-    rivals = rival_px(fit.shape, images, optics, fit.blocks, fit.width_px)
-    return replace(fit, rival_px=rivals)
+    rivals, near = rival_px(fit, images, optics)
+    return replace(fit, rival_px=rivals, rival_near=near)
 
 
 def _coefficients(length_px: float, width_px: float) -> int:

@@ -123,6 +123,7 @@ def course_along(
     optics: Optics,
     width_px: float,
     *,
+    taper: FloatArray | None = None,
     backward: bool = False,
 ) -> StripCourse:
     """Return what the image shows of the strip along a curve that may be longer than it.
@@ -134,7 +135,7 @@ def course_along(
     unit = max(UNIT_MIN_PX, UNIT_RATIO * width_px)
     places = math.ceil(REACH_WIDTHS * width_px / unit)
     across = np.asarray(np.arange(-places, places + 1) * unit, dtype=np.float64)
-    size, inside = _signed_sizes(shape, images, optics, across, many, width_px)
+    size, inside = _signed_sizes(shape, images, optics, across, many, width_px, taper)
     # a clamp may lie at the border
     first_out = next((at for at in range(len(inside) // 4, len(inside)) if not inside[at]), None)
     said = _said(size[:first_out], across, width_px, many * step)
@@ -181,6 +182,7 @@ def _signed_sizes(
     across: FloatArray,
     many: int,
     width_px: float,
+    taper: FloatArray | None,
 ) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
     """Return (blocks, channels, across) the image's slope over texture, and what is inside it."""
     unit = float(across[1] - across[0])
@@ -190,7 +192,7 @@ def _signed_sizes(
     found = []
     inside = np.ones(max(1, len(shape.x) // many), dtype=bool)
     for image in images:
-        rows = grey_beside(shape, image, optics, across)[: len(inside) * many]
+        rows = grey_beside(shape, image, optics, across, taper)[: len(inside) * many]
         with np.errstate(invalid="ignore"):
             profiles = rows.reshape(len(inside), -1, len(across)).mean(axis=1)
         inside &= np.isfinite(profiles[:, middle]).all(axis=1)

@@ -29,7 +29,7 @@ from labrig.vision.thresholds import (
     OUTLINE_SIGMA_MIN_RATIO,
     OUTLINE_STRENGTH_MIN_RATIO,
     OUTLINE_STRENGTH_MIN_SIGMAS,
-    OUTLINE_TAPER_SHARE,
+    OUTLINE_TAPER_SHARES,
     OUTLINE_WIDTH_RATIOS,
 )
 
@@ -53,7 +53,10 @@ SHIFT_COST = 6.0  # of a shift by one width from block to block, squared
 FRAY_HALF_BLOCKS = 4
 FRAY_WIDTH_RATIO, FRAY_WIDTH_PX = 0.12, 1.0  # by which a block's width may leave its neighbours'
 FRAY_SIGMAS = 4.0  # or so many of their scatter
-TAPER_DEGREE = 2  # of the polynomial that a strip's width follows along it
+TAPER_DEGREE = 4  # of the polynomial that a strip's width follows along it
+TAPER_FROM = 0.08  # of the usual width: a smaller difference may be the light's
+TAPER_RATIOS = (0.3, 1.25)  # wider is more often a shadow
+TAPER_MIN_PX = 4.0  # a thinner part is looked at as one of that width
 INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
 
 
@@ -65,6 +68,7 @@ class Blocks:
     middle_px: FloatArray  # to the left of the curve
     width_px: FloatArray
     strength: FloatArray  # the change at the weaker edge, over noise and texture
+    clear: BoolArray  # whether both edges are, however far apart they lie
     seen: BoolArray
     by_profile: BoolArray  # seen by the whole profile only, for an edge is too faint
 
@@ -84,6 +88,8 @@ class Blocks:
 class OutlineFit:
     """A fitted curve with what was measured along it."""
 
+    taper: FloatArray  # (nodes,) see `fitted_taper`
+
     shape: CurveShape
     blocks: Blocks
     normal: FloatArray
@@ -91,6 +97,7 @@ class OutlineFit:
     residual_px: float
     width_scatter_px: float
     rival_px: FloatArray | None = None  # (2, nodes): see `fit.rival_edges`
+    rival_near: FloatArray | None = None  # (nodes,) the likelihood of any there, 0 to 1
 
     @property
     def width_px(self) -> float:
@@ -125,7 +132,19 @@ class OutlineFit:
             unsure = np.hypot(unsure, 0.5 * np.hypot(*self.rival_px))
         one_edge = np.interp(np.arange(len(self.shape.x)), blocks.node, 1.0 * blocks.by_profile)
         unsure = np.hypot(unsure, OUTLINE_PROFILE_SIGMA_RATIO * usual * one_edge)
-        return np.asarray(np.hypot(unsure, OUTLINE_TAPER_SHARE * apart))
+        return np.asarray(np.hypot(unsure, self._taper_share(few - usual) * np.abs(apart)))
+
+    def _taper_share(self, wider: FloatArray) -> FloatArray:
+        """Return (nodes,) the share of a local change of width that may be in the middle.
+
+        A strip that is thinner, with nothing outside of its edges, is thinner.
+        """
+        least, most = OUTLINE_TAPER_SHARES
+        if self.rival_near is None:
+            return np.full(len(self.shape.x), most)
+        at = self.blocks.node[self.blocks.by_edges]
+        thinner = np.interp(np.arange(len(self.shape.x)), at, 1.0 * (wider < 0))
+        return np.asarray(most - (most - least) * thinner * (1 - self.rival_near))
 
     @property
     def sigma_px(self) -> FloatArray:
@@ -173,35 +192,61 @@ def fit_outline(
     width_px: float,
     prior: FloatArray,
     rounds: int = ROUNDS,
-    completed: Callable[[CurveShape, Blocks], Blocks] | None = None,
+    completed: Callable[[CurveShape, FloatArray, Blocks], Blocks] | None = None,
+    tapers: bool = False,
 ) -> OutlineFit | None:
     """Return the curve between the edges beside a first one; None where they are nowhere seen.
 
     `images`: the same one in each colour channel in which an edge may show. `completed`: sees the
-    strip in blocks whose edges are too faint.
+    strip in blocks whose edges are too faint. `tapers`: its width is followed along it, which
+    only a curve that is known well allows: another width confirms itself.
     """
     fit = None
+    taper = np.ones(len(shape.x))
     for _ in range(rounds):
-        blocks = measure_blocks(shape, images, optics, width_px)
+        blocks = measure_blocks(shape, images, optics, width_px, taper)
         if blocks.seen.sum() < 4:
             return None
         if completed is not None:
-            blocks = completed(shape, blocks)
-        fit = _fitted(shape, blocks, prior)
+            blocks = completed(shape, taper, blocks)
+        fit = _fitted(shape, blocks, prior, taper)
         shape = fit.shape
+        if tapers:
+            taper = fitted_taper(blocks, width_px, len(shape.x))
     return fit
 
 
+def fitted_taper(blocks: Blocks, width_px: float, nodes: int) -> FloatArray:
+    """Return (nodes,) the strip's width there over its usual one, where it clearly differs.
+
+    A worm, a stem or a cable in perspective is thinner at one end. The image beside such a
+    strip is looked at in its own width, so that edges are where they are in a strip of one width.
+    """
+    seen = blocks.clear & ~blocks.by_profile
+    if seen.sum() < 2 * FRAY_HALF_BLOCKS:
+        return np.ones(nodes)
+    ratio = running_middle(blocks.width_px[seen], FRAY_HALF_BLOCKS) / width_px - 1
+    ratio = np.sign(ratio) * np.maximum(np.abs(ratio) - TAPER_FROM, 0.0)
+    least = min(1.0, max(TAPER_RATIOS[0], TAPER_MIN_PX / width_px))
+    ratio = np.clip(1 + ratio, least, TAPER_RATIOS[1])
+    return np.asarray(np.interp(np.arange(nodes), blocks.node[seen], ratio))
+
+
 def measure_blocks(
-    shape: CurveShape, images: Sequence[GreyImage], optics: Optics, width_px: float
+    shape: CurveShape,
+    images: Sequence[GreyImage],
+    optics: Optics,
+    width_px: float,
+    taper: FloatArray,
 ) -> Blocks:
     """Return both edges beside a curve, block by block."""
     step = shape.basis.step_px
     many = max(1, round(max(BLOCK_MIN_PX, BLOCK_RATIO * width_px) / step))
     across = across_px(width_px)
     unit = float(across[1] - across[0])
-    size = edge_sizes(shape, images, optics, width_px, many)
+    size = edge_sizes(shape, images, optics, width_px, many, taper=taper)
     count = len(size)
+    node = np.minimum((np.arange(count) + 0.5) * many, len(shape.x) - 1).astype(np.int64)
     shift = _best_way(_pair(size, width_px / unit, SHIFT_RATIO * width_px / unit), width_px / unit)
     room = EDGE_ROOM_RATIO * width_px
     low, weak = _edge(size, shift * unit - width_px / 2, room, across)
@@ -210,18 +255,19 @@ def measure_blocks(
     wide = high - low
     usual = float(np.median(strength))
     least, most = OUTLINE_WIDTH_RATIOS
-    seen = strength > OUTLINE_STRENGTH_MIN_RATIO * usual
-    seen &= strength > OUTLINE_STRENGTH_MIN_SIGMAS
-    seen &= (wide > least * width_px) & (wide < most * width_px)
+    clear = strength > OUTLINE_STRENGTH_MIN_RATIO * usual
+    clear &= strength > OUTLINE_STRENGTH_MIN_SIGMAS
+    seen = clear & (wide > least * width_px) & (wide < most * width_px)
     # a fitting or a fray shows on one side of few blocks only
     around = running_middle(wide, FRAY_HALF_BLOCKS)
     frayed = max(FRAY_WIDTH_RATIO * width_px + FRAY_WIDTH_PX, FRAY_SIGMAS * _roughness(wide))
     seen &= np.abs(wide - around) < frayed
     return Blocks(
-        node=np.minimum((np.arange(count) + 0.5) * many, len(shape.x) - 1).astype(np.int64),
-        middle_px=0.5 * (low + high),
-        width_px=wide,
+        node=node,
+        middle_px=0.5 * (low + high) * taper[node],
+        width_px=wide * taper[node],
         strength=strength,
+        clear=clear,
         seen=seen,
         by_profile=np.zeros(count, dtype=bool),
     )
@@ -236,11 +282,20 @@ def across_px(width_px: float) -> FloatArray:
 
 
 def grey_beside(
-    shape: CurveShape, image: GreyImage, optics: Optics, across: FloatArray
+    shape: CurveShape,
+    image: GreyImage,
+    optics: Optics,
+    across: FloatArray,
+    taper: FloatArray | None = None,
 ) -> FloatArray:
-    """Return (nodes, places across) the image to the left of a curve; NaN outside."""
+    """Return (nodes, places across) the image to the left of a curve; NaN outside.
+
+    `taper` (nodes,): by which the places lie nearer to the curve.
+    """
     import cv2
 
+    if taper is not None:
+        across = taper[:, None] * across
     x = shape.x[:, None] - np.sin(shape.phi)[:, None] * across
     y = shape.y[:, None] + np.cos(shape.phi)[:, None] * across
     plane = np.stack([x.ravel(), y.ravel()], axis=1) / optics.px_per_m
@@ -268,6 +323,7 @@ def edge_sizes(
     many: int,
     *,
     blur_ratio: float = BLUR_RATIO,
+    taper: FloatArray | None = None,
 ) -> FloatArray:
     """Return (blocks, places across) how much the image changes there, over noise and texture.
 
@@ -281,7 +337,7 @@ def edge_sizes(
     count = max(1, len(shape.x) // many)
     total = np.zeros((count, len(across)))
     for image in images:
-        rows = grey_beside(shape, image, optics, across)[: count * many]
+        rows = grey_beside(shape, image, optics, across, taper)[: count * many]
         with np.errstate(invalid="ignore"):
             profiles = rows.reshape(count, many, -1).mean(axis=1)
         slope = slopes(profiles, blur / unit)
@@ -335,7 +391,7 @@ def _edge(
     return across[peak] + np.clip(beside, -1, 1) * unit, at
 
 
-def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray) -> OutlineFit:
+def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray, taper: FloatArray) -> OutlineFit:
     """Return the smooth curve through the middles of the blocks."""
     seen = blocks.seen
     offset = np.where(seen, blocks.middle_px, 0.0)
@@ -353,6 +409,7 @@ def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray) -> OutlineFit:
         weight = np.where(seen, (1 - ratio**2) ** 2 / scatter**2, 0.0)
     return OutlineFit(
         shape=shape.moved(wanted),
+        taper=taper,
         blocks=blocks,
         normal=normal,
         pull=pull,

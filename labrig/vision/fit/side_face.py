@@ -49,6 +49,7 @@ EVALUATIONS_MAX = 130
 SHIFT_MAX_PX = 6.0  # from the middle of edge and face to the edge's own
 LINEAR_RANGE_PX = 0.25  # so far a displacement, or another blur, has the effect of its derivative
 BLUR_MIN_PX = 0.5
+SWING_BLUR_MAX_PX = 0.4  # that a swing adds at the tip; more is no band any more
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,7 +94,8 @@ class SideFaceSearch:
         self.most_share = LIT_EDGE_FACE_MAX_RATIO if optics.look == "lit_edge" else FACE_RATIO_MAX
         self.plain = replace(fit.section, side_face=np.zeros(len(fit.used)), side_face_share=0.0)
         self.seen = _PixelsBeside(fit, context, self.plain.reach + SHIFT_MAX_PX, on_edge=False)
-        self.nothing = self._residual_squares(self.seen, self.plain, tuned=True)
+        self.swing = _swing(len(fit.used))
+        self.nothing = self._residual_squares(self.seen, self.plain, tuned=True, swinging=True)
         self.wider_px = 0.0  # than stated, as which the sheet looks without a face
         self.possible_bias_px = 0.0  # how far a face that is not seen may pull the curve
         self.guessed: tuple[list[SideFace], list[float]] = ([], [])  # and what each gains
@@ -262,7 +264,10 @@ class SideFaceSearch:
             return float(self._residual_squares(self.seen, section(p)).sum())
 
         best = section(_lowest(unlikely, start, steps, used, 60))
-        before, self.nothing = self.nothing, self._residual_squares(self.seen, best, tuned=True)
+        before, self.nothing = (
+            self.nothing,
+            self._residual_squares(self.seen, best, tuned=True, swinging=True),
+        )
         if float((before - self.nothing).sum()) > SIDE_FACE_GAIN_MIN:
             self.wider_px = max(0.0, 2 * (float(best.half_width[0]) - thin))
         self.plain = plain.with_look(best.blur, float(best.half_width[-1]))
@@ -287,11 +292,18 @@ class SideFaceSearch:
         )
 
     def _residual_squares(
-        self, seen: _PixelsBeside, section: CrossSection, *, tuned: bool = False
+        self,
+        seen: _PixelsBeside,
+        section: CrossSection,
+        *,
+        tuned: bool = False,
+        swinging: bool = False,
     ) -> FloatArray:
         """Return (pieces,) squared residuals over the noise's, each piece displaced a little.
 
-        `tuned`: also with the blur, and an elongation's width, that suit the band best.
+        `tuned`: also with the blur, and an elongation's width, that suit the band best;
+        `swinging`: and with a blur that grows towards the tip, as in the mean image of a sheet
+        that swings. That looks wider at the tip on both sides, a face on one.
         """
         # weights that forgive little would count a missing face as an outlier
         cells = measured(seen.pixels_for(section), section, 3 * self.noise, self.used)
@@ -307,6 +319,10 @@ class SideFaceSearch:
                 steeper, sharpness = cells[part, 7], cells[part, 8]
                 step = _step(steeper.sum(), sharpness.sum())
                 gained[part] = _gained(steeper, sharpness, step)
+                if swinging:
+                    step = _growing(steeper, sharpness, self.swing[part])
+                    also = _gained(steeper, sharpness, step)
+                    gained[part] = also if also.sum() > gained[part].sum() else gained[part]
             left = left - np.add.reduceat(gained, pieces)
         return np.asarray(np.maximum(left, 0.0) / self.noise**2)
 
@@ -357,6 +373,23 @@ def _step(pull: Any, information: Any) -> FloatArray:
     return np.asarray(
         np.clip(pull / np.maximum(information, 1e-9), -LINEAR_RANGE_PX, LINEAR_RANGE_PX)
     )
+
+
+def _growing(steeper: FloatArray, sharpness: FloatArray, swing: FloatArray) -> FloatArray:
+    """Return (cells,) the best small step that is the same everywhere, and one that grows."""
+    both = np.array([np.ones_like(swing), swing])
+    normal = (both * sharpness) @ both.T + 1e-9 * np.eye(2)
+    same, more = np.linalg.solve(normal, both @ steeper)
+    if more <= 0:
+        return np.zeros_like(swing)
+    same, more = np.clip([same, more], -LINEAR_RANGE_PX, [LINEAR_RANGE_PX, SWING_BLUR_MAX_PX])
+    return np.asarray(same + more * swing)
+
+
+def _swing(cells: int) -> FloatArray:
+    """Return (cells,) how much a swing in the first mode blurs the mean image, against the tip."""
+    along = np.arange(cells) / max(cells - 1, 1)
+    return np.asarray((along**2 * (6 - 4 * along + along**2) / 3) ** 2)
 
 
 def _gained(pull: FloatArray, information: FloatArray, step: FloatArray) -> FloatArray:

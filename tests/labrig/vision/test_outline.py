@@ -114,6 +114,19 @@ def test_half_in_shade_or_darker_further_on_it_is_the_same_strip():
     assert (curve.sigma_m.max() * 2000) > error.max() / 3
 
 
+@pytest.mark.parametrize(
+    ("thick_px", "thinner"),
+    [(12, lambda along: 0.5 * (along > 0.5)), (16, lambda along: 0.7 * along)],
+    ids=["half as thick from the middle on", "tapers"],
+)
+def test_a_strip_that_becomes_thinner_is_followed_in_its_own_width(thick_px, thinner):
+    line = arc(150, 0.8)
+    _, along = beside(line)
+    curve = neutral_curve(drawn(line, thick_px * (1 - thinner(along))), stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    assert beside_px(curve, line).max() < 0.3
+
+
 def test_a_bridged_stretch_is_known_less_well():
     line = arc(150, 0.8)
     image = drawn(line, 10)

@@ -107,3 +107,14 @@ def test_what_looks_much_wider_than_the_sheet_gives_no_curve(scenes, known):
     curve = neutral_curve(scene.image, *known(scene))
     assert not curve.ok
     assert "wider than the sheet" in curve.why
+
+
+@pytest.mark.slow
+def test_the_mean_image_of_a_swinging_sheet_is_not_taken_for_a_side_face(scenes, known):
+    """It is blurred more and more towards the tip, on both sides alike."""
+    recipe = scenes.Recipe(seed=60100000, physical=True, snr=80, bright=True, swing_px=0.75)
+    scene = scenes.make_scene(recipe)
+    curve = neutral_curve(scene.image, *known(scene))
+    assert curve.ok, curve.why
+    assert curve.side_face_share == 0
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.05
