@@ -12,7 +12,7 @@ from labrig.report.parts.table import Table, number
 from model.effects import Effect, EffectParameter
 
 _WIDTH = 96
-BESIDE_DYNAMICS = "explain it: with a model that has them it is what they leave"
+BESIDE_DYNAMICS = "a model with dynamics explains it; beside one it is only a deviation from it"
 
 
 def catalogue_table(effects: Mapping[str, Effect]) -> Table:
