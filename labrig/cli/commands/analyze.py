@@ -17,7 +17,7 @@ def analyze(
     extractor: Annotated[
         str | None,
         typer.Option(
-            help="a curve extractor, as labrig parts extractors lists them; default: the built-in one"
+            help="a curve extractor of labrig parts extractors; default: the built-in one"
         ),
     ] = None,
 ) -> None:
