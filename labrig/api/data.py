@@ -69,7 +69,7 @@ def model_of(model: AnyPath | SheetModel) -> SheetModel:
     if isinstance(model, SheetModel):
         return model
     if not isinstance(model, str | os.PathLike):  # a caller may give anything
-        raise _no_model(model)  # type: ignore[unreachable]
+        raise _no_model(model)
     from labrig.model_file import load_model
 
     return load_model(path_of(model))
