@@ -68,12 +68,8 @@ def model_of(model: AnyPath | SheetModel) -> SheetModel:
     """Return a model as it is, or that of a file."""
     if isinstance(model, SheetModel):
         return model
-    if not isinstance(model, str | os.PathLike):
-        of_fit = "; a fit has three: preferred_model, model and varying_model"
-        raise BadInputError(
-            f"a model or its file is needed, not {_kind(model)}"
-            f"{of_fit if hasattr(model, 'preferred_model') else ''}."
-        )
+    if not isinstance(model, str | os.PathLike):  # a caller may give anything
+        raise _no_model(model)
     from labrig.model_file import load_model
 
     return load_model(path_of(model))
@@ -93,6 +89,14 @@ def _as_list(data: AnyPath | Sequence[AnyPath]) -> list[AnyPath]:
             "see labrig.measurements_of_tables."
         )
     return list(data)
+
+
+def _no_model(value: object) -> BadInputError:
+    of_fit = "; a fit has three: preferred_model, model and varying_model"
+    return BadInputError(
+        f"a model or its file is needed, not {_kind(value)}"
+        f"{of_fit if hasattr(value, 'preferred_model') else ''}."
+    )
 
 
 def _kind(value: object) -> str:

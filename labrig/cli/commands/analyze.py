@@ -15,7 +15,10 @@ def analyze(
     session: Recorded,
     as_json: Json = False,
     extractor: Annotated[
-        str | None, typer.Option(help="name of a curve extractor; default: the built-in one")
+        str | None,
+        typer.Option(
+            help="a curve extractor of labrig parts extractors; default: the built-in one"
+        ),
     ] = None,
 ) -> None:
     """Measure a session's forces and neutral curves.

@@ -84,7 +84,7 @@ def log_of(session: RecordedSession) -> list[dict[str, Any]]:
             "time_s": round(event.time_s - session.began_s, 6),
             "kind": event.kind,
             "run": event.run if event.run >= 0 else None,
-            "text": " ".join(part for part in (event.subject, event.text) if part),
+            "text": " ".join(part for part in (event.subject, event.text) if part) or event.kind,
         }
         for event in session.events[-_MOST_LOG:]
     ]

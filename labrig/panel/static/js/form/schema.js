@@ -148,7 +148,7 @@ export class SchemaForm {
     return {
       element: h(
         "div",
-        {},
+        { class: "alternatives" },
         choice.element,
         groups.map(({ field }) => field.element),
       ),
