@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+import os
 import sys
+import threading
+from queue import SimpleQueue
 
-from labrig.panel.job.hear import heard
+LINES = 2  # the rig, then the order
 
 
 def main() -> int:
     """Do what is ordered."""
-    lines = heard()
+    lines: SimpleQueue[str] = SimpleQueue()
+    threading.Thread(target=_hear, args=(lines,), name="job-order", daemon=True).start()
     from labrig.panel.job.perform import perform
 
     return perform(lines)
+
+
+def _hear(lines: SimpleQueue[str]) -> None:
+    """Hand over the lines as they come. Without an order the panel has gone: end, whatever loads."""
+    for _ in range(LINES):
+        line = sys.stdin.readline()
+        if not line:
+            os._exit(0)
+        lines.put(line)
 
 
 if __name__ == "__main__":

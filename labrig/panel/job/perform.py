@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from queue import SimpleQueue
 
 from drivers.interfaces import DeviceError
 from labrig.errors import ExitCode, LabrigError
 from labrig.left_out import listen, told_of
-from labrig.panel.job.hear import Lines
 from labrig.panel.job.host import Host
 from labrig.panel.job.order import Order
 from labrig.panel.job.process import print_into_log
@@ -51,7 +51,7 @@ def _done(host: Host) -> tuple[int, str]:
         )
 
 
-def _ordered(lines: Lines) -> Order:
+def _ordered(lines: SimpleQueue[str]) -> Order:
     """Wait for the order, ready for the rig that the first line names."""
     rig = json.loads(lines.get() or "null")
     if rig is not None:
@@ -61,7 +61,7 @@ def _ordered(lines: Lines) -> Order:
     return Order.from_json(lines.get())
 
 
-def perform(lines: Lines) -> int:
+def perform(lines: SimpleQueue[str]) -> int:
     """Read the order, do it; return the exit code."""
     listen()
     order = _ordered(lines)
