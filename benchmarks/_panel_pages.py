@@ -197,7 +197,7 @@ def _watched(pages: list[Any], duration_s: float, *, traces: bool) -> Seen:
 def cpu_used() -> Iterator[dict[str, float]]:
     """Share of a core that the panel's processes use inside the block (Linux)."""
     found: dict[str, float] = {}
-    kinds = {"curve_process": "curves", "labrig.panel.job": "run", "labrig panel": "server"}
+    kinds = {"curve_start": "curves", "labrig.panel.job": "run", "labrig panel": "server"}
     before, began_s = _ticks(kinds), time.perf_counter()
     yield found
     took_s = time.perf_counter() - began_s

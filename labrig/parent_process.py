@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import select
 import threading
 from multiprocessing import connection, parent_process
 
@@ -18,6 +19,23 @@ def end_with_parent() -> None:
         return
     ends = threading.Thread(target=_wait, args=(parent.sentinel,), name="parent-watch", daemon=True)
     ends.start()
+
+
+def end_with_input() -> None:
+    """End this process as soon as nobody can write to its standard input, read or not.
+
+    For processes whose input is their parent's pipe, while they load what takes long. Windows has
+    no such notice: there a process ends when it reads.
+    """
+    if hasattr(select, "poll"):
+        threading.Thread(target=_until_hang_up, name="input-watch", daemon=True).start()
+
+
+def _until_hang_up() -> None:
+    notice = select.poll()
+    notice.register(0, 0)  # a hang-up is always told
+    notice.poll()
+    os._exit(1)
 
 
 def _wait(sentinel: int) -> None:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 BAD_ARGUMENTS, PORT_TAKEN = 2, 3
 _POLL_S = 0.2  # Windows wakes no thread for Ctrl-C: poll
-LINGER_S = 10.0  # after its input's end: the guard of a run that was killed still writes 0 V
+LINGER_S = 6.0  # after its input's end: the guard of a run that was killed still writes 0 V
 
 
 class ArgumentFaultError(Exception):

@@ -102,7 +102,9 @@ def refuse_other_kind(text: str, name: str, wanted: str) -> None:
 
 
 def refuse_to_replace(path: Path, wanted: str) -> None:
-    """Raise BadInputError where a file would be overwritten that is of another kind."""
+    """Raise BadInputError for a folder, and for a file of another kind, which would be lost."""
+    if path.is_dir():
+        raise BadInputError(f"{path}: this is a folder; give the name of a file.")
     if not path.is_file():
         return
     kind = kind_of_file(path)

@@ -8,18 +8,38 @@ import signal
 import subprocess
 import sys
 import time
+import uuid
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from tests.end_to_end.real_rig import children
+from labrig.batch.plan import ROWS
+from labrig.config.templates import write_templates
+from labrig.panel.processes import step_forward
+from sim_hardware.serve import LINGER_S
+from tests.end_to_end.real_rig import PROTOCOL, children
 from tests.end_to_end.small_rig import small_rig
+from tests.labrig.panel.page import Page, Server, jobs_of, start
 
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(sys.platform != "linux", reason="/proc tells of children"),
 ]
+GONE_S = 60.0  # beyond that: what still loads is slow while other tests compute
+FAMILY = "LABRIG_TEST_FAMILY"  # in the environment of all that descend from a process
+RUNNING = """
+import sys
+from pathlib import Path
+from labrig.cli.main import run
+from sim_hardware.serve import LINGER_S
+from tests.end_to_end.real_rig import serving
+
+with serving(Path(sys.argv[1])) as rig:
+    files = [str(rig.folder / "rig" / name) for name in ("rig.toml", "protocol.toml", "sheet.toml")]
+    raise SystemExit(run(["run", *files, "-o", str(rig.folder / "session.h5"), "--yes"]))
+"""
 SERVING = """
 import sys, time
 from pathlib import Path
@@ -85,3 +105,109 @@ def test_the_simulator_of_a_killed_run_ends(tmp_path: Path) -> None:
     assert process.stdout.readline() == b"ready\n"
     killed(process, children(process.pid))
     process.stdout.close()
+
+
+def family(name: str) -> dict[int, str]:
+    """Processes that run with a name in their environment, with what they were started as."""
+    found = {}
+    for folder in Path("/proc").iterdir():
+        with suppress(OSError):
+            if folder.name.isdigit() and name.encode() in (folder / "environ").read_bytes():
+                found[int(folder.name)] = (folder / "cmdline").read_bytes().decode()
+    return {pid: line for pid, line in found.items() if is_alive(pid)}
+
+
+def all_gone(name: str) -> None:
+    """Wait until no process has a name in its environment any more; say which one stays.
+
+    What waits for a job loads only when nobody else computes, and other tests do.
+    """
+    for pid in family(name):
+        step_forward(pid)
+    with suppress(AssertionError):
+        until(lambda: not family(name), LINGER_S + GONE_S)
+    assert family(name) == {}
+
+
+def is_energised(record: Path) -> bool:
+    """Whether the world has written down a voltage."""
+    rows = record.read_text().splitlines() if record.exists() else []
+    if len(rows) < 3:
+        return False
+    row = dict(zip(rows[0].split(","), rows[-2].split(","), strict=True))
+    return abs(float(row["drive_V"])) > 1.0
+
+
+@pytest.mark.parametrize("order", ["program", "guard, program", "hanging program", "guard"])
+def test_nothing_is_left_of_a_run_with_its_simulator_whoever_is_killed(
+    tmp_path: Path, order: str
+) -> None:
+    name = uuid.uuid4().hex
+    process = subprocess.Popen(
+        [sys.executable, "-c", RUNNING, str(tmp_path)], cwd=Path(__file__).parents[2],
+        env={**os.environ, FAMILY: name},
+    )  # fmt: skip
+    try:
+        until(lambda: is_energised(tmp_path / "world.csv") or process.poll() is not None)
+        assert process.poll() is None
+        there = family(name)
+        (guard,) = (pid for pid, line in there.items() if "drivers.guard" in line)
+        assert any("sim_hardware" in line for line in there.values())
+        if order == "hanging program":
+            os.kill(process.pid, signal.SIGSTOP)  # the guard acts, and ends
+            until(lambda: not is_alive(guard))
+        if order.startswith("guard"):
+            os.kill(guard, signal.SIGKILL)
+        if order.endswith("program"):
+            process.kill()
+        process.wait(60)
+        all_gone(name)
+    finally:
+        for pid in family(name):
+            os.kill(pid, signal.SIGKILL)
+        process.wait()
+
+
+@pytest.mark.parametrize("job_first", [True, False], ids=["job first", "panel first"])
+def test_nothing_is_left_of_a_panel_that_is_killed_with_its_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, job_first: bool
+) -> None:
+    name = uuid.uuid4().hex
+    monkeypatch.setenv(FAMILY, name)
+    write_templates(tmp_path / "rig", simulated=True)
+    (tmp_path / "rig" / "one.toml").write_text(
+        PROTOCOL.replace("moisten = false", "moisten = true")
+    )
+    served = Server(tmp_path / "rig" / "rig.toml")
+    try:
+        page = Page(served)
+        page.take_control()
+        start(page, "killed.h5", "one.toml")
+        page.until("reading")
+        (job,) = jobs_of(tmp_path / "rig")
+        there = family(name)
+        assert any("drivers.guard" in line for line in there.values())
+        for pid in (job, served.process.pid) if job_first else (served.process.pid, job):
+            os.kill(pid, signal.SIGKILL)
+        served.end()
+        all_gone(name)
+    finally:
+        for pid in family(name):
+            os.kill(pid, signal.SIGKILL)
+        served.end()
+
+
+def test_the_workers_of_a_killed_batch_end(tmp_path: Path) -> None:
+    for session in ("a.h5", "b.h5"):
+        (tmp_path / session).write_bytes(session.encode())  # the task does not look into them
+    name = uuid.uuid4().hex
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tests.labrig.batch.a_batch", str(tmp_path), "10000"],
+        cwd=Path(__file__).parents[2], env={**os.environ, FAMILY: name},
+    )  # fmt: skip
+    rows = tmp_path / "out" / "costless" / ROWS
+    until(lambda: (rows.exists() and rows.stat().st_size > 0) or process.poll() is not None)
+    assert process.poll() is None
+    assert len(family(name)) >= 3
+    killed(process, [pid for pid in family(name) if pid != process.pid])
+    assert not family(name)

@@ -61,8 +61,13 @@ class DesignSweep(BatchTask):
 
     def check(self) -> None:
         """See `BatchTask.check`."""
+        from labrig.api.design import section_m
+
         for text in self.section:
-            _section_m(text)
+            section_m(text)
+        for force_mN in self.force_mN:
+            if not 0.0 < force_mN < math.inf:
+                raise BadInputError(f"--force-mN {force_mN:g}: a number above 0 is needed.")
         for one in self.direction:
             if one not in _DIRECTIONS:
                 raise BadInputError(f"--direction {one}: give {', '.join(_DIRECTIONS)}.")
@@ -84,13 +89,14 @@ class DesignSweep(BatchTask):
 
     def work(self, item: BatchItem, folder: Path) -> BatchAnswer:
         """See `BatchTask.work`."""
+        from labrig.api.design import section_m
         from labrig.model_file import load_model
         from labrig.report.design.answers import Wanted, answer, as_dict
         from model.sheet.misfit import misfit
 
         del folder
         model, part = load_model(item.source.path), item.part
-        low_m, high_m = _section_m(part["section"])
+        low_m, high_m = section_m(part["section"])
         force_mN = part["force_mN"]
         wanted = Wanted(
             configuration=part["configuration"],
@@ -124,16 +130,6 @@ def _columns(found: DesignAnswers) -> dict[str, Any]:
     columns["force_both_ways_N"] = None if both is None else both.force_N.value
     columns["unanswered"] = sorted(found.unanswered)
     return columns
-
-
-def _section_m(text: str) -> tuple[float, float]:
-    try:
-        low_mm, high_mm = (float(part) for part in text.split(":"))
-    except ValueError:
-        raise BadInputError(
-            f"--section {text!r}: two positions in mm with a colon between, such as 0:30."
-        ) from None
-    return _MILLI * low_mm, _MILLI * high_mm
 
 
 TASK = DesignSweep

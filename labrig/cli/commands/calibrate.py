@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -42,6 +43,8 @@ def load_cell(
     from labrig.experiment.preflight import plan_of
     from labrig.experiment.rig.wiring import wire
 
+    if not all(map(math.isfinite, weight_mN)):
+        raise BadInputError("--weight-mN: a weight must be a finite number of mN.")
     if len(set(weight_mN)) < 2 or len(weight_mN) < 3:
         raise BadInputError(
             "--weight-mN: at least three readings with two different weights are needed, such as "

@@ -1,4 +1,4 @@
-"""Find the curve in images, in a process: `python -m labrig.panel.live.curve_process`.
+"""Find the curve in images, in a process of its own, which `curve_start` begins.
 
 Setups, models and pictures come in, curves go out; it ends with its input. It may be late and it
 may die: nothing waits for it.
@@ -98,7 +98,3 @@ def main() -> None:
                 finder.choose_model(header["path"])
             else:
                 write(sink, pack(finder.curve(header, image_of(header, payload))))
-
-
-if __name__ == "__main__":
-    main()

@@ -135,7 +135,7 @@ def _asked(process: subprocess.Popen[bytes], picture: Picture) -> Message:
 
 def _spawn() -> subprocess.Popen[bytes]:
     process = subprocess.Popen(
-        [sys.executable, "-m", "labrig.panel.live.curve_process"],
+        [sys.executable, "-m", "labrig.panel.live.curve_start"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         env=module_environment(),
