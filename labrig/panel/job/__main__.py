@@ -20,7 +20,7 @@ def main() -> int:
 
 
 def _hear(lines: SimpleQueue[str]) -> None:
-    """Hand over the lines as they come. No order: the panel is gone, so end, whatever is loading."""
+    """Hand over the lines as they come. End if none comes: the panel is gone."""
     for _ in range(LINES):
         line = sys.stdin.readline()
         if not line:
