@@ -40,10 +40,10 @@ def propagate(
         freedom.append(degrees)
     parts = np.array(steps).reshape(-1, len(values)) ** 2
     variance = parts.sum(axis=0)
-    degrees = _freedom(variance, parts, np.array(freedom))
+    together = _freedom(variance, parts, np.array(freedom))
     return [
         Parameter(value=float(v), sigma=float(np.sqrt(s)), unit=unit, freedom=float(f))
-        for v, s, f, unit in zip(values, variance, degrees, units, strict=True)
+        for v, s, f, unit in zip(values, variance, together, units, strict=True)
     ]
 
 
