@@ -41,10 +41,10 @@ def propagate(
         freedom.append(degrees)
     parts = np.array(steps).reshape(-1, len(values)) ** 2
     variance = parts.sum(axis=0)
-    of_sums = _freedom(variance, parts, np.array(freedom))
+    together = _freedom(variance, parts, np.array(freedom))
     return [
         Parameter(value=float(v), sigma=float(np.sqrt(s)), unit=unit, freedom=float(f))
-        for v, s, f, unit in zip(values, variance, of_sums, units, strict=True)
+        for v, s, f, unit in zip(values, variance, together, units, strict=True)
     ]
 
 

@@ -20,7 +20,7 @@ def main() -> int:
 
 
 def _hear(lines: SimpleQueue[str]) -> None:
-    """Hand over the lines as they come. End if none comes: the panel is gone."""
+    """Hand over the lines as they come. Without an order the panel has gone, and this ends."""
     for _ in range(LINES):
         line = sys.stdin.readline()
         if not line:
