@@ -79,7 +79,7 @@ def test_with_a_certificate_panel_and_stop_speak_tls_only(rig_folder, tmp_path):
         capture_output=True,
     )  # fmt: skip
     files = ["--certificate", str(certificate), "--key", str(key)]
-    server = Server(rig_folder / "rig.toml", *files)
+    server = Server(rig_folder / "rig.toml", *files, lean=True)
     try:
         assert server.origin.startswith("https://")
         trusting = ssl.create_default_context(cafile=str(certificate))

@@ -16,6 +16,7 @@ import pytest
 from labrig.session import open_session
 from protocols.execution.operator import EXPIRES_S
 from tests.labrig.panel.page import Page, begin, jobs_of, panel, start
+from tests.side_by_side import is_alone
 
 pytestmark = [
     pytest.mark.slow,
@@ -33,9 +34,10 @@ def rig(rig_folder):
 
 
 @pytest.fixture(scope="module")
-def server(rig_folder):
-    """A whole panel, as users have it: what it promises is measured here."""
-    with panel(rig_folder / "rig.toml") as found:
+def server(request, rig_folder):
+    """A panel that is lean (see `Server`) unless a test measures what users are promised."""
+    lean = not any(map(is_alone, request.session.items))
+    with panel(rig_folder / "rig.toml", lean=lean) as found:
         yield found
 
 
@@ -93,14 +95,14 @@ def is_offer(message):
 
 
 def test_a_run_goes_on_when_its_panel_is_killed_and_when_the_next_one_gets_ctrl_c(rig):
-    with panel(rig / "rig.toml", leave_job=True) as first:
+    with panel(rig / "rig.toml", leave_job=True, lean=True) as first:
         page = Page(first)
         page.take_control()
         start(page, "survivor.h5", "middle.toml")
         page.until("reading")
         first.end(signal.SIGKILL)
     (job,) = jobs_of(rig)
-    with panel(rig / "rig.toml", leave_job=True) as second:
+    with panel(rig / "rig.toml", leave_job=True, lean=True) as second:
         page = Page(second)
         assert page.until("run_started")["run"] == 0
         told = len(page.of("reading"))
