@@ -212,8 +212,9 @@ OUTLINE_SEEN_SHARE_MIN: Final = 0.6  # of the blocks
 # of the seen blocks: of one edge alone it is not known which it is
 OUTLINE_BOTH_SHARE_MIN: Final = 0.75
 OUTLINE_START_SHARE_MIN: Final = 0.4  # of the blocks of the first eighth
-# of the width, in sum along the strip, to itself: a strip becomes thinner once or twice
-OUTLINE_TAPER_SUM_MAX_RATIO: Final = 2.2
+# of all changes of the width, in sum, to it: a strip becomes thinner once or twice; a frayed one
+# so much more for each width of its length
+OUTLINE_TAPER_SUM_MAX_RATIOS: Final = (2.2, 0.027)
 OUTLINE_WIDTH_SCATTER_MAX_RATIO: Final = 0.15  # of the width from block to block, to the width
 OUTLINE_RESIDUAL_MAX_RATIO: Final = 0.15  # of the middles about the curve, to the width
 OUTLINE_SIGMA_MAX_RATIO: Final = 0.25  # of sigma to the thickness, where that is more than 2 px

@@ -23,7 +23,7 @@ from labrig.vision.thresholds import (
     OUTLINE_SIGMA_MAX_PX,
     OUTLINE_SIGMA_MAX_RATIO,
     OUTLINE_START_SHARE_MIN,
-    OUTLINE_TAPER_SUM_MAX_RATIO,
+    OUTLINE_TAPER_SUM_MAX_RATIOS,
     OUTLINE_WIDTH_SCATTER_MAX_RATIO,
 )
 from labrig.vision.uncertainty.parts import calibration_m
@@ -58,7 +58,8 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
             "another colour channel (--channel)."
         )
     thicker_and_thinner = float(np.abs(np.diff(fit.taper)).sum())
-    if thicker_and_thinner > OUTLINE_TAPER_SUM_MAX_RATIO:
+    once_or_twice, frayed = OUTLINE_TAPER_SUM_MAX_RATIOS
+    if thicker_and_thinner > max(once_or_twice, frayed * total / fit.width_px):
         return (
             f"check of the width failed: what was followed is {width:.1f} pixels thick and becomes "
             "thinner and thicker again along its length; state the thickness, mask what lies "

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -57,6 +57,7 @@ TAPER_DEGREE = 4  # of the polynomial that a strip's width follows along it
 TAPER_FROM = 0.08  # of the usual width: a smaller difference may be the light's
 TAPER_RATIOS = (0.3, 1.25)  # wider is more often a shadow
 TAPER_MIN_PX = 4.0  # a thinner part is looked at as one of that width
+LONELY_HALF_BLOCKS, LONELY_SHARE = 5, 0.5  # around a block, seen
 INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
 
 
@@ -209,11 +210,25 @@ def fit_outline(
             return None
         if completed is not None:
             blocks = completed(shape, taper, blocks)
+        if tapers:
+            blocks = _without_lonely(blocks)
         fit = _fitted(shape, blocks, prior, taper)
         shape = fit.shape
         if tapers:
             taper = fitted_taper(blocks, width_px, len(shape.x))
     return fit
+
+
+def _without_lonely(blocks: Blocks) -> Blocks:
+    """Return blocks without those that are seen where most others are not.
+
+    Dirt shows two edges here and there: a path that cuts off a bend is no better known for it.
+    """
+    around = np.ones(2 * LONELY_HALF_BLOCKS + 1)
+    many = np.convolve(blocks.seen, around, mode="same")
+    there = np.convolve(np.ones(len(blocks.seen)), around, mode="same")
+    kept = many >= LONELY_SHARE * there
+    return replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
 
 
 def fitted_taper(blocks: Blocks, width_px: float, nodes: int) -> FloatArray:

@@ -114,6 +114,17 @@ def test_half_in_shade_or_darker_further_on_it_is_the_same_strip():
     assert (curve.sigma_m.max() * 2000) > error.max() / 3
 
 
+def test_dirt_in_a_gap_does_not_make_the_strip_seen_there():
+    line = arc(150, 0.8)
+    image = drawn(line, 10)
+    _, along = beside(line)
+    piece = np.abs((along - 0.36) % 0.1 - 0.05) < 0.007
+    image[(along > 0.36) & (along < 0.66) & ~piece] = 60
+    curve = neutral_curve(image, stated(), UNKNOWN)
+    at = np.linspace(0, 1, len(curve.s_m)) if curve.ok else np.empty(0)
+    assert not curve.ok or not curve.seen[(at > 0.46) & (at < 0.58)].any()
+
+
 @pytest.mark.parametrize(
     ("thick_px", "thinner"),
     [(12, lambda along: 0.5 * (along > 0.5)), (16, lambda along: 0.7 * along)],

@@ -90,7 +90,7 @@ def test_the_clamp_is_no_part_of_the_strip():
 def test_a_faint_stretch_is_seen_by_its_profile_and_one_edge_alone_is_not():
     light = np.interp(np.arange(COLUMNS), [BEGIN, BEGIN + 140], [60.0, 9.0])
     shape, image = straight(150.0), grey(picture(4, light))
-    blocks = measure_blocks(shape, [image], OPTICS, 4)
+    blocks = measure_blocks(shape, [image], OPTICS, 4, np.ones(len(shape.x)))
     more = completed(course_along(shape, [image], OPTICS, 4), blocks, shape.basis.step_px)
     faint = shape.basis.s[blocks.node] > 110
     assert more.seen[faint].mean() > blocks.seen[faint].mean() + 0.3
