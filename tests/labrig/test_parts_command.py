@@ -71,8 +71,8 @@ def test_a_part_of_another_distribution_is_listed_and_a_misspelt_group_is_named(
     monkeypatch.delitem(sys.modules, "writer")
 
 
-def test_an_unknown_kind_is_answered_with_those_there_are(
+def test_an_unknown_kind_is_answered_with_the_one_spelt_alike(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert run(["parts", "camera"]) == 2
-    assert "there is no kind of part 'camera'; choose one of effects, " in capsys.readouterr().err
+    assert "there is no kind of part 'camera'; did you mean cameras?" in capsys.readouterr().err

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from typing import Annotated
 
 import typer
@@ -27,9 +28,9 @@ def parts(
     from labrig.errors import BadInputError
 
     if kind and (kind := kind.removeprefix(PREFIX)) not in FOLDERS:
-        raise BadInputError(
-            f"there is no kind of part '{kind}'; choose one of {', '.join(FOLDERS)}."
-        )
+        close = get_close_matches(kind, FOLDERS, n=1)
+        hint = f"did you mean {close[0]}?" if close else "labrig parts lists all kinds."
+        raise BadInputError(f"there is no kind of part '{kind}'; {hint}")
     folders = {name: folder_of(name) for name in ([kind] if kind else FOLDERS)}
     found = {name: list(folder.parts().values()) for name, folder in folders.items()}
     if as_json:
