@@ -33,7 +33,7 @@ def hung(
     left = np.where(change == 0.0, 1.0, np.exp(-np.abs(change) / reach))
     sign = np.sign(reach_N)
     if force_N.ndim == 1:  # numbers by themselves are many times quicker than arrays of one
-        return sign * np.array(_followed(towards.tolist(), left.tolist(), new.tolist()))
+        return np.asarray(sign * np.array(_followed(*(a.tolist() for a in (towards, left, new)))))
     ahead, now = np.zeros_like(force_N), np.zeros(force_N.shape[:-1])
     for k in range(force_N.shape[-1]):
         now = np.where(new[..., k], 0.0, now)
