@@ -1,4 +1,4 @@
-"""Compile functions with numba, and cache the compiled code on disk.
+"""Compile functions with numba, and keep what is compiled from one start to the next.
 
 numba keeps compiled code beside the sources, or in the user's cache where those cannot be written.
 It compiles a function again when the function's own file changes. It does not notice that a

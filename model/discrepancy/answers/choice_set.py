@@ -26,7 +26,7 @@ ATTRIBUTES = {
     "votes": "share of the left-out positions without which it is chosen, the other names in place",
     "large": "log10 of its amplitude over the prior scale, where that is above 1",
     "freedom": "ln of the number of its columns, the ways in which its form may differ included",
-    "beside": "how many others the search names, too",
+    "beside": "the search names something else, too",
     "failed": "checks that it fails, 3 at most",
     "misfit": "ln of the largest chi^2 per number on left-out positions, of a quantity; at least 0",
     "uneven": "largest sure difference of its amplitude in a part of the data, as a share of it",

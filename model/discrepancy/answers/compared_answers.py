@@ -117,7 +117,7 @@ class ComparedAnswers:
         if one.name == named:
             attributes |= {
                 "considered": 1.0,
-                "beside": float(len(self.named) - 1),
+                "beside": float(len(self.named) > 1),
                 "failed": self._failed(named),
                 "misfit": self._misfit,
                 "uneven": self._uneven(named),
