@@ -42,13 +42,13 @@ def test_the_band_holds_the_middle_of_a_strip_where_a_knot_makes_one_side_thicke
     assert curve.ok, curve.why
     u, v = curve.points_px.T
     knot = (u > 350) & (u < 450)
-    assert curve.seen[knot].mean() < 0.05
     middle = np.interp(u, np.arange(len(upper)), (upper + lower) / 2)
+    assert np.abs(middle - v)[knot].max() < 2.0  # the knot's middle is 8 beside the strip's
     sigma_px = curve.sigma_m * PX_PER_MM * 1000
     assert (np.abs(middle - v) < 1.96 * sigma_px)[knot].mean() > 0.9
     elsewhere = (u > 600) & (u < 900)
     assert np.abs(middle - v)[elsewhere].max() < 1.0
-    assert sigma_px[elsewhere].max() < 0.3 * sigma_px[knot].max()
+    assert sigma_px[elsewhere].max() < 0.6 * sigma_px[knot].max()
 
 
 @pytest.fixture(scope="module")
