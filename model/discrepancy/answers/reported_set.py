@@ -33,7 +33,7 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     overlooked = decision.criticism.overlooked(name)
     # several names may together imitate something that none of them says
     piece = name in pieces(decision.named)
-    several = piece or len(decision.named) >= MANY_NAMES
+    several = piece or (decision.imitable and len(decision.named) >= MANY_NAMES)
     doubtful = several or decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
     believed = overlooked * (TRUST_IN_PIECES if piece else 1.0)
     others += [UNKNOWN] if doubtful else []

@@ -68,10 +68,14 @@ class SearchResult:
         return max((c.gain for c in self.turns[0].ranking if c.known), default=0.0)
 
     @property
+    def free(self) -> float:
+        """Evidence of the best nonparametric term by itself."""
+        return max((c.gain for c in self.turns[0].ranking if is_free(c.name)), default=0.0)
+
+    @property
     def no_names(self) -> bool:
         """Whether one free form stands for all that was added."""
-        free = max((c.gain for c in self.turns[0].ranking if is_free(c.name)), default=0.0)
-        return stands_for_names(free, self.gain, len(self.chosen), self.single)
+        return stands_for_names(self.free, self.gain, len(self.chosen), self.single)
 
     @property
     def gain(self) -> float:

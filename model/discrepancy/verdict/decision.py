@@ -55,6 +55,8 @@ class Decision:
     criticism: Criticism = field(default_factory=Criticism)
     choice_sets: tuple[ChoiceSet, ...] = ()  # of the questions that it answers
     answers: tuple[Judged, ...] = ()  # to each of them
+    # a nonparametric term explains more than any name: several names may imitate one thing
+    imitable: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +72,8 @@ class Judgement:
 
     def decision(self) -> Decision:
         """Return the effects named, the unknown term, or both, after the criticism."""
-        return self._revised(self.uncriticised())
+        revised = self._revised(self.uncriticised())
+        return replace(revised, imitable=self.outcome.free > self.outcome.single)
 
     def uncriticised(self) -> Decision:
         """Return what the evidence names."""

@@ -10,7 +10,7 @@ import pytest
 
 from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import ChoiceSet
-from model.discrepancy.answers.reported_set import not_ruled_out, with_alternatives
+from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
 from model.discrepancy.criticism.check_result import Failure
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.prepare import Options, prepare
@@ -61,6 +61,7 @@ def decided(
         failures += (noticed,)
     return SimpleNamespace(
         written=one, known=one, named=[choice] * (3 if many else 1), unknown=None,
+        imitable=many,
         criticism=Criticism(failures=failures),
         choice_sets=(ChoiceSet("gravity", ()),), answers=(Judged(probabilities, answers),),
     )  # fmt: skip
@@ -222,6 +223,16 @@ def test_so_many_names_may_be_something_unknown(reported):
     assert one.or_else == ("unknown",)
     # they share a location, too: together they may imitate what acts there
     assert one.probabilities == pytest.approx({"gravity": 0.765, "unknown": 0.175})
+
+
+@pytest.mark.parametrize(("imitable", "others"), [(True, ("unknown",)), (False, ())])
+def test_names_of_three_locations_are_doubted_where_a_free_form_explains_more(imitable, others):
+    named = [SimpleNamespace(effect=effect(n)) for n in ("gravity", "camera_roll", "charging_lag")]
+    decision = SimpleNamespace(
+        named=named, criticism=Criticism(), choice_sets=(ChoiceSet("gravity", ()),),
+        answers=(Judged({"gravity": 0.95, "unknown": 0.04}, ("gravity",)),), imitable=imitable,
+    )  # fmt: skip
+    assert of_name("gravity", decision).or_else == others
 
 
 def test_what_is_reported_is_not_invisible(reported):
