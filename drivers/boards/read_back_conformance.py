@@ -22,18 +22,20 @@ def read_back_faults(
 ) -> list[str]:
     """Return what the channel `drive` shows wrongly of one write of the output; both are open.
 
-    `volts`, board volts, are written for 0.3 s. Nothing may be connected that stands less.
+    `volts`, board volts, are written for 0.3 s. Connect nothing that cannot bear this voltage.
     """
     checks = Checks(clock)
     if not checks.require(DRIVE in signals.channels, f"there is no channel {DRIVE}"):
         return checks.faults
     started = checks.call("start", signals.start, DEVICE_S)
     checks.wait(_BEFORE_S)
-    done = checks.call("write", lambda: output.write(volts))
-    checks.wait(_AFTER_S)
-    block = checks.call("read_available", signals.read_available)
-    checks.call("write of 0 V", lambda: output.write(0.0))
-    checks.call("stop", signals.stop, DEVICE_S)
+    try:
+        done = checks.call("write", lambda: output.write(volts))
+        checks.wait(_AFTER_S)
+        block = checks.call("read_available", signals.read_available)
+    finally:  # Ctrl-C in the wait must leave no voltage
+        checks.call("write of 0 V", lambda: output.write(0.0))
+        checks.call("stop", signals.stop, DEVICE_S)
     if started is None or done is None or block is None:
         return checks.faults
     drive_V = block.volts[list(signals.channels).index(DRIVE)]

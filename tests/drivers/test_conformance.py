@@ -270,6 +270,26 @@ def test_a_read_back_that_shows_nothing_is_found(simulated_ni):
     ]
 
 
+def test_ctrl_c_while_the_read_back_is_tried_leaves_no_voltage(simulated_ni, monkeypatch):
+    output, signals, written = simulated_ni.output(), simulated_ni.signals(), []
+    output.open()
+    signals.open()
+    write = output.write
+    monkeypatch.setattr(output, "write", lambda volts: (written.append(volts), write(volts))[1])
+
+    def wait(checks, seconds):
+        if written:
+            raise KeyboardInterrupt
+        checks.clock.sleep_until(checks.clock.now() + seconds)
+
+    monkeypatch.setattr("drivers.conformance.Checks.wait", wait)
+    with pytest.raises(KeyboardInterrupt):
+        read_back_faults(output, signals, 0.2, simulated_ni.clock)
+    assert written == [0.2, 0.0]
+    signals.close()
+    output.close()
+
+
 def test_the_ni_family_keeps_the_contract():
     family = BOARD_FAMILIES.get("ni")
     assert family_faults(family, family.settings(), RealClock()) == []
