@@ -73,11 +73,13 @@ def output_faults(output: BoardOutput, limit_V: float, clock: Clock) -> list[str
     checks.refuse("write before open", lambda: output.write(0.0))
     checks.call("open", output.open, DEVICE_S)
     if not checks.faults:
-        for volts in (0.5 * limit_V, limit_V, -limit_V, 0.0):
-            _write(checks, output, volts)
-        for volts in (1.01 * limit_V, -1.01 * limit_V, math.nan, math.inf):
-            checks.refuse(f"write({volts:g})", partial(output.write, volts), LimitError)
-        _write(checks, output, 0.0)
+        try:
+            for volts in (0.5 * limit_V, limit_V, -limit_V, 0.0):
+                _write(checks, output, volts)
+            for volts in (1.01 * limit_V, -1.01 * limit_V, math.nan, math.inf):
+                checks.refuse(f"write({volts:g})", partial(output.write, volts), LimitError)
+        finally:  # Ctrl-C amid must leave no voltage
+            _write(checks, output, 0.0)
     checks.call("close", output.close, DEVICE_S)
     checks.call("a second close", output.close)
     checks.refuse("write after close", lambda: output.write(0.0))

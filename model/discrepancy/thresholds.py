@@ -108,7 +108,7 @@ LEAST_PROBABILITY = 0.5
 PROBABLE_ALL_THE_SAME = 0.85
 # Share of the probability of a name that it keeps beside another one of its location. On an open
 # world two changes in time imitated a third one with 0.94 and 0.95.
-TRUST_IN_PIECES = 0.85
+KEPT_BESIDE_SAME_LOCATION = 0.85
 # Best names that are compared for each place in the verdict.
 COMPARED_NAMES = 8
 # Degrees of freedom of the reported intervals: about the number of set-ups of a session. Moves the

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from model.discrepancy.answers.calibrated_answers import Judged, is_name
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
-from model.discrepancy.thresholds import MANY_NAMES, OVERLOOKED_TOLD, TRUST_IN_PIECES
+from model.discrepancy.thresholds import KEPT_BESIDE_SAME_LOCATION, MANY_NAMES, OVERLOOKED_TOLD
 from model.discrepancy.verdict.decision import Decision, pieces
 from model.discrepancy.verdict.result import Unknown
 
@@ -33,9 +33,9 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     overlooked = decision.criticism.overlooked(name)
     # several names may together imitate something that none of them says
     piece = name in pieces(decision.named)
-    several = piece or (decision.imitable and len(decision.named) >= MANY_NAMES)
+    several = piece or (decision.nonparametric_explains_more and len(decision.named) >= MANY_NAMES)
     doubtful = several or decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
-    believed = overlooked * (TRUST_IN_PIECES if piece else 1.0)
+    believed = overlooked * (KEPT_BESIDE_SAME_LOCATION if piece else 1.0)
     others += [UNKNOWN] if doubtful else []
     or_else = tuple(dict.fromkeys(others))
     chances = {one: judged.probabilities.get(one, 0.0) for one in (*names, *or_else)}

@@ -10,7 +10,10 @@ import numpy as np
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.evidence import Projected, score
 from model.discrepancy.search.form_share import form_share
-from model.discrepancy.search.nonparametric_terms import is_free, stands_for_names
+from model.discrepancy.search.nonparametric_terms import (
+    is_nonparametric,
+    nonparametric_replaces_names,
+)
 from model.discrepancy.search.outliers import numbers_of, without
 from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best
@@ -63,19 +66,21 @@ class SearchResult:
         return [turn.chosen for turn in self.turns if turn.chosen is not None]
 
     @property
-    def single(self) -> float:
+    def best_name(self) -> float:
         """Evidence of the best name by itself."""
         return max((c.gain for c in self.turns[0].ranking if c.known), default=0.0)
 
     @property
-    def free(self) -> float:
+    def best_nonparametric(self) -> float:
         """Evidence of the best nonparametric term by itself."""
-        return max((c.gain for c in self.turns[0].ranking if is_free(c.name)), default=0.0)
+        return max((c.gain for c in self.turns[0].ranking if is_nonparametric(c.name)), default=0.0)
 
     @property
-    def no_names(self) -> bool:
-        """Whether one free form stands for all that was added."""
-        return stands_for_names(self.free, self.gain, len(self.chosen), self.single)
+    def nonparametric_suffices(self) -> bool:
+        """Whether one nonparametric term stands for all that was added."""
+        return nonparametric_replaces_names(
+            self.best_nonparametric, self.gain, len(self.chosen), self.best_name
+        )
 
     @property
     def gain(self) -> float:
@@ -110,7 +115,7 @@ def search(
     fitted = fit_mixed_model(problem, theta, found)
     outcome = _forward(fitted, effects, threshold, most, report)
     loose = {c.name for c in outcome.chosen if _share(c) > LOOSE_FORM_SHARE}
-    if not loose or most < 2 or outcome.no_names:
+    if not loose or most < 2 or outcome.nonparametric_suffices:
         return outcome
     rest = [e for e in effects if e.name not in loose]
     other = _forward(fitted, rest, threshold, most, report, LOOSE_FORM_SHARE)

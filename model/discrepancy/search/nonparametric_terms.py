@@ -81,12 +81,12 @@ def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
     return [shape for shape in result.values() if np.any(shape.rows)]
 
 
-def is_free(name: str) -> bool:
+def is_nonparametric(name: str) -> bool:
     """Return whether a candidate of this name is a nonparametric term."""
     return name.startswith("unknown:")
 
 
-def stands_for_names(free: float, explained: float, names: int, single: float) -> bool:
+def nonparametric_replaces_names(free: float, explained: float, names: int, single: float) -> bool:
     """Return whether the evidence of one free form is more than that of so many names together.
 
     A single name may be of another form, and lose some of what a free form explains. Three or more

@@ -14,7 +14,7 @@ from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
-from model.discrepancy.search.nonparametric_terms import stands_for_names
+from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_names
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     LEAST_PROBABILITY,
@@ -56,7 +56,7 @@ class Decision:
     choice_sets: tuple[ChoiceSet, ...] = ()  # of the questions that it answers
     answers: tuple[Judged, ...] = ()  # to each of them
     # a nonparametric term explains more than any name: several names may imitate one thing
-    imitable: bool = False
+    nonparametric_explains_more: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +73,10 @@ class Judgement:
     def decision(self) -> Decision:
         """Return the effects named, the unknown term, or both, after the criticism."""
         revised = self._revised(self.uncriticised())
-        return replace(revised, imitable=self.outcome.free > self.outcome.single)
+        return replace(
+            revised,
+            nonparametric_explains_more=self.outcome.best_nonparametric > self.outcome.best_name,
+        )
 
     def uncriticised(self) -> Decision:
         """Return what the evidence names."""
@@ -86,7 +89,7 @@ class Judgement:
             beside = self._leftover(full)
             if not self._unexplained(beside):
                 named, known, rest = more, full, beside
-        only = rest is not None and alone(rest, base, known, self.outcome.single)
+        only = rest is not None and alone(rest, base, known, self.outcome.best_name)
         if rest is None or not (only or self._unexplained(rest)):
             return self._with_names(named, known, rest)
         if only:
@@ -171,7 +174,7 @@ class Judgement:
             kept = tuple(f for f in known.found if f.effect.name not in rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
         rest = leftover(self.outcome, known, self.effects)
-        if rest is not None and alone(rest, base, known, self.outcome.single):
+        if rest is not None and alone(rest, base, known, self.outcome.best_name):
             named, known = [], base
         free = None if rest is None else rest.first if known is base else rest.last
         nothing_else = rest is None or free is None or free.gain < self.threshold
@@ -225,4 +228,4 @@ def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit, single: flo
     """
     names = len(known.found) - len(base.found)
     explained = 0.5 * (base.deviance - known.deviance)
-    return stands_for_names(rest.first.gain, explained, names, single)
+    return nonparametric_replaces_names(rest.first.gain, explained, names, single)

@@ -61,7 +61,7 @@ def decided(
         failures += (noticed,)
     return SimpleNamespace(
         written=one, known=one, named=[choice] * (3 if many else 1), unknown=None,
-        imitable=many,
+        nonparametric_explains_more=many,
         criticism=Criticism(failures=failures),
         choice_sets=(ChoiceSet("gravity", ()),), answers=(Judged(probabilities, answers),),
     )  # fmt: skip
@@ -225,12 +225,15 @@ def test_so_many_names_may_be_something_unknown(reported):
     assert one.probabilities == pytest.approx({"gravity": 0.765, "unknown": 0.175})
 
 
-@pytest.mark.parametrize(("imitable", "others"), [(True, ("unknown",)), (False, ())])
-def test_names_of_three_locations_are_doubted_where_a_free_form_explains_more(imitable, others):
+@pytest.mark.parametrize(("more", "others"), [(True, ("unknown",)), (False, ())])
+def test_names_of_three_locations_are_doubted_where_a_nonparametric_term_explains_more(
+    more, others
+):
     named = [SimpleNamespace(effect=effect(n)) for n in ("gravity", "camera_roll", "charging_lag")]
     decision = SimpleNamespace(
         named=named, criticism=Criticism(), choice_sets=(ChoiceSet("gravity", ()),),
-        answers=(Judged({"gravity": 0.95, "unknown": 0.04}, ("gravity",)),), imitable=imitable,
+        answers=(Judged({"gravity": 0.95, "unknown": 0.04}, ("gravity",)),),
+        nonparametric_explains_more=more,
     )  # fmt: skip
     assert of_name("gravity", decision).or_else == others
 
