@@ -13,8 +13,9 @@ PICTURES := tests/sim_hardware/test_optics_images.py tests/sim_hardware/test_wor
 	tests/sim_hardware/test_world_effects.py tests/sim_hardware/test_world.py \
 	tests/sim_hardware/test_moving_world.py tests/labrig/vision/test_batch.py
 # Without a time-out: a compilation that is cut short is not kept.
-COMPILE = $(PYTEST) --timeout 0 -q -m "not slow and not thorough"
-TWO_ALONE = $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder
+COMPILE = $(PYTEST) --timeout 0 -o faulthandler_timeout=0 -q -m "not slow and not thorough"
+# Where `loadfile` replaces a process that has ended, it begins again with what ended it.
+TWO_ALONE = $(PYTEST) -n 2 --dist loadfile --no-loadscope-reorder -o faulthandler_exit_on_timeout=false
 # The files with such tests: to collect all others takes seconds.
 ALONE = $(shell grep -rl --include='*.py' 'mark\.alone' tests)
 COMPILED := $(VENV)/.compiled

@@ -1,8 +1,11 @@
 """Virtual time: deterministic turns, joins that step time, failures that hold nobody up."""
 
+import os
 import signal
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 
@@ -195,8 +198,26 @@ def test_a_thread_the_clock_does_not_know_may_ask_the_time_but_not_wait() -> Non
     assert clock.now() == 1.0
 
 
+@contextmanager
+def interrupted_after(seconds: float) -> Iterator[None]:
+    """Raise KeyboardInterrupt in this thread; by a signal that pytest-timeout does not need."""
+
+    def interrupt(_number: int, _frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGUSR1, interrupt)
+    here = threading.get_ident()
+    timer = threading.Timer(seconds, lambda: signal.pthread_kill(here, signal.SIGUSR1))
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.join()
+        signal.signal(signal.SIGUSR1, before)
+
+
 @pytest.mark.slow
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer signal")
+@pytest.mark.skipif(os.name != "posix", reason="raises by a signal")
 def test_an_interrupt_while_another_runs_waits_for_its_turn() -> None:
     clock = VirtualClock()
     steps: list[float] = []
@@ -209,42 +230,27 @@ def test_an_interrupt_while_another_runs_waits_for_its_turn() -> None:
         clock.sleep_until(clock.now() + 1.0)
         steps.append(clock.now())
 
-    def interrupt(_number: int, _frame: object) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGALRM, interrupt)
-    try:
-        thread = clock.start_thread(busy, "busy")
-        signal.setitimer(signal.ITIMER_REAL, 0.1)
-        with pytest.raises(KeyboardInterrupt):
-            clock.sleep_until(10.0)
-        assert steps == [0.0]  # it was raised when the busy thread had handed its turn on
-        assert clock.now() == 0.0
-        thread.join()
-        assert steps == [0.0, 1.0]
-    finally:
-        signal.signal(signal.SIGALRM, before)
+    thread = clock.start_thread(busy, "busy")
+    with interrupted_after(0.1), pytest.raises(KeyboardInterrupt):
+        clock.sleep_until(10.0)
+    assert steps == [0.0]  # it was raised when the busy thread had handed its turn on
+    assert clock.now() == 0.0
+    thread.join()
+    assert steps == [0.0, 1.0]
 
 
-@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="raises by a signal")
+@pytest.mark.skipif(os.name != "posix", reason="raises by a signal")
 def test_a_thread_that_keeps_its_turn_for_ever_does_not_hold_up_ctrl_c(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("sim_hardware.clock.INTERRUPTED_S", 0.05)
     clock, never = VirtualClock(), threading.Event()
-
-    def interrupt(_number: int, _frame: object) -> None:
-        raise KeyboardInterrupt
-
-    before = signal.signal(signal.SIGALRM, interrupt)
+    clock.start_thread(never.wait, "waits by something else")
     try:
-        clock.start_thread(never.wait, "waits by something else")
-        signal.setitimer(signal.ITIMER_REAL, 0.05)
-        with pytest.raises(KeyboardInterrupt):
+        with interrupted_after(0.05), pytest.raises(KeyboardInterrupt):
             clock.sleep_until(10.0)
     finally:
         never.set()
-        signal.signal(signal.SIGALRM, before)
 
 
 @pytest.mark.slow

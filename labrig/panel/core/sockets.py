@@ -134,11 +134,12 @@ class Post:
                 await self._out(pack(*picture))
 
     async def _out(self, packed: str | bytes) -> None:
-        async with self._sending:
+        # Not by `wait_for`: before Python 3.12 a cancellation amid its end is lost.
+        async with self._sending, asyncio.timeout(SEND_S):
             if isinstance(packed, str):
-                await asyncio.wait_for(self._socket.send_text(packed), SEND_S)
+                await self._socket.send_text(packed)
             else:
-                await asyncio.wait_for(self._socket.send_bytes(packed), SEND_S)
+                await self._socket.send_bytes(packed)
 
     def _wake(self) -> None:
         with suppress(RuntimeError):  # the loop has ended

@@ -97,6 +97,23 @@ def numbers(socket):
     return [image["frame"] for image in socket.images]
 
 
+@pytest.mark.parametrize("steps", range(6))
+def test_a_page_that_goes_while_something_is_sent_leaves_nothing_that_waits(steps):
+    async def page():
+        stream = EventStream()
+        served = Served(stream)
+        async with asyncio.timeout(PATIENCE_S):
+            async with served as socket:
+                socket.open.clear()
+                shown(stream, 1)
+                await settled()
+                socket.open.set()
+                for _ in range(steps):
+                    await asyncio.sleep(0)
+
+    run(page())
+
+
 def test_a_page_that_acknowledges_nothing_gets_one_image():
     async def page():
         stream = EventStream()
