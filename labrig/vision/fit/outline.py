@@ -216,7 +216,8 @@ def fit_outline(
             blocks = completed(shape, taper, blocks)
         if tapers:
             blocks = _without_lonely(blocks)
-        blocks = places.agreeing(blocks, shape, width_px)
+        kept = ~places.contradicted(shape, blocks.node, blocks.middle_px, width_px)
+        blocks = replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
         if not blocks.by_edges.any():
             return None
         fit = _fitted(shape, blocks, prior, taper, places)

@@ -5,8 +5,7 @@ Where an edge is hidden they say where the strip is; edges that contradict one a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -14,11 +13,9 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.shape import CurveShape
 
-if TYPE_CHECKING:
-    from labrig.vision.fit.outline import Blocks
-
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
+BoolArray = npt.NDArray[np.bool_]
 
 PLACE_SIGMA_PX = 1.5  # of a place that is stated, across the strip
 PLACE_SIGMA_WIDTHS = 0.05  # or so much of a thick one, whichever is more
@@ -59,13 +56,15 @@ class StatedPlaces:
         normal = modes.T @ modes
         return normal, modes.T @ (offset / self.sigma_px) + normal @ shape.parameters
 
-    def agreeing(self, blocks: Blocks, shape: CurveShape, width_px: float) -> Blocks:
-        """Return blocks without those beside a place that show the strip elsewhere."""
-        seen = blocks.seen.copy()
+    def contradicted(
+        self, shape: CurveShape, node: IntArray, middle_px: FloatArray, width_px: float
+    ) -> BoolArray:
+        """Return (nodes,) which middles, to the left of a curve, lie elsewhere than a place."""
+        found = np.zeros(len(node), dtype=bool)
         s = shape.basis.s
         near = max(NEAR_WIDTHS * width_px, NEAR_MIN_PX)
         most = max(APART_WIDTHS * width_px, APART_MIN_PX)
-        for node, offset in zip(*self.beside(shape), strict=True):
-            beside = np.abs(s[blocks.node] - s[node]) < near
-            seen &= ~(beside & (np.abs(blocks.middle_px - offset) > most))
-        return replace(blocks, seen=seen, by_profile=blocks.by_profile & seen)
+        for at, offset in zip(*self.beside(shape), strict=True):
+            beside = np.abs(s[node] - s[at]) < near
+            found |= beside & (np.abs(middle_px - offset) > most)
+        return found
