@@ -1,10 +1,12 @@
 """`labrig curves` on photographs that nobody here took, against readings by hand.
 
-    python -m benchmarks.vision_photographs FOLDER [--tuned | --untouched] [--overlays FOLDER]
+    python -m benchmarks.vision_photographs FOLDER [--tuned | --untouched] [--clicks N] ...
 
 The photographs are in public repositories, named in benchmarks/photographs/traces.json with their
 licences; they are not copied here. FOLDER holds them as OWNER+NAME/PATH. Each is measured with the
-clamp's place and a ruler, and with nothing else; `--direction` states a second place on the strip.
+clamp's place and a ruler, and with nothing else; `--direction` states a second place on the strip;
+`--clicks N` states the tip and N places between it and the clamp, as somebody does who corrects a
+curve (each up to 2 pixels off the reading).
 Right: within 2 pixels of the hand reading at each of its 13 places, and ended within 3 % of the
 length (and 3 pixels) of its last one; where the strip leaves the picture, anywhere beyond it.
 """
@@ -29,6 +31,7 @@ TRACES = Path(__file__).parent / "photographs" / "traces.json"
 RIGHT_PX = 2.0
 END_SHARE_MAX, END_MIN_PX = 0.03, 3.0  # of the length: where the end may be seen along the strip
 SIGMA_SHARE_MIN = 1 / 3  # of the error; a smaller sigma is a silent error
+CLICK_PX = 2.0  # how far off the reading a click may be
 RULER_MM = 50.0  # the length that every strip is given: scale plays no part in what is found
 
 
@@ -148,8 +151,13 @@ def verdict(curve: NeutralCurve, photograph: Photograph) -> tuple[str, str]:
     return ("silent" if silent.any() else "wrong"), text
 
 
-def asked(photograph: Photograph, *, direction: bool) -> tuple[Optics, StripGeometry]:
-    """Return the optics and strip of somebody who states clamp and ruler, and no more."""
+def asked(
+    photograph: Photograph, *, direction: bool, clicks: int | None = None
+) -> tuple[Optics, StripGeometry]:
+    """Return the optics and strip of somebody who states clamp and ruler, and no more.
+
+    With a number of clicks: also the tip, and so many places on the strip.
+    """
     trace = photograph.trace_px
     rows, columns = photograph.image.shape[:2]
     optics: dict[str, Any] = {
@@ -163,6 +171,11 @@ def asked(photograph: Photograph, *, direction: bool) -> tuple[Optics, StripGeom
         du, dv = trace[1] - trace[0]
         optics["roll_rad"] = math.atan2(dv, du)
         optics["clamp_angle_sigma_rad"] = 0.1
+    if clicks is not None:
+        at = np.linspace(0, len(trace) - 1, clicks + 2)[1:].round().astype(int)
+        aside = np.random.default_rng(len(trace)).uniform(-CLICK_PX, CLICK_PX, (len(at), 2))
+        *through, tip = map(tuple, np.round(trace[at] + aside, 1))
+        optics |= {"through_px": tuple(through) or None, "tip_px": tip}
     return Optics(**optics), StripGeometry(
         free_length_m=RULER_MM / 1000, length_known=False, thickness_known=False
     )
@@ -174,6 +187,7 @@ def main() -> None:
     parser.add_argument("--tuned", action="store_true", help="only what was tuned on")
     parser.add_argument("--untouched", action="store_true", help="only what was not")
     parser.add_argument("--direction", action="store_true", help="state the direction, too")
+    parser.add_argument("--clicks", type=int, help="state the tip, and so many places before it")
     parser.add_argument("--overlays", type=Path)
     options = parser.parse_args()
     counts: dict[str, int] = {}
@@ -184,7 +198,8 @@ def main() -> None:
         ):
             continue
         began = time.process_time()
-        curve = neutral_curve(photograph.image, *asked(photograph, direction=options.direction))
+        known = asked(photograph, direction=options.direction, clicks=options.clicks)
+        curve = neutral_curve(photograph.image, *known)
         spent = time.process_time() - began
         result, text = verdict(curve, photograph)
         counts[result] = counts.get(result, 0) + 1

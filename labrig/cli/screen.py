@@ -25,19 +25,24 @@ _with_a_bar: list[Console] = []
 
 def console() -> Console:
     """Return standard output; in a pipe without colour and without wrapping."""
-    return Console(highlight=False, soft_wrap=not sys.stdout.isatty())
+    return _terminal(soft_wrap=not sys.stdout.isatty())
+
+
+def _terminal(*, stderr: bool = False, soft_wrap: bool = False) -> Console:
+    """Return a terminal that prints what it is given: no [markup], no :emoji: in anybody's name."""
+    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
 
 
 def say(text: str = "") -> None:
     """Print one line to standard output."""
-    console().print(text, markup=False)
+    console().print(text)
 
 
 def warn(text: str) -> None:
     """Print one line to standard error; above the progress bar, where one is drawn."""
-    terminal = _with_a_bar[-1] if _with_a_bar else Console(stderr=True)
+    terminal = _with_a_bar[-1] if _with_a_bar else _terminal(stderr=True)
     with suppress(OSError):  # of a terminal that has been closed: the job continues
-        terminal.print(text, markup=False, highlight=False, soft_wrap=True)
+        terminal.print(text, soft_wrap=True)
 
 
 def print_json(value: Any) -> None:
@@ -116,8 +121,8 @@ def progress(title: str) -> Iterator[Advance]:
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    terminal = Console(stderr=True)
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
+    terminal = _terminal(stderr=True)
     bar = Progress(*columns, console=terminal, transient=True)
     task = bar.add_task(title, total=1.0)
 

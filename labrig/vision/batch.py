@@ -60,6 +60,8 @@ class BatchOptions:
     mask: Polygons = ()  # of raw pixels that are not used, beside those in optics.json
     strips: Mapping[str, StripPlace] | None = None  # in place of those in optics.json
     along_px: Point | None = None  # a second pixel on the strip: its direction at the clamp
+    through_px: tuple[Point, ...] = ()  # places on the strip, in place of those in optics.json
+    tip_px: Point | None = None  # where it ends, in place of that in optics.json
     to_end: bool = False  # whatever length is stated, follow the strip to its end
     channel: ColourChannel | None = None  # of colour images, in place of that in optics.json
     every: int = 1  # of a video's frames and a TIFF's pages the first of each so many
@@ -192,11 +194,18 @@ def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
     )
     for kind, given, load in kinds:
         found = {path: beside(path, kind, given) for path in files}
-        if not any(found.values()) and not (options.to_end and kind == SHEET_FILE):
+        if not any(found.values()) and (kind == OPTICS_FILE or _needs_sheet(files[0], options)):
             raise BadInputError(missing(files[0], kind))
         for common in {each for path, each in found.items() if each != own_file(path, kind)}:
             if common is not None:
                 load(common)
+
+
+def _needs_sheet(path: Path, options: BatchOptions) -> bool:
+    try:
+        return not _measures_length(options, optics_of(path, options))
+    except BadInputError:
+        return False  # a fault of that image's own file costs that image only
 
 
 def _check_sheet(sheet: Path, files: list[Path], options: BatchOptions) -> None:
@@ -250,7 +259,8 @@ def _found(picture: Picture, find: Find) -> NeutralCurve:
 
 def _known(path: Path, options: BatchOptions) -> dict[str, tuple[Optics, StripGeometry]]:
     """Return what is known of each strip of an image, by its name."""
-    found, sheet = optics_of(path, options), sheet_of(path, options)
+    found = optics_of(path, options)
+    sheet = sheet_of(path, options, found)
     return {
         name: (optics, _strip(sheet, options, name)) for name, optics in found.by_strip().items()
     }
@@ -265,6 +275,11 @@ def _strip(sheet: Path | None, options: BatchOptions, name: str) -> StripGeometr
     return replace(strip, length_known=False, elongation_m=0.0) if options.to_end else strip
 
 
+def _measures_length(options: BatchOptions, optics: Optics) -> bool:
+    """Return whether the length of each strip is measured, so that none need be stated."""
+    return options.to_end or all(each.tip_px for each in optics.by_strip().values())
+
+
 def optics_of(path: Path, options: BatchOptions) -> Optics:
     """Return what is known of an image's camera: from its own file, one for all, or `options`."""
     optics = beside(path, OPTICS_FILE, options.optics)
@@ -277,7 +292,11 @@ def optics_of(path: Path, options: BatchOptions) -> Optics:
     if options.mask:
         changed["mask_px"] = (known.mask_px or ()) + options.mask
     if options.strips is not None:
-        changed["strips"] = dict(options.strips)
+        changed |= {"strips": dict(options.strips), "through_px": None, "tip_px": None}
+    if options.through_px:
+        changed["through_px"] = options.through_px
+    if options.tip_px is not None:
+        changed["tip_px"] = options.tip_px
     if options.channel is not None:
         changed["channel"] = options.channel
     known = known.model_copy(update=changed)
@@ -286,9 +305,9 @@ def optics_of(path: Path, options: BatchOptions) -> Optics:
     return known.leading_to(options.along_px, ALONG_SIGMA_RAD)
 
 
-def sheet_of(path: Path, options: BatchOptions) -> Path | None:
+def sheet_of(path: Path, options: BatchOptions, optics: Optics) -> Path | None:
     """Return the sheet.toml that an image uses; None where it needs none."""
     sheet = beside(path, SHEET_FILE, options.sheet)
-    if sheet is None and not options.to_end:
+    if sheet is None and not _measures_length(options, optics):
         raise BadInputError(missing(path, SHEET_FILE))
     return sheet

@@ -219,6 +219,7 @@ OUTLINE_WIDTH_SCATTER_MAX_RATIO: Final = 0.15  # of the width from block to bloc
 OUTLINE_RESIDUAL_MAX_RATIO: Final = 0.15  # of the middles about the curve, to the width
 OUTLINE_SIGMA_MAX_RATIO: Final = 0.25  # of sigma to the thickness, where that is more than 2 px
 OUTLINE_SIGMA_MAX_PX: Final = 5.0  # and at most
+STATED_PLACE_MAX_PX: Final = 6.0  # from a stated place to the curve, or half a thickness
 END_PRESENT_RATIO: Final = 0.5  # of the weaker edge to the usual one: nearer than that is the end
 
 # The strip's end: where the profile along its course ceases to be the strip's. By trial on the

@@ -15,7 +15,7 @@ import typer
 
 from labrig.cli.app import all_commands, app_for
 from labrig.cli.main import run
-from labrig.cli.screen import time_left
+from labrig.cli.screen import print_table, say, time_left, warn
 from labrig.cli.sentences.compiling import TOLD, compiling_is_told
 from labrig.version import NOT_INSTALLED, version
 
@@ -28,6 +28,17 @@ def test_the_version_is_that_of_the_distribution(capsys):
     assert re.fullmatch(r"labrig \S+ \(Python 3\.\d+\.\d+\S*, \w+\)\n", said)
     assert version() in said
     assert version() == importlib.metadata.version("labrig")
+
+
+def test_what_somebody_has_named_is_printed_as_it_is(capsys, monkeypatch):
+    say("fork:a: 3 mm [bold]")
+    warn("fork:a: 3 mm [bold]")
+    monkeypatch.setattr("labrig.cli.screen.sys.stdout.isatty", lambda: True, raising=False)
+    print_table("[x] table", ["name"], [["strip:a: [/red]"]])
+    said = capsys.readouterr()
+    assert said.out.startswith("fork:a: 3 mm [bold]\n")
+    assert said.err == "fork:a: 3 mm [bold]\n"
+    assert "strip:a: [/red]" in said.out
 
 
 def test_sources_that_nobody_installed_have_a_version_too(monkeypatch):

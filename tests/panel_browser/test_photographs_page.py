@@ -10,6 +10,7 @@ import sys
 from urllib.parse import urlsplit
 
 import cv2
+import numpy as np
 import pytest
 
 from tests.labrig.vision import drawn_strips
@@ -102,3 +103,18 @@ def test_clicked_once_for_all_then_accepted_and_refused(folder, address, visit):
     page.locator("text=Wrote c.optics.json").wait_for()
     assert len(json.loads((folder / "c.optics.json").read_text())["mask_px"][0]) == 3
     assert urlsplit(page.url).fragment == "/photographs"
+
+    # a curve that was lost: places on the strip, and its tip
+    page.locator(".photograph-open[aria-label=b]").click()
+    page.locator(".photograph-editor h2").filter(has_text="b.png").wait_for()
+    page.click("button[data-tool=through]")
+    click_at(page, (100, 100))
+    click_at(page, (140, 100))
+    page.click("text=Remove the last place")
+    page.click("button[data-tool=tip]")
+    click_at(page, (180, 100))
+    page.click("text=Measure this photograph")
+    page.locator("text=Wrote b.optics.json").wait_for()
+    places = json.loads((folder / "b.optics.json").read_text())
+    assert np.array(places["through_px"]) == pytest.approx(np.array([[100, 100]]), abs=1)
+    assert places["tip_px"] == pytest.approx((180, 100), abs=1)

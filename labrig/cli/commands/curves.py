@@ -72,6 +72,17 @@ def curves(
             "--along-px", help="U,V: a second pixel on the strip near the clamp: its direction"
         ),
     ] = None,
+    through: Annotated[
+        str | None,
+        typer.Option(
+            help="'U,V U,V ...': pixels on the strip's middle, from the clamp on; the curve passes "
+            "them"
+        ),
+    ] = None,
+    tip_px: Annotated[
+        str | None,
+        typer.Option("--tip-px", help="U,V: where the strip ends; no length need be stated"),
+    ] = None,
     to_end: Annotated[
         bool,
         typer.Option(
@@ -106,13 +117,15 @@ def curves(
 
     With --to-end the length is measured. A thickness that sheet.toml does not state, and a
     direction that optics.json does not state, are measured as well; a clamp within 20 pixels is
-    enough. The curve's warnings name the measured quantities.
+    enough. The curve's warnings name the measured quantities. Where a strip is lost on its way,
+    --through states places on it, and --tip-px its end: nothing is searched for then.
 
     --mask excludes parts of the images. With several strips in an image (--strip, or `strips` in
     optics.json) each has its own curve; it takes the table of its name in sheet.toml.
     --method runs one curve extractor against another; -o FILE.csv keeps the comparison.
     --page serves a page for a folder: click clamp, direction, ruler and mask for one photograph or
-    for all, look at every curve, accept or refuse. The clicks are kept beside the photographs.
+    for all, and places on a strip that was lost; look at every curve, accept or refuse. The clicks
+    are kept beside the photographs.
     """
     if page is not None:
         if any((sources, optics, sheet, batch, output, summary, overlay, method, mask, strip)):
@@ -122,7 +135,7 @@ def curves(
             )
         serve_page(page, port, open_it=open_it)
         return
-    from labrig.cli.curves.options import masks_of, point_of, strips_of
+    from labrig.cli.curves.options import masks_of, point_of, points_of, strips_of
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
     from labrig.vision.calibration.optics import ColourChannel
@@ -137,10 +150,16 @@ def curves(
         mask=masks_of(mask),
         strips=strips_of(strip),
         along_px=point_of(along_px, "--along-px"),
+        through_px=points_of(through, "--through"),
+        tip_px=point_of(tip_px, "--tip-px"),
         to_end=to_end,
         channel=None if channel is None else ColourChannel(channel),
         every=every,
     )
+    if strip and (through or tip_px):
+        raise BadInputError(
+            "--through and --tip-px are for one strip; of several, state them in optics.json."
+        )
     if method:
         _compare(sources, method, options, output, extra=(batch, summary, overlay, extractor))
         return
@@ -155,11 +174,11 @@ def curves(
         raise BadInputError("no image was given; give files, a folder, or --batch FOLDER.")
     if [path.suffix.lower() for path in sources] == [".h5"]:
         of_images = (optics, sheet, configuration, look, summary, overlay, mask, strip)
-        if any((*of_images, along_px, to_end, channel, every > 1)):
+        if any((*of_images, along_px, through, tip_px, to_end, channel, every > 1)):
             raise BadInputError(
                 "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
-                "--look, --summary, --overlay, --mask, --strip, --along-px, --to-end, --channel "
-                "and --every are for images."
+                "--look, --summary, --overlay, --mask, --strip, --along-px, --through, --tip-px, "
+                "--to-end, --channel and --every are for images."
             )
         session_curves(sources[0], output, name, as_json=as_json)
         return

@@ -46,6 +46,20 @@ def point_of(stated: str | None, option: str) -> tuple[float, float] | None:
     return float(match[1]), float(match[2])
 
 
+def points_of(stated: str | None, option: str) -> tuple[tuple[float, float], ...]:
+    """Return columns and rows of "U,V U,V ..."; empty where it is not given.
+
+    Raises BadInputError.
+    """
+    found = []
+    for each in (stated or "").split():
+        match = re.fullmatch(_POINT, each)
+        if match is None:
+            raise BadInputError(f"{option} '{each}': give columns and rows of pixels, 'U,V U,V'.")
+        found.append((float(match[1]), float(match[2])))
+    return tuple(found)
+
+
 def _strip(stated: str) -> tuple[str, StripPlace]:
     from labrig.config.base import validate
     from labrig.vision.calibration.optics import StripPlace

@@ -28,10 +28,12 @@ Millimetres = Annotated[float, Field(gt=0, le=10_000)]
 
 
 class PlaceBody(RequestModel):
-    """A strip's clamp, and a second place on the clamped strip."""
+    """A strip's clamp, a second place on the clamped strip, and places further along it."""
 
     clamp_px: Pixel
     along_px: Pixel | None = None
+    through_px: list[Pixel] = Field([], max_length=100)
+    tip_px: Pixel | None = None
 
 
 class KnownBody(RequestModel):
@@ -106,7 +108,12 @@ def _folder(panel: Panel) -> PhotographFolder:
 
 def _place(place: PlaceBody) -> StripPlace:
     try:
-        return StripPlace(clamp_px=place.clamp_px, along_px=place.along_px)
+        return StripPlace(
+            clamp_px=place.clamp_px,
+            along_px=place.along_px,
+            through_px=tuple(place.through_px) or None,
+            tip_px=place.tip_px,
+        )
     except ValueError:
         raise BadInputError("the direction is the clamp itself; click another place.") from None
 

@@ -122,7 +122,13 @@ class PhotographFolder:
         except BadInputError as error:
             return {"known": None, "known_fault": str(error), "sheet": ""}
         strips = {
-            name: {"clamp_px": of.clamp_px, "along_px": along_px(of)} for name, of in places.items()
+            name: {
+                "clamp_px": of.clamp_px,
+                "along_px": along_px(of),
+                "through_px": of.through_px or (),
+                "tip_px": of.tip_px,
+            }
+            for name, of in places.items()
         }
         sheet = beside(one.path, SHEET_FILE, None)
         known = None
@@ -143,8 +149,11 @@ class PhotographFolder:
         size = self._size_of(one)
         base = known_optics(one.path, common=for_all) or known_optics(one.path)
         optics = changed_optics(base, size, clicked)
-        if beside(one.path, SHEET_FILE, None) is None and not clicked.lengths_mm:
-            raise BadInputError("the strip's free length is missing: state it in mm.")
+        measured = not for_all and all(place.tip_px for place in clicked.strips.values())
+        if beside(one.path, SHEET_FILE, None) is None and not (clicked.lengths_mm or measured):
+            raise BadInputError(
+                "the strip's free length is missing: state it in mm, or click the tip of each."
+            )
         written = write_known(one.path, optics, clicked, for_all=for_all)
         paths = {one.path}
         if for_all:

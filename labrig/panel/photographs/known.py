@@ -45,7 +45,7 @@ def changed_optics(base: Optics | None, size: tuple[int, int], clicked: Clicked)
     optics = _scaled(base, size, clicked, first)
     changed: dict[str, object] = {"image_size": size, "mask_px": clicked.mask_px or None}
     if base is not None and _as_before(base, clicked.strips):
-        return optics.model_copy(update=changed)
+        return _with_places(optics, clicked.strips).model_copy(update=changed)
     sigma = CLICK_SIGMA_PX / _apart_px(first) if first.along_px else optics.clamp_angle_sigma_rad
     changed |= {
         "clamp_sigma_px": max(CLICK_SIGMA_PX, optics.clamp_sigma_px),
@@ -53,6 +53,18 @@ def changed_optics(base: Optics | None, size: tuple[int, int], clicked: Clicked)
         "strips": clicked.strips if "" not in clicked.strips else None,
     }
     return optics.at(first).model_copy(update=changed)
+
+
+def _with_places(optics: Optics, strips: dict[str, StripPlace]) -> Optics:
+    """Return optics with the places that were clicked on each strip, and its clamp as it was."""
+
+    def places(name: str) -> dict[str, object]:
+        return {"through_px": strips[name].through_px, "tip_px": strips[name].tip_px}
+
+    if not optics.strips:
+        return optics.model_copy(update=places(""))
+    changed = {name: old.model_copy(update=places(name)) for name, old in optics.strips.items()}
+    return optics.model_copy(update={"strips": changed})
 
 
 def _as_before(base: Optics, strips: dict[str, StripPlace]) -> bool:
@@ -101,7 +113,9 @@ def _scaled(
 
 
 def _check_inside(place: StripPlace, size: tuple[int, int]) -> None:
-    for name, point in (("clamp", place.clamp_px), ("direction", place.along_px)):
+    places = [("clamp", place.clamp_px), ("direction", place.along_px), ("tip", place.tip_px)]
+    places += [("place on the strip", point) for point in place.through_px or ()]
+    for name, point in places:
         if point is not None and not (0 <= point[0] < size[0] and 0 <= point[1] < size[1]):
             raise BadInputError(f"the {name} lies outside of the picture; click it again.")
 
@@ -119,9 +133,11 @@ def known_optics(path: Path, *, common: bool = False) -> Optics | None:
 def write_known(path: Path, optics: Optics, clicked: Clicked, *, for_all: bool) -> list[str]:
     """Write what is known beside a picture, for it or for all; return the files' names.
 
-    A file of the user's is kept under another name.
+    Places on its strip are for it alone. A file of the user's is kept under another name.
     """
-    texts = {OPTICS_FILE: optics.model_copy(update={"note": METHOD}).to_json()}
+    optics = optics.model_copy(update={"note": METHOD})
+    common = optics.without_places() if for_all else optics
+    texts = {OPTICS_FILE: common.to_json()}
     if clicked.lengths_mm:
         lines = [f"{key} = {value:g}" for key, value in clicked.lengths_mm.items()]
         texts[SHEET_FILE] = "\n".join([f"# {METHOD}", *lines]) + "\n"
@@ -135,6 +151,10 @@ def write_known(path: Path, optics: Optics, clicked: Clicked, *, for_all: bool) 
             _keep_once(place)
             write_text(place, text)
             written.append(place.name)
+    if common != optics:
+        own = own_file(path, OPTICS_FILE)
+        write_text(own, optics.to_json())
+        written += [own.name] if own.name not in written else []
     return written
 
 

@@ -29,6 +29,12 @@ Polygon = Annotated[tuple[Point, ...], Field(min_length=3)]
 StripName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$")]
 
 
+THROUGH = (
+    "raw pixels on the strip's middle between clamp and tip, in this order: the curve passes them"
+)
+TIP = "the raw pixel where the strip ends; its length is measured up to there"
+
+
 class StripPlace(ClosedModel):
     """Where one of several strips of a picture is clamped."""
 
@@ -38,6 +44,9 @@ class StripPlace(ClosedModel):
     along_px: Point | None = Field(
         None, description="a raw pixel further along the clamped strip's line; states its direction"
     )
+
+    through_px: tuple[Point, ...] | None = Field(None, max_length=100, description=THROUGH)
+    tip_px: Point | None = Field(None, description=TIP)
 
     @model_validator(mode="after")
     def _states_a_direction(self) -> Self:
@@ -116,6 +125,8 @@ class Optics(ClosedModel):
     mask_px: tuple[Polygon, ...] | None = Field(
         None, description="polygons of raw pixels; what is inside of them is not used"
     )
+    through_px: tuple[Point, ...] | None = Field(None, max_length=100, description=THROUGH)
+    tip_px: Point | None = Field(None, description=TIP)
     strips: dict[StripName, StripPlace] | None = Field(
         None, min_length=1, description="several strips in one picture, each with its clamp"
     )
@@ -133,6 +144,12 @@ class Optics(ClosedModel):
             (fx, _, _), (_, fy, _), _ = self.camera_matrix
             if fx <= 0 or fy <= 0:
                 raise ValueError("camera_matrix must have positive focal lengths on its diagonal")
+        return self
+
+    @model_validator(mode="after")
+    def _places_belong_to_one_strip(self) -> Self:
+        if self.strips and self.stated_places_px:
+            raise ValueError("with several strips, each states its own through_px and tip_px")
         return self
 
     @classmethod
@@ -160,7 +177,12 @@ class Optics(ClosedModel):
 
     def at(self, place: StripPlace) -> Self:
         """Return what is known for a strip that is clamped at this place."""
-        changed: dict[str, object] = {"clamp_px": place.clamp_px, "strips": None}
+        changed: dict[str, object] = {
+            "clamp_px": place.clamp_px,
+            "through_px": place.through_px,
+            "tip_px": place.tip_px,
+            "strips": None,
+        }
         if self.homography is None:
             changed["origin_px"] = None
         there = self.model_copy(update=changed)
@@ -184,6 +206,19 @@ class Optics(ClosedModel):
         if sigma_rad is not None:
             changed["clamp_angle_sigma_rad"] = sigma_rad
         return self.model_copy(update=changed)
+
+    def without_places(self) -> Self:
+        """Return the same without the places on strips, which belong to one picture."""
+        none: dict[str, object] = {"through_px": None, "tip_px": None}
+        strips = {
+            name: place.model_copy(update=none) for name, place in (self.strips or {}).items()
+        }
+        return self.model_copy(update=none | {"strips": strips or None})
+
+    @property
+    def stated_places_px(self) -> tuple[Point, ...]:
+        """Places on the strip that are stated beside the clamp, from it on; often none."""
+        return (*(self.through_px or ()), *(() if self.tip_px is None else (self.tip_px,)))
 
     @property
     def px_per_m(self) -> float:

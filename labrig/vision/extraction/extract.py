@@ -59,7 +59,9 @@ def neutral_curve(
         grey_image = read_grey_image(image, optics)
     except ImageError as error:
         return NeutralCurve(ok=False, why=f"check of the image failed: {error}")
-    if not strip.length_known or not optics.clamp_angle_known:
+    if optics.tip_px is not None:  # the length is measured, whatever is stated
+        strip = replace(strip, length_known=False, elongation_m=0.0)
+    if not strip.length_known or not optics.clamp_angle_known or optics.through_px:
         found = _by_edges(image, grey_image, optics, strip, start)
         if found.ok and strip.length_known:
             return _finer(found, grey_image, optics, strip)

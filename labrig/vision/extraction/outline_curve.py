@@ -23,6 +23,7 @@ from labrig.vision.extraction.outline_shape import CLAMP_REACH_PX, fitted_outlin
 from labrig.vision.fit.context import roll_mask
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located, locate
+from labrig.vision.search.stated_places import locate_through
 
 FloatArray = npt.NDArray[np.float64]
 MaskArray = npt.NDArray[np.uint8]
@@ -90,12 +91,22 @@ def _length(path: FloatArray) -> float:
 def _judged(
     images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, located: Located | None
 ) -> NeutralCurve:
+    if located is None and optics.stated_places_px:
+        return _refused(
+            "search failed: nothing with two edges leads through the stated places; check them "
+            "(through_px, tip_px), state a colour channel (--channel), or light the strip."
+        )
     if located is None:
         return _refused(
             "search failed: nothing with two edges leads away from the clamp; check clamp_px, "
             "state the direction (--along-px) or a colour channel (--channel), or light the strip."
         )
     outline = fitted_outline(images, optics, strip, located)
+    if outline is None and optics.stated_places_px:
+        return _refused(
+            "search failed: both edges of a strip are nowhere seen together between the stated "
+            "places; check them (through_px, tip_px), or light the strip."
+        )
     if outline is None:
         return _refused(
             "search failed: both edges of what was found at the clamp are nowhere seen together; "
@@ -112,6 +123,11 @@ def _refused(why: str) -> NeutralCurve:
 def _located(
     image: GreyImage, optics: Optics, strip: StripGeometry, mask: MaskArray
 ) -> Located | None:
+    signs = {"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[optics.polarity]
+    thickness_px = strip.thickness_m * optics.px_per_m if strip.thickness_known else None
+    if optics.stated_places_px:
+        places = (optics.clamp_px, *optics.stated_places_px)
+        return locate_through(image, places, mask=mask, signs=signs, thickness_px=thickness_px)
     stated = optics.clamp_angle_known
     all_stated = stated and strip.length_known
     return locate(
@@ -123,9 +139,9 @@ def _located(
         else max(CLAMP_REACH_PX, 3 * optics.clamp_sigma_px),
         heading_rad=_heading_rad(optics) if stated else None,
         heading_sigma_rad=max(0.05, optics.clamp_angle_sigma_rad),
-        signs={"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[optics.polarity],
+        signs=signs,
         length_px=strip.length_m * optics.px_per_m if strip.length_known else None,
-        thickness_px=strip.thickness_m * optics.px_per_m if strip.thickness_known else None,
+        thickness_px=thickness_px,
     )
 
 

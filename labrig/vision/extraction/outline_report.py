@@ -25,6 +25,7 @@ from labrig.vision.thresholds import (
     OUTLINE_START_SHARE_MIN,
     OUTLINE_TAPER_SUM_MAX_RATIOS,
     OUTLINE_WIDTH_SCATTER_MAX_RATIO,
+    STATED_PLACE_MAX_PX,
 )
 from labrig.vision.uncertainty.parts import calibration_m
 
@@ -41,12 +42,13 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     loose = float(fit.inner_sigma_px.max())
     most = min(OUTLINE_SIGMA_MAX_PX, OUTLINE_SIGMA_MAX_RATIO * width)
     most = max(HIDDEN_SIGMA_MAX_PX, most)
-    if share < OUTLINE_SEEN_SHARE_MIN or both < OUTLINE_BOTH_SHARE_MIN * share:
+    stated = bool(optics.stated_places_px)  # then its uncertainty says where too little is seen
+    if not stated and (share < OUTLINE_SEEN_SHARE_MIN or both < OUTLINE_BOTH_SHARE_MIN * share):
         return (
             f"search failed: only {both:.0%} of the best path shows two edges; check clamp_px and "
             "the direction (--along-px), state the length or mask what confuses."
         )
-    if blocks.seen[:eighth].mean() < OUTLINE_START_SHARE_MIN:
+    if not stated and blocks.seen[:eighth].mean() < OUTLINE_START_SHARE_MIN:
         return (
             "check of the start failed: the first eighth of the best path shows no two edges; "
             "check clamp_px."
@@ -70,9 +72,9 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
             f"check of the fit failed: the best curve misses the strip by {fit.residual_px:.1f} "
             "pixels; something else was followed: state direction (--along-px) or thickness."
         )
-    end_why = _end_fault(outline, optics, strip, total)
-    if end_why:
-        return end_why
+    elsewhere = _end_fault(outline, optics, strip, total) or _place_fault(outline, optics)
+    if elsewhere:
+        return elsewhere
     if loose > most and fit.rival_px is not None and has_rival(outline):
         return (
             f"{RIVAL_STEP}: beside an edge of the strip there is another one that is "
@@ -110,6 +112,22 @@ def _end_fault(outline: Outline, optics: Optics, strip: StripGeometry, total: fl
         f"the stated {total / optics.px_per_mm:.1f} mm; check the length and px_per_mm, or measure "
         "it (--to-end)."
     )
+
+
+def _place_fault(outline: Outline, optics: Optics) -> str:
+    """Return which of the stated places the curve does not pass; empty where it passes all."""
+    shape = outline.fit.shape
+    plane = np.stack([shape.x, shape.y], axis=1)
+    nodes = outline.optics.world_to_pixel(plane / outline.optics.px_per_m)
+    allowed = max(STATED_PLACE_MAX_PX, 0.5 * outline.located.thickness_px)
+    for u, v in optics.stated_places_px:
+        apart = float(np.hypot(nodes[:, 0] - u, nodes[:, 1] - v).min())
+        if apart > allowed:
+            return (
+                f"check of the stated places failed: the strip's edges lie {apart:.0f} pixels "
+                f"beside {u:.0f},{v:.0f}; state that place anew, or more places beside it."
+            )
+    return ""
 
 
 def outline_in_metres(
@@ -174,7 +192,9 @@ def _assumed(outline: Outline, optics: Optics, strip: StripGeometry) -> list[str
         found.append(f"thickness {thick / optics.px_per_mm:.2f} mm ({thick:.1f} pixels)")
     if not strip.length_known:
         where = f"to its end, ±{outline.end_sigma_px / optics.px_per_mm:.1f} mm"
-        if outline.goes_on:
+        if optics.tip_px is not None:
+            where = f"to the stated tip, ±{outline.end_sigma_px / optics.px_per_mm:.1f} mm"
+        elif outline.goes_on:
             where += "; something that looks different goes on there"
         if outline.leaves_image:
             where = "to the border of the image; its end is not seen"

@@ -14,6 +14,7 @@ from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_s
 from labrig.vision.fit.course import StripCourse, completed, course_along
 from labrig.vision.fit.outline import ROUNDS, Blocks, OutlineFit, fit_outline
 from labrig.vision.fit.rival_edges import rival_px
+from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located
 from labrig.vision.thresholds import FULL_RESOLUTION_THICKNESS_MAX_PX
@@ -34,6 +35,7 @@ COEFFICIENTS = (6, 41)
 WIDTH_CHANGES = (0.8, 1.25)  # from a located width to the fitted one, at most
 BEGIN_SHARE = 1 / 16  # of the length, in which a clamp may hide where the strip begins
 TRIED_ASIDE_WIDTHS = (-1.2, -0.6, 0.6, 1.2)  # beside the curve, as far beyond its end as is looked
+TIP_SIGMA_PX, TIP_ROOM_WIDTHS = 3.0, 0.5  # how well a tip is stated; how far off it may be seen
 OWN_EDGE_WIDTHS = 0.4  # at the clamp and the tip, where these have edges of their own
 
 
@@ -57,6 +59,7 @@ class _Fitter:
     images: Sequence[GreyImage]
     optics: Optics
     width_px: float
+    places: StatedPlaces
 
     def fit(
         self, shape: CurveShape, *, rounds: int = ROUNDS, whole: bool = False
@@ -69,6 +72,7 @@ class _Fitter:
             self.optics,
             width_px=self.width_px,
             prior=prior,
+            places=self.places,
             rounds=rounds,
             completed=self._without_ends if whole else self._completed,
             tapers=whole,
@@ -133,18 +137,21 @@ class _Fitter:
 def fitted_outline(
     images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, located: Located
 ) -> Outline | None:
-    """Return the curve between the edges up to the strip's end."""
+    """Return the curve between the edges up to the strip's end, or to where it is stated to be."""
     plane = optics.pixel_to_world(located.path_px) * optics.px_per_m
     total = float(np.hypot(*np.diff(plane, axis=0).T).sum())
     width = located.thickness_px
     if strip.length_known:
         length = strip.length_m * optics.px_per_m
         free = strip.free_length_m * optics.px_per_m
+    elif optics.tip_px is not None:
+        free = length = total
     else:
         free = length = total + max(BEYOND_WIDTHS * width, BEYOND_MIN_PX, BEYOND_SHARE * total)
     there, shape = _first_shape(plane, optics, width, free, length)
-    fitter = _Fitter(images=images, optics=there, width_px=width)
-    if not strip.length_known:
+    places = StatedPlaces.of(optics, width)
+    fitter = _Fitter(images=images, optics=there, width_px=width, places=places)
+    if not strip.length_known and optics.tip_px is None:
         ahead = fitter.course(shape).end[0] + BEYOND_WIDTHS * width
         if ahead < length:  # what lies beyond the end must not draw the curve
             shape = _cut(shape, max(ahead, 4 * width), width)
@@ -158,20 +165,51 @@ def fitted_outline(
         # a strip that continues beyond its stated length is another one, or longer
         further = _cut(fit.shape, length + BEYOND_WIDTHS * width + END_ROOM_RATIO * length, width)
         course = fitter.course(further)
-        return _outline(_with_rivals(fit, images, there), fitter, located, course)
-    fit, course = fitter.followed(fit)
-    end, _ = course.end
+        return _outline(_with_rivals(fit, images, there), fitter, located, course, course.end)
+    if optics.tip_px is None:
+        fit, course = fitter.followed(fit)
+        end, sigma = course.end
+    else:
+        more = max(BEYOND_WIDTHS * width, BEYOND_MIN_PX)
+        longer = _cut(fit.shape, fit.shape.basis.total_px + more, width)
+        course = fitter.course(longer)
+        end, sigma = _near_tip(longer, course, optics.tip_px, optics)
     if end < 3 * width:
         return None
     begin = _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
     again = fitter.fit(_cut(fit.shape, end, width, begin_px=begin), rounds=4, whole=True)
     if again is None:
         return None
-    return _outline(_with_rivals(again, images, there), fitter, located, course)
+    return _outline(_with_rivals(again, images, there), fitter, located, course, (end, sigma))
 
 
-def _outline(fit: OutlineFit, fitter: _Fitter, located: Located, course: StripCourse) -> Outline:
-    end, sigma = course.end
+def _near_tip(
+    shape: CurveShape, course: StripCourse, tip_px: tuple[float, float], optics: Optics
+) -> tuple[float, float]:
+    """Return where a strip ends whose tip is stated, and the standard deviation of that.
+
+    It is the weighted mean of the stated place and of where the strip is seen to end; the stated
+    place alone where it is not seen to end near there.
+    """
+    tip = optics.pixel_to_world([tip_px])[0] * optics.px_per_m
+    nearest = int(np.hypot(shape.x - tip[0], shape.y - tip[1]).argmin())
+    stated = float(shape.basis.s[nearest])
+    seen, sigma = course.end
+    if abs(seen - stated) <= max(2 * TIP_SIGMA_PX, TIP_ROOM_WIDTHS * course.width_px):
+        weights = np.array([1 / TIP_SIGMA_PX**2, 1 / sigma**2])
+        both = float(weights @ [stated, seen] / weights.sum())
+        return both, float(1 / np.sqrt(weights.sum()))
+    return stated, TIP_SIGMA_PX
+
+
+def _outline(
+    fit: OutlineFit,
+    fitter: _Fitter,
+    located: Located,
+    course: StripCourse,
+    ended: tuple[float, float],
+) -> Outline:
+    end, sigma = ended
     return Outline(
         fit=fit,
         optics=fitter.optics,

@@ -19,6 +19,7 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.shape import CurveShape
 from labrig.vision.curve.smoothness import JUMP_PRIORS, averaged, covariance
 from labrig.vision.fit.curve_fit import information, spread
+from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.straightened import slopes
 from labrig.vision.thresholds import (
@@ -97,6 +98,7 @@ class OutlineFit:
     pull: FloatArray
     residual_px: float
     width_scatter_px: float
+    stated_node: IntArray  # of places on the strip that were stated
     rival_px: FloatArray | None = None  # (2, nodes): see `fit.rival_edges`
     rival_near: FloatArray | None = None  # (nodes,) the likelihood of any there, 0 to 1
 
@@ -168,7 +170,7 @@ class OutlineFit:
 
     @property
     def unseen_px(self) -> FloatArray:
-        """(nodes,) how far the strip may lie beside the curve where neither edge shows it.
+        """(nodes,) how far the strip may lie beside the curve between places where it is known.
 
         In a gap it may bend as much more, or less, as it usually bends: so much sags an arc.
         """
@@ -176,7 +178,7 @@ class OutlineFit:
         s = shape.basis.s
         least = UNSEEN_TURN_MIN_RAD / shape.basis.total_px
         bend = max(float(np.sqrt(np.mean(shape.k**2))), least)
-        at = s[blocks.node[blocks.seen]]
+        at = s[np.sort(np.concatenate([blocks.node[blocks.seen], self.stated_node]))]
         after = np.searchsorted(at, s)
         before = s - at[np.maximum(after - 1, 0)]
         ahead = at[np.minimum(after, len(at) - 1)] - s
@@ -192,15 +194,17 @@ def fit_outline(
     *,
     width_px: float,
     prior: FloatArray,
+    places: StatedPlaces,
     rounds: int = ROUNDS,
     completed: Callable[[CurveShape, FloatArray, Blocks], Blocks] | None = None,
     tapers: bool = False,
 ) -> OutlineFit | None:
     """Return the curve between the edges beside a first one; None where they are nowhere seen.
 
-    `images`: the same one in each colour channel in which an edge may show. `completed`: sees the
-    strip in blocks whose edges are too faint. `tapers`: its width is followed along it, which
-    only a curve that is known well allows: another width confirms itself.
+    `images`: the same one in each colour channel in which an edge may show. `places`: stated ones,
+    which it passes. `completed`: sees the strip in blocks whose edges are too faint. `tapers`: its
+    width is followed along it, which only a curve that is known well allows: another width
+    confirms itself.
     """
     fit = None
     taper = np.ones(len(shape.x))
@@ -212,7 +216,11 @@ def fit_outline(
             blocks = completed(shape, taper, blocks)
         if tapers:
             blocks = _without_lonely(blocks)
-        fit = _fitted(shape, blocks, prior, taper)
+        kept = ~places.contradicted(shape, blocks.node, blocks.middle_px, width_px)
+        blocks = replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
+        if not blocks.by_edges.any():
+            return None
+        fit = _fitted(shape, blocks, prior, taper, places)
         shape = fit.shape
         if tapers:
             taper = fitted_taper(blocks, width_px, len(shape.x))
@@ -406,8 +414,15 @@ def _edge(
     return across[peak] + np.clip(beside, -1, 1) * unit, at
 
 
-def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray, taper: FloatArray) -> OutlineFit:
-    """Return the smooth curve through the middles of the blocks."""
+def _fitted(
+    shape: CurveShape,
+    blocks: Blocks,
+    prior: FloatArray,
+    taper: FloatArray,
+    places: StatedPlaces,
+) -> OutlineFit:
+    """Return the smooth curve through the middles of the blocks, and stated places."""
+    more_normal, more_pull = places.information(shape)
     seen = blocks.seen
     offset = np.where(seen, blocks.middle_px, 0.0)
     rough = _roughness(blocks.middle_px[seen])
@@ -417,13 +432,16 @@ def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray, taper: FloatAr
     weight = np.where(seen, 1 / sigma**2, 0.0)
     for _ in range(3):  # Tukey's weights: a fray or a fitting is an outlier
         normal, pull = information(shape, modes, offset, weight, prior)
+        normal, pull = normal + more_normal, pull + more_pull
         wanted = averaged(normal, pull, shape.basis.priors, shape.basis.log_weight)
         left = offset - modes @ (wanted - shape.parameters)
         scatter = max(sigma, 1.48 * float(np.median(np.abs(left[seen]))))
         ratio = np.minimum(np.abs(left) / (4.7 * scatter), 1.0)
         weight = np.where(seen, (1 - ratio**2) ** 2 / scatter**2, 0.0)
+    moved = shape.moved(wanted)
     return OutlineFit(
-        shape=shape.moved(wanted),
+        shape=moved,
+        stated_node=places.beside(moved)[0],
         taper=taper,
         blocks=blocks,
         normal=normal,

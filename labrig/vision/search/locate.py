@@ -107,7 +107,7 @@ def locate(
     `mask` (rows, columns): not 0 where something hides the view.
     """
     best = None
-    for width in _widths(image, thickness_px, length_px):
+    for width in widths_tried(image, thickness_px, length_px):
         ridges = ridge_maps(image.filled(), width, wide=False)
         if mask is not None and mask.any():
             ridges.hide(mask)
@@ -125,7 +125,7 @@ def locate(
                 )
                 if path is None:
                     break
-                found = _measured(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
+                found = measured_along(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
                 if found is not None and (best is None or found.worth > best.worth):
                     best = found
                 if found is None or found.aside_px < NEAR_REACH_PX:
@@ -133,9 +133,10 @@ def locate(
     return best
 
 
-def _widths(
+def widths_tried(
     image: GreyImage, thickness_px: float | None, length_px: float | None
 ) -> Iterator[float]:
+    """Yield the widths (pixels) to look for: the stated one, or from thin ones on."""
     if thickness_px is not None:
         yield max(THINNEST_PX, thickness_px)
         return
@@ -246,7 +247,7 @@ def _seen_part(gains: FloatArray) -> tuple[int, int]:
     return first, last + 1
 
 
-def _measured(
+def measured_along(
     image: GreyImage,
     path: FloatArray,
     width: float,

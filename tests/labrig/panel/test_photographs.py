@@ -91,6 +91,36 @@ def test_a_correction_of_one_photograph_is_its_own_and_leaves_the_others(photogr
     assert photographs.details("b")["known"]["mask_px"] == ()
 
 
+def test_places_on_a_strip_are_one_photographs_own(photographs):
+    tip, middle = drawn_strips.place_on_it(1.0), drawn_strips.place_on_it(0.5)
+    places = {"through_px": (middle,), "tip_px": tip}
+    there = {"": PLACE.model_copy(update=places)}
+    done = photographs.set_known("a", clicked(strips=there), for_all=True)
+    assert done["written"] == ["optics.json", "sheet.toml", "a.optics.json"]
+    common = json.loads((photographs.folder / "optics.json").read_text())
+    assert not {"tip_px", "through_px"} & set(common)
+    shown = measured(photographs)
+    assert shown["a"]["state"] == shown["b"]["state"] == "found"
+    assert shown["a"]["own"]
+    assert not shown["b"]["own"]
+    assert any("to the stated tip" in text for text in shown["a"]["warnings"])
+    known = photographs.details("a")["known"]["strips"][""]
+    assert known["tip_px"] == tip
+    assert known["through_px"] == (middle,)
+    taken_back = clicked(strips={"": PLACE}, ruler_px=None, ruler_mm=None)
+    photographs.set_known("a", taken_back, for_all=False)
+    assert measured(photographs)["a"]["warnings"] == shown["b"]["warnings"]
+
+
+def test_with_its_tip_a_strip_needs_no_length(photographs):
+    tip = drawn_strips.place_on_it(1.0)
+    there = {"": PLACE.model_copy(update={"tip_px": tip})}
+    with pytest.raises(BadInputError, match="or click the tip"):
+        photographs.set_known("a", clicked(strips={"": PLACE}, lengths_mm=None), for_all=False)
+    photographs.set_known("a", clicked(strips=there, lengths_mm=None), for_all=False)
+    assert measured(photographs)["a"]["state"] == "found"
+
+
 def test_decisions_are_kept_and_a_refused_photograph_has_no_curve_anywhere(photographs, capsys):
     photographs.set_known("a", clicked(), for_all=True)
     measured(photographs)

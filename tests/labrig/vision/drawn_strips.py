@@ -33,12 +33,21 @@ def with_reflection() -> np.ndarray:
 
 def over_reflection() -> list[tuple[float, float]]:
     """A polygon over that second one."""
-    k, s = BENT_UP.curvature_per_m or 1.0, np.linspace(-0.001, 0.031, 9)
-    arc = BENT_UP.optics.world_to_pixel(
-        np.column_stack([np.sin(k * s) / k, (1 - np.cos(k * s)) / k])
-    )
+    arc = _places(np.linspace(-0.001, 0.031, 9))
     below, above = (np.add(arc, (0.0, REFLECTED_PX + side)) for side in (6.0, -6.0))
     return [(round(u, 2), round(v, 2)) for u, v in [*below, *above[::-1]]]
+
+
+def place_on_it(share: float) -> tuple[float, float]:
+    """A pixel on the middle of the strip that is bent up, from its clamp (0) to its tip (1)."""
+    u, v = _places(np.array([share * STRIP.free_length_m]))[0]
+    return (round(float(u), 1), round(float(v), 1))
+
+
+def _places(s_m: np.ndarray) -> np.ndarray:
+    k = BENT_UP.curvature_per_m or 1.0
+    xy = np.column_stack([np.sin(k * s_m) / k, (1 - np.cos(k * s_m)) / k])
+    return BENT_UP.optics.world_to_pixel(xy)
 
 
 def side_by_side() -> np.ndarray:

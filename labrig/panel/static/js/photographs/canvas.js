@@ -158,8 +158,10 @@ export class PhotographCanvas {
     if (open.length) this.polygon(context, open, false);
     for (const curve of curves) if (curve.ok) this.curve(context, curve, ratio);
     if (ruler.length) this.line(context, ruler, ratio, COLOURS.mark);
-    for (const [name, { clamp_px: clamp, along_px: along }] of Object.entries(strips))
-      if (clamp) this.clamp(context, name, clamp, along, ratio);
+    for (const [name, place] of Object.entries(strips)) {
+      if (place.clamp_px) this.clamp(context, name, place.clamp_px, place.along_px, ratio);
+      this.places(context, place, ratio);
+    }
     if (this.cross) this.crosshair(context, ratio);
   }
 
@@ -226,6 +228,21 @@ export class PhotographCanvas {
     context.strokeText(name, x + 12 * ratio, y - 10 * ratio);
     context.fillStyle = COLOURS.mark;
     context.fillText(name, x + 12 * ratio, y - 10 * ratio);
+  }
+
+  /** A dot for each place on the strip, a square where it ends. */
+  places(context, { through_px: through, tip_px: tip }, ratio) {
+    for (const [fill, wide] of [["rgba(0,0,0,0.7)", 5], [COLOURS.mark, 3]]) {
+      context.fillStyle = fill;
+      for (const place of through ?? []) {
+        context.beginPath();
+        context.arc(...this.toScreen(place), wide * ratio, 0, 2 * Math.PI);
+        context.fill();
+      }
+      if (!tip) continue;
+      const [x, y] = this.toScreen(tip);
+      context.fillRect(x - wide * ratio, y - wide * ratio, 2 * wide * ratio, 2 * wide * ratio);
+    }
   }
 
   crosshair(context, ratio) {

@@ -7,10 +7,12 @@ const TOOLS = {
   clamp: "Clamp: click where the strip leaves it.",
   along: "Direction: click a place further along the clamped strip.",
   ruler: "Ruler: click both ends of a known length, and state it in mm.",
+  through: "On the strip: where a curve leaves it, click places on its middle, from the clamp on. For this photograph alone.",
+  tip: "Tip: click where the strip ends; no length need be stated then. For this photograph alone.",
   mask: "Mask: click the corners around what confuses; then close the polygon.",
 };
 
-const NAMES = { clamp: "Clamp", along: "Direction", ruler: "Ruler", mask: "Mask" };
+const NAMES = { clamp: "Clamp", along: "Direction", ruler: "Ruler", through: "On the strip", tip: "Tip", mask: "Mask" };
 
 export class KnownForm {
   /** `changed()`: something is to be drawn anew; `send(body, forAll)`: it is to be measured. */
@@ -27,6 +29,7 @@ export class KnownForm {
     this.thickness = this.field("thickness, mm (or empty)");
     this.close = h("button", { type: "button", class: "small", onclick: () => this.closeMask() }, "Close the polygon");
     this.unmask = h("button", { type: "button", class: "small", onclick: () => this.removeMask() }, "Remove the last mask");
+    this.unplace = h("button", { type: "button", class: "small", onclick: () => this.removePlace() }, "Remove the last place");
     this.strips = h("select", { id: newId("strip"), onchange: () => this.chooseStrip(this.strips.value) });
     this.add = h("button", { type: "button", class: "small", onclick: () => this.addStrip() }, "Another strip");
     this.known = h("p", { class: "muted" });
@@ -35,7 +38,7 @@ export class KnownForm {
     this.element = h("div", { class: "photograph-known" },
       h("div", { class: "inline" },
         h("div", { class: "inline", role: "toolbar", "aria-label": "what is clicked" }, this.tools),
-        this.close, this.unmask, h("label", { for: this.strips.id }, "strip"), this.strips, this.add),
+        this.close, this.unmask, this.unplace, h("label", { for: this.strips.id }, "strip"), this.strips, this.add),
       this.hint,
       h("div", { class: "photograph-fields" },
         [this.ruler, this.free, this.thickness].map(({ input, name }) =>
@@ -78,6 +81,7 @@ export class KnownForm {
     for (const button of this.tools ?? []) button.setAttribute("aria-pressed", button.dataset.tool === tool);
     setText(this.hint, TOOLS[tool]);
     this.close.hidden = this.unmask.hidden = tool !== "mask";
+    this.unplace.hidden = tool !== "through" && tool !== "tip";
   }
 
   clicked(px) {
@@ -90,7 +94,9 @@ export class KnownForm {
     } else if (this.tool === "along") {
       place.along_px = px;
       if (!this.known.textContent.includes("a mm")) this.choose("ruler");
-    } else if (this.tool === "ruler") this.rulerPx = this.rulerPx.length === 1 ? [this.rulerPx[0], px] : [px];
+    } else if (this.tool === "through") place.through_px = [...(place.through_px ?? []), px];
+    else if (this.tool === "tip") place.tip_px = px;
+    else if (this.tool === "ruler") this.rulerPx = this.rulerPx.length === 1 ? [this.rulerPx[0], px] : [px];
     else this.open.push(px);
     this.changed();
   }
@@ -107,6 +113,14 @@ export class KnownForm {
     this.dirty = true;
     if (this.open.length) this.open = [];
     else this.masks.pop();
+    this.changed();
+  }
+
+  removePlace() {
+    this.dirty = true;
+    const place = this.places[this.strip] ?? {};
+    if (this.tool === "tip") place.tip_px = null;
+    else place.through_px = (place.through_px ?? []).slice(0, -1);
     this.changed();
   }
 
