@@ -17,7 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from model.identification.fit import ConfigurationFit, fit
+from model.identification.fit import ConfigurationFit, Fit, fit
 from model.identification.observations import Observation, Observed, observe
 from model.identification.options import FitOptions
 from model.identification.residuals import distance_to
@@ -115,10 +115,10 @@ class BaselineRow:
 
 
 def compare(
-    measurements: Measurements, options: FitOptions | None = None
+    measurements: Measurements, options: FitOptions | None = None, by_fit: Fit | None = None
 ) -> tuple[BaselineRow, ...]:
-    """Every model against every configuration."""
-    by_fit = fit(measurements, options)
+    """Every model against every configuration; `by_fit`: where the same was fitted already."""
+    by_fit = by_fit or fit(measurements, options)
     options = options or FitOptions()
     names = options.configurations or tuple(
         n for n in measurements.sheets if any(c.configuration == n for c in measurements.conditions)
