@@ -75,7 +75,8 @@ MORE = {
 
 def marked(case: Case) -> Any:
     """The case, in the thorough run alone where it is one of MORE."""
-    return pytest.param(case, marks=pytest.mark.thorough) if case.name in MORE else case
+    marks = [pytest.mark.thorough] if case.name in MORE else []
+    return pytest.param(case, marks=marks, id=case.name)
 
 
 @pytest.fixture
@@ -89,7 +90,7 @@ def control(folder: Path) -> list[object]:
     return write_control(folder, position_mm=POSITION_MM)
 
 
-@pytest.mark.parametrize("case", map(marked, CASES), ids=lambda case: case.name)
+@pytest.mark.parametrize("case", [marked(case) for case in CASES])
 def test_a_fault_in_the_loop_ends_at_0_V_or_is_said_not_to(rig: FaultyRig, case: Case) -> None:
     world = f'[[faults]]\nwhat = "{case.what}"\n{case.when}\nsince = "first_voltage"\n'
     left = rig.run(world, options=control)
