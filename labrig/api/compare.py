@@ -137,9 +137,8 @@ def _at_rest(
     from model.identification.baselines import compare as compare_models
 
     fitted = what_can_be_fitted(str(session), measurements, FitOptions())
-    rows = compare_models(
-        measurements, replace(fitted.options, configurations=tuple(fitted.configurations))
-    )
+    options = replace(fitted.options, configurations=tuple(fitted.configurations))
+    rows = compare_models(measurements, options, fitted)
     if given is None:
         return rows
     from labrig.report.tables.model_file import model_rows

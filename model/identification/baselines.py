@@ -13,10 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
-from model.identification.fit import ConfigurationFit, fit
+from model.identification.fit import ConfigurationFit, Fit, fit
 from model.identification.observations import Observation, Observed, observe
 from model.identification.options import FitOptions
 from model.identification.residuals import distance_to
@@ -40,48 +41,57 @@ class Answer:
     y_m: FloatArray
 
 
-# sheet, k0, moment over B (or tip force over B), polar angle -> answer
-Simple = Callable[[Observed, Field, float, float], Answer]
+OneAngle = Callable[[float], Answer]  # of the moment over B (or the tip force over B)
+Simple = Callable[[Observed, Field, float], OneAngle]  # of the sheet, k0, the polar angle
 
 
-def constant_curvature(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
+def constant_curvature(observed: Observed, rest: Field, angle: float) -> OneAngle:
     """Fit an arc through the contact, or an arc whose straight elongation passes through it."""
     sheet = observed.sheet
     arc = arc_contact(rest, sheet.arc_radius_m, angle, elongation_m=np.inf)
     s = np.linspace(0.0, sheet.free_length_m, PLACES)
     x, y = arc_points(np.array([arc.curvature_per_m]), s)
-    return Answer(float(arc.force_over_B(np.array(bend))), x[0], y[0])
+    return lambda bend: Answer(float(arc.force_over_B(np.array(bend))), x[0], y[0])
 
 
-def linear_beam(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
+def linear_beam(observed: Observed, rest: Field, angle: float) -> OneAngle:
     """Small deflections: y'' = k0 + Me/B - (N/B)(R - x), y(R) = R beta."""
     uniform = Field.constant(1.0, observed.sheet.free_length_m)
-    return _small(observed, rest, uniform, bend, angle)
+    return _small(observed, rest, uniform, angle)
 
 
-def equivalent_beam(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
+def equivalent_beam(observed: Observed, rest: Field, angle: float) -> OneAngle:
     """Fit the voltage as a force f at the tip: y'' = k0 + (f/B)(l - x) - (N/B)(R - x)."""
     length = observed.sheet.free_length_m
     by_tip = Field.linear(np.array([0.0, length]), np.array([2.0, 0.0]), length)
-    return _small(observed, rest, by_tip, bend, angle)
+    return _small(observed, rest, by_tip, angle)
 
 
-def _small(observed: Observed, rest: Field, active: Field, bend: float, angle: float) -> Answer:
+def _small(observed: Observed, rest: Field, active: Field, angle: float) -> OneAngle:
+    """Force and shape are linear in the bend: both are computed for 0 and 1/m alone."""
     sheet = observed.sheet
-    beam = LinearBeam(rest, active, sheet.arc_radius_m, angle)
-    x, kappa = np.linspace(0.0, sheet.free_length_m, PLACES), np.array([bend])
-    return Answer(float(beam.force_over_B(kappa)[0]), x, beam.heights_m(x, kappa)[0])
+    beam, ends = LinearBeam(rest, active, sheet.arc_radius_m, angle), np.array([0.0, 1.0])
+    x = np.linspace(0.0, sheet.free_length_m, PLACES)
+    (force, force_1), (y, y_1) = beam.force_over_B(ends), beam.heights_m(x, ends)
+    return lambda bend: Answer(
+        float(force + bend * (force_1 - force)), x, np.asarray(y + bend * (y_1 - y))
+    )
 
 
-def full_model(observed: Observed, rest: Field, bend: float, angle: float) -> Answer:
+def full_model(observed: Observed, rest: Field, angle: float) -> OneAngle:
     """Large deflection, constant EIBM."""
     sheet = observed.sheet
-    kappa = rest + Field.constant(bend, sheet.free_length_m)
-    found = solve(problems(kappa, angle, sheet.arc_radius_m, 10.0 * sheet.arc_radius_m))
-    if found.status[0] != SolverStatus.SOLVED:
-        raise ModelError("no equilibrium")
-    shape = found.shapes(np.linspace(0.0, sheet.free_length_m, PLACES))
-    return Answer(float(found.force(1.0)[0]), shape.x_m[0], shape.y_m[0])
+    s = np.linspace(0.0, sheet.free_length_m, PLACES)
+
+    def of(bend: float) -> Answer:
+        kappa = rest + Field.constant(bend, sheet.free_length_m)
+        found = solve(problems(kappa, angle, sheet.arc_radius_m, 10.0 * sheet.arc_radius_m))
+        if found.status[0] != SolverStatus.SOLVED:
+            raise ModelError("no equilibrium")
+        shape = found.shapes(s)
+        return Answer(float(found.force(1.0)[0]), shape.x_m[0], shape.y_m[0])
+
+    return of
 
 
 MODELS: dict[str, Simple] = {
@@ -105,10 +115,10 @@ class BaselineRow:
 
 
 def compare(
-    measurements: Measurements, options: FitOptions | None = None
+    measurements: Measurements, options: FitOptions | None = None, by_fit: Fit | None = None
 ) -> tuple[BaselineRow, ...]:
-    """Every model against every configuration."""
-    by_fit = fit(measurements, options)
+    """Every model against every configuration; `by_fit`: where the same was fitted already."""
+    by_fit = by_fit or fit(measurements, options)
     options = options or FitOptions()
     names = options.configurations or tuple(
         n for n in measurements.sheets if any(c.configuration == n for c in measurements.conditions)
@@ -142,17 +152,18 @@ def _fitted(label: str, simple: Simple, observed: Observed, rest: Field) -> Base
             " models"
         )
     volts = observed.voltages_V
+    conditions = [
+        (o, _errors_of(o, observed, simple(observed, rest, _angle(observed, o)))) for o in used
+    ]
 
     def errors(theta: FloatArray) -> tuple[FloatArray, FloatArray]:
         bends = {0.0: 0.0, **dict(zip(volts, theta[1:], strict=True))}
         forces, curves = [], []
-        for o in used:
-            answer = simple(observed, rest, float(bends[o.voltage_V]), _angle(observed, o))
-            forces.append(float(np.exp(theta[0])) * answer.force_per_m2 - o.force_N)
-            if o.curve is not None:
-                curves.append(
-                    distance_to(answer.x_m, answer.y_m, o.curve, observed.sheet.free_length_m)
-                )
+        for o, predicted in conditions:
+            force_per_m2, distance_m = predicted(float(bends[o.voltage_V]))
+            forces.append(float(np.exp(theta[0])) * force_per_m2 - o.force_N)
+            if distance_m is not None:
+                curves.append(distance_m)
         return np.array(forces), np.array(curves)
 
     def residual(theta: FloatArray) -> FloatArray:
@@ -168,6 +179,26 @@ def _fitted(label: str, simple: Simple, observed: Observed, rest: Field) -> Base
         force_rmse_N=float(np.sqrt(np.mean(force**2))),
         curve_rmse_m=float(np.sqrt(np.mean(curve**2))) if len(curve) else float("nan"),
     )  # fmt: skip
+
+
+def _errors_of(
+    o: Observation, observed: Observed, answer_of: OneAngle
+) -> Callable[[float], tuple[float, float | None]]:
+    """Return the force over B and the distance of the curve, by the bend.
+
+    The last ones are kept: of the search's steps along single parameters only one changes the bend
+    of a condition.
+    """
+
+    @lru_cache(maxsize=2)
+    def predicted(bend: float) -> tuple[float, float | None]:
+        answer = answer_of(bend)
+        if o.curve is None:
+            return answer.force_per_m2, None
+        length = observed.sheet.free_length_m
+        return answer.force_per_m2, distance_to(answer.x_m, answer.y_m, o.curve, length)
+
+    return predicted
 
 
 def _angle(observed: Observed, o: Observation) -> float:

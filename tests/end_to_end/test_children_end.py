@@ -138,7 +138,13 @@ def is_energised(record: Path) -> bool:
     return abs(float(row["drive_V"])) > 1.0
 
 
-@pytest.mark.parametrize("order", ["program", "guard, program", "hanging program", "guard"])
+@pytest.mark.parametrize(
+    "order",
+    [
+        "program", "hanging program", "guard",
+        pytest.param("guard, program", marks=pytest.mark.thorough),
+    ],
+)  # fmt: skip
 def test_nothing_is_left_of_a_run_with_its_simulator_whoever_is_killed(
     tmp_path: Path, order: str
 ) -> None:
@@ -168,7 +174,11 @@ def test_nothing_is_left_of_a_run_with_its_simulator_whoever_is_killed(
         process.wait()
 
 
-@pytest.mark.parametrize("job_first", [True, False], ids=["job first", "panel first"])
+@pytest.mark.parametrize(
+    "job_first",
+    [True, pytest.param(False, marks=pytest.mark.thorough)],
+    ids=["job first", "panel first"],
+)
 def test_nothing_is_left_of_a_panel_that_is_killed_with_its_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *, job_first: bool
 ) -> None:

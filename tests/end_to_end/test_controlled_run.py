@@ -8,6 +8,7 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -64,6 +65,19 @@ CASES = [
     Case("clock_jump", FOR_GOOD + "\namount_s = 3.0", FAILED, "ms late (limit 10 ms)"),
 ]
 
+# What differs in kind runs always; the same faults happen to other runs in test_faults.py.
+MORE = {
+    "daq_refused for a moment", "daq_hung for a moment", "daq_write_refused for a moment",
+    "daq_buffer_overflow for a moment", "force_nan for good",
+    "cell_unplugged for good", "camera_gone for good",
+}  # fmt: skip
+
+
+def marked(case: Case) -> Any:
+    """The case, in the thorough run alone where it is one of MORE."""
+    marks = [pytest.mark.thorough] if case.name in MORE else []
+    return pytest.param(case, marks=marks, id=case.name)
+
 
 @pytest.fixture
 def rig(
@@ -76,7 +90,7 @@ def control(folder: Path) -> list[object]:
     return write_control(folder, position_mm=POSITION_MM)
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize("case", [marked(case) for case in CASES])
 def test_a_fault_in_the_loop_ends_at_0_V_or_is_said_not_to(rig: FaultyRig, case: Case) -> None:
     world = f'[[faults]]\nwhat = "{case.what}"\n{case.when}\nsince = "first_voltage"\n'
     left = rig.run(world, options=control)

@@ -242,7 +242,7 @@ def test_simple_models_agree_with_the_full_one_at_small_deflections(measure, tru
 
     observed = observe(measure(), "long")
     nearly_straight = Field.constant(0.3, 0.05)
-    answers = {n: m(observed, nearly_straight, 0.2, 0.004) for n, m in MODELS.items()}
+    answers = {n: m(observed, nearly_straight, 0.004)(0.2) for n, m in MODELS.items()}
     exact = answers["full model, constant EIBM"]
     line = answers["linear beam"]
     assert line.force_per_m2 == pytest.approx(exact.force_per_m2, rel=2e-3)

@@ -55,7 +55,8 @@ class Findings:
 
         names = tuple(self.fit.configurations)
         try:
-            return compare(self.measurements, replace(self.fit.options, configurations=names))
+            options = replace(self.fit.options, configurations=names)
+            return compare(self.measurements, options, self.fit)
         except ModelError:
             return ()
 

@@ -66,7 +66,9 @@ CASES = {
 
 
 # Of what `prepare` has tests of its own for, and ends in a search all the same.
-MORE = ("identical repeats", "no series", "one voltage", "single readings")
+MORE = (
+    "identical repeats", "no series", "one voltage", "single readings", "one position", "no forces",
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
