@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import os
 import select
+import signal
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from multiprocessing import connection, parent_process
 
 
@@ -29,6 +32,26 @@ def end_with_input() -> None:
     """
     if hasattr(select, "poll"):
         threading.Thread(target=_until_hang_up, name="input-watch", daemon=True).start()
+
+
+@contextmanager
+def deaf_to_interrupts() -> Iterator[None]:
+    """Let processes that are started now by this thread never see Ctrl-C, from their first moment.
+
+    It reaches all processes of a terminal. One that still loads would answer with a traceback; all
+    end with their parent, who decides. Windows has no signal masks: there it is as before.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    from multiprocessing import resource_tracker  # not on Windows
+
+    resource_tracker.ensure_running()  # would let signals through when it starts
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _until_hang_up() -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from drivers.interfaces import FloatArray, GreyImage
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
-from labrig.parent_process import end_with_parent
+from labrig.parent_process import deaf_to_interrupts, end_with_parent
 from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.session.format.layout import NO_FRAME, Array
 from model.measurements import Contact, Curve, SheetGeometry
@@ -265,7 +265,9 @@ def by_processes(path: Path, jobs: list[CurveJob], workers: int) -> Iterator[Con
         raise SystemExit(1)
     try:
         with _pool(path, workers) as pool:
-            yield from pool.map(_in_worker, jobs, chunksize=1)
+            with deaf_to_interrupts():  # all processes are started here
+                found = pool.map(_in_worker, jobs, chunksize=1)
+            yield from found
     except BrokenProcessPool:
         raise BadInputError(
             f"{path}: the processes that look for curves ended; a script that calls"
@@ -281,6 +283,10 @@ def _pool(path: Path, workers: int) -> Iterator[ProcessPoolExecutor]:
     pool = ProcessPoolExecutor(workers, context, initializer=_open_in_worker, initargs=(path,))
     try:
         yield pool
+    except BaseException:  # Ctrl-C, say: what they are at is not waited for
+        for process in (pool._processes or {}).values():
+            process.kill()
+        raise
     finally:
         pool.shutdown(cancel_futures=True)
 

@@ -92,35 +92,37 @@ class Person(ClosedModel):
     """Somebody who has part in the experiment."""
 
     name: Annotated[Name, Field(description="given name and family name")]
-    role: Role = "operator"
-    affiliation: Line = ""
-    email: Annotated[Line, AfterValidator(_email)] = ""
-    orcid: Annotated[str, Field(max_length=60), AfterValidator(_orcid)] = ""
+    role: Role = Field("operator", description="in the experiment")
+    affiliation: Line = Field("", description="institute or company")
+    email: Annotated[Line, AfterValidator(_email)] = Field("", description="address to write to")
+    orcid: Annotated[str, Field(max_length=60), AfterValidator(_orcid)] = Field(
+        "", description="ORCID iD, such as 0000-0002-1825-0097"
+    )
 
 
 class SampleConfig(ClosedModel):
     """The sheet that is measured."""
 
     identity: Annotated[Name, Field(description="what tells it from all others")]
-    material: Line = ""
-    batch: Line = ""
-    preparation: Paragraph = ""
+    material: Line = Field("", description="of membrane and electrodes")
+    batch: Line = Field("", description="of the material, as its maker names it")
+    preparation: Paragraph = Field("", description="how it was made and treated")
     made: dt.date | None = Field(None, description="when it was made")
-    notes: Paragraph = ""
+    notes: Paragraph = Field("", description="anything else about the sheet")
 
 
 class About(ClosedModel):
     """What an experiment is about, and whose it is."""
 
-    title: Line = ""
-    project: Line = ""
+    title: Line = Field("", description="of the experiment")
+    project: Line = Field("", description="to which the experiment belongs")
     licence: Annotated[
         str,
         Field(max_length=200, description="SPDX identifier of the data's licence"),
         AfterValidator(_licence),
     ] = ""
-    people: list[Person] = Field([], max_length=50)
-    sample: SampleConfig | None = None
+    people: list[Person] = Field([], max_length=50, description="who has part in it")
+    sample: SampleConfig | None = Field(None, description="the sheet that is measured")
 
     @property
     def operators(self) -> tuple[str, ...]:

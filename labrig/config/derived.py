@@ -36,6 +36,7 @@ from labrig.config.base import ClosedModel
 from labrig.errors import RenamedKeyWarning
 
 _BOUNDS = ("ge", "gt", "le", "lt", "multiple_of", "min_length", "max_length", "pattern")
+KIND_SAID = "which of the parts that are installed"
 SIMULATED = "simulated"  # instead of an address, a port or a source; no part's check sees it
 
 
@@ -108,7 +109,9 @@ def model_with(base: type[Base], settings: type, kind: str | None = None) -> typ
 
 @functools.lru_cache(maxsize=256)
 def _model_of(settings: type, kind: str | None, base: type[SettingsModel]) -> type[SettingsModel]:
-    fields: dict[str, Any] = {} if kind is None else {"kind": (Literal[kind], kind)}
+    fields: dict[str, Any] = (
+        {} if kind is None else {"kind": (Literal[kind], Field(kind, description=KIND_SAID))}
+    )
     hints = typing.get_type_hints(settings, include_extras=True)
     former: dict[str, str] = {}
     for field in dataclasses.fields(settings):

@@ -19,15 +19,15 @@ FORCE_UNIT = "force_channel_unit"  # key of the resolved configuration: V, or N 
 class LoadCellConfig(ClosedModel):
     """volts = offset_V + sensitivity_V_per_N * force, of the whole chain as wired on `date`."""
 
-    date: dt.date
+    date: dt.date = Field(description="when it was calibrated")
     capacity_mN: float = Field(GSO_10_CAPACITY_N * 1000, gt=0, description="GSO-10: 98.07 mN")
-    sensitivity_V_per_N: float
-    sensitivity_sigma_V_per_N: float = Field(0.0, ge=0)
-    offset_V: float = 0.0
-    offset_sigma_V: float = Field(0.0, ge=0)
-    excitation_V: float = Field(10.0, gt=0)
-    gain: float = 1.0
-    serial: str = ""
+    sensitivity_V_per_N: float = Field(description="volts at the input for a newton")
+    sensitivity_sigma_V_per_N: float = Field(0.0, ge=0, description="standard uncertainty of it")
+    offset_V: float = Field(0.0, description="volts at the input without a force")
+    offset_sigma_V: float = Field(0.0, ge=0, description="standard uncertainty of it")
+    excitation_V: float = Field(10.0, gt=0, description="supply of the bridge")
+    gain: float = Field(1.0, description="of the amplifier behind the bridge, for the record")
+    serial: str = Field("", description="serial number of the load cell, for the record")
 
     @model_validator(mode="after")
     def _has_a_slope(self) -> LoadCellConfig:

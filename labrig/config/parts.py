@@ -28,7 +28,7 @@ class CameraConfig(PartConfig):
 
     source: int | str = Field(description="anything OpenCV opens, aravis:NAME, or simulated")
     optics: Path = Field(description="optics.json of this camera")
-    warn_after_days: int = Field(180, ge=1)
+    warn_after_days: int = Field(180, ge=1, description="age of a calibration that is worth a word")
     trigger_line: str | None = Field(
         None, description="digital output of the boards that is wired to the camera's trigger"
     )

@@ -43,7 +43,7 @@ EXTRAS: PluginFolder[type[Extra]] = PluginFolder(
 class PlaceConfig(ClosedModel):
     """One configuration of the sheet and the positions at which it is measured."""
 
-    configuration: str
+    configuration: str = Field(description="of the sheet, a table of sheet.toml")
     positions_mm: list[float] = Field(
         max_length=1000, description="empty: only extras without the load cell"
     )
@@ -52,7 +52,7 @@ class PlaceConfig(ClosedModel):
 class CameraUse(ClosedModel):
     """What is wanted of the camera."""
 
-    frame_rate_hz: float = Field(25.0, gt=0, le=1000.0)
+    frame_rate_hz: float = Field(25.0, gt=0, le=1000.0, description="frames per second, in Hz")
     keep_all_frames: bool = Field(default=False, description="not only the frame of each reading")
 
 
@@ -64,9 +64,11 @@ class ExtrasConfig(ClosedModel):
 
     # `protocol_model` adds the keys of `protocols.extras`, such as `free_shapes` and `release`.
 
-    mode: Literal["default", "paper"] = "default"
+    mode: Literal["default", "paper"] = Field(
+        "default", description="paper: no extras; default: those under a minute"
+    )
     random_order: bool | None = Field(None, description="of the positions; the order is recorded")
-    random_order_seed: int = Field(1, ge=0)
+    random_order_seed: int = Field(1, ge=0, description="another number, another random order")
     no_touch_zero: bool | None = Field(None, description="the load cell's zero at each position")
     reversed_approach: bool | None = Field(None, description="one position from the other side")
     approach: Literal["up", "down"] = Field(
@@ -74,7 +76,9 @@ class ExtrasConfig(ClosedModel):
         description="the side from which all positions are approached: from lower ones, or not",
     )
     remounts: int = Field(0, ge=0, le=100, description="positions set anew and measured again")
-    dead_weights_mN: tuple[Annotated[float, Field(gt=0)], ...] = ()
+    dead_weights_mN: tuple[Annotated[float, Field(gt=0)], ...] = Field(
+        (), description="forces that are hung on the load cell to check it"
+    )
     tilt_deg: float = Field(
         0.0,
         description="180: the whole session with the rig turned over about the sheet's long axis",
@@ -148,7 +152,9 @@ class ProtocolConfig(ClosedModel):
 
     # `protocol_model` adds the tables of the kinds, such as [pulse_train].
 
-    places: list[PlaceConfig] = Field(min_length=1, max_length=1000)
+    places: list[PlaceConfig] = Field(
+        min_length=1, max_length=1000, description="where it is done, in this order"
+    )
     moisten: bool = Field(default=True, description="ask for it before each run")
     camera: CameraUse = CameraUse()
     extras: ExtrasConfig = ExtrasConfig()

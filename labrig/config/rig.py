@@ -47,7 +47,7 @@ class AmplifierConfig(ClosedModel):
 class CurrentSense(ClosedModel):
     """The shunt in series with the sheet."""
 
-    shunt_ohm: Positive = 1.0
+    shunt_ohm: Positive = Field(1.0, description="current = voltage across it / resistance")
 
 
 class Limits(ClosedModel):
@@ -90,7 +90,7 @@ class WatchConfig(ClosedModel):
 class LoadCellFile(ClosedModel):
     """Where the load cell's calibration is."""
 
-    calibration: Path
+    calibration: Path = Field(description="load_cell.toml, from the folder of this file")
     warn_after_days: int = Field(180, ge=1, description="age of a calibration that is worth a word")
 
 
@@ -116,7 +116,9 @@ class RigConfig(ClosedModel):
         default_factory=lambda: cast("PartConfig", FORCE_SENSOR.read({})),
         description="what reads the force on the load cell",
     )
-    camera: Annotated[CameraConfig, CAMERA] | None = None
+    camera: Annotated[CameraConfig, CAMERA] | None = Field(
+        None, description="what takes the images"
+    )
     stage: Annotated[PartConfig, POSITIONER] = Field(
         default_factory=lambda: cast("PartConfig", POSITIONER.read({})),
         description="what moves the load cell along the arc",
@@ -254,7 +256,7 @@ def _rig_model(families: tuple[tuple[str, type[BoardsConfig]], ...]) -> type[Rig
 class ReplayConfig(ClosedModel):
     """A rig that is a recorded session: all else comes from what was recorded."""
 
-    replay: Path
+    replay: Path = Field(description="session whose recorded signals stand for the rig")
 
 
 def parse_rig(text: str, name: str) -> RigConfig | ReplayConfig:

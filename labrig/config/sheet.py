@@ -18,7 +18,9 @@ from model.measurements import SheetGeometry
 class ArcConfig(ClosedModel):
     """The arc on which the load cell sits, centred at the clamp."""
 
-    radius_mm: float = Field(40.0, gt=0, le=1000.0)
+    radius_mm: float = Field(
+        40.0, gt=0, le=1000.0, description="from the clamp to the load cell's contact"
+    )
     origin_deg: float = Field(
         0.0, ge=-180.0, le=180.0, description="polar angle of position 0, from the clamp's tangent"
     )
@@ -27,8 +29,8 @@ class ArcConfig(ClosedModel):
 class Curvature(ClosedModel):
     """Initial curvature k0 along the sheet, linear between the nodes."""
 
-    s_mm: list[float] = Field(min_length=2)
-    per_m: list[float] = Field(min_length=2)
+    s_mm: list[float] = Field(min_length=2, description="nodes along the sheet, from the clamp")
+    per_m: list[float] = Field(min_length=2, description="curvature at each node")
 
     @model_validator(mode="after")
     def _nodes_match(self) -> Curvature:
@@ -45,12 +47,14 @@ class Sheet(ClosedModel):
     """One configuration of the sheet."""
 
     free_length_mm: float = Field(gt=0, le=1000.0, description="of the part that can bend")
-    clamped_length_mm: float = Field(0.0, ge=0)
-    width_mm: float = Field(gt=0, le=1000.0)
-    thickness_mm: float = Field(gt=0, le=10.0)
+    clamped_length_mm: float = Field(0.0, ge=0, description="of the part inside the clamp")
+    width_mm: float = Field(gt=0, le=1000.0, description="of the sheet")
+    thickness_mm: float = Field(gt=0, le=10.0, description="of the sheet, electrodes included")
     elongation_mm: float = Field(0.0, ge=0, le=1000.0, description="visible rigid elongation")
     rise_time_s: float = Field(0.0, ge=0, description="known time constant of the voltage's rise")
-    initial_curvature_per_m: float | Curvature | Literal["measured"] = "measured"
+    initial_curvature_per_m: float | Curvature | Literal["measured"] = Field(
+        "measured", description="k0 without load and voltage: one number, nodes, or as images show"
+    )
 
     def geometry(self, configuration: str, arc: ArcConfig) -> SheetGeometry:
         """Return the same in SI, as the model takes it."""

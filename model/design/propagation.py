@@ -29,42 +29,41 @@ def propagate(
     deviations one by one. Otherwise each parameter is varied by itself.
     """
     values = np.array(question(model))
-    steps, freedom = [], list[float]()
-    for pair, degrees in _pairs(model, configuration):
-        moved = [np.array(question(changed)) for changed in pair]
-        if not np.all(np.isfinite(moved)):
-            raise ModelError(
-                "within the uncertainty of the model's parameters this question has no answer; make"
-                " the working section smaller or the demand lower"
-            )
-        steps.append(0.5 * (moved[0] - moved[1]))
-        freedom.append(degrees)
-    parts = np.array(steps).reshape(-1, len(values)) ** 2
-    variance = parts.sum(axis=0)
-    together = _freedom(variance, parts, np.array(freedom))
+    together = model.deviations.get(configuration)
+    pairs = _apart(model, configuration) if together is None else _joint(model, configuration)
+    steps = np.array([_step(question, pair) for pair in pairs]).reshape(-1, len(values))
+    sigma = np.sqrt(np.sum(steps**2, axis=0))
+    freedom = np.full(len(values), USUAL_FREEDOM) if together is None else together.freedom(steps)
     return [
-        Parameter(value=float(v), sigma=float(np.sqrt(s)), unit=unit, freedom=float(f))
-        for v, s, f, unit in zip(values, variance, together, units, strict=True)
+        Parameter(value=float(v), sigma=float(s), unit=unit, freedom=float(f))
+        for v, s, f, unit in zip(values, sigma, freedom, units, strict=True)
     ]
 
 
-def _freedom(variance: FloatArray, parts: FloatArray, freedom: FloatArray) -> FloatArray:
-    """Return Satterthwaite's degrees of freedom of sums of independent variances."""
-    doubt = np.sum(parts**2 / freedom[:, None], axis=0)
-    return np.asarray(np.minimum(variance**2 / np.maximum(doubt, 1e-300), USUAL_FREEDOM))
+def _step(question: Callable[[SheetModel], Sequence[float]], pair: Pair) -> FloatArray:
+    """Return what one standard uncertainty changes of the answers."""
+    moved = [np.array(question(changed)) for changed in pair]
+    if not np.all(np.isfinite(moved)):
+        raise ModelError(
+            "within the uncertainty of the model's parameters this question has no answer; make"
+            " the working section smaller or the demand lower"
+        )
+    return np.asarray(0.5 * (moved[0] - moved[1]))
 
 
-def _pairs(model: SheetModel, configuration: str) -> Iterator[tuple[Pair, float]]:
-    """Yield two models for each independent uncertainty, and its degrees of freedom."""
-    together = model.deviations.get(configuration)
-    if together is None:
-        for pair in (*_of_sheet(model, configuration), *_of_effects(model, configuration)):
-            yield pair, USUAL_FREEDOM
-        return
-    for place, degrees in enumerate(together.freedom.tolist()):
+def _joint(model: SheetModel, configuration: str) -> Iterator[Pair]:
+    """Yield two models for each column of the deviations."""
+    together = model.deviations[configuration]
+    for place in range(len(together)):
         change = together.column(place)
         plus, minus = (deviated(model, configuration, change, sign) for sign in (1.0, -1.0))
-        yield (plus, minus), degrees
+        yield plus, minus
+
+
+def _apart(model: SheetModel, configuration: str) -> Iterator[Pair]:
+    """Yield two models for each parameter, varied by itself."""
+    yield from _of_sheet(model, configuration)
+    yield from _of_effects(model, configuration)
 
 
 def varied(one: ConfiguredSheet, B: float, bending: dict[float, float]) -> ConfiguredSheet:

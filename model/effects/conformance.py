@@ -9,11 +9,17 @@ from collections.abc import Callable, Iterator, Mapping
 from copy import deepcopy
 from dataclasses import fields, is_dataclass, replace
 from functools import partial
-from typing import get_args, get_type_hints
+from typing import TypeVar, get_args, get_type_hints
 
 import numpy as np
 
-from model.effects.interface import BeamProblem, Effect, EffectParameter
+from model.effects.interface import (
+    AcquisitionTimes,
+    BeamProblem,
+    Effect,
+    EffectParameter,
+    LoadCellInput,
+)
 from model.locations import locations
 from model.locations.examples import (
     example_beam,
@@ -28,6 +34,8 @@ from model.plugins import first_faults
 WORDS = ("meaning", "form", "signature", "isolates", "source")
 ACTIONS = ("beam", "course", "lagging", "force", "curve", "pictured")
 MOST_LAGGING = 9
+CHANNEL_VALUES = (21.0, 57.0)  # first and last of every further channel, whatever its unit
+Given = TypeVar("Given", AcquisitionTimes, LoadCellInput)
 RISE_S = 0.1  # of the voltage, where pictures are taken
 _FORM_COORDINATES = get_args(get_args(get_type_hints(Effect)["form_error_along"])[0])
 
@@ -93,6 +101,8 @@ def _faults_of_words(effect: Effect) -> Iterator[str]:
         yield "it has no parameter that says how much of it there is"
     if len({parameter.name for parameter in effect.parameters}) < len(effect.parameters):
         yield "two of its parameters have the same name"
+    if not all(isinstance(name, str) and name.isidentifier() for name in effect.channels):
+        yield "its channels are not a list of names with units, such as humidity_percent"
     if not acts(effect):
         yield f"it overrides none of {', '.join(ACTIONS)}, so it changes nothing"
 
@@ -116,8 +126,9 @@ Results = dict[str, FloatArray]
 def _results(effect: Effect, p: Mapping[str, float], *, touched: bool = True) -> Results:
     """Everything the effect makes of the examples, named; what it leaves alone is not in it."""
     beam, contact = example_beam(touched=touched)
-    run, pulse = example_clock(), example_pulse()
-    weighed, points = example_weighed(touched=touched), example_points()
+    beam.clock = _recorded(effect, beam.clock)
+    run, pulse = _recorded(effect, example_clock()), _recorded(effect, example_pulse())
+    weighed, points = _recorded(effect, example_weighed(touched=touched)), example_points()
     given = (beam, contact, run, pulse, weighed, points)
     kept = deepcopy(given)
     found: Results = {}
@@ -140,8 +151,16 @@ def _results(effect: Effect, p: Mapping[str, float], *, touched: bool = True) ->
     return found
 
 
+def _recorded(effect: Effect, given: Given) -> Given:
+    """Return an example with values of the channels that the effect reads."""
+    values = np.linspace(*CHANNEL_VALUES, len(given.voltage_V))
+    return replace(given, channels=dict.fromkeys(effect.channels, values))
+
+
 def _same(one: object, two: object) -> bool:
     """Return whether two examples are equal, number by number."""
+    if isinstance(one, Mapping) and isinstance(two, Mapping):
+        return one.keys() == two.keys() and all(_same(one[name], two[name]) for name in one)
     if not is_dataclass(one):
         return bool(np.array_equal(np.asarray(one), np.asarray(two), equal_nan=True))
     return all(

@@ -7,6 +7,11 @@ An effect acts in up to six places, each a method that changes nothing unless it
     `force`   what the load cell adds to the force
     `curve`   where the camera puts the points of a curve
     `pictured` the EIBM in the picture of a reading
+Values of further channels of the rig (humidity, temperature) are in `AcquisitionTimes`, which
+`beam.clock` is, too, and in `LoadCellInput`: `clock.channel("humidity_percent", 50.0)` are those of
+all readings, 50 where none was recorded. So `otherwise` has to be a value at which the effect does
+nothing. A prediction has no channels. An effect names those that it reads in `channels`.
+
 All work on arrays; a `BeamProblem` holds K conditions of one configuration, quantities along the
 sheet are values at its G nodes.
 """
@@ -120,6 +125,7 @@ class Effect:
     # whether the base model has its plain shape as a parameter, unless asked to be symmetric
     in_base_model: bool = False
     title: str = ""  # what readers are shown; empty: the name, in words
+    channels: tuple[str, ...] = ()  # further channels it reads, by name and unit (humidity_percent)
     needs_session: bool = False  # says nothing of a single run, whose session has no course
     # part of what a model with dynamics says of charge, loss and swing: beside such a model it is
     # what the dynamics leave, never a second copy of them

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 
 from model.identification.along_runs import eibm_along_runs
 from model.identification.joint import Joint
-from model.identification.likelihood.mixed_model import freedom
 from model.measurements import FloatArray
 from model.mechanics.field import legendre_field
 from model.sheet.deviations import (
     STIFFNESS,
-    USUAL_FREEDOM,
     Deviations,
     columns_of,
     curvature_key,
     eibm_key,
+    few_changes,
     few_columns,
 )
 
@@ -41,30 +43,34 @@ def deviations(joint: Joint, n: int) -> Deviations:
     rest = list(joint.fitted.problem.bases.parts[n].rest)
     if joint.rest_counts(n):
         doubt[rest] = joint.fitted.theta[rest] / np.sqrt(12.0)
-    found = _rows(joint, n, moves, doubt)
-    kept = few_columns(found, _turns(joint, n, found), LEFT_OUT)
-    inverse = np.linalg.pinv(covariance)
-    degrees = [
-        _freedom(joint, own, inverse @ (columns @ turn[:-1]), float(np.sum(turn[:-1] ** 2)))
-        for turn in kept.T
-    ]
-    return _with_runs(joint, n, found.turned(kept, np.array(degrees)))
+    found = Deviations(_rows(joint, n, moves, doubt), _changes(joint, own, columns))
+    found = found.turned(few_columns(found, _turns(joint, n, found.rows), LEFT_OUT))
+    return _with_runs(joint, n, replace(found, changes=few_changes(found.changes)))
+
+
+def _changes(joint: Joint, own: list[int], columns: FloatArray) -> FloatArray:
+    """Return how the covariance changes with the scatter and noise that were estimated.
+
+    In terms of its columns; the last one is the systematic doubt, which they say nothing of.
+    """
+    back = columns / np.sum(columns**2, axis=0)  # principal axes: this is the pseudo-inverse
+    slopes = np.stack([back.T @ one[np.ix_(own, own)] @ back for one in joint.spread.slopes])
+    changes = np.tensordot(joint.spread.root.T, slopes, axes=1)
+    return np.pad(changes, ((0, 0), (0, 1), (0, 1)))
 
 
 def _with_runs(joint: Joint, n: int, found: Deviations) -> Deviations:
     """Return the deviations with those of single readings; those that are negligible left out."""
-    rows, freedom = dict(found.rows), found.freedom
     for voltage, share in eibm_along_runs(joint, n).items():
         mean = joint.terms(n, voltage)
         own = {eibm_key(voltage, k): share * much for k, much in enumerate(mean.tolist())}
-        sigma = float(np.linalg.norm(rows[eibm_key(voltage, 0)]))
+        sigma = float(np.linalg.norm(found.rows[eibm_key(voltage, 0)]))
         if abs(own[eibm_key(voltage, 0)]) > NEGLIGIBLE * sigma:
-            rows = {key: np.append(row, own.get(key, 0.0)) for key, row in rows.items()}
-            freedom = np.append(freedom, USUAL_FREEDOM)
-    return Deviations(rows, freedom)
+            found = found.with_column(own)
+    return found
 
 
-def _rows(joint: Joint, n: int, moves: FloatArray, doubt: FloatArray) -> Deviations:
+def _rows(joint: Joint, n: int, moves: FloatArray, doubt: FloatArray) -> dict[str, FloatArray]:
     """Return the rows by parameter; the last column is the systematic doubt."""
     part, theta = joint.fitted.problem.bases.parts[n], joint.fitted.theta
     B = joint.stiffness(n).value
@@ -80,33 +86,24 @@ def _rows(joint: Joint, n: int, moves: FloatArray, doubt: FloatArray) -> Deviati
                 much, less = much + theta[j], -B * doubt[j]
             change = B * (sign * moves[i] + much * moves[part.stiffness])
             rows[eibm_key(voltage, k)] = np.append(change, less)
-    return Deviations(rows, np.full(moves.shape[1] + 1, USUAL_FREEDOM))
+    return rows
 
 
-def _turns(joint: Joint, n: int, found: Deviations) -> list[FloatArray]:
+def _turns(joint: Joint, n: int, rows: Mapping[str, FloatArray]) -> list[FloatArray]:
     """Return what the columns change of B, and of the angle along the sheet at each voltage."""
     part, length = joint.fitted.problem.bases.parts[n], joint.forward.scenes[n].length
     theta, B = joint.fitted.theta, joint.stiffness(n).value
-    s, none = np.linspace(0.0, length, PLACES + 1)[1:], np.zeros(len(found))
+    s, none = np.linspace(0.0, length, PLACES + 1)[1:], np.zeros_like(rows[STIFFNESS])
     terms = range(max(len(part.forms), len(part.rest)))
     angle = np.stack([legendre_field(k, length).integral(s) for k in terms], axis=1)
-    rest = np.stack([found.rows.get(curvature_key(k), none) for k in terms])
-    result = [found.rows[STIFFNESS][None], angle @ rest]
+    rest = np.stack([rows.get(curvature_key(k), none) for k in terms])
+    result = [rows[STIFFNESS][None], angle @ rest]
     for voltage, (first, sign) in part.eibm.items():
-        moment = np.stack([found.rows.get(eibm_key(voltage, k), none) for k in terms])
+        moment = np.stack([rows.get(eibm_key(voltage, k), none) for k in terms])
         much = np.zeros(len(terms))
         much[: len(part.forms)] = sign * theta[first : first + len(part.forms)]
         if joint.rest_counts(n):
             much[: len(part.rest)] += theta[list(part.rest)]
-        bent = (moment - much[:, None] * found.rows[STIFFNESS]) / B
+        bent = (moment - much[:, None] * rows[STIFFNESS]) / B
         result.append(angle @ (rest + bent))
     return result
-
-
-def _freedom(joint: Joint, own: list[int], direction: FloatArray, share: float) -> float:
-    """Return the degrees of freedom of a column; `share`: of it that is not the doubt."""
-    if share < 1e-6:
-        return USUAL_FREEDOM
-    every = np.zeros(len(joint.fitted.theta))
-    every[own] = direction
-    return min(USUAL_FREEDOM, freedom(joint.fitted.solution, joint.spread, every) / share**2)

@@ -7,7 +7,7 @@ its G nodes.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 import numpy.typing as npt
@@ -15,6 +15,8 @@ import numpy.typing as npt
 from model.measurements import FloatArray, SheetGeometry
 
 Values = Mapping[str, float]
+# Of further channels at each reading, by name and unit (temperature_degC); NaN: not recorded.
+ChannelValues = Mapping[str, FloatArray]
 
 
 @dataclass(kw_only=True)
@@ -32,6 +34,11 @@ class AcquisitionTimes:
     rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
     worked_s: FloatArray | float = 0.0  # under voltage in the whole session
     position_m: FloatArray | float = np.nan  # on the arc as stated; NaN: free
+    channels: ChannelValues = field(default_factory=dict)
+
+    def channel(self, name: str, otherwise: float) -> FloatArray:
+        """Return the values of a further channel; `otherwise` where none was recorded."""
+        return _recorded(self.channels, name, otherwise, self.voltage_V.shape)
 
     def of(self, use: npt.NDArray[np.bool_]) -> AcquisitionTimes:
         """Return some of these times."""
@@ -41,16 +48,36 @@ class AcquisitionTimes:
             whole = np.asarray(values)
             return (whole if whole.shape == shape else np.broadcast_to(whole, shape))[use]
 
-        return AcquisitionTimes(**{f.name: some(getattr(self, f.name)) for f in fields(self)})
+        # a selection of none is that of times to come, which have no values either
+        channels = {name: some(values) for name, values in self.channels.items() if np.any(use)}
+        times = {name: some(getattr(self, name)) for name in _TIMES}
+        return AcquisitionTimes(**times, channels=channels)
 
     @staticmethod
     def joined(clocks: Sequence[AcquisitionTimes]) -> AcquisitionTimes:
         """Return the times of all of them, one after the other."""
         every = [clock.of(np.ones(clock.voltage_V.shape, dtype=bool)) for clock in clocks]
-        names = [f.name for f in fields(AcquisitionTimes)]
+        names = dict.fromkeys(name for clock in clocks for name in clock.channels)
         return AcquisitionTimes(
-            **{n: np.concatenate([np.zeros(0), *(getattr(c, n) for c in every)]) for n in names}
+            **{n: np.concatenate([np.zeros(0), *(getattr(c, n) for c in every)]) for n in _TIMES},
+            channels={
+                name: np.concatenate([clock.channel(name, np.nan) for clock in every])
+                for name in names
+            },
         )
+
+
+_TIMES = tuple(f.name for f in fields(AcquisitionTimes) if f.name != "channels")
+
+
+def _recorded(
+    channels: ChannelValues, name: str, otherwise: float, shape: tuple[int, ...]
+) -> FloatArray:
+    """Return a channel's values in this shape, `otherwise` where there is none."""
+    if name not in channels:
+        return np.full(shape, otherwise)
+    values = np.broadcast_to(channels[name], shape)
+    return np.where(np.isfinite(values), values, otherwise)
 
 
 @dataclass(kw_only=True)
@@ -131,6 +158,17 @@ class LoadCellInput:
     run_s: FloatArray | float = 0.0  # since the run began
     pulse_s: FloatArray | float = 0.0  # since this voltage was set
     session_number: FloatArray | float = 0.0  # as of the beam problem
+    channels: ChannelValues = field(default_factory=dict)
+
+    def channel(self, name: str, otherwise: float) -> FloatArray:
+        """Return the values of a further channel; `otherwise` where none was recorded."""
+        return _recorded(self.channels, name, otherwise, self.force_N.shape)
+
+    def in_order(self, order: npt.NDArray[np.int64]) -> LoadCellInput:
+        """Return the readings in another order."""
+        given = {f.name: getattr(self, f.name)[order] for f in fields(self) if f.name != "channels"}
+        channels = {name: values[order] for name, values in self.channels.items()}
+        return LoadCellInput(**given, channels=channels)
 
 
 @dataclass(kw_only=True)

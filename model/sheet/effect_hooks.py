@@ -7,7 +7,7 @@ second for those that were taken. A further hook is read here, and nowhere else.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -212,6 +212,7 @@ def load_cell_input(
         run_s=np.broadcast_to(clock.run_s, of.shape),
         pulse_s=np.broadcast_to(clock.pulse_s, of.shape),
         session_number=np.broadcast_to(beam.session_number, beam.voltage_V.shape)[of],
+        channels=clock.channels,
     )  # fmt: skip
 
 
@@ -221,7 +222,7 @@ def added_force_N(acting: Sequence[Acting], weighed: LoadCellInput, in_time: Ind
     hooked = [one for one in acting if type(one.effect).force is not Effect.force]
     if not hooked:
         return result
-    ordered = LoadCellInput(**{f.name: getattr(weighed, f.name)[in_time] for f in fields(weighed)})
+    ordered = weighed.in_order(in_time)
     for one in hooked:
         added = one.effect.force(ordered, one.values)
         if added is None:

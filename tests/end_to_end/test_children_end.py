@@ -15,7 +15,6 @@ from pathlib import Path
 
 import pytest
 
-from labrig.batch.plan import ROWS
 from labrig.config.templates import write_templates
 from labrig.panel.processes import step_forward
 from sim_hardware.serve import LINGER_S
@@ -79,22 +78,82 @@ def killed(process: subprocess.Popen[bytes], there: list[int]) -> None:
             os.kill(pid, signal.SIGKILL)
 
 
-def test_the_workers_of_a_killed_analysis_end(
-    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+ENDS = [  # what happens to a program with workers, one after the other
+    "program is killed",
+    "everybody is interrupted",  # Ctrl-C at a terminal
+    *(
+        pytest.param(order, marks=pytest.mark.thorough)
+        for order in (
+            "program is interrupted",
+            "program is terminated",
+            "worker is killed, program is killed",
+            "worker hangs, program is killed",
+            "program hangs, program is killed",
+        )
+    ),
+]
+SIGNALS = {
+    "killed": signal.SIGKILL, "terminated": signal.SIGTERM, "interrupted": signal.SIGINT,
+    "hangs": signal.SIGSTOP,
+}  # fmt: skip
+
+
+def nothing_left_after(order: str, command: list[str], folder: Path) -> str:
+    """Start a program with two workers as a shell does, end it; what it said on its errors."""
+    name = uuid.uuid4().hex
+    with (folder / "said.txt").open("wb") as said:
+        process = subprocess.Popen(
+            [sys.executable, *command], cwd=Path(__file__).parents[2], stderr=said,
+            env={**os.environ, FAMILY: name, "PYTHONPATH": "."}, process_group=0,
+        )  # fmt: skip
+        try:
+            until(lambda: len(workers_in(name)) == 2 or process.poll() is not None)
+            assert process.poll() is None
+            for step in order.split(", "):
+                who, what = step.split()[0], SIGNALS[step.split()[-1]]
+                if who == "everybody":
+                    os.killpg(process.pid, what)
+                else:
+                    os.kill(process.pid if who == "program" else workers_in(name)[0], what)
+            process.wait(60)
+            all_gone(name)
+        finally:
+            for pid in family(name):
+                os.kill(pid, signal.SIGKILL)
+            process.wait()
+    return (folder / "said.txt").read_text()
+
+
+def workers_in(name: str) -> list[int]:
+    return [pid for pid, line in family(name).items() if "spawn_main" in line]
+
+
+@pytest.mark.parametrize("order", ENDS)
+def test_nothing_is_left_of_a_diagnosis_however_it_ends(
+    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, order: str
 ) -> None:
+    """It analyses a session first, and processes of its own look for the curves."""
     session = tmp_path / "session.h5"
     shutil.copy(small_rig(tmp_path_factory) / "session.h5", session)
     script = (
-        "from pathlib import Path\nfrom labrig.analysis import analyze, curves\n"
-        "curves.WORTH_PROCESSES_S = 0.0\n"
-        f"if __name__ == '__main__':\n    analyze(Path({str(session)!r}), workers=2)\n"
+        "from labrig.analysis import curves\nfrom labrig.cli.main import run\n"
+        "from labrig.report.data import findings\n"
+        "curves.WORTH_PROCESSES_S, findings.workers = 0.0, lambda: 2\n"
+        f"if __name__ == '__main__':\n    raise SystemExit(run(['diagnose', {str(session)!r}]))\n"
     )
-    (tmp_path / "evaluate.py").write_text(script)
-    process = subprocess.Popen([sys.executable, str(tmp_path / "evaluate.py")])
-    # two workers and the tracker of what they share
-    until(lambda: len(children(process.pid)) == 3 or process.poll() is not None)
-    assert process.poll() is None
-    killed(process, children(process.pid))
+    (tmp_path / "diagnose.py").write_text(script)
+    said = nothing_left_after(order, [str(tmp_path / "diagnose.py")], tmp_path)
+    assert "Traceback" not in said
+
+
+@pytest.mark.parametrize("order", ENDS)
+def test_nothing_is_left_of_a_batch_however_it_ends(tmp_path: Path, order: str) -> None:
+    for session in ("a.h5", "b.h5"):
+        (tmp_path / session).write_bytes(session.encode())  # the task does not look into them
+    said = nothing_left_after(
+        order, ["-m", "tests.labrig.batch.a_batch", str(tmp_path), "10000"], tmp_path
+    )
+    assert said.count("Traceback") <= ("interrupted" in order)  # a_batch is no command
 
 
 def test_the_simulator_of_a_killed_run_ends(tmp_path: Path) -> None:
@@ -205,19 +264,3 @@ def test_nothing_is_left_of_a_panel_that_is_killed_with_its_run(
         for pid in family(name):
             os.kill(pid, signal.SIGKILL)
         served.end()
-
-
-def test_the_workers_of_a_killed_batch_end(tmp_path: Path) -> None:
-    for session in ("a.h5", "b.h5"):
-        (tmp_path / session).write_bytes(session.encode())  # the task does not look into them
-    name = uuid.uuid4().hex
-    process = subprocess.Popen(
-        [sys.executable, "-m", "tests.labrig.batch.a_batch", str(tmp_path), "10000"],
-        cwd=Path(__file__).parents[2], env={**os.environ, FAMILY: name},
-    )  # fmt: skip
-    rows = tmp_path / "out" / "costless" / ROWS
-    until(lambda: (rows.exists() and rows.stat().st_size > 0) or process.poll() is not None)
-    assert process.poll() is None
-    assert len(family(name)) >= 3
-    killed(process, [pid for pid in family(name) if pid != process.pid])
-    assert not family(name)

@@ -58,6 +58,8 @@ def device(constant: str, part: str) -> str:
 PARTS = [
     Example("cable_pickup", "model/effects", "effects", "EFFECT",
             shown("howto/extending.md", "An effect")),
+    Example("humidity_eibm", "model/effects", "effects", "EFFECT",
+            shown("howto/extending.md", "An effect of a recorded channel")),
     Example("cell_scale", "model/locations", "locations", "LOCATION",
             shown("howto/extending.md", "A location of discrepancy")),
     Example("pico", "drivers/boards", "boards", "BOARDS", device("BOARDS", "PICO")),
@@ -146,6 +148,48 @@ def labrig(path: str, folder: Path, *arguments: object) -> str:
 def test_an_effect_is_in_the_catalogue(path, tmp_path):
     assert "cable_pickup" in labrig(path, tmp_path, "effects")
     assert "tanh" in labrig(path, tmp_path, "effects", "show", "cable_pickup")
+
+
+@BY_EACH_WAY
+def test_an_effect_of_a_recorded_channel_is_found_where_it_was_recorded(path, tmp_path):
+    script = """
+import json
+from dataclasses import replace
+import numpy as np
+from model.discrepancy.diagnose import diagnose
+from tests.labrig.report_data import measure
+
+PERCENT = {0.0: 38.0, 0.01: 62.0, 0.02: 35.0, 0.03: 59.0}  # by position
+plain = measure(curves=False)
+
+def at_rest_N(c):
+    return np.mean([r.force_N for one in plain.conditions for r in one.readings
+                    if (one.configuration, one.position_m, one.voltage_V)
+                    == (c.configuration, c.position_m, 0.0)])
+
+def humid(c):
+    percent, rest_N = PERCENT[c.position_m], at_rest_N(c)
+    more = 1.0 + 0.1 * (percent - 50.0) / 10.0 if c.voltage_V else 1.0
+    return replace(c, readings=tuple(
+        replace(r, force_N=rest_N + more * (r.force_N - rest_N),
+                other_values={"humidity_percent": percent})
+        for r in c.readings))
+
+recorded = replace(plain, conditions=tuple(map(humid, plain.conditions)))
+forgotten = replace(recorded, conditions=tuple(
+    replace(c, readings=tuple(replace(r, other_values={}) for r in c.readings))
+    for c in recorded.conditions))
+found = [diagnose(data).model.effects for data in (recorded, forgotten)]
+(humidity,) = (one for one in found[0] if one.name == "humidity_eibm")
+p = humidity.parameters["relative_change"]
+print(json.dumps([p.value, p.sigma, [one.name for one in found[1]]]))
+"""
+    (tmp_path / "script.py").write_text(script)
+    value, sigma, without = json.loads(
+        python(os.pathsep.join([path, str(ROOT)]), tmp_path, "script.py")
+    )
+    assert abs(value - 0.1) < 3.0 * sigma < 0.1
+    assert "humidity_eibm" not in without
 
 
 @BY_EACH_WAY

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -190,3 +192,27 @@ def test_the_schemas_kept_in_the_repository_are_those_of_the_code() -> None:
     for name, schema in schemas().items():
         kept = json.loads((folder / f"{name}.schema.json").read_text(encoding="utf-8"))
         assert kept == schema, f"run `labrig config schema docs/schemas` ({name} has changed)"
+
+
+def keys_without_a_word(node: object, whole: dict[str, Any], path: str = "") -> Iterator[str]:
+    """Yield the keys of a schema that neither they nor the table that they are describe."""
+    if isinstance(node, list):
+        for one in node:
+            yield from keys_without_a_word(one, whole, path)
+    if not isinstance(node, dict):
+        return
+    for name, key in node.get("properties", {}).items():
+        tables = [key, *key.get("anyOf", [])]
+        named = [whole["$defs"][t["$ref"].rsplit("/", 1)[1]] for t in tables if "$ref" in t]
+        if not any(one.get("description", "").strip() for one in (key, *named)):
+            yield f"{path}.{name}"
+    for name, part in node.items():
+        yield from keys_without_a_word(part, whole, f"{path}.{name}")
+
+
+def test_every_key_of_a_configuration_file_is_described() -> None:
+    undescribed = {"properties": {"mute": {"type": "string"}, "told": {"description": "what"}}}
+    assert list(keys_without_a_word(undescribed, undescribed)) == [".mute"]
+    every = {**schemas(), "replay": ReplayConfig.model_json_schema()}
+    found = [f"{file}{key}" for file, one in every.items() for key in keys_without_a_word(one, one)]
+    assert found == []

@@ -16,7 +16,17 @@ from model.design.sizing import least_area
 from model.design.working_section import shortest_sheet
 from model.discrepancy.diagnose import diagnose
 from model.identification.along_runs import eibm_along_runs
-from model.sheet.deviations import Deviations, columns_of, eibm_key, few_columns
+from model.identification.likelihood.mixed_model import freedom
+from model.sheet.deviations import (
+    USUAL_FREEDOM,
+    Deviations,
+    columns_of,
+    eibm_key,
+    few_changes,
+    few_columns,
+    independent,
+    together,
+)
 
 FALL_M = 0.012
 PLACES_M = np.array([0.005, 0.01, 0.02, 0.035, 0.05])
@@ -67,6 +77,11 @@ def test_deviations_of_a_fit_have_its_uncertainties(fitted):
     wanted = np.sqrt([row @ joint.covariance @ row for row in rows])
     told = [one.sigma for one in propagate(model, "long", bent, ("rad",) * len(PLACES_M))]
     np.testing.assert_allclose(told, wanted, rtol=0.02)
+    # and so are their degrees of freedom: the same few set-ups are behind all columns
+    assert answers[0].freedom == pytest.approx(found.B.freedom, rel=0.05)
+    free = [freedom(joint.fitted.solution, joint.spread, row) for row in rows]
+    told = [one.freedom for one in propagate(model, "long", bent, ("rad",) * len(PLACES_M))]
+    np.testing.assert_allclose(told, free, rtol=0.05)
 
 
 @pytest.mark.slow
@@ -104,7 +119,9 @@ def test_a_model_file_keeps_how_parameters_are_uncertain_together(fitted):
     assert len(model.deviations["long"]) > 3
     for one, other in zip(*(propagate(m, "long", bent, ("rad",) * 5) for m in (model, again)),
                           strict=True):  # fmt: skip
-        assert other == one
+        assert other.value == one.value
+        assert other.sigma == one.sigma
+        assert other.freedom == pytest.approx(one.freedom, rel=1e-3)
 
 
 @pytest.mark.slow
@@ -130,14 +147,46 @@ def test_a_constant_eibm_that_deviates_along_the_sheet_is_one_along_it(truth):
 def test_few_columns_lose_little_of_what_is_seen():
     random = np.random.default_rng(1)
     factor = random.standard_normal((6, 6)) * 10.0 ** -np.arange(6)
-    found = Deviations({f"row {i}": row for i, row in enumerate(factor)}, np.full(6, 9.0))
+    rows = {f"row {i}": row for i, row in enumerate(factor)}
+    found = Deviations(rows, independent(np.full(6, 9.0)))
     whole = factor @ factor.T
     np.testing.assert_allclose(columns_of(whole) @ columns_of(whole).T, whole, rtol=1e-6)
     turn = few_columns(found, [factor[:3]], 0.01)
-    kept = np.stack(list(found.turned(turn, np.full(turn.shape[1], 9.0)).rows.values()))
+    kept = np.stack(list(found.turned(turn).rows.values()))
     assert kept.shape[1] < 6
     share = np.diag(kept @ kept.T)[:3] / np.diag(whole)[:3]
     assert share.min() > 0.99
+
+
+def test_variances_that_go_together_have_no_more_freedom_than_one_of_them():
+    """Four set-ups are four, however many parameters they are seen in."""
+    parts = np.array([[1.0, 1.0], [2.0, 0.0], [-1.0, 0.0]])  # (columns, answers)
+    alike = Deviations({}, together(5.0, 3))
+    np.testing.assert_allclose(alike.freedom(parts), [5.0, 5.0])
+    apart = Deviations({}, independent(np.full(3, 5.0)))
+    np.testing.assert_allclose(apart.freedom(parts), [5.0 * 36.0 / 18.0, 5.0])
+    turn = np.linalg.qr(np.random.default_rng(2).standard_normal((3, 3)))[0]
+    np.testing.assert_allclose(apart.turned(turn).freedom(turn.T @ parts), apart.freedom(parts))
+    known = alike.with_column({"B": 1.0})
+    assert known.freedom(np.array([[0.0], [0.0], [0.0], [1.0]])) == USUAL_FREEDOM
+
+
+def test_few_changes_of_a_covariance_say_what_all_say():
+    random = np.random.default_rng(3)
+    made = random.standard_normal((9, 4, 4)) * 4.0 ** -np.arange(9)[:, None, None]
+    every = Deviations({}, made + made.transpose(0, 2, 1))
+    few = Deviations({}, few_changes(every.changes))
+    assert len(few.changes) < 7
+    parts = random.standard_normal((4, 20))
+    np.testing.assert_allclose(few.freedom(parts), every.freedom(parts), rtol=0.2)
+
+
+def test_a_table_of_deviations_without_changes_has_independent_columns():
+    data = {"freedom": [4.0, 9.0], "B": [1.0, 2.0]}
+    found = Deviations.from_dict(data, "deviations")
+    np.testing.assert_allclose(found.freedom(np.eye(2)), [4.0, 9.0])
+    again = Deviations.from_dict(found.to_dict(), "deviations")
+    np.testing.assert_allclose(again.changes, found.changes, rtol=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -148,6 +197,8 @@ def test_few_columns_lose_little_of_what_is_seen():
         ({"freedom": [9.0], "B": [1.0, 2.0]}, "as many numbers as in 'freedom' are wanted"),
         ({"freedom": [0.0], "B": [1.0]}, "positive numbers are wanted"),
         ({"freedom": [9.0], "B": ["much"]}, "B"),
+        ({"freedom": [9.0], "covariance_changes": 1.0}, "a list of lists of numbers is wanted"),
+        ({"freedom": [9.0, 9.0], "covariance_changes": [[1.0]]}, "3 numbers in each list"),
     ],
 )
 def test_a_wrong_table_of_deviations_is_named(data, said):

@@ -44,14 +44,19 @@ def _range(default: float, description: str) -> float:
     return largest
 
 
+def _task(default: str, does: str) -> str:
+    name: str = field(default=default, metadata={"description": f"of the task that {does}"})
+    return name
+
+
 @dataclass(frozen=True, kw_only=True)
 class TaskNames:
     """Names of the NI tasks, by which the guard and `labrig safe` find them."""
 
-    output: str = OUTPUT_TASK
-    input: str = INPUT_TASK
-    interlock: str = "labrig-interlock"
-    trigger: str = "labrig-trigger"
+    output: str = _task(OUTPUT_TASK, "writes the sheet's voltage")
+    input: str = _task(INPUT_TASK, "reads force, current and voltage")
+    interlock: str = _task("labrig-interlock", "toggles the interlock's line")
+    trigger: str = _task("labrig-trigger", "triggers the camera")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,6 +17,7 @@ from model.sheet.deviations import (
     effect_key,
     eibm_key,
     form_key,
+    together,
 )
 
 Places = dict[str, dict[int, float]]  # by row: how much a place of the fit's parameters changes it
@@ -35,7 +36,7 @@ def deviations(final: MixedModelFit, c: int) -> Deviations:
         for key, row in rows.items()
         if row
     }
-    return Deviations(made, np.full(columns.shape[1], INTERVAL_FREEDOM))
+    return Deviations(made, together(INTERVAL_FREEDOM, columns.shape[1]))
 
 
 def _of_sheet(final: MixedModelFit, c: int) -> Iterator[tuple[str, dict[int, float]]]:

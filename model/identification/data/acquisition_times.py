@@ -87,7 +87,8 @@ class ReadingTimes:
         wetted = np.array(
             [t if r.wetted_s is None else r.wetted_s for r, t in zip(readings, run_s, strict=True)]
         )
-        return self._clock(index, run_s, np.array(session), wetted)
+        clock = self._clock(index, run_s, np.array(session), wetted)
+        return replace(clock, channels=_channels(readings))
 
     def of_no_reading(self, session: float) -> AcquisitionTimes:
         """Of a free shape, at this time of the session, in a pulse amid others."""
@@ -110,6 +111,12 @@ class ReadingTimes:
             opposite=opposite, rise_s=np.full(shape, self.rise_s), worked_s=self.worked_s + driven,
             position_m=np.full(shape, self.position_m),
         )  # fmt: skip
+
+
+def _channels(readings: Sequence[Reading]) -> dict[str, FloatArray]:
+    """Return the values of further channels at each reading; NaN where there is none."""
+    names = dict.fromkeys(name for r in readings for name in r.other_values)
+    return {name: np.array([r.other_values.get(name, np.nan) for r in readings]) for name in names}
 
 
 def _worked(

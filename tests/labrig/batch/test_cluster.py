@@ -16,6 +16,8 @@ from labrig.batch.rows import PieceOutcome, rows_in
 from labrig.batch.run import run_batch
 from labrig.batch.workers import cluster_workers
 from labrig.errors import BadInputError, NotReadyError
+from tests.end_to_end.real_rig import children
+from tests.end_to_end.test_children_end import until
 from tests.labrig.batch.a_batch import planned
 from tests.labrig.batch.costless import Costless
 
@@ -79,6 +81,54 @@ def test_a_cluster_does_a_batch_and_a_killed_worker_loses_nothing(tmp_path):
     assert killed
     assert sorted(row.name for row in rows) == sorted(plan.names)
     assert all(row.outcome is PieceOutcome.DONE for row in rows)
+
+
+_BATCH = """
+import sys
+from pathlib import Path
+from labrig.batch.run import run_batch
+from labrig.batch.workers import cluster_workers
+from tests.labrig.batch.a_batch import planned
+from tests.labrig.batch.costless import Costless
+
+plan = planned(Path(sys.argv[1]), Costless(count=5000, wait_s=0.02))
+with cluster_workers(sys.argv[2]) as workers:
+    run_batch(plan, workers.executor, workers.places)
+"""
+
+
+@pytest.mark.thorough
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("first", ["batch", "cluster"])
+def test_a_killed_batch_leaves_a_cluster_idle_and_a_killed_cluster_ends_the_batch(tmp_path, first):
+    distributed = pytest.importorskip("distributed")
+    (tmp_path / "a.h5").write_bytes(b"a")
+    rows = tmp_path / "out" / "costless" / ROWS
+    with cluster(tmp_path) as address, (tmp_path / "said.txt").open("w") as told:
+        batch = subprocess.Popen(
+            [sys.executable, "-c", _BATCH, str(tmp_path), address], cwd=ROOT, stderr=told
+        )
+        try:
+            until(lambda: (rows.exists() and rows.stat().st_size > 0) or batch.poll() is not None)
+            assert batch.poll() is None, (tmp_path / "said.txt").read_text()
+            assert children(batch.pid) == []
+            if first == "batch":
+                batch.kill()
+                with distributed.Client(address, set_as_default=False) as client:
+                    until(lambda: not any(client.processing().values()))
+            else:
+                for pid in cluster_pids(address, distributed):
+                    os.kill(pid, signal.SIGKILL)
+                batch.wait(90)
+        finally:
+            batch.kill()
+            batch.wait()
+
+
+def cluster_pids(address, distributed):
+    with distributed.Client(address, set_as_default=False) as client:
+        workers = list(client.run(os.getpid).values())
+        return [*workers, client.run_on_scheduler(os.getpid)]
 
 
 def test_a_scheduler_that_is_not_there_is_one_sentence(monkeypatch):
