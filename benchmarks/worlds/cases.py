@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -107,13 +107,23 @@ def made(task: Task) -> Made:
     if not task.hidden:
         return Made(task, one, {}, bare, bare, Visible((), (), {}, {}, {}))
     sizes = {kind: _size(one, task, kind, d, yardstick) for kind, d in task.hidden}
-    session = one.measure(task.design, sizes, task.seed)
+    session = as_stated(bare, one.measure(task.design, sizes, task.seed))
     parts = [session]
     if len(sizes) > 1:
-        parts = [one.measure(task.design, {k: v}, task.seed) for k, v in sizes.items()]
+        parts = [
+            as_stated(bare, one.measure(task.design, {k: v}, task.seed)) for k, v in sizes.items()
+        ]
     return Made(
         task, one, sizes, bare, session, yardstick.visible(session, parts, names(one, sizes))
     )
+
+
+def as_stated(bare: Measurements, session: Measurements) -> Measurements:
+    """Return a session with the sheets as they are stated where nothing is hidden.
+
+    A generator may state the initial curvature that it has changed: then nothing would be hidden.
+    """
+    return replace(session, sheets=bare.sheets)
 
 
 def names(one: World, hidden: Mapping[str, float]) -> list[str]:

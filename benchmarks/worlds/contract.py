@@ -74,8 +74,9 @@ class World(Protocol):
         Base model: B of each configuration, one EIBM for each voltage and configuration, settled
         at the sampling point, the stated rest curvature; the true values differ from seed to seed.
         The same seed gives the same sheet, set-ups and noise whatever is hidden, so that the
-        difference of two sessions is the signature of what is hidden. `exact`: no noise, nominal
-        set-ups, amid the session; for conditions that no session holds. Raises ValueError for a
+        difference of two sessions is the signature of what is hidden. A method is given the sheets
+        as they are stated where nothing is hidden. `exact`: no noise, nominal set-ups, amid the
+        session; for conditions that no session holds. Raises ValueError for a
         kind or size that it does not have.
         """
 

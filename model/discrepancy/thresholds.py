@@ -109,6 +109,9 @@ PROBABLE_ALL_THE_SAME = 0.85
 # Share of the probability of a name that it keeps beside another one of its location. On an open
 # world two changes in time imitated a third one with 0.94 and 0.95.
 KEPT_BESIDE_SAME_LOCATION = 0.85
+# Probability that the set of a verdict 'unknown' has at least. In a foreign world an EIBM that
+# falls along the sheet in another form was called unknown with 0.91, the name having 0.09.
+LEAST_CONTENT_OF_UNKNOWN = 0.95
 # Best names that are compared for each place in the verdict.
 COMPARED_NAMES = 8
 # Degrees of freedom of the reported intervals: about the number of set-ups of a session. Moves the

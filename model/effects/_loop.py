@@ -29,24 +29,22 @@ def hung(
     new = np.ones(force_N.shape, dtype=bool)
     new[..., 1:] = False if goes_on else position_m[..., 1:] != position_m[..., :-1]
     change = force_N - np.where(new, 0.0 if from_no_load or goes_on else force_N, before)
-    towards = reach * np.sign(change)
     left = np.where(change == 0.0, 1.0, np.exp(-np.abs(change) / reach))
+    added, kept = reach * np.sign(change) * (1.0 - left), np.where(new, 0.0, left)
     sign = np.sign(reach_N)
     if force_N.ndim == 1:  # numbers by themselves are many times quicker than arrays of one
-        followed = np.array(_followed(towards.tolist(), left.tolist(), new.tolist()))
-        return np.asarray(sign * followed)
-    ahead, now = np.zeros_like(force_N), np.zeros(force_N.shape[:-1])
-    for k in range(force_N.shape[-1]):
-        now = np.where(new[..., k], 0.0, now)
-        now = towards[..., k] + (now - towards[..., k]) * left[..., k]
-        ahead[..., k] = now
-    return np.asarray(sign * ahead)
+        return np.asarray(sign * np.array(_followed(added.tolist(), kept.tolist())))
+    # the times first, so that the steps are from one piece of memory to the next
+    ahead, kept = (np.ascontiguousarray(np.moveaxis(one, -1, 0)) for one in (added, kept))
+    for k in range(1, len(ahead)):
+        ahead[k] += kept[k] * ahead[k - 1]
+    return np.asarray(sign * np.moveaxis(ahead, 0, -1))
 
 
-def _followed(towards: list[float], left: list[float], new: list[bool]) -> list[float]:
+def _followed(added: list[float], kept: list[float]) -> list[float]:
     """Return the course of one run of readings."""
     now, ahead = 0.0, list[float]()
-    for end, share, begins in zip(towards, left, new, strict=True):
-        now = end + ((0.0 if begins else now) - end) * share
+    for more, share in zip(added, kept, strict=True):
+        now = more + now * share
         ahead.append(now)
     return ahead

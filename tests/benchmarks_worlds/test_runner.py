@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import pytest
 from benchmarks.data_mistakes.mistakes import MISTAKES
 from benchmarks.hidden_effects.records import Foretold, Hid, Name, Record, Unseen, append, load
 from benchmarks.hidden_effects.visible import Visible
-from benchmarks.worlds import run, sealed
+from benchmarks.worlds import cases, run, sealed
 from benchmarks.worlds.__main__ import main
 from benchmarks.worlds.cases import SHARES, Made, made, tasks
 from benchmarks.worlds.conditions import left_out, unmeasured, without
@@ -22,6 +23,7 @@ from benchmarks.worlds.methods._contract import Answer
 from benchmarks.worlds.registry import digest
 from benchmarks.worlds.run import method, methods
 from benchmarks.worlds.table import confidently_wrong, rows
+from model.measurements import Measurements
 
 pytestmark = pytest.mark.thorough
 
@@ -259,3 +261,25 @@ def test_trees_learn_what_is_hidden_in_their_examples() -> None:
     chance = {n: float(t.predict_proba(np.array([[1.0, 0.0]]))[0, 1]) for n, t in trees.items()}
     assert chance["gravity"] > 0.9
     assert chance["zero"] < 0.1
+
+
+def test_a_generator_cannot_state_what_it_hides(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Telling:
+        name, numerics, noise = WORLD.name, WORLD.numerics, WORLD.noise
+        kinds, parameters = WORLD.kinds, WORLD.parameters
+
+        def measure(self, design: Design, hidden: Mapping[str, float], seed: int) -> Measurements:
+            found = WORLD.measure(design, hidden, seed)
+            more = sum(hidden.values())
+            sheets = {
+                name: replace(s, initial_curvature=(s.initial_curvature[0],
+                                                    s.initial_curvature[1] + more))
+                for name, s in found.sheets.items() if s.initial_curvature is not None
+            }  # fmt: skip
+            return replace(found, sheets=sheets)
+
+    monkeypatch.setattr(cases, "world", lambda _: Telling())
+    task = replace(tasks("chain", 8, 3, ["single"])[0], hidden=(("zero", 20.0),))
+    one = made(task)
+    for name, sheet in one.session.sheets.items():
+        assert sheet is one.bare.sheets[name]

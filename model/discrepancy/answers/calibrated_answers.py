@@ -11,8 +11,9 @@ hidden. A set has the likeliest answers, until they have a probability together 
 content is as much as it takes for the sets to hold the right answer in 95 % of the training
 questions, with weights that were fitted to other worlds, and 0.9 at least. Where the search says
 something and where it says NOTHING sets have contents of their own, so that the promise holds for
-whoever reads one or the other. The numbers are in `calibrated_answers.json`, made by
-`python -m benchmarks.worlds.calibrate`.
+whoever reads one or the other. Where it says UNKNOWN the content is 0.95 at least: what no form of
+the catalogue describes may be another form of one of its names. The numbers are in
+`calibrated_answers.json`, made by `python -m benchmarks.worlds.calibrate`.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from pathlib import Path
 import numpy as np
 
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, ChoiceSet
+from model.discrepancy.thresholds import LEAST_CONTENT_OF_UNKNOWN
 
 FILE = Path(__file__).with_name("calibrated_answers.json")
 SOMETHING = "something"  # a name, or `UNKNOWN`
@@ -75,6 +77,8 @@ class CalibratedAnswers:
     def judged(self, one: ChoiceSet) -> Judged:
         """Return the probabilities of a choice set, and its answers."""
         chances, content = self.probabilities(one), self.contents[said(one)]
+        if one.considered == UNKNOWN:
+            content = max(content, LEAST_CONTENT_OF_UNKNOWN)
         before = likelier(chances)
         return Judged(chances, tuple(name for name in chances if before[name] <= content))
 

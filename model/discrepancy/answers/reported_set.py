@@ -39,6 +39,7 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     others += [UNKNOWN] if doubtful else []
     or_else = tuple(dict.fromkeys(others))
     chances = {one: judged.probabilities.get(one, 0.0) for one in (*names, *or_else)}
+    chances = shared(chances, {name: 1.0, **decision.criticism.odds(name)})
     if believed < 1.0:  # what somebody should have noticed is something else
         chances[UNKNOWN] = chances.get(UNKNOWN, 0.0) + (1.0 - believed) * chances[name]
         chances[name] *= believed
@@ -48,6 +49,12 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
         or_else=or_else,
         probabilities=chances,
     )
+
+
+def shared(chances: Mapping[str, float], odds: Mapping[str, float]) -> dict[str, float]:
+    """Return probabilities in which names that nothing tells apart have theirs together."""
+    each = sum(chances[one] for one in odds) / sum(odds.values())
+    return {**chances, **{one: each * share for one, share in odds.items()}}
 
 
 def with_alternatives(unknown: Unknown, decision: Decision) -> Unknown:

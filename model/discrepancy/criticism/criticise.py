@@ -53,6 +53,13 @@ class Criticism:
         own = [f for f in some if name in f.effects]
         return tuple(rival for one in own for rival in one.rivals)
 
+    def odds(self, name: str) -> dict[str, float]:
+        """Return the probability over this name's of rivals that nothing tells from it."""
+        own = (one for one in self.failures if one.odds and name in one.effects)
+        return {
+            rival: odds for one in own for rival, odds in zip(one.rivals, one.odds, strict=True)
+        }
+
     @property
     def sentence(self) -> str:
         """Name the checks that failed; empty: none did."""

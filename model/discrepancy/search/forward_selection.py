@@ -163,10 +163,25 @@ def _forward(
         if turn.chosen is None or turn.chosen.fitted is None:
             break
         fitted = turn.chosen.fitted
-        if _share(turn.chosen) > largest_share:
+        outcome.final = fitted
+        if _share(turn.chosen) > largest_share or further_names_are_vain(outcome, most):
             break
     outcome.final = fitted
     return outcome
+
+
+def further_names_are_vain(outcome: SearchResult, most: int) -> bool:
+    """Return whether one nonparametric term stands for the names, however many are added.
+
+    Each further one is taken to explain as much as the last one did; as a rule it is less.
+    """
+    names, last = len(outcome.chosen), outcome.chosen[-1].gain
+    return all(
+        nonparametric_replaces_names(
+            outcome.best_nonparametric, outcome.gain + more * last, names + more, outcome.best_name
+        )
+        for more in range(most - names + 1)
+    )
 
 
 def _left_out(outcome: SearchResult, fitted: MixedModelFit, numbers: list[int]) -> MixedModelFit:

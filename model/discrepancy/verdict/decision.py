@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
-from model.discrepancy.answers.calibrated_answers import Judged, calibrated
+from model.discrepancy.answers.calibrated_answers import Judged, calibrated, is_name
 from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
 from model.discrepancy.criticism.criticise import Criticism, criticise
@@ -137,8 +137,13 @@ class Judgement:
         asked = dict(zip(names, answers, strict=False))
         wrong = {name for name, one in asked.items() if one.of_names < LEAST_PROBABILITY}
         wrong |= {
-            name for name in (*criticism.doubted(names), *pieces(found.named))
+            name for name in criticism.doubted(names)
             if asked[name].probabilities.get(name, 0.0) < PROBABLE_ALL_THE_SAME
+        }  # fmt: skip
+        # whichever name it is, not which one
+        wrong |= {
+            name for name in pieces(found.named)
+            if of_others(asked[name], {*names} - {name}) < PROBABLE_ALL_THE_SAME
         }  # fmt: skip
         rejected = [n for n in names if n in {*wrong, *criticism.rejected(names)}]
         if rejected or (criticism.incomplete and found.unknown is None):
@@ -210,6 +215,12 @@ class Judgement:
         if rest is None or rest.share < UNEXPLAINED_SHARE:
             return False
         return rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN
+
+
+def of_others(judged: Judged, taken: Collection[str]) -> float:
+    """Return the probability that it is some effect of the catalogue besides these."""
+    chances = judged.probabilities.items()
+    return sum(p for name, p in chances if is_name(name) and name not in taken)
 
 
 def pieces(named: Sequence[Choice]) -> list[str]:

@@ -20,6 +20,7 @@ from model.discrepancy.answers.choice_set import (
     Alternative,
     ChoiceSet,
 )
+from model.discrepancy.thresholds import LEAST_CONTENT_OF_UNKNOWN
 
 ASKED = ChoiceSet(
     "gravity",
@@ -58,6 +59,17 @@ def test_a_set_has_the_likeliest_answers_up_to_the_content_of_what_is_said(consi
     assert judged.likeliest == "gravity"
     chances = judged.probabilities
     assert judged.of_names == chances["gravity"] + chances["clamp_angle"]
+
+
+@pytest.mark.parametrize(("considered", "size"), [("gravity", 1), (UNKNOWN, 2), (NOTHING, 1)])
+def test_the_set_of_something_unknown_has_a_name_that_it_may_be_in_another_form(considered, size):
+    own = CalibratedAnswers(
+        {"unknown": 2.0, "behind": -1.0, "nothing": -9.0}, dict.fromkeys(SAID, 0.8)
+    )
+    asked = replace(ASKED, considered=considered)
+    chances = own.probabilities(asked)
+    assert 0.8 < chances[UNKNOWN] < LEAST_CONTENT_OF_UNKNOWN
+    assert len(own.judged(asked).answers) == size
 
 
 def test_large_utilities_do_not_overflow():

@@ -312,3 +312,29 @@ def test_beside_others_the_form_itself_must_count(monkeypatch, share, worth, nam
     for name, value in (("form_share", share), ("apart", worth), ("supported", True)):
         monkeypatch.setattr(searching, name, lambda *_, value=value: value)
     assert (searching._worth(SelectionStep(before, [one]), 6.0) is one) == named
+
+
+@pytest.mark.parametrize(
+    ("free", "first", "second", "vain"),
+    [
+        (187.0, 84.0, None, True),  # not even three names of 84 each would do
+        (160.0, 84.0, None, False),  # two would
+        (95.0, 84.0, None, False),  # one of another form does
+        (187.0, 100.0, 20.0, True),
+        (187.0, 100.0, 85.0, False),
+    ],
+)
+def test_names_end_where_one_nonparametric_term_stands_for_as_many_as_there_may_be(
+    free, first, second, vain
+):
+    base, names = SimpleNamespace(deviance=0.0), ["gravity", "clamp_angle"]
+    gains = [g for g in (first, second) if g is not None]
+    turns = [
+        SelectionStep(base, [contender("unknown:camera", free), contender("gravity", first)])
+        for _ in gains
+    ]
+    for turn, name, gain in zip(turns, names, gains, strict=False):
+        turn.chosen = contender(name, gain)
+    final = SimpleNamespace(deviance=-2.0 * sum(gains))
+    found = searching.SearchResult(base, turns, final)
+    assert searching.further_names_are_vain(found, 3) is vain

@@ -10,57 +10,80 @@ import numpy as np
 from model.discrepancy.criticism.check_result import Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import NamedModel
-from model.discrepancy.search.evidence import Projected
+from model.discrepancy.criticism.wordings import evidence, wordings
+from model.discrepancy.search.evidence import Candidate, Projected
 from model.discrepancy.search.form_share import steps_of
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.thresholds import NEIGHBOUR_EVIDENCE_LN, SEPARATION_SIGMA
+from model.discrepancy.thresholds import (
+    EVIDENCE_TEMPERATURE,
+    NEIGHBOUR_EVIDENCE_LN,
+    SEPARATION_SIGMA,
+)
 from model.discrepancy.verdict.posterior import Choice
 from model.effects import title
+from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import with_only
 from model.identification.likelihood.mixed_model import weigh
 from model.locations import location
+from model.measurements import FloatArray
 
 
 @dataclass(frozen=True)
 class Neighbours(VerdictCheck):
     """What acts at the same place imitates a name, where nothing in the data tells them apart.
 
-    Two conditions make a rival: its evidence comes close, and its form, with its tolerance, takes
-    up what the name adds to the data but for a few standard deviations.
+    Two conditions make a rival: in one of its wordings its evidence comes close, and takes up what
+    the name adds to the data but for a few standard deviations.
     """
 
     def failures(self, named: NamedModel) -> Iterator[Failure]:
         """See `VerdictCheck.failures`."""
         names = {one.effect.name for one in named.named}
         for one in named.named:
-            rivals = tuple(
-                c.name for c in one.ranking
-                if c.name not in names and _comes_close(one, c) and _imitates(named, one, c)
-            )  # fmt: skip
-            if rivals:
+            odds = {n: v for n, v in _odds(named, one).items() if n not in names}
+            if odds:
                 yield Failure(
                     consequence="alike",
                     sentence=(
                         f"these data do not tell {title(one.effect.name)} from"
-                        f" {' or '.join(map(title, rivals))}"
+                        f" {' or '.join(map(title, odds))}"
                     ),
                     effects=(one.effect.name,),
-                    rivals=rivals,
+                    rivals=tuple(odds),
+                    odds=tuple(odds.values()),
                 )
 
 
-def _comes_close(one: Choice, rival: RankedCandidate) -> bool:
-    candidate = rival.score.candidate
-    same = rival.known and candidate.location == one.effect.location
-    if not same or location(candidate.location).in_time:
-        return False
-    own = next((c.gain for c in one.ranking if c.name == one.effect.name), one.gain)
-    return rival.gain > own - NEIGHBOUR_EVIDENCE_LN
+def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
+    """Return the probability of each rival over the name's, 1 at most."""
+    every = [c for c in one.ranking if c.known and _same_place(c, one)]
+    effects = [c.score.candidate.effect for c in every]
+    found = evidence(
+        one.before, named.fitted.solution.log_sigma, [e for e in effects if e is not None]
+    )
+    own = next((c for c in every if c.name == one.effect.name), None)
+    result = {}
+    for rival in every:
+        if rival is own:
+            continue
+        ahead = rival.gain - (one.gain if own is None else own.gain)
+        if own is not None and {own.name, rival.name} <= found.keys():
+            ahead = max(ahead, found[rival.name] - found[own.name])
+        if ahead > -NEIGHBOUR_EVIDENCE_LN and _imitates(named, one, rival):
+            result[rival.name] = float(np.exp(min(ahead, 0.0) / EVIDENCE_TEMPERATURE))
+    return result
+
+
+def _same_place(rival: RankedCandidate, one: Choice) -> bool:
+    where = rival.score.candidate.location
+    return where == one.effect.location and not location(where).in_time
 
 
 def _imitates(named: NamedModel, one: Choice, rival: RankedCandidate) -> bool:
     """Return whether a rival in the name's place leaves too little of it to be seen."""
-    fitted, candidate = named.fitted, rival.score.candidate
+    fitted, effect = named.fitted, rival.score.candidate.effect
+    if effect is None:
+        return False
     index = next(i for i, f in enumerate(fitted.found) if f.effect.name == one.effect.name)
     forward, span = fitted.problem.forward, fitted.spans[index]
     whole = np.zeros(forward.layout.size)
@@ -68,14 +91,19 @@ def _imitates(named: NamedModel, one: Choice, rival: RankedCandidate) -> bool:
         whole += forward.rows_of(c, fitted.linear.states[c], step)
     keep = np.setdiff1d(np.arange(fitted.linear.columns.shape[1]), np.arange(span.start, span.stop))
     linear = with_only(fitted.linear, keep)
-    S = np.concatenate([whole[:, None], candidate.columns], axis=1)
-    A, _ = Projected.of(forward, linear, weigh(linear.data, fitted.solution.log_sigma)).normal(
-        forward, S
-    )
+    projected = Projected.of(forward, linear, weigh(linear.data, fitted.solution.log_sigma))
     size = max(rival.score.scale, abs(rival.score.amplitude))
-    inner = A[1:, 1:] + np.diag(np.full(candidate.columns.shape[1], size**-2.0))
-    left = float(A[0, 0] - A[0, 1:] @ np.linalg.solve(inner, A[1:, 0]))
-    return left < SEPARATION_SIGMA**2
+    every = [shape for shapes in wordings(one.before, effect) for shape in shapes]
+    return any(_left(forward, projected, whole, s, size) < SEPARATION_SIGMA**2 for s in every)
+
+
+def _left(
+    forward: ForwardModel, projected: Projected, whole: FloatArray, shape: Candidate, size: float
+) -> float:
+    """Return the squares of a contribution that a shape of about this size leaves."""
+    A, _ = projected.normal(forward, np.concatenate([whole[:, None], shape.columns], axis=1))
+    inner = A[1:, 1:] + np.diag(np.full(shape.columns.shape[1], size**-2.0))
+    return float(A[0, 0] - A[0, 1:] @ np.linalg.solve(inner, A[1:, 0]))
 
 
 CHECK = Neighbours(
