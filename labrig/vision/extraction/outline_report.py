@@ -14,6 +14,7 @@ from labrig.vision.extraction.outline_shape import Outline
 from labrig.vision.fit.curve_fit import spread
 from labrig.vision.image.image import GreyImage
 from labrig.vision.thresholds import (
+    END_EARLY_RATIO,
     HIDDEN_SIGMA_MAX_PX,
     LENGTH_ERROR_MAX_PX,
     LENGTH_ERROR_MAX_RATIO,
@@ -25,9 +26,12 @@ from labrig.vision.thresholds import (
     OUTLINE_START_SHARE_MIN,
     OUTLINE_TAPER_SUM_MAX_RATIOS,
     OUTLINE_WIDTH_SCATTER_MAX_RATIO,
+    START_TURN_MIN_RAD,
+    START_TURN_SIGMAS,
 )
 from labrig.vision.uncertainty.parts import calibration_m
 
+START_SHARE = 1 / 12  # of a curve, that shows its direction at the clamp
 RIVAL_STEP = "check of the edges failed"  # the step that a refusal for rival edges names
 
 
@@ -70,6 +74,19 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
             f"check of the fit failed: the best curve misses the strip by {fit.residual_px:.1f} "
             "pixels; something else was followed: state direction (--along-px) or thickness."
         )
+    turned = _start_turn_rad(outline, optics)
+    if abs(turned) > START_TURN_SIGMAS * max(START_TURN_MIN_RAD, optics.clamp_angle_sigma_rad):
+        return (
+            "check of the start failed: what was followed leaves the clamp "
+            f"{math.degrees(turned):+.0f} degrees from the stated direction; check clamp_px and "
+            "the direction (--along-px), or mask what lies beside the strip (--mask)."
+        )
+    if total < END_EARLY_RATIO * located.length_px:
+        return (
+            f"check of the end failed: the strip's profile is seen on the first {total:.0f} pixels "
+            f"of a path of {located.length_px:.0f}; state the length, or mask what crosses the "
+            "strip (--mask)."
+        )
     end_why = _end_fault(outline, optics, strip, total)
     if end_why:
         return end_why
@@ -85,6 +102,16 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
             f"±{loose:.1f} pixels only; make more of it visible."
         )
     return ""
+
+
+def _start_turn_rad(outline: Outline, optics: Optics) -> float:
+    """Return the angle from the stated direction to the curve's, over its first part."""
+    if not optics.clamp_angle_known:
+        return 0.0
+    shape = outline.fit.shape
+    few = max(1, round(START_SHARE * len(shape.x)))
+    heading = math.atan2(shape.y[few] - shape.y[0], shape.x[few] - shape.x[0])
+    return math.remainder(heading - optics.clamp_angle_rad, 2 * math.pi)
 
 
 def has_rival(outline: Outline) -> bool:

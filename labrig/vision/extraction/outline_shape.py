@@ -12,7 +12,7 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry
 from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
 from labrig.vision.fit.course import StripCourse, completed, course_along
-from labrig.vision.fit.outline import ROUNDS, Blocks, OutlineFit, fit_outline
+from labrig.vision.fit.outline import ROUNDS, Blocks, OutlineFit, StatedClamp, fit_outline
 from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located
@@ -22,7 +22,7 @@ FloatArray = npt.NDArray[np.float64]
 
 CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
-FURTHER_ROUNDS = 12  # in which a strip is followed beyond its located end, at most
+FURTHER_ROUNDS = 20  # in which a strip is followed beyond its located end, at most
 # how far beyond an end it is looked for: in widths, at least, and of the length
 BEYOND_WIDTHS, BEYOND_MIN_PX, BEYOND_SHARE = 4.0, 16.0, 0.06
 BEYOND_TURN_MAX_RAD = 0.5  # of the strip there, as it bends before
@@ -57,6 +57,7 @@ class _Fitter:
     images: Sequence[GreyImage]
     optics: Optics
     width_px: float
+    clamp: StatedClamp
 
     def fit(
         self, shape: CurveShape, *, rounds: int = ROUNDS, whole: bool = False
@@ -72,6 +73,7 @@ class _Fitter:
             rounds=rounds,
             completed=self._without_ends if whole else self._completed,
             tapers=whole,
+            clamp=self.clamp if whole else None,
         )
 
     def course(self, shape: CurveShape, taper: FloatArray | None = None) -> StripCourse:
@@ -134,6 +136,7 @@ def fitted_outline(
     images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, located: Located
 ) -> Outline | None:
     """Return the curve between the edges up to the strip's end."""
+    clamp = _stated(optics)
     plane = optics.pixel_to_world(located.path_px) * optics.px_per_m
     total = float(np.hypot(*np.diff(plane, axis=0).T).sum())
     width = located.thickness_px
@@ -143,7 +146,7 @@ def fitted_outline(
     else:
         free = length = total + max(BEYOND_WIDTHS * width, BEYOND_MIN_PX, BEYOND_SHARE * total)
     there, shape = _first_shape(plane, optics, width, free, length)
-    fitter = _Fitter(images=images, optics=there, width_px=width)
+    fitter = _Fitter(images=images, optics=there, width_px=width, clamp=clamp)
     if not strip.length_known:
         ahead = fitter.course(shape).end[0] + BEYOND_WIDTHS * width
         if ahead < length:  # what lies beyond the end must not draw the curve
@@ -168,6 +171,11 @@ def fitted_outline(
     if again is None:
         return None
     return _outline(_with_rivals(again, images, there), fitter, located, course)
+
+
+def _stated(optics: Optics) -> StatedClamp:
+    x, y = optics.clamp_m() * optics.px_per_m
+    return StatedClamp(x_px=float(x), y_px=float(y), sigma_px=optics.clamp_sigma_px)
 
 
 def _outline(fit: OutlineFit, fitter: _Fitter, located: Located, course: StripCourse) -> Outline:

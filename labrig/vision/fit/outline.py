@@ -24,7 +24,9 @@ from labrig.vision.search.straightened import slopes
 from labrig.vision.thresholds import (
     OUTLINE_END_SIGMA_MAX_PX,
     OUTLINE_END_SIGMA_RATIO,
+    OUTLINE_PROFILE_SIGMA_MIN_PX,
     OUTLINE_PROFILE_SIGMA_RATIO,
+    OUTLINE_PROFILE_SIGMA_THIN_RATIO,
     OUTLINE_SIGMA_MIN_PX,
     OUTLINE_SIGMA_MIN_RATIO,
     OUTLINE_STRENGTH_MIN_RATIO,
@@ -51,6 +53,7 @@ UNSEEN_TURN_MIN_RAD = 0.3  # that a straight strip may make along its length, un
 GAP_WIDTHS = 1.5  # of a gap that a smooth curve leads over; in a longer one it may bend
 SHIFT_COST = 6.0  # of a shift by one width from block to block, squared
 FRAY_HALF_BLOCKS = 4
+MISFIT_HALF_BLOCKS = 1
 FRAY_WIDTH_RATIO, FRAY_WIDTH_PX = 0.12, 1.0  # by which a block's width may leave its neighbours'
 FRAY_SIGMAS = 4.0  # or so many of their scatter
 TAPER_DEGREE = 4  # of the polynomial that a strip's width follows along it
@@ -58,7 +61,25 @@ TAPER_FROM = 0.08  # of the usual width: a smaller difference may be the light's
 TAPER_RATIOS = (0.3, 1.25)  # wider is more often a shadow
 TAPER_MIN_PX = 4.0  # a thinner part is looked at as one of that width
 LONELY_HALF_BLOCKS, LONELY_SHARE = 5, 0.5  # around a block, seen
+CLAMP_SIGMAS_MAX = 3.0  # beside which a stated clamp is used
 INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
+
+
+@dataclass(frozen=True, kw_only=True)
+class StatedClamp:
+    """Where the middle of the strip leaves its clamp; in pixels of the sheet's plane."""
+
+    x_px: float
+    y_px: float
+    sigma_px: float
+
+    def offset(self, shape: CurveShape) -> tuple[int, float]:
+        """Return the curve's node beside it, and how far to the left of the curve it is."""
+        few = max(1, len(shape.x) // 8)
+        node = int(np.hypot(shape.x[:few] - self.x_px, shape.y[:few] - self.y_px).argmin())
+        phi = float(shape.phi[node])
+        left = -math.sin(phi) * (self.x_px - shape.x[node])
+        return node, float(left + math.cos(phi) * (self.y_px - shape.y[node]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -96,6 +117,7 @@ class OutlineFit:
     normal: FloatArray
     pull: FloatArray
     residual_px: float
+    misfit_px: FloatArray  # (blocks,) from the curve to the middle, where it is seen
     width_scatter_px: float
     rival_px: FloatArray | None = None  # (2, nodes): see `fit.rival_edges`
     rival_near: FloatArray | None = None  # (nodes,) the likelihood of any there, 0 to 1
@@ -131,9 +153,24 @@ class OutlineFit:
         unsure = np.hypot(max(least, 0.5 * self.width_scatter_px), 0.5 * _wander(few))
         if self.rival_px is not None:  # if it is the strip's edge, the middle lies half as far out
             unsure = np.hypot(unsure, 0.5 * np.hypot(*self.rival_px))
+        unsure = np.hypot(unsure, self._misfit_px)
         one_edge = np.interp(np.arange(len(self.shape.x)), blocks.node, 1.0 * blocks.by_profile)
-        unsure = np.hypot(unsure, OUTLINE_PROFILE_SIGMA_RATIO * usual * one_edge)
+        of_profile = max(
+            OUTLINE_PROFILE_SIGMA_RATIO * usual,
+            min(OUTLINE_PROFILE_SIGMA_MIN_PX, OUTLINE_PROFILE_SIGMA_THIN_RATIO * usual),
+        )
+        unsure = np.hypot(unsure, of_profile * one_edge)
         return np.asarray(np.hypot(unsure, self._taper_share(few - usual) * np.abs(apart)))
+
+    @property
+    def _misfit_px(self) -> FloatArray:
+        """(nodes,) how far the strip's middle leaves the curve over some blocks in a row.
+
+        A bend that is tighter than the curve can be is cut off.
+        """
+        seen = self.blocks.seen
+        aside = np.abs(running_middle(self.misfit_px[seen], MISFIT_HALF_BLOCKS))
+        return np.asarray(np.interp(np.arange(len(self.shape.x)), self.blocks.node[seen], aside))
 
     def _taper_share(self, wider: FloatArray) -> FloatArray:
         """Return (nodes,) the share of a local change of width that may be in the middle.
@@ -195,6 +232,7 @@ def fit_outline(
     rounds: int = ROUNDS,
     completed: Callable[[CurveShape, FloatArray, Blocks], Blocks] | None = None,
     tapers: bool = False,
+    clamp: StatedClamp | None = None,
 ) -> OutlineFit | None:
     """Return the curve between the edges beside a first one; None where they are nowhere seen.
 
@@ -212,7 +250,9 @@ def fit_outline(
             blocks = completed(shape, taper, blocks)
         if tapers:
             blocks = _without_lonely(blocks)
-        fit = _fitted(shape, blocks, prior, taper)
+        if blocks.by_edges.sum() < 4:
+            return None
+        fit = _fitted(shape, blocks, prior, taper, clamp)
         shape = fit.shape
         if tapers:
             taper = fitted_taper(blocks, width_px, len(shape.x))
@@ -406,8 +446,14 @@ def _edge(
     return across[peak] + np.clip(beside, -1, 1) * unit, at
 
 
-def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray, taper: FloatArray) -> OutlineFit:
-    """Return the smooth curve through the middles of the blocks."""
+def _fitted(
+    shape: CurveShape,
+    blocks: Blocks,
+    prior: FloatArray,
+    taper: FloatArray,
+    clamp: StatedClamp | None,
+) -> OutlineFit:
+    """Return the smooth curve through the middles of the blocks and the stated clamp."""
     seen = blocks.seen
     offset = np.where(seen, blocks.middle_px, 0.0)
     rough = _roughness(blocks.middle_px[seen])
@@ -415,8 +461,17 @@ def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray, taper: FloatAr
     sigma = max(rough, 0.005 * width, 0.03) * math.sqrt(INDEPENDENT_BLOCKS)
     modes = shape.normal_modes()[blocks.node]
     weight = np.where(seen, 1 / sigma**2, 0.0)
+    all_modes, all_offset, pinned = modes, offset, np.empty(0)
+    if clamp is not None:
+        node, beside = clamp.offset(shape)
+        all_modes = np.concatenate([modes, shape.normal_modes()[[node]]])
+        all_offset = np.append(offset, beside)
+        # one that is stated roughly says nothing of the place across
+        pinned = np.array([1.0 / clamp.sigma_px**2])
+        pinned *= abs(beside) < CLAMP_SIGMAS_MAX * clamp.sigma_px
     for _ in range(3):  # Tukey's weights: a fray or a fitting is an outlier
-        normal, pull = information(shape, modes, offset, weight, prior)
+        all_weight = np.concatenate([weight, pinned])
+        normal, pull = information(shape, all_modes, all_offset, all_weight, prior)
         wanted = averaged(normal, pull, shape.basis.priors, shape.basis.log_weight)
         left = offset - modes @ (wanted - shape.parameters)
         scatter = max(sigma, 1.48 * float(np.median(np.abs(left[seen]))))
@@ -429,6 +484,7 @@ def _fitted(shape: CurveShape, blocks: Blocks, prior: FloatArray, taper: FloatAr
         normal=normal,
         pull=pull,
         residual_px=float(np.sqrt(np.mean(left[seen] ** 2))),
+        misfit_px=np.where(seen, left, 0.0),
         width_scatter_px=_roughness(blocks.width_px[blocks.by_edges]),
     )
 
