@@ -208,9 +208,16 @@ OUTLINE_SIGMA_MIN_RATIO: Final = 0.03  # of the thickness: which part of an edge
 OUTLINE_SIGMA_MIN_PX: Final = 0.1
 # of the thickness, where the profile shows the strip and not both edges: it may be of one edge
 OUTLINE_PROFILE_SIGMA_RATIO: Final = 0.1
+OUTLINE_PROFILE_SIGMA_MIN_PX: Final = 1.0  # and at least, or the share below of a thin one
+OUTLINE_PROFILE_SIGMA_THIN_RATIO: Final = 0.25
 OUTLINE_SEEN_SHARE_MIN: Final = 0.6  # of the blocks
 # of the seen blocks: of one edge alone it is not known which it is
 OUTLINE_BOTH_SHARE_MIN: Final = 0.75
+# of the length up to where the profile ends to that of the path that was searched
+END_EARLY_RATIO: Final = 0.4
+# from the stated direction at the clamp to that of the curve, in standard deviations of it
+START_TURN_SIGMAS: Final = 3.5
+START_TURN_MIN_RAD: Final = 0.1  # and of a smaller one, this
 OUTLINE_START_SHARE_MIN: Final = 0.4  # of the blocks of the first eighth
 # of all changes of the width, in sum, to it: a strip becomes thinner once or twice; a frayed one
 # so much more for each width of its length

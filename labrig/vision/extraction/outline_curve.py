@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -19,16 +20,64 @@ from labrig.vision.extraction.outline_report import (
     outline_fault,
     outline_in_metres,
 )
-from labrig.vision.extraction.outline_shape import CLAMP_REACH_PX, fitted_outline
+from labrig.vision.extraction.outline_shape import CLAMP_REACH_PX, Outline, fitted_outline
 from labrig.vision.fit.context import roll_mask
 from labrig.vision.image.image import GreyImage
-from labrig.vision.search.locate import Located, locate
+from labrig.vision.search.locate import Located, candidates
 from labrig.vision.search.stated_places import locate_through
+from labrig.vision.search.straightened import resampled
 
 FloatArray = npt.NDArray[np.float64]
 MaskArray = npt.NDArray[np.uint8]
 
-COMPARABLE_RATIO = 0.4  # of a channel's worth to the best one's
+NOTHING_FOUND = (
+    "search failed: nothing with two edges leads away from the clamp; check clamp_px, state the "
+    "direction (--along-px) or a colour channel (--channel), or light the strip."
+)
+NOTHING_THROUGH = (
+    "search failed: nothing with two edges leads through the stated places; check them "
+    "(through_px, tip_px), state a colour channel (--channel), or light the strip."
+)
+UNSEEN = (
+    "search failed: both edges of what was found at the clamp are nowhere seen together; check "
+    "clamp_px and the direction (--along-px), or light the strip."
+)
+UNSEEN_THROUGH = (
+    "search failed: both edges of a strip are nowhere seen together between the stated places; "
+    "check them (through_px, tip_px), or light the strip."
+)
+COMPARABLE_RATIO = 0.15  # of a candidate's evidence to the clearest one's
+OF_A_CHANNEL_MAX, FITTED_MAX = 2, 4  # candidates: each costs a fit
+SAME_WIDTHS, SAME_MIN_PX = 0.5, 2.0  # beside another path everywhere: the same course
+SAME_THICKNESS = 1.35  # of one path's thickness to another's, at most
+BEYOND_SHARE = 0.1  # of a path that may lie beyond another's end
+LEAVES_WIDTHS, LEAVES_MIN_PX = 1.5, 6.0  # beside another curve: it goes elsewhere
+BOTH_SHARE_OF_MORE = 0.7  # of what a longer curve must show of both edges, to be preferred
+AS_GOOD_RATIO = 0.6  # of two curves' worth: which one is the strip is not known
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Tried:
+    """One fitted candidate and why it is no strip, empty where it may be one."""
+
+    outline: Outline
+    why: str
+
+    @property
+    def worth(self) -> float:
+        """How much of both edges it shows, over the whole of its length."""
+        blocks, length = self.outline.fit.blocks, self.outline.fit.shape.basis.total_px
+        if not blocks.by_edges.any():
+            return 0.0
+        clear = float(np.median(blocks.strength[blocks.by_edges]))
+        more = max(blocks.by_edges.mean() - BOTH_SHARE_OF_MORE, 0.01)
+        return float(length * more * clear)
+
+    @property
+    def path_px(self) -> FloatArray:
+        """(nodes, 2) its curve in the image."""
+        shape, optics = self.outline.fit.shape, self.outline.optics
+        return optics.world_to_pixel(np.stack([shape.x, shape.y], axis=1) / optics.px_per_m)
 
 
 def outline_curve(
@@ -47,30 +96,93 @@ def outline_curve(
     if mask.any():
         images = [image.without(mask) for image in images]
     if start is not None:
-        followed = _judged(images, optics, strip, _from_before(start))
-        if followed.ok:
-            return followed
-    first = None
-    for located in _likeliest_first(images, optics, strip, mask):
-        found = _judged(images, optics, strip, located)
+        followed = _tried(images, optics, strip, _from_before(start))
+        if followed is not None and not followed.why:
+            found = outline_in_metres(followed.outline, images[0], optics, strip)
+            if found.ok:
+                return found
+    likeliest = _likeliest_first(images, optics, strip, mask)
+    if not likeliest:
+        return _refused(NOTHING_THROUGH if optics.stated_places_px else NOTHING_FOUND)
+    tried: list[_Tried] = []
+    for located in likeliest:
+        if not any(not each.why and _same_course(located, each) for each in tried):
+            fitted = _tried(images, optics, strip, located)
+            if fitted is not None:
+                tried.append(fitted)
+    if not tried:
+        return _refused(UNSEEN_THROUGH if optics.stated_places_px else UNSEEN)
+    why, best = _chosen(tried)
+    return _refused(why) if why else outline_in_metres(best.outline, images[0], optics, strip)
+
+
+def _chosen(tried: list[_Tried]) -> tuple[str, _Tried]:
+    """Return the candidate that shows most of both edges, and why it is refused, if it is."""
+    passing = [each for each in tried if not each.why]
+    if not passing:
+        return tried[0].why, tried[0]
+    best = max(passing, key=lambda each: each.worth)
+    for each in tried:
         # where it is not known which edge is the strip's, another channel only hides that
-        if found.ok or found.why.startswith(RIVAL_STEP):
-            return found
-        first = first or found
-    return first or _judged(images, optics, strip, None)
+        if each.why.startswith(RIVAL_STEP) and each.worth > best.worth:
+            return each.why, each
+    for each in passing:
+        if each is not best and each.worth > AS_GOOD_RATIO * best.worth and _leaves(each, best):
+            return (
+                "search failed: two ways that lead away from the clamp look equally like a strip; "
+                "state the direction (--along-px) or the thickness, or mask what confuses (--mask)."
+            ), best
+    return "", best
+
+
+def _leaves(one: _Tried, other: _Tried) -> bool:
+    """Return whether one curve goes elsewhere than another, not just further."""
+    aside = max(LEAVES_WIDTHS * other.outline.fit.width_px, LEAVES_MIN_PX)
+    path, along = resampled(one.path_px, 2.0), resampled(other.path_px, 2.0)
+    near = _distances(path, along).argmin(axis=1) < len(along) - 1
+    return bool((_distances(path, along).min(axis=1)[near] > aside).any())
+
+
+def _same_course(located: Located, other: _Tried) -> bool:
+    """Return whether a path only shows what was fitted already."""
+    width = other.outline.fit.width_px
+    if not 1 / SAME_THICKNESS < located.thickness_px / width < SAME_THICKNESS:
+        return False
+    path = resampled(located.path_px, 2.0)
+    aside = _distances(path, resampled(other.path_px, 2.0)).min(axis=1)
+    return bool((aside > max(SAME_WIDTHS * width, SAME_MIN_PX)).mean() < BEYOND_SHARE)
+
+
+def _distances(one: FloatArray, other: FloatArray) -> FloatArray:
+    return np.asarray(np.hypot(*(one[:, None] - other[None]).transpose(2, 0, 1)))
 
 
 def _likeliest_first(
     images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, mask: MaskArray
 ) -> list[Located]:
-    """Return what each channel shows, without what is far less clear than another's."""
-    found = []
+    """Return what the channels show, without what is far less clear than the clearest."""
+    found: list[Located] = []
     for image in images:
-        located = _located(image, optics, strip, mask)
-        if located is not None:
-            found.append(located)
+        kept: list[Located] = []
+        for located in _located(image, optics, strip, mask):
+            if not any(_alike(located, each) for each in kept):
+                kept.append(located)
+            if len(kept) == OF_A_CHANNEL_MAX:
+                break
+        found += kept
     found.sort(key=lambda each: -each.evidence)
-    return [each for each in found if each.evidence > COMPARABLE_RATIO * found[0].evidence]
+    return [each for each in found if each.evidence > COMPARABLE_RATIO * found[0].evidence][
+        :FITTED_MAX
+    ]
+
+
+def _alike(one: Located, other: Located) -> bool:
+    """Return whether two paths are the same one, to a part of its thickness."""
+    if not 1 / SAME_THICKNESS < one.thickness_px / other.thickness_px < SAME_THICKNESS:
+        return False
+    apart = _distances(resampled(one.path_px, 3.0), resampled(other.path_px, 3.0))
+    most = max(apart.min(axis=0).max(), apart.min(axis=1).max())
+    return bool(most < max(SAME_WIDTHS * other.thickness_px, SAME_MIN_PX))
 
 
 def _from_before(start: NeutralCurve) -> Located:
@@ -88,32 +200,13 @@ def _length(path: FloatArray) -> float:
     return float(np.hypot(*np.diff(path, axis=0).T).sum())
 
 
-def _judged(
-    images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, located: Located | None
-) -> NeutralCurve:
-    if located is None and optics.stated_places_px:
-        return _refused(
-            "search failed: nothing with two edges leads through the stated places; check them "
-            "(through_px, tip_px), state a colour channel (--channel), or light the strip."
-        )
-    if located is None:
-        return _refused(
-            "search failed: nothing with two edges leads away from the clamp; check clamp_px, "
-            "state the direction (--along-px) or a colour channel (--channel), or light the strip."
-        )
+def _tried(
+    images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, located: Located
+) -> _Tried | None:
     outline = fitted_outline(images, optics, strip, located)
-    if outline is None and optics.stated_places_px:
-        return _refused(
-            "search failed: both edges of a strip are nowhere seen together between the stated "
-            "places; check them (through_px, tip_px), or light the strip."
-        )
     if outline is None:
-        return _refused(
-            "search failed: both edges of what was found at the clamp are nowhere seen together; "
-            "check clamp_px and the direction (--along-px), or light the strip."
-        )
-    why = outline_fault(outline, optics, strip)
-    return _refused(why) if why else outline_in_metres(outline, images[0], optics, strip)
+        return None
+    return _Tried(outline=outline, why=outline_fault(outline, optics, strip))
 
 
 def _refused(why: str) -> NeutralCurve:
@@ -122,15 +215,16 @@ def _refused(why: str) -> NeutralCurve:
 
 def _located(
     image: GreyImage, optics: Optics, strip: StripGeometry, mask: MaskArray
-) -> Located | None:
+) -> list[Located]:
     signs = {"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[optics.polarity]
     thickness_px = strip.thickness_m * optics.px_per_m if strip.thickness_known else None
     if optics.stated_places_px:
         places = (optics.clamp_px, *optics.stated_places_px)
-        return locate_through(image, places, mask=mask, signs=signs, thickness_px=thickness_px)
+        found = locate_through(image, places, mask=mask, signs=signs, thickness_px=thickness_px)
+        return [] if found is None else [found]
     stated = optics.clamp_angle_known
     all_stated = stated and strip.length_known
-    return locate(
+    return candidates(
         image,
         optics.clamp_px,
         mask=mask,

@@ -12,8 +12,10 @@ from labrig.vision.checks.verdict import judge_outline
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extraction.outline_shape import Outline
 from labrig.vision.fit.curve_fit import spread
+from labrig.vision.fit.outline import Blocks
 from labrig.vision.image.image import GreyImage
 from labrig.vision.thresholds import (
+    END_EARLY_RATIO,
     HIDDEN_SIGMA_MAX_PX,
     LENGTH_ERROR_MAX_PX,
     LENGTH_ERROR_MAX_RATIO,
@@ -25,10 +27,13 @@ from labrig.vision.thresholds import (
     OUTLINE_START_SHARE_MIN,
     OUTLINE_TAPER_SUM_MAX_RATIOS,
     OUTLINE_WIDTH_SCATTER_MAX_RATIO,
+    START_TURN_MIN_RAD,
+    START_TURN_SIGMAS,
     STATED_PLACE_MAX_PX,
 )
 from labrig.vision.uncertainty.parts import calibration_m
 
+START_SHARE = 1 / 12  # of a curve, that shows its direction at the clamp
 RIVAL_STEP = "check of the edges failed"  # the step that a refusal for rival edges names
 
 
@@ -37,22 +42,12 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     fit, located = outline.fit, outline.located
     blocks, total = fit.blocks, fit.shape.basis.total_px
     width = located.thickness_px
-    eighth = max(2, len(blocks.seen) // 8)
-    share, both = float(blocks.seen.mean()), float(blocks.by_edges.mean())
     loose = float(fit.inner_sigma_px.max())
     most = min(OUTLINE_SIGMA_MAX_PX, OUTLINE_SIGMA_MAX_RATIO * width)
     most = max(HIDDEN_SIGMA_MAX_PX, most)
-    stated = bool(optics.stated_places_px)  # then its uncertainty says where too little is seen
-    if not stated and (share < OUTLINE_SEEN_SHARE_MIN or both < OUTLINE_BOTH_SHARE_MIN * share):
-        return (
-            f"search failed: only {both:.0%} of the best path shows two edges; check clamp_px and "
-            "the direction (--along-px), state the length or mask what confuses."
-        )
-    if not stated and blocks.seen[:eighth].mean() < OUTLINE_START_SHARE_MIN:
-        return (
-            "check of the start failed: the first eighth of the best path shows no two edges; "
-            "check clamp_px."
-        )
+    unseen = "" if optics.stated_places_px else _unseen_fault(blocks)
+    if unseen:
+        return unseen
     if fit.width_scatter_px > OUTLINE_WIDTH_SCATTER_MAX_RATIO * width:
         return (
             f"check of the width failed: what was followed is {width:.1f} pixels thick and changes "
@@ -72,6 +67,19 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
             f"check of the fit failed: the best curve misses the strip by {fit.residual_px:.1f} "
             "pixels; something else was followed: state direction (--along-px) or thickness."
         )
+    turned = _start_turn_rad(outline, optics)
+    if abs(turned) > START_TURN_SIGMAS * max(START_TURN_MIN_RAD, optics.clamp_angle_sigma_rad):
+        return (
+            "check of the start failed: what was followed leaves the clamp "
+            f"{math.degrees(turned):+.0f} degrees from the stated direction; check clamp_px and "
+            "the direction (--along-px), or mask what lies beside the strip (--mask)."
+        )
+    if total < END_EARLY_RATIO * located.length_px:
+        return (
+            f"check of the end failed: the strip's profile is seen on the first {total:.0f} pixels "
+            f"of a path of {located.length_px:.0f}; state the length, or mask what crosses the "
+            "strip (--mask)."
+        )
     elsewhere = _end_fault(outline, optics, strip, total) or _place_fault(outline, optics)
     if elsewhere:
         return elsewhere
@@ -87,6 +95,33 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
             f"±{loose:.1f} pixels only; make more of it visible."
         )
     return ""
+
+
+def _unseen_fault(blocks: Blocks) -> str:
+    """Return why too little of a path is seen; with stated places its uncertainty says that."""
+    eighth = max(2, len(blocks.seen) // 8)
+    share, both = float(blocks.seen.mean()), float(blocks.by_edges.mean())
+    if share < OUTLINE_SEEN_SHARE_MIN or both < OUTLINE_BOTH_SHARE_MIN * share:
+        return (
+            f"search failed: only {both:.0%} of the best path shows two edges; check clamp_px and "
+            "the direction (--along-px), state the length or mask what confuses."
+        )
+    if blocks.seen[:eighth].mean() < OUTLINE_START_SHARE_MIN:
+        return (
+            "check of the start failed: the first eighth of the best path shows no two edges; "
+            "check clamp_px."
+        )
+    return ""
+
+
+def _start_turn_rad(outline: Outline, optics: Optics) -> float:
+    """Return the angle from the stated direction to the curve's, over its first part."""
+    if not optics.clamp_angle_known:
+        return 0.0
+    shape = outline.fit.shape
+    few = max(1, round(START_SHARE * len(shape.x)))
+    heading = math.atan2(shape.y[few] - shape.y[0], shape.x[few] - shape.x[0])
+    return math.remainder(heading - optics.clamp_angle_rad, 2 * math.pi)
 
 
 def has_rival(outline: Outline) -> bool:

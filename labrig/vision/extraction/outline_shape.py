@@ -23,7 +23,7 @@ FloatArray = npt.NDArray[np.float64]
 
 CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
-FURTHER_ROUNDS = 12  # in which a strip is followed beyond its located end, at most
+FURTHER_ROUNDS = 20  # in which a strip is followed beyond its located end, at most
 # how far beyond an end it is looked for: in widths, at least, and of the length
 BEYOND_WIDTHS, BEYOND_MIN_PX, BEYOND_SHARE = 4.0, 16.0, 0.06
 BEYOND_TURN_MAX_RAD = 0.5  # of the strip there, as it bends before
@@ -72,10 +72,10 @@ class _Fitter:
             self.optics,
             width_px=self.width_px,
             prior=prior,
-            places=self.places,
             rounds=rounds,
             completed=self._without_ends if whole else self._completed,
             tapers=whole,
+            places=self.places if whole or len(self.places.on_strip_px) else None,
         )
 
     def course(self, shape: CurveShape, taper: FloatArray | None = None) -> StripCourse:

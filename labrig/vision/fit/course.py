@@ -53,6 +53,7 @@ GROUND_WIDTHS = 3.0  # of the course in which the ground is taken to be alike
 STRIP_SPREAD = 0.35  # of a profile's size, in that of the strip shortly before
 EDGE_SPREAD = 0.4  # of the logarithm of an edge's size
 SAID_MAX = 2.0  # by one block
+CROSSING_SAID_MAX = 12.0  # by all blocks together in which something else hides the strip
 SAID_UNLIKE = -0.1  # by edges of what does not look like the strip shortly before
 GOES_ON_SHARE = 0.4  # of the blocks of two widths beyond the end
 LAST_BLOCK_LESS = 0.2  # a block counts as strip where it shows a third of it
@@ -79,7 +80,7 @@ class StripCourse:
     @property
     def end(self) -> tuple[float, float]:
         """Return where the strip ends along the curve, and the standard deviation of that."""
-        total = np.cumsum(self.said[: self._before_gap()])
+        total = np.cumsum(_with_crossings(self.said[: self._before_gap()]))
         share = max(1.0, ALIKE_WIDTHS * self.width_px / self.block_px)
         odds = np.exp((total - total.max()) / share)
         odds /= odds.sum()
@@ -115,6 +116,21 @@ class StripCourse:
             if unseen > longest:
                 return max(1, at + 1)
         return max(1, len(self.said))
+
+
+def _with_crossings(said: FloatArray) -> FloatArray:
+    """Return log odds of blocks whose runs without the strip count no more than one crossing.
+
+    What lies across the strip hides many blocks at once; each says the same.
+    """
+    said = said.copy()
+    run = 0.0
+    for at, each in enumerate(said):
+        run = min(run + each, 0.0) if each < 0 else 0.0
+        if run < -CROSSING_SAID_MAX:
+            said[at] = min(0.0, each - (run + CROSSING_SAID_MAX))
+            run = -CROSSING_SAID_MAX
+    return said
 
 
 def course_along(

@@ -25,7 +25,9 @@ from labrig.vision.search.straightened import slopes
 from labrig.vision.thresholds import (
     OUTLINE_END_SIGMA_MAX_PX,
     OUTLINE_END_SIGMA_RATIO,
+    OUTLINE_PROFILE_SIGMA_MIN_PX,
     OUTLINE_PROFILE_SIGMA_RATIO,
+    OUTLINE_PROFILE_SIGMA_THIN_RATIO,
     OUTLINE_SIGMA_MIN_PX,
     OUTLINE_SIGMA_MIN_RATIO,
     OUTLINE_STRENGTH_MIN_RATIO,
@@ -52,6 +54,7 @@ UNSEEN_TURN_MIN_RAD = 0.3  # that a straight strip may make along its length, un
 GAP_WIDTHS = 1.5  # of a gap that a smooth curve leads over; in a longer one it may bend
 SHIFT_COST = 6.0  # of a shift by one width from block to block, squared
 FRAY_HALF_BLOCKS = 4
+MISFIT_HALF_BLOCKS = 1
 FRAY_WIDTH_RATIO, FRAY_WIDTH_PX = 0.12, 1.0  # by which a block's width may leave its neighbours'
 FRAY_SIGMAS = 4.0  # or so many of their scatter
 TAPER_DEGREE = 4  # of the polynomial that a strip's width follows along it
@@ -97,6 +100,7 @@ class OutlineFit:
     normal: FloatArray
     pull: FloatArray
     residual_px: float
+    misfit_px: FloatArray  # (blocks,) from the curve to the middle, where it is seen
     width_scatter_px: float
     stated_node: IntArray  # of places on the strip that were stated
     rival_px: FloatArray | None = None  # (2, nodes): see `fit.rival_edges`
@@ -133,9 +137,24 @@ class OutlineFit:
         unsure = np.hypot(max(least, 0.5 * self.width_scatter_px), 0.5 * _wander(few))
         if self.rival_px is not None:  # if it is the strip's edge, the middle lies half as far out
             unsure = np.hypot(unsure, 0.5 * np.hypot(*self.rival_px))
+        unsure = np.hypot(unsure, self._misfit_px)
         one_edge = np.interp(np.arange(len(self.shape.x)), blocks.node, 1.0 * blocks.by_profile)
-        unsure = np.hypot(unsure, OUTLINE_PROFILE_SIGMA_RATIO * usual * one_edge)
+        of_profile = max(
+            OUTLINE_PROFILE_SIGMA_RATIO * usual,
+            min(OUTLINE_PROFILE_SIGMA_MIN_PX, OUTLINE_PROFILE_SIGMA_THIN_RATIO * usual),
+        )
+        unsure = np.hypot(unsure, of_profile * one_edge)
         return np.asarray(np.hypot(unsure, self._taper_share(few - usual) * np.abs(apart)))
+
+    @property
+    def _misfit_px(self) -> FloatArray:
+        """(nodes,) how far the strip's middle leaves the curve over some blocks in a row.
+
+        A bend that is tighter than the curve can be is cut off.
+        """
+        seen = self.blocks.seen
+        aside = np.abs(running_middle(self.misfit_px[seen], MISFIT_HALF_BLOCKS))
+        return np.asarray(np.interp(np.arange(len(self.shape.x)), self.blocks.node[seen], aside))
 
     def _taper_share(self, wider: FloatArray) -> FloatArray:
         """Return (nodes,) the share of a local change of width that may be in the middle.
@@ -194,17 +213,17 @@ def fit_outline(
     *,
     width_px: float,
     prior: FloatArray,
-    places: StatedPlaces,
     rounds: int = ROUNDS,
     completed: Callable[[CurveShape, FloatArray, Blocks], Blocks] | None = None,
     tapers: bool = False,
+    places: StatedPlaces | None = None,
 ) -> OutlineFit | None:
     """Return the curve between the edges beside a first one; None where they are nowhere seen.
 
-    `images`: the same one in each colour channel in which an edge may show. `places`: stated ones,
-    which it passes. `completed`: sees the strip in blocks whose edges are too faint. `tapers`: its
-    width is followed along it, which only a curve that is known well allows: another width
-    confirms itself.
+    `images`: the same one in each colour channel in which an edge may show. `completed`: sees the
+    strip in blocks whose edges are too faint. `tapers`: its width is followed along it, which
+    only a curve that is known well allows: another width confirms itself. `places`: stated ones,
+    which it passes.
     """
     fit = None
     taper = np.ones(len(shape.x))
@@ -216,9 +235,10 @@ def fit_outline(
             blocks = completed(shape, taper, blocks)
         if tapers:
             blocks = _without_lonely(blocks)
-        kept = ~places.contradicted(shape, blocks.node, blocks.middle_px, width_px)
-        blocks = replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
-        if not blocks.by_edges.any():
+        if places is not None:
+            kept = ~places.contradicted(shape, blocks.node, blocks.middle_px, width_px)
+            blocks = replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
+        if blocks.by_edges.sum() < 4:
             return None
         fit = _fitted(shape, blocks, prior, taper, places)
         shape = fit.shape
@@ -419,10 +439,9 @@ def _fitted(
     blocks: Blocks,
     prior: FloatArray,
     taper: FloatArray,
-    places: StatedPlaces,
+    places: StatedPlaces | None,
 ) -> OutlineFit:
-    """Return the smooth curve through the middles of the blocks, and stated places."""
-    more_normal, more_pull = places.information(shape)
+    """Return the smooth curve through the middles of the blocks and what is stated."""
     seen = blocks.seen
     offset = np.where(seen, blocks.middle_px, 0.0)
     rough = _roughness(blocks.middle_px[seen])
@@ -430,9 +449,10 @@ def _fitted(
     sigma = max(rough, 0.005 * width, 0.03) * math.sqrt(INDEPENDENT_BLOCKS)
     modes = shape.normal_modes()[blocks.node]
     weight = np.where(seen, 1 / sigma**2, 0.0)
+    more = (0.0, 0.0) if places is None else places.information(shape)
     for _ in range(3):  # Tukey's weights: a fray or a fitting is an outlier
         normal, pull = information(shape, modes, offset, weight, prior)
-        normal, pull = normal + more_normal, pull + more_pull
+        normal, pull = normal + more[0], pull + more[1]
         wanted = averaged(normal, pull, shape.basis.priors, shape.basis.log_weight)
         left = offset - modes @ (wanted - shape.parameters)
         scatter = max(sigma, 1.48 * float(np.median(np.abs(left[seen]))))
@@ -441,12 +461,13 @@ def _fitted(
     moved = shape.moved(wanted)
     return OutlineFit(
         shape=moved,
-        stated_node=places.beside(moved)[0],
+        stated_node=np.empty(0, np.int64) if places is None else places.nodes(moved),
         taper=taper,
         blocks=blocks,
         normal=normal,
         pull=pull,
         residual_px=float(np.sqrt(np.mean(left[seen] ** 2))),
+        misfit_px=np.where(seen, left, 0.0),
         width_scatter_px=_roughness(blocks.width_px[blocks.by_edges]),
     )
 

@@ -1,6 +1,7 @@
-"""Places on a strip that somebody has stated, as measurements of its curve.
+"""The clamp, and places on a strip that somebody has stated, as measurements of its curve.
 
-Where an edge is hidden they say where the strip is; edges that contradict one are another thing's.
+Where an edge is hidden they say where the strip is; edges that contradict a place on the strip are
+another thing's. A clamp may be stated roughly, and then says nothing of the place across.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
+CLAMP_SIGMAS_MAX = 3.0  # beside the curve: so far a stated clamp is used
+CLAMP_SHARE = 1 / 8  # of the length, in which the clamp lies
 PLACE_SIGMA_PX = 1.5  # of a place that is stated, across the strip
 PLACE_SIGMA_WIDTHS = 0.05  # or so much of a thick one, whichever is more
 NEAR_WIDTHS, NEAR_MIN_PX = 1.0, 6.0  # along the strip: what must agree with a place
@@ -25,46 +28,63 @@ APART_WIDTHS, APART_MIN_PX = 0.35, 4.0  # across it: what contradicts one
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class StatedPlaces:
-    """Places in the sheet's plane, in pixels, with their standard deviations across the strip."""
+    """Places in the sheet's plane and their standard deviations across the strip, in pixels."""
 
-    plane_px: FloatArray  # (places, 2)
-    sigma_px: FloatArray  # (places,)
+    clamp_px: FloatArray  # (2,)
+    clamp_sigma_px: float
+    on_strip_px: FloatArray  # (places, 2)
+    sigma_px: float  # of each of these
 
     @classmethod
     def of(cls, optics: Optics, width_px: float) -> StatedPlaces:
-        """Return the places that `optics` states on a strip so thick, and its clamp with them."""
-        if not optics.stated_places_px:
-            return cls(plane_px=np.empty((0, 2)), sigma_px=np.empty(0))
-        usual = max(PLACE_SIGMA_PX, PLACE_SIGMA_WIDTHS * width_px)
-        sigma = np.full(1 + len(optics.stated_places_px), usual)
-        sigma[0] = max(usual, optics.clamp_sigma_px)
-        places = [optics.clamp_px, *optics.stated_places_px]
-        return cls(plane_px=optics.pixel_to_world(places) * optics.px_per_m, sigma_px=sigma)
+        """Return what `optics` states of a strip so thick."""
+        on_strip = np.array(optics.stated_places_px, dtype=float).reshape(-1, 2)
+        return cls(
+            clamp_px=optics.clamp_m() * optics.px_per_m,
+            clamp_sigma_px=optics.clamp_sigma_px,
+            on_strip_px=optics.pixel_to_world(on_strip) * optics.px_per_m,
+            sigma_px=max(PLACE_SIGMA_PX, PLACE_SIGMA_WIDTHS * width_px),
+        )
 
-    def beside(self, shape: CurveShape) -> tuple[IntArray, FloatArray]:
-        """Return (places,) the curve's nearest nodes, and how far to its left the places lie."""
-        x, y = self.plane_px.T
-        apart = np.hypot(shape.x[None] - x[:, None], shape.y[None] - y[:, None])
-        node = apart.argmin(axis=1).astype(np.int64) if len(x) else np.empty(0, np.int64)
-        sin, cos = np.sin(shape.phi[node]), np.cos(shape.phi[node])
-        return node, cos * (y - shape.y[node]) - sin * (x - shape.x[node])
+    def nodes(self, shape: CurveShape) -> IntArray:
+        """Return (places,) a curve's nodes nearest to the places on the strip."""
+        return _nearest(shape, self.on_strip_px, len(shape.x))
 
     def information(self, shape: CurveShape) -> tuple[FloatArray, FloatArray]:
-        """Return what the places add to the normal matrix and the right-hand side of a fit."""
-        node, offset = self.beside(shape)
-        modes = shape.normal_modes()[node] / self.sigma_px[:, None]
+        """Return what all places add to the normal matrix and the right-hand side of a fit."""
+        few = max(1, round(CLAMP_SHARE * len(shape.x)))
+        clamp = self.clamp_px[None]
+        node = np.concatenate([_nearest(shape, clamp, few), self.nodes(shape)])
+        offset = _offset(shape, node, np.concatenate([clamp, self.on_strip_px]))
+        weight = np.full(len(node), 1 / self.sigma_px)
+        used = abs(offset[0]) < CLAMP_SIGMAS_MAX * self.clamp_sigma_px
+        weight[0] = used / self.clamp_sigma_px
+        modes = shape.normal_modes()[node] * weight[:, None]
         normal = modes.T @ modes
-        return normal, modes.T @ (offset / self.sigma_px) + normal @ shape.parameters
+        return normal, modes.T @ (weight * offset) + normal @ shape.parameters
 
     def contradicted(
         self, shape: CurveShape, node: IntArray, middle_px: FloatArray, width_px: float
     ) -> BoolArray:
         """Return (nodes,) which middles, to the left of a curve, lie elsewhere than a place."""
         found = np.zeros(len(node), dtype=bool)
-        s = shape.basis.s
+        s, places = shape.basis.s, self.nodes(shape)
         near = max(NEAR_WIDTHS * width_px, NEAR_MIN_PX)
         most = max(APART_WIDTHS * width_px, APART_MIN_PX)
-        for at, offset in zip(*self.beside(shape), strict=True):
+        for at, offset in zip(places, _offset(shape, places, self.on_strip_px), strict=True):
             beside = np.abs(s[node] - s[at]) < near
             found |= beside & (np.abs(middle_px - offset) > most)
         return found
+
+
+def _nearest(shape: CurveShape, places_px: FloatArray, among: int) -> IntArray:
+    x, y = places_px.T[:, :, None]
+    apart = np.hypot(shape.x[None, :among] - x, shape.y[None, :among] - y)
+    return np.asarray(apart.argmin(axis=1), dtype=np.int64)
+
+
+def _offset(shape: CurveShape, node: IntArray, places_px: FloatArray) -> FloatArray:
+    """Return how far to the left of a curve's nodes the places lie."""
+    x, y = places_px.T
+    sin, cos = np.sin(shape.phi[node]), np.cos(shape.phi[node])
+    return np.asarray(cos * (y - shape.y[node]) - sin * (x - shape.x[node]))

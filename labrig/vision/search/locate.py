@@ -47,8 +47,10 @@ ONE_EDGE_BLURS = 6.0  # two edges further apart than so many blurs are not one
 STATED_WIDTH_RATIOS = (0.75, 1.45)  # of the width that is seen to one that is stated
 EDGE_BLUR_RATIO = 0.12  # of the width: what an edge is smoothed by
 CLEARNESS_OF_NOTHING = 2.0  # of the largest changes that noise makes along any path
+CLEARNESS_OF_ANY = 20.0  # on a plain ground every strip is clear
+SCALE_SPREAD = 0.5  # of the logarithm of a path's width to that at which it was searched
 NEAR_REACH_PX = 8.0  # a strip that begins further aside may be another one
-ASIDE_USUAL_PX = 8.0  # from where the clamp is stated to the strip's begin
+ASIDE_USUAL_PX = 5.0  # from where the clamp is stated to the strip's begin
 BORDER_PX = 10.0  # a strip that leaves the image is followed up to here
 
 
@@ -63,6 +65,7 @@ class Located:
     sign: float  # +1: brighter than what lies beside it
     likeness: float = 1.0  # 0 to 1: how alike both sides of it are, against its edges
     clearness: float = 0.0  # its edges over what changes beside it
+    scale_px: float = 0.0  # the width at which its path was searched; 0: it was not
     aside_px: float = 0.0  # from the stated place to where it begins
 
     @property
@@ -81,15 +84,19 @@ class Located:
     @property
     def evidence(self) -> float:
         """The same over what noise and texture show: to compare channels with."""
-        return max(self.clearness - CLEARNESS_OF_NOTHING, 0.01) * self._share_px
+        clear = min(self.clearness - CLEARNESS_OF_NOTHING, CLEARNESS_OF_ANY)
+        return max(clear, 0.01) * self._share_px
 
     @property
     def _share_px(self) -> float:
         near = math.exp(-0.5 * (self.aside_px / ASIDE_USUAL_PX) ** 2)
-        return self.length_px * self.likeness**2 * near
+        # a path that was searched at another width than it shows is a rough one
+        apart = math.log(self.thickness_px / self.scale_px) if self.scale_px else 0.0
+        fitting = math.exp(-0.5 * (apart / SCALE_SPREAD) ** 2)
+        return self.length_px * self.likeness**2 * near * fitting
 
 
-def locate(
+def candidates(
     image: GreyImage,
     clamp_px: Point,
     *,
@@ -100,13 +107,13 @@ def locate(
     signs: tuple[float, ...],
     length_px: float | None,
     thickness_px: float | None,
-) -> Located | None:
-    """Return the clearest strip that begins near a place; None where there is none.
+) -> list[Located]:
+    """Return what may be the strip that begins near a place, the clearest first.
 
     Near: within `clamp_reach_px`. What is None is not known. `signs`: the polarities to try;
     `mask` (rows, columns): not 0 where something hides the view.
     """
-    best = None
+    all_found = []
     for width in widths_tried(image, thickness_px, length_px):
         ridges = ridge_maps(image.filled(), width, wide=False)
         if mask is not None and mask.any():
@@ -126,11 +133,11 @@ def locate(
                 if path is None:
                     break
                 found = measured_along(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
-                if found is not None and (best is None or found.worth > best.worth):
-                    best = found
+                if found is not None and found.worth > 0:
+                    all_found.append(found)
                 if found is None or found.aside_px < NEAR_REACH_PX:
                     break  # else there may be another one that begins nearer
-    return best
+    return sorted(all_found, key=lambda each: -each.evidence)
 
 
 def widths_tried(
@@ -298,6 +305,7 @@ def measured_along(
         clearness=float(np.mean(np.minimum(edges, 2 * np.median(edges)))) / texture,
         likeness=_likeness(profiles, across, float(wide)),
         aside_px=float(np.hypot(*(line - np.array(clamp)).T).min()),
+        scale_px=max(width, THINNEST_PX),
     )
 
 

@@ -1,5 +1,6 @@
 """Strips of which little is stated, or that are thick, short, shaded or in colour."""
 
+import dataclasses
 import functools
 
 import numpy as np
@@ -10,6 +11,10 @@ from labrig.vision import Optics, StripGeometry, neutral_curve
 from labrig.vision.calibration.optics import ColourChannel
 from labrig.vision.checks import catalogue
 from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
+from labrig.vision.curve.shape import make_basis, make_shape
+from labrig.vision.fit.outline import fit_outline
+from labrig.vision.fit.stated_places import StatedPlaces
+from labrig.vision.image.image import read_grey_image
 
 SIZE = (150, 220)  # rows, columns
 CLAMP = (30.0, 110.0)
@@ -89,6 +94,51 @@ def test_the_clamp_within_20_pixels_is_enough():
     curve = neutral_curve(drawn(line, 6), stated((CLAMP[0] + 9, CLAMP[1] + 14)), UNKNOWN)
     assert curve.ok, curve.why
     assert beside_px(curve, line).max() < 0.6
+
+
+def test_a_curve_that_leaves_the_clamp_in_another_direction_than_stated_is_refused():
+    line = arc(150, 0.8)
+    image = drawn(line, 6)
+    optics = Optics(px_per_mm=2.0, clamp_px=CLAMP, roll_rad=-0.3, clamp_angle_sigma_rad=0.1)
+    assert neutral_curve(image, optics, UNKNOWN).ok
+    turned = optics.model_copy(update={"roll_rad": 0.2})
+    found = neutral_curve(image, turned, UNKNOWN)
+    assert "stated direction" in found.why
+
+
+def test_a_path_of_which_both_edges_are_nowhere_measured_is_no_strip():
+    image = read_grey_image(drawn(arc(150, 0.0, heading_rad=0.0), 10), stated())
+    basis = make_basis(120.0, 120.0, 6, 1.0)
+    shape = make_shape(basis, np.zeros(2), 0.0, np.zeros(basis.size))
+
+    def faint(_shape, _taper, blocks):
+        return dataclasses.replace(blocks, by_profile=blocks.seen)
+
+    first = (np.array([3.0, 0.2]), [image], stated())
+    assert fit_outline(shape, first[1], first[2], width_px=10, prior=first[0]) is not None
+    found = fit_outline(shape, first[1], first[2], width_px=10, prior=first[0], completed=faint)
+    assert found is None
+
+
+def test_where_the_begin_is_hidden_the_clamp_leads_unless_it_is_stated_roughly():
+    basis = make_basis(120.0, 120.0, 6, 1.0)
+    hidden_px = 25.0
+    shape = make_shape(basis, np.array([-hidden_px, 0.0]), 0.0, np.zeros(basis.size))
+    image = read_grey_image(drawn(arc(150, 0.0, heading_rad=0.0), 10), stated())
+
+    def begin_px(aside_px, sigma_px):
+        clamp = StatedPlaces(
+            clamp_px=np.array([-hidden_px, aside_px]),
+            clamp_sigma_px=sigma_px,
+            on_strip_px=np.empty((0, 2)),
+            sigma_px=1.5,
+        )
+        prior = np.array([3.0, 0.2])
+        fit = fit_outline(shape, [image], stated(), width_px=10, prior=prior, places=clamp)
+        return fit.shape.y[0]
+
+    assert 0.1 < begin_px(0.8, 0.4) < 0.8  # a straight strip says most of it
+    assert begin_px(9.0, 0.4) == pytest.approx(0.0, abs=0.05)  # too far aside to be meant
 
 
 def test_what_is_stated_keeps_the_coordinates_where_they_are():

@@ -7,7 +7,7 @@ import pytest
 
 from labrig.vision import Optics
 from labrig.vision.curve.shape import make_basis, make_shape
-from labrig.vision.fit.course import completed, course_along
+from labrig.vision.fit.course import StripCourse, completed, course_along
 from labrig.vision.fit.outline import measure_blocks
 from labrig.vision.image.image import read_grey_image
 
@@ -71,6 +71,28 @@ def test_what_crosses_a_strip_does_not_end_it():
     image = picture(6, 100 * there())
     image[:, BEGIN + 70 : BEGIN + 82] = 20
     assert abs(course_along(straight(220.0), [grey(image)], OPTICS, 6).end[0] - END) < 4
+
+
+def course_of(said):
+    """A course of which only the log odds of its blocks matter."""
+    said = np.array(said, dtype=float)
+    return StripCourse(
+        block_px=2.0,
+        said=said,
+        profile_said=said,
+        edges_said=said,
+        backward=np.empty(0),
+        shift_px=np.zeros(len(said)),
+        unlike=said < -9,
+        leaves_image=False,
+        width_px=10.0,
+    )
+
+
+@pytest.mark.parametrize(("further", "end_blocks"), [(12, 75), (4, 50)])
+def test_a_crossing_counts_once_and_what_follows_must_be_seen_for_longer(further, end_blocks):
+    course = course_of([2.0] * 50 + [-2.0] * 13 + [2.0] * further)
+    assert course.end[0] == pytest.approx(2.0 * end_blocks, abs=1.0)
 
 
 def test_a_strip_that_leaves_the_image_is_said_to_do_so():
