@@ -27,7 +27,7 @@ def load_model(path: Path | str) -> SheetModel:
     Raises BadInputError of one sentence that names file and key.
     """
     path = Path(path)
-    text = read_text(path)
+    text = read_text(path, MODEL)
     refuse_other_kind(text, str(path), MODEL)
     data = parse_toml(text, str(path))
     try:

@@ -144,7 +144,7 @@ def parse_about(text: str, name: str) -> About:
 
 def load_about(path: Path) -> About:
     """Read about.toml."""
-    return parse_about(read_text(path), str(path))
+    return parse_about(read_text(path, ABOUT), str(path))
 
 
 def recorded_about(texts: Mapping[str, str]) -> About:

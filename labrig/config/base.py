@@ -70,28 +70,31 @@ def _insist(value: Any, wanted: frozenset[type]) -> None:
 Model = TypeVar("Model", bound=ClosedModel)
 
 
-def read_text(path: Path, most_bytes: int = MOST_BYTES) -> str:
-    """Return the content of a text file; BadInputError says why there is none."""
-    raw = read_bytes(path, most_bytes)
+def read_text(path: Path, wanted: str = TEXT, most_bytes: int = MOST_BYTES) -> str:
+    """Return the content of a text file; BadInputError says why there is none.
+
+    wanted: the kind of file that it should be, one of `file_kinds`.
+    """
+    raw = read_bytes(path, wanted, most_bytes)
     try:
         return raw.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except UnicodeDecodeError as error:
         kind = kind_of_bytes(raw[:8])
         if kind:
-            raise other_kind(path, kind, TEXT) from None
+            raise other_kind(path, kind, wanted) from None
         raise BadInputError(
             f"{path}: not a text file in UTF-8 (byte {error.start} cannot be read); save it "
             "as UTF-8."
         ) from None
 
 
-def read_bytes(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
+def read_bytes(path: Path, wanted: str = TEXT, most_bytes: int = MOST_BYTES) -> bytes:
     """Return the content of a file; BadInputError says why there is none.
 
     Only an ordinary file is opened: a pipe would be waited for, a device read without end.
     """
     try:
-        _check_kind(path, most_bytes)
+        _check_kind(path, wanted, most_bytes)
         with path.open("rb") as file:
             return file.read(most_bytes)
     except FileNotFoundError:
@@ -102,7 +105,7 @@ def read_bytes(path: Path, most_bytes: int = MOST_BYTES) -> bytes:
         raise BadInputError(f"{str(path)!r}: cannot be read ({error}).") from None
 
 
-def _check_kind(path: Path, most_bytes: int) -> None:
+def _check_kind(path: Path, wanted: str, most_bytes: int) -> None:
     found = path.stat()
     if stat.S_ISDIR(found.st_mode):
         raise BadInputError(f"{path}: this is a folder, a file is needed.")
@@ -112,7 +115,7 @@ def _check_kind(path: Path, most_bytes: int) -> None:
         with path.open("rb") as file:
             kind = kind_of_bytes(file.read(8))
         if kind:
-            raise other_kind(path, kind, TEXT)
+            raise other_kind(path, kind, wanted)
         raise BadInputError(
             f"{path}: has {found.st_size / 1e6:.0f} MB; such a file has at most "
             f"{most_bytes / 1e6:.0f} MB."

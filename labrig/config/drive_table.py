@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from labrig.config.base import read_text
+from labrig.config.file_kinds import PROTOCOL
 from labrig.errors import BadInputError
 
 _TABLE, _KEY = "table", "file"
@@ -21,7 +22,7 @@ _LINE = re.compile(r"(?m)^[ \t]*file[ \t]*=.*$")
 
 def read_protocol(path: Path) -> str:
     """Return protocol.toml's text, with the rows of the file that its [table] names."""
-    return with_rows(read_text(path), path.parent, str(path))
+    return with_rows(read_text(path, PROTOCOL), path.parent, str(path))
 
 
 def with_rows(text: str, folder: Path, name: str) -> str:

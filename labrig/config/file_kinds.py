@@ -37,6 +37,14 @@ _KEYS = {
     ABOUT: {"title", "project", "licence", "people", "sample"},
 }
 _COLUMNS = {FORCES: "force_mN", CURVES: "point", SIGNALS: "drive_V"}
+# How somebody who has none comes to one.
+_MADE_BY = {
+    MODEL: " (`labrig fit SESSION -o model.toml` writes one)",
+    CONTROLLER: " (`labrig control MODEL -o controller.toml` writes one)",
+    LOAD_CELL: " (`labrig calibrate load-cell` writes one)",
+    OPTICS: " (`labrig calibrate camera` writes one)",
+    **dict.fromkeys((RIG, SHEET, PROTOCOL), " (`labrig init` writes one)"),
+}
 _MOST_BYTES = 1 << 20  # more is told by its first bytes alone
 
 
@@ -114,4 +122,4 @@ def refuse_to_replace(path: Path, wanted: str) -> None:
 
 def other_kind(name: object, found: str, wanted: str) -> BadInputError:
     """Return the error of a mix-up."""
-    return BadInputError(f"{name}: this is {found}; {wanted} is needed.")
+    return BadInputError(f"{name}: this is {found}; {wanted} is needed{_MADE_BY.get(wanted, '')}.")

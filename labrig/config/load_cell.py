@@ -63,4 +63,4 @@ def recorded_calibration(text: str, name: str, resolved: Mapping[str, Any]) -> L
 
 def load_load_cell(path: Path) -> LoadCellCalibration:
     """Read load_cell.toml."""
-    return parse_load_cell(read_text(path), str(path))
+    return parse_load_cell(read_text(path, LOAD_CELL), str(path))

@@ -285,7 +285,7 @@ def load_output(path: Path) -> RigConfig | ReplayConfig:
 
     A camera whose plug-in is gone must not keep anybody from making the output safe.
     """
-    text = read_text(path)
+    text = read_text(path, RIG)
     refuse_other_kind(text, str(path), RIG)
     data = parse_toml(text, str(path))
     if "replay" in data:
@@ -297,7 +297,7 @@ def load_output(path: Path) -> RigConfig | ReplayConfig:
 
 def load_rig(path: Path) -> RigConfig | ReplayConfig:
     """Read rig.toml; paths in it are taken from the file's own folder."""
-    rig = parse_rig(read_text(path), str(path))
+    rig = parse_rig(read_text(path, RIG), str(path))
     folder = path.parent
     if isinstance(rig, ReplayConfig):
         return rig.model_copy(update={"replay": folder / rig.replay})

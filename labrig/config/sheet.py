@@ -111,4 +111,4 @@ def _tables(data: dict[str, Any], name: str) -> dict[str, dict[str, Any]]:
 
 def load_sheet(path: Path) -> dict[str, SheetGeometry]:
     """Read sheet.toml."""
-    return parse_sheet(read_text(path), str(path))
+    return parse_sheet(read_text(path, SHEET), str(path))

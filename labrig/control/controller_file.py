@@ -231,7 +231,7 @@ def parse_controller(text: str, name: str) -> ControllerConfig:
 
 def load_controller(path: Path) -> ControllerConfig:
     """Read controller.toml. Raises BadInputError, also where its model file has changed since."""
-    found = parse_controller(read_text(path), str(path))
+    found = parse_controller(read_text(path, CONTROLLER), str(path))
     require_same_model(found, path)
     return found
 

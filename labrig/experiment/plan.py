@@ -13,6 +13,7 @@ from labrig.config import (
     ProtocolConfig,
     ReplayConfig,
     RigConfig,
+    file_kinds,
     load_rig,
     parse_about,
     parse_load_cell,
@@ -22,6 +23,7 @@ from labrig.config import (
 )
 from labrig.config.about import FILE as ABOUT
 from labrig.config.drive_table import read_protocol
+from labrig.config.file_kinds import LOAD_CELL, OPTICS, PROTOCOL, RIG, SHEET, TEXT
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.control.controller_file import (
     ControllerConfig,
@@ -35,6 +37,11 @@ from labrig.serialise import to_plain
 from labrig.vision import Optics
 from model.measurements import SheetGeometry
 from protocols import SafetyLimits, Schedule, ScheduleError, check_schedule
+
+_KINDS = {
+    "rig.toml": RIG, "sheet.toml": SHEET, "protocol.toml": PROTOCOL, "load_cell.toml": LOAD_CELL,
+    "optics.json": OPTICS, ABOUT: file_kinds.ABOUT, CONTROLLER: file_kinds.CONTROLLER,
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +115,7 @@ def load_plan(
     if control is not None:
         paths |= {CONTROLLER: control.controller, REFERENCE: control.reference}
         load_controller(control.controller)  # its model file may have changed
-    texts = {name: read_text(path) for name, path in paths.items()}
+    texts = {name: read_text(path, _KINDS.get(name, TEXT)) for name, path in paths.items()}
     texts["protocol.toml"] = read_protocol(protocol)
     names = {name: str(path) for name, path in paths.items()}
     return make_plan(config, texts, names)

@@ -60,7 +60,7 @@ class Deviations:
 
     def __len__(self) -> int:
         """Return the number of columns."""
-        return self.changes.shape[1]
+        return int(self.changes.shape[1])
 
     def column(self, place: int) -> dict[str, float]:
         """Return what changes by one standard uncertainty, by parameter."""
@@ -115,12 +115,12 @@ class Deviations:
 def independent(freedom: FloatArray) -> FloatArray:
     """Return `changes` of columns whose variances are uncertain independently."""
     one_each = np.eye(len(freedom))
-    return np.einsum("rk,rl,r->rkl", one_each, one_each, np.sqrt(2.0 / freedom))
+    return np.asarray(np.einsum("rk,rl,r->rkl", one_each, one_each, np.sqrt(2.0 / freedom)))
 
 
 def together(freedom: float, count: int) -> FloatArray:
     """Return `changes` of columns whose variances are uncertain by the same factor."""
-    return np.sqrt(2.0 / freedom) * np.eye(count)[None]
+    return np.asarray(np.sqrt(2.0 / freedom) * np.eye(count)[None])
 
 
 def few_changes(changes: FloatArray) -> FloatArray:

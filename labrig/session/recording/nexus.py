@@ -27,6 +27,8 @@ from labrig.session.recording.hdf5 import (
 DEFINITION = "NXsensor_scan"
 RELEASE = "v2024.02"  # of the NeXus definitions
 NOT_STATED = "not stated"  # the definition wants a user
+# NXsensor's words for quantities that have another name here. Its list is open, without force.
+MEASUREMENTS = {"electric current": "current"}
 _ROWS_IN_CHUNK = 256
 
 
@@ -75,7 +77,7 @@ def _sensors(file: Any, setup: SessionSetup) -> None:
         path = f"{layout.ENVIRONMENT}/{channel.column}"
         sensor = create_group(file, path, "NXsensor")
         put_text(sensor, "name", channel.name)
-        put_text(sensor, "measurement", channel.quantity)
+        put_text(sensor, "measurement", MEASUREMENTS.get(channel.quantity, channel.quantity))
         create_column(sensor, "value", "<f8", chunk=_ROWS_IN_CHUNK, units=channel.unit)
 
 

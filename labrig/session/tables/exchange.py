@@ -11,8 +11,9 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from labrig.config import parse_about, parse_sheet, read_text
+from labrig.config import file_kinds, parse_about, parse_sheet, read_text
 from labrig.config.about import FILE as ABOUT
+from labrig.config.file_kinds import SHEET
 from labrig.errors import BadInputError
 from labrig.session.derived.store import load_measurements, write_derived
 from labrig.session.format import layout
@@ -59,7 +60,7 @@ def import_session(
     output exists.
     """
     output = Path(output)
-    text = read_text(sheet)
+    text = read_text(sheet, SHEET)
     tables = dict(zip(_TABLES, (forces, curves, signals), strict=True))
     geometry = parse_sheet(text, str(sheet))
     read = read_and_understood(geometry, forces, curves, signals, names=names)
@@ -112,7 +113,7 @@ def _about_text(about: Path | None, forces: Path) -> str:
     path = beside if about is None and beside.exists() else about
     if path is None:
         return ""
-    text = read_text(path)
+    text = read_text(path, file_kinds.ABOUT)
     parse_about(text, str(path))
     return text
 

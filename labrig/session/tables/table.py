@@ -57,7 +57,7 @@ _WHOLE = frozenset({"reading", "point", "mounting", "run", "mean_of"})
 
 def read_table(path: Path, expected: ExpectedColumns, given: ColumnNames = AS_NAMED) -> TextTable:
     """Read a file. Raises BadInputError, which names file, line and column."""
-    raw = read_bytes(path, MOST_BYTES)
+    raw = read_bytes(path, _wanted(expected), MOST_BYTES)
     kind = kind_of_bytes(raw[:8])
     if kind:
         raise other_kind(path, kind, _wanted(expected))

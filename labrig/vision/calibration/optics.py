@@ -305,4 +305,4 @@ def _project(homography: FloatArray, points: FloatArray) -> FloatArray:
 
 def load_optics(path: Path) -> Optics:
     """Read an optics.json."""
-    return Optics.from_json(read_text(path), str(path))
+    return Optics.from_json(read_text(path, OPTICS), str(path))

@@ -33,7 +33,7 @@ def load_strip(path: Path, configuration: str | None = None, strip: str = "") ->
     Where it states no thickness, the image decides. `strip`: the name of one of several strips;
     it takes the table of that name where there is one.
     """
-    text = read_text(path)
+    text = read_text(path, SHEET)
     refuse_other_kind(text, str(path), SHEET)
     data = parse_toml(text, str(path))
     data.pop("arc", None)

@@ -105,7 +105,8 @@ def _longer(seen: ConditionData) -> ConditionData:
     seconds = pulses * PULSE_S
     longer = replace(
         clock.of(np.zeros(len(clock.voltage_V), dtype=bool)),
-        **{name: np.full(count, getattr(clock, name)[0]) for name in ("voltage_V", "pulse_s")},
+        voltage_V=np.full(count, clock.voltage_V[0]),
+        pulse_s=np.full(count, clock.pulse_s[0]),
         session=np.full(count, float(np.mean(clock.session))),
         opposite=np.resize(clock.opposite, count),
         rise_s=np.full(count, np.broadcast_to(clock.rise_s, len(clock.voltage_V))[0]),

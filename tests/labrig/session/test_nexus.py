@@ -52,6 +52,17 @@ def test_nxvalidate_finds_no_error(session):
     assert "Total number of errors: 0" in found.stdout
 
 
+def test_sensors_measure_in_the_words_of_nexus_where_it_has_one(session):
+    with h5py.File(session) as file:
+        sensors = file["session/instrument/environment"]
+        said = {
+            n: sensors[f"{n}/measurement"].asstr()[()]
+            for n in sensors
+            if n.endswith(("A", "V", "N"))
+        }
+    assert said == {"force_N": "force", "current_A": "current", "drive_V": "voltage"}
+
+
 @pytest.mark.slow
 def test_pynxtools_sees_the_entry_and_what_it_declares(session):
     found = subprocess.run(

@@ -1,0 +1,96 @@
+"""What the rest of labrig may expect of a piece of hardware, and of time.
+
+Each interface is a `typing.Protocol`: it says when a method is called, how long it may block and
+what it may raise. Drivers of real devices fulfil them; the simulator stands behind the drivers, at
+the wire, so nothing here knows of it. All quantities are SI: V, N, m, s, rad.
+"""
+
+from drivers.interfaces.camera import (
+    FREE,
+    HARDWARE,
+    SOFTWARE,
+    AcquisitionSettings,
+    Camera,
+    CameraCounts,
+    Frame,
+    FrameTrigger,
+    GreyImage,
+    TriggerPulse,
+    TriggersFrames,
+)
+from drivers.interfaces.clock import (
+    Clock,
+    RealClock,
+    ThreadHandle,
+)
+from drivers.interfaces.errors import (
+    DeviceError,
+    DeviceNotFoundError,
+    DeviceTimeoutError,
+    LimitError,
+    LostSamplesError,
+    OverloadError,
+    OvervoltageError,
+)
+from drivers.interfaces.identity import (
+    DeviceIdentity,
+    Identified,
+)
+from drivers.interfaces.inputs import (
+    FloatArray,
+    ForceSensor,
+    SampleClock,
+    SignalBlock,
+    SignalInput,
+)
+from drivers.interfaces.operator import (
+    Operator,
+    Positioner,
+    Prompt,
+)
+from drivers.interfaces.output import (
+    Interlock,
+    TimedOutput,
+    TimedVoltage,
+    VoltageOutput,
+    VoltageWrite,
+)
+
+__all__ = [
+    "FREE",
+    "HARDWARE",
+    "SOFTWARE",
+    "AcquisitionSettings",
+    "Camera",
+    "CameraCounts",
+    "Clock",
+    "DeviceError",
+    "DeviceIdentity",
+    "DeviceNotFoundError",
+    "DeviceTimeoutError",
+    "FloatArray",
+    "ForceSensor",
+    "Frame",
+    "FrameTrigger",
+    "GreyImage",
+    "Identified",
+    "Interlock",
+    "LimitError",
+    "LostSamplesError",
+    "Operator",
+    "OverloadError",
+    "OvervoltageError",
+    "Positioner",
+    "Prompt",
+    "RealClock",
+    "SampleClock",
+    "SignalBlock",
+    "SignalInput",
+    "ThreadHandle",
+    "TimedOutput",
+    "TimedVoltage",
+    "TriggerPulse",
+    "TriggersFrames",
+    "VoltageOutput",
+    "VoltageWrite",
+]
