@@ -92,7 +92,7 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     if loose > most:
         return (
             "check of hidden parts failed: where the strip is hidden or unclear it is known to "
-            f"±{loose:.1f} pixels only; make more of it visible."
+            f"±{loose:.1f} pixels only; make more of it visible, or state places there (--through)."
         )
     return ""
 

@@ -75,15 +75,15 @@ class _Fitter:
             rounds=rounds,
             completed=self._without_ends if whole else self._completed,
             tapers=whole,
-            places=self.places if whole or len(self.places.on_strip_px) else None,
+            places=self.places if whole or self.places else None,
         )
 
     def course(self, shape: CurveShape, taper: FloatArray | None = None) -> StripCourse:
         return course_along(shape, self.images, self.optics, self.width_px, taper=taper)
 
     def _completed(self, shape: CurveShape, taper: FloatArray, blocks: Blocks) -> Blocks:
-        if blocks.seen.all():
-            return blocks
+        if blocks.seen.all() or self.places:
+            return blocks  # places say better where a strip is whose edges are not seen
         return completed(self.course(shape, taper), blocks, shape.basis.step_px)
 
     def _without_ends(self, shape: CurveShape, taper: FloatArray, blocks: Blocks) -> Blocks:
@@ -94,7 +94,8 @@ class _Fitter:
         total = shape.basis.total_px
         own = min(OWN_EDGE_WIDTHS * self.width_px, BEGIN_SHARE * total)
         begin = max(course.begin(BEGIN_SHARE * total), own)
-        blocks = completed(course, blocks, shape.basis.step_px)
+        if not self.places:
+            blocks = completed(course, blocks, shape.basis.step_px)
         s = shape.basis.s[blocks.node]
         kept = (s >= begin) & (s <= total - own)
         return replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)

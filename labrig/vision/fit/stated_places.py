@@ -46,6 +46,10 @@ class StatedPlaces:
             sigma_px=max(PLACE_SIGMA_PX, PLACE_SIGMA_WIDTHS * width_px),
         )
 
+    def __bool__(self) -> bool:
+        """Whether there is a place beside the clamp."""
+        return len(self.on_strip_px) > 0
+
     def nodes(self, shape: CurveShape) -> IntArray:
         """Return (places,) a curve's nodes nearest to the places on the strip."""
         return _nearest(shape, self.on_strip_px, len(shape.x))
