@@ -46,6 +46,26 @@ def test_it_is_made_once_and_whole_in_each_worker(tmp_path: Path, workers: int) 
     assert (tmp_path / "temp" / "log.txt").read_text() == "made\n"
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="whether a process is there is asked as in POSIX")
+def test_a_worker_that_died_while_making_it_holds_nobody_back(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    dies = (
+        "import os, sys\nfrom pathlib import Path\nfrom types import SimpleNamespace\n"
+        "from tests.made_once import made_once\n"
+        "factory = SimpleNamespace(getbasetemp=lambda: Path(sys.argv[1]))\n"
+        "made_once(factory, 'half', lambda folder: (folder.mkdir(), os._exit(7)))\n"
+    )
+    base = tmp_path_factory.getbasetemp()
+    base = base.parent if "PYTEST_XDIST_WORKER" in os.environ else base
+    environment = {k: v for k, v in os.environ.items() if not k.startswith("PYTEST_XDIST")}
+    command = [sys.executable, "-c", dies, str(base)]
+    assert subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode == 7
+    folder = made_once(tmp_path_factory, "half", lambda path: path.mkdir())
+    assert folder.is_dir()
+
+
 def test_where_making_it_failed_the_next_one_tries(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> None:

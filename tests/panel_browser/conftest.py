@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 import pytest
 
@@ -17,6 +16,7 @@ from labrig.config.templates import template_text
 from tests.panel_browser import fake_panel
 from tests.panel_browser.every_page import every_page, fill
 from tests.panel_browser.rig_world import RigWorld, leave_alone, rig_world
+from tests.panel_browser.visits import KeptPage, Visit, visits
 from tests.side_by_side import is_alone
 
 # The first has no windows and takes half the processor time.
@@ -24,10 +24,8 @@ NAMES = (
     "chromium-headless-shell", "chromium", "chromium-browser",
     "google-chrome", "google-chrome-stable", "msedge",
 )  # fmt: skip
-WAIT_MS = 30_000  # a shared machine may be slow; nothing waits longer than it must
 HERE = "tests/panel_browser/"  # how the names of its tests begin
 SCHEMAS = Path(__file__).parents[2] / "docs" / "schemas"
-Visit = Callable[..., Any]
 
 
 def pytest_ignore_collect(config: pytest.Config) -> bool | None:
@@ -52,50 +50,16 @@ def chromium():
         browser.close()
 
 
-class Watched:
-    """What the pages of a test did that they must not do."""
-
-    def __init__(self) -> None:
-        self.hosts: set[str] = set()
-        self.faults: list[str] = []
-
-    def watch(self, page: Any) -> None:
-        page.on("request", lambda request: self.hosts.add(urlsplit(request.url).hostname or ""))
-        page.on("websocket", lambda socket: self.hosts.add(urlsplit(socket.url).hostname or ""))
-        page.on("pageerror", lambda error: self.faults.append(str(error)))
-
-
-@contextmanager
-def visits(chromium: Any) -> Iterator[Visit]:
-    """`visit(url, width=, height=, dark=, **context)`: a page in a context of its own."""
-    contexts = []
-    watched = Watched()
-
-    def go(url: str, width: int = 1440, height: int = 900, dark: bool = False, **more: Any) -> Any:
-        context = chromium.new_context(
-            viewport={"width": width, "height": height},
-            color_scheme="dark" if dark else "light",
-            reduced_motion="reduce",
-            **more,
-        )
-        contexts.append(context)
-        context.set_default_timeout(WAIT_MS)
-        page = context.new_page()
-        watched.watch(page)
-        page.goto(url)
-        return page
-
-    yield go
-    for context in contexts:
-        context.close()
-    assert watched.faults == []
-    assert watched.hosts <= {"127.0.0.1", ""}  # "": blob: and data:, which leave no computer
+@pytest.fixture(scope="session")
+def kept_pages(chromium: Any) -> tuple[KeptPage, KeptPage]:
+    """Pages that the tests of a worker use one after the other; the second is for `enter`."""
+    return KeptPage(chromium), KeptPage(chromium, bypass_csp=True)
 
 
 @pytest.fixture
-def visit(chromium) -> Iterator[Visit]:
+def visit(chromium: Any, kept_pages: tuple[KeptPage, KeptPage]) -> Iterator[Visit]:
     """Pages of one test."""
-    with visits(chromium) as go:
+    with visits(chromium, kept_pages) as go:
         yield go
 
 

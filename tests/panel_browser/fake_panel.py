@@ -30,6 +30,19 @@ STATIC = Path(labrig.panel.__file__).parent / "static"
 PATIENCE_S = 30.0  # for a page to come
 
 
+_ports = [0]  # of the panels of this process, the newest first
+
+
+def _listen() -> socket.socket:
+    """Where the one before has listened, if it has ended: the browser keeps that one's scripts."""
+    for port in _ports:
+        with contextlib.suppress(OSError):
+            listening = socket.create_server(("127.0.0.1", port))
+            _ports[:] = [listening.getsockname()[1], 0]
+            return listening
+    raise OSError("no port is free")
+
+
 class FakePanel:
     """`answers` may be changed: (method, path) -> what is answered. `asked` is what came."""
 
@@ -44,6 +57,7 @@ class FakePanel:
         self.sockets: set[WebSocket] = set()
         self._greeted = threading.Event()  # a page has come, and was told all there was
         self._heard = threading.Condition()
+        self._over = asyncio.Event()  # no request is left hanging
         self.control = {"holder": None, "name": None, "since": None, "here": True, "clients": 1}
         routes = [
             Route("/", lambda _: FileResponse(STATIC / "index.html")),
@@ -51,16 +65,16 @@ class FakePanel:
             WebSocketRoute("/ws", self._socket),
             Route("/{path:path}", self._http, methods=["GET", "POST", "PUT", "DELETE"]),
         ]
-        self.listening = socket.create_server(("127.0.0.1", 0))
+        self.listening = _listen()
         self.port = self.listening.getsockname()[1]
         config = uvicorn.Config(
             Starlette(routes=routes), log_level="error", lifespan="off", ws="websockets-sansio"
         )
         self._server = uvicorn.Server(config)
+        self.loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._serve, daemon=True)
 
     def _serve(self) -> None:
-        self.loop = asyncio.new_event_loop()
         self.loop.run_until_complete(self._server.serve(sockets=[self.listening]))
         self.loop.close()
 
@@ -70,6 +84,7 @@ class FakePanel:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.loop.call_soon_threadsafe(self._over.set)
         self._server.should_exit = self._server.force_exit = True
         self._thread.join(10)
         self.listening.close()
@@ -140,7 +155,8 @@ class FakePanel:
             self.asked.append((request.method, path, raw))
             self._heard.notify_all()
         if self.hangs and path != "/stop":
-            await asyncio.sleep(30)
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._over.wait(), PATIENCE_S)
         if (request.method, path) in self.answers:
             return _answer(self.answers[request.method, path])
         if path == "/api/status":

@@ -10,7 +10,7 @@ import pytest
 
 from labrig.analysis.results import result_of
 from labrig.session import load_measurements
-from tests.labrig.panel.page import Server
+from tests.labrig.panel.page import panel
 from tests.labrig.report_data import measure, session
 from tests.panel_browser import every_page
 from tests.panel_browser.conftest import text_of
@@ -29,11 +29,10 @@ def world(tmp_path_factory):
     conditions = (measured.conditions[0], replace(first, readings=readings))
     measured = replace(measured, conditions=(*conditions, *measured.conditions[2:]))
     session(folder / NAME, measured)
-    server = Server(None, "--data", str(folder))
-    status, _ = server.ask("GET", f"/api/result?session={NAME}")  # fits now, not in each test
-    assert status == 200
-    yield RigWorld(server, folder)
-    server.end()
+    with panel(None, "--data", str(folder)) as server:
+        status, _ = server.ask("GET", f"/api/result?session={NAME}")  # fits now, not in each test
+        assert status == 200
+        yield RigWorld(server, folder)
 
 
 @pytest.fixture
