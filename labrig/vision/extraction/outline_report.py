@@ -12,7 +12,7 @@ from labrig.vision.checks.verdict import judge_outline
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extraction.outline_shape import Outline
 from labrig.vision.fit.curve_fit import spread
-from labrig.vision.fit.outline import Blocks
+from labrig.vision.fit.outline_blocks import Blocks
 from labrig.vision.image.image import GreyImage
 from labrig.vision.thresholds import (
     END_EARLY_RATIO,

@@ -12,7 +12,8 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry
 from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
 from labrig.vision.fit.course import StripCourse, completed, course_along
-from labrig.vision.fit.outline import ROUNDS, Blocks, OutlineFit, fit_outline
+from labrig.vision.fit.outline import ROUNDS, OutlineFit, fit_outline
+from labrig.vision.fit.outline_blocks import Blocks
 from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage

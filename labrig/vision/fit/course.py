@@ -18,10 +18,10 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.shape import CurveShape
-from labrig.vision.fit.outline import (
+from labrig.vision.fit.outline_blocks import Blocks
+from labrig.vision.fit.outline_profiles import (
     BLUR_MIN_PX,
     BLUR_RATIO,
-    Blocks,
     grey_beside,
     running_middle,
 )

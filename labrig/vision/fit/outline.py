@@ -2,8 +2,8 @@
 
 The fit of intensities takes a strip to be equally bright across and along. One that is shiny,
 shaded on one half, ringed or short and thick is not: but its edges are where the image changes
-most, to either brightness. Blocks are about as long as the strip is thick; the way through their
-shifts that shows both edges best is taken, and a smooth curve is fitted to the middles.
+most, to either brightness. A smooth curve is fitted to the middles of blocks
+(`fit.outline_blocks`), and to what is stated of the strip.
 """
 
 from __future__ import annotations
@@ -19,9 +19,16 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.shape import CurveShape
 from labrig.vision.curve.smoothness import JUMP_PRIORS, averaged, covariance
 from labrig.vision.fit.curve_fit import information, spread
+from labrig.vision.fit.outline_blocks import (
+    FRAY_HALF_BLOCKS,
+    Blocks,
+    measure_blocks,
+    roughness,
+    without_lonely,
+)
+from labrig.vision.fit.outline_profiles import running_middle
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
-from labrig.vision.search.straightened import slopes
 from labrig.vision.thresholds import (
     OUTLINE_END_SIGMA_MAX_PX,
     OUTLINE_END_SIGMA_RATIO,
@@ -30,72 +37,29 @@ from labrig.vision.thresholds import (
     OUTLINE_PROFILE_SIGMA_THIN_RATIO,
     OUTLINE_SIGMA_MIN_PX,
     OUTLINE_SIGMA_MIN_RATIO,
-    OUTLINE_STRENGTH_MIN_RATIO,
-    OUTLINE_STRENGTH_MIN_SIGMAS,
     OUTLINE_TAPER_SHARES,
-    OUTLINE_WIDTH_RATIOS,
 )
 
 FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 IntArray = npt.NDArray[np.int64]
 
 ROUNDS = 5
-BLOCK_RATIO = 0.3  # length of a block in widths
-BLOCK_MIN_PX = 3.0
-UNIT_RATIO = 0.04  # step across, in widths
-UNIT_MAX_PX = 0.5
-BLUR_RATIO = 0.1  # of an edge, in widths
-FINE_BLUR_RATIO = 0.04  # where sharp edges are looked for
-BLUR_MIN_PX = 0.8
-SHIFT_RATIO = 0.6  # how far beside the curve the strip is looked for
-EDGE_ROOM_RATIO = 0.22  # how far from its place in a strip of the usual width an edge may be
 UNSEEN_TURN_MIN_RAD = 0.3  # that a straight strip may make along its length, unseen
 GAP_WIDTHS = 1.5  # of a gap that a smooth curve leads over; in a longer one it may bend
-SHIFT_COST = 6.0  # of a shift by one width from block to block, squared
-FRAY_HALF_BLOCKS = 4
 MISFIT_HALF_BLOCKS = 1
-FRAY_WIDTH_RATIO, FRAY_WIDTH_PX = 0.12, 1.0  # by which a block's width may leave its neighbours'
-FRAY_SIGMAS = 4.0  # or so many of their scatter
 TAPER_DEGREE = 4  # of the polynomial that a strip's width follows along it
 TAPER_FROM = 0.08  # of the usual width: a smaller difference may be the light's
 TAPER_RATIOS = (0.3, 1.25)  # wider is more often a shadow
 TAPER_MIN_PX = 4.0  # a thinner part is looked at as one of that width
-LONELY_HALF_BLOCKS, LONELY_SHARE = 5, 0.5  # around a block, seen
 INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Blocks:
-    """What is seen of both edges, block by block; lengths in pixels of the sheet's plane."""
-
-    node: IntArray  # (blocks,): the curve's node at its middle
-    middle_px: FloatArray  # to the left of the curve
-    width_px: FloatArray
-    strength: FloatArray  # the change at the weaker edge, over noise and texture
-    clear: BoolArray  # whether both edges are, however far apart they lie
-    seen: BoolArray
-    by_profile: BoolArray  # seen by the whole profile only, for an edge is too faint
-
-    @property
-    def by_edges(self) -> BoolArray:
-        """(blocks,) whether both edges are seen, so that a width is measured."""
-        return np.asarray(self.seen & ~self.by_profile)
-
-    def longest_gap_px(self, step_px: float) -> float:
-        """Return the length on which no block shows both edges, at most."""
-        at = np.concatenate([[-1], np.flatnonzero(self.seen), [len(self.seen)]])
-        many = float(np.median(np.diff(self.node)))
-        return float(np.diff(at).max() - 1) * many * step_px
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OutlineFit:
     """A fitted curve with what was measured along it."""
 
-    taper: FloatArray  # (nodes,) see `fitted_taper`
-
     shape: CurveShape
+    taper: FloatArray  # (nodes,) see `fitted_taper`
     blocks: Blocks
     normal: FloatArray
     pull: FloatArray
@@ -234,7 +198,7 @@ def fit_outline(
         if completed is not None:
             blocks = completed(shape, taper, blocks)
         if tapers:
-            blocks = _without_lonely(blocks)
+            blocks = without_lonely(blocks)
         if places is not None:
             kept = ~places.contradicted(shape, blocks.node, blocks.middle_px, width_px)
             blocks = replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
@@ -245,18 +209,6 @@ def fit_outline(
         if tapers:
             taper = fitted_taper(blocks, width_px, len(shape.x))
     return fit
-
-
-def _without_lonely(blocks: Blocks) -> Blocks:
-    """Return blocks without those that are seen where most others are not.
-
-    Dirt shows two edges here and there: a path that cuts off a bend is no better known for it.
-    """
-    around = np.ones(2 * LONELY_HALF_BLOCKS + 1)
-    many = np.convolve(blocks.seen, around, mode="same")
-    there = np.convolve(np.ones(len(blocks.seen)), around, mode="same")
-    kept = many >= LONELY_SHARE * there
-    return replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
 
 
 def fitted_taper(blocks: Blocks, width_px: float, nodes: int) -> FloatArray:
@@ -275,165 +227,6 @@ def fitted_taper(blocks: Blocks, width_px: float, nodes: int) -> FloatArray:
     return np.asarray(np.interp(np.arange(nodes), blocks.node[seen], ratio))
 
 
-def measure_blocks(
-    shape: CurveShape,
-    images: Sequence[GreyImage],
-    optics: Optics,
-    width_px: float,
-    taper: FloatArray,
-) -> Blocks:
-    """Return both edges beside a curve, block by block."""
-    step = shape.basis.step_px
-    many = max(1, round(max(BLOCK_MIN_PX, BLOCK_RATIO * width_px) / step))
-    across = across_px(width_px)
-    unit = float(across[1] - across[0])
-    size = edge_sizes(shape, images, optics, width_px, many, taper=taper)
-    count = len(size)
-    node = np.minimum((np.arange(count) + 0.5) * many, len(shape.x) - 1).astype(np.int64)
-    shift = _best_way(_pair(size, width_px / unit, SHIFT_RATIO * width_px / unit), width_px / unit)
-    room = EDGE_ROOM_RATIO * width_px
-    low, weak = _edge(size, shift * unit - width_px / 2, room, across)
-    high, other = _edge(size, shift * unit + width_px / 2, room, across)
-    strength = np.minimum(weak, other)
-    wide = high - low
-    usual = float(np.median(strength))
-    least, most = OUTLINE_WIDTH_RATIOS
-    clear = strength > OUTLINE_STRENGTH_MIN_RATIO * usual
-    clear &= strength > OUTLINE_STRENGTH_MIN_SIGMAS
-    seen = clear & (wide > least * width_px) & (wide < most * width_px)
-    # a fitting or a fray shows on one side of few blocks only
-    around = running_middle(wide, FRAY_HALF_BLOCKS)
-    frayed = max(FRAY_WIDTH_RATIO * width_px + FRAY_WIDTH_PX, FRAY_SIGMAS * _roughness(wide))
-    seen &= np.abs(wide - around) < frayed
-    return Blocks(
-        node=node,
-        middle_px=0.5 * (low + high) * taper[node],
-        width_px=wide * taper[node],
-        strength=strength,
-        clear=clear,
-        seen=seen,
-        by_profile=np.zeros(count, dtype=bool),
-    )
-
-
-def across_px(width_px: float) -> FloatArray:
-    """Return places across a strip, to both sides of its middle, beyond its edges."""
-    unit = min(UNIT_MAX_PX, UNIT_RATIO * width_px)
-    reach = (0.5 + SHIFT_RATIO + EDGE_ROOM_RATIO) * width_px + 3 * BLUR_MIN_PX
-    many = math.ceil(reach / unit)
-    return np.asarray(np.arange(-many, many + 1) * unit)
-
-
-def grey_beside(
-    shape: CurveShape,
-    image: GreyImage,
-    optics: Optics,
-    across: FloatArray,
-    taper: FloatArray | None = None,
-) -> FloatArray:
-    """Return (nodes, places across) the image to the left of a curve; NaN outside.
-
-    `taper` (nodes,): by which the places lie nearer to the curve.
-    """
-    import cv2
-
-    if taper is not None:
-        across = taper[:, None] * across
-    x = shape.x[:, None] - np.sin(shape.phi)[:, None] * across
-    y = shape.y[:, None] + np.cos(shape.phi)[:, None] * across
-    plane = np.stack([x.ravel(), y.ravel()], axis=1) / optics.px_per_m
-    uv = optics.world_to_pixel(plane).reshape(*x.shape, 2).astype(np.float32)
-    # remap takes no more than this many rows or columns at once
-    parts = [
-        cv2.remap(
-            image.grey,
-            np.ascontiguousarray(part[..., 0]),
-            np.ascontiguousarray(part[..., 1]),
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_CONSTANT,
-            borderValue=float("nan"),
-        )
-        for part in np.array_split(uv, 1 + len(uv) // 8192)
-    ]
-    return np.asarray(np.concatenate(parts), dtype=np.float64)
-
-
-def edge_sizes(
-    shape: CurveShape,
-    images: Sequence[GreyImage],
-    optics: Optics,
-    width_px: float,
-    many: int,
-    *,
-    blur_ratio: float = BLUR_RATIO,
-    taper: FloatArray | None = None,
-) -> FloatArray:
-    """Return (blocks, places across) how much the image changes there, over noise and texture.
-
-    Blocks are of `many` nodes. Of several channels it is the root of the sum of squares: an edge
-    may show in any of them.
-    """
-    across = across_px(width_px)
-    unit = float(across[1] - across[0])
-    blur = max(BLUR_MIN_PX, blur_ratio * width_px)
-    beside = np.abs(across) > (0.5 + 0.5 * SHIFT_RATIO) * width_px
-    count = max(1, len(shape.x) // many)
-    total = np.zeros((count, len(across)))
-    for image in images:
-        rows = grey_beside(shape, image, optics, across, taper)[: count * many]
-        with np.errstate(invalid="ignore"):
-            profiles = rows.reshape(count, many, -1).mean(axis=1)
-        slope = slopes(profiles, blur / unit)
-        texture = float(np.median(np.abs(slope[:, beside]))) / 0.6745
-        pixels = 1.5 * image.noise / math.sqrt(many * shape.basis.step_px * blur)
-        total += (slope / max(texture, pixels)) ** 2
-    return np.asarray(np.sqrt(total / len(images)))
-
-
-def _pair(size: FloatArray, apart: float, reach: float) -> FloatArray:
-    """Return (blocks, shifts) the weaker change of two edges that far apart."""
-    middle = size.shape[1] // 2
-    shifts = np.arange(-int(reach), int(reach) + 1)
-    low = np.round(middle + shifts - apart / 2).astype(int)
-    high = np.round(middle + shifts + apart / 2).astype(int)
-    return np.asarray(np.minimum(size[:, low], size[:, high]))
-
-
-def _best_way(score: FloatArray, width: float) -> FloatArray:
-    """Return (blocks,) the shifts (steps) that show the edges best and change little."""
-    blocks, many = score.shape
-    score = score / max(float(np.median(score.max(axis=1))), 1e-9)
-    score = np.minimum(score, 2.0)
-    apart = (np.arange(many)[:, None] - np.arange(many)[None, :]) / width
-    cost = SHIFT_COST * (4 * apart) ** 2
-    total, came = score[0].copy(), np.zeros((blocks, many), dtype=np.int64)
-    for b in range(1, blocks):
-        options = total[None, :] - cost
-        came[b] = options.argmax(axis=1)
-        total = score[b] + options[np.arange(many), came[b]]
-    way = np.empty(blocks, dtype=np.int64)
-    way[-1] = int(total.argmax())
-    for b in range(blocks - 1, 0, -1):
-        way[b - 1] = came[b, way[b]]
-    return np.asarray(way - many // 2, dtype=np.float64)
-
-
-def _edge(
-    size: FloatArray, place: FloatArray, room: float, across: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return (blocks,) place and size of the largest change near a place, to a part of a step."""
-    near = np.abs(across[None, :] - place[:, None]) <= room
-    near[:, [0, -1]] = False
-    peak = np.where(near, size, -1.0).argmax(axis=1)
-    peak = np.clip(peak, 1, len(across) - 2)
-    rows = np.arange(len(size))
-    before, at, after = (size[rows, peak + q] for q in (-1, 0, 1))
-    bend = before - 2 * at + after
-    beside = np.where(bend < 0, 0.5 * (before - after) / np.where(bend < 0, bend, 1.0), 0.0)
-    unit = float(across[1] - across[0])
-    return across[peak] + np.clip(beside, -1, 1) * unit, at
-
-
 def _fitted(
     shape: CurveShape,
     blocks: Blocks,
@@ -444,7 +237,7 @@ def _fitted(
     """Return the smooth curve through the middles of the blocks and what is stated."""
     seen = blocks.seen
     offset = np.where(seen, blocks.middle_px, 0.0)
-    rough = _roughness(blocks.middle_px[seen])
+    rough = roughness(blocks.middle_px[seen])
     width = float(np.median(blocks.width_px[blocks.by_edges]))
     sigma = max(rough, 0.005 * width, 0.03) * math.sqrt(INDEPENDENT_BLOCKS)
     modes = shape.normal_modes()[blocks.node]
@@ -468,16 +261,8 @@ def _fitted(
         pull=pull,
         residual_px=float(np.sqrt(np.mean(left[seen] ** 2))),
         misfit_px=np.where(seen, left, 0.0),
-        width_scatter_px=_roughness(blocks.width_px[blocks.by_edges]),
+        width_scatter_px=roughness(blocks.width_px[blocks.by_edges]),
     )
-
-
-def _roughness(values: FloatArray) -> float:
-    """Return the robust standard deviation of values about their running middle."""
-    if len(values) < 5:
-        return float(np.std(values))
-    middle = running_middle(values, 2)
-    return 1.48 * float(np.median(np.abs(values - middle))) * math.sqrt(1.25)
 
 
 def _wander(widths: FloatArray) -> float:
@@ -487,12 +272,3 @@ def _wander(widths: FloatArray) -> float:
     along = np.linspace(-1, 1, len(widths))
     smooth = np.polynomial.polynomial.polyfit(along, widths, TAPER_DEGREE)
     return float(np.std(widths - np.polynomial.polynomial.polyval(along, smooth)))
-
-
-def running_middle(values: FloatArray, half: int) -> FloatArray:
-    """Return (n,) the median over `half` values to each side."""
-    half = min(half, len(values) - 1)
-    windows = np.lib.stride_tricks.sliding_window_view
-    return np.asarray(
-        np.median(windows(np.pad(values, half, mode="reflect"), 2 * half + 1), axis=1)
-    )

@@ -12,9 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
-from labrig.vision.fit.outline import (
+from labrig.vision.fit.outline import OutlineFit
+from labrig.vision.fit.outline_profiles import (
     FINE_BLUR_RATIO,
-    OutlineFit,
     across_px,
     edge_sizes,
     running_middle,

@@ -8,7 +8,7 @@ import pytest
 from labrig.vision import Optics
 from labrig.vision.curve.shape import make_basis, make_shape
 from labrig.vision.fit.course import StripCourse, completed, course_along
-from labrig.vision.fit.outline import measure_blocks
+from labrig.vision.fit.outline_blocks import measure_blocks
 from labrig.vision.image.image import read_grey_image
 
 ROWS, COLUMNS, MIDDLE = 100, 260, 50

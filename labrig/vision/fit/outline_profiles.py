@@ -1,0 +1,107 @@
+"""What an image shows beside a curve, along its normals, and how much it changes there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve.shape import CurveShape
+from labrig.vision.image.image import GreyImage
+from labrig.vision.search.straightened import slopes
+
+FloatArray = npt.NDArray[np.float64]
+
+UNIT_RATIO = 0.04  # step across, in widths
+UNIT_MAX_PX = 0.5
+BLUR_RATIO = 0.1  # of an edge, in widths
+FINE_BLUR_RATIO = 0.04  # where sharp edges are looked for
+BLUR_MIN_PX = 0.8
+SHIFT_RATIO = 0.6  # how far beside the curve the strip is looked for
+EDGE_ROOM_RATIO = 0.22  # how far from its place in a strip of the usual width an edge may be
+
+
+def across_px(width_px: float) -> FloatArray:
+    """Return places across a strip, to both sides of its middle, beyond its edges."""
+    unit = min(UNIT_MAX_PX, UNIT_RATIO * width_px)
+    reach = (0.5 + SHIFT_RATIO + EDGE_ROOM_RATIO) * width_px + 3 * BLUR_MIN_PX
+    many = math.ceil(reach / unit)
+    return np.asarray(np.arange(-many, many + 1) * unit)
+
+
+def grey_beside(
+    shape: CurveShape,
+    image: GreyImage,
+    optics: Optics,
+    across: FloatArray,
+    taper: FloatArray | None = None,
+) -> FloatArray:
+    """Return (nodes, places across) the image to the left of a curve; NaN outside.
+
+    `taper` (nodes,): by which the places lie nearer to the curve.
+    """
+    import cv2
+
+    if taper is not None:
+        across = taper[:, None] * across
+    x = shape.x[:, None] - np.sin(shape.phi)[:, None] * across
+    y = shape.y[:, None] + np.cos(shape.phi)[:, None] * across
+    plane = np.stack([x.ravel(), y.ravel()], axis=1) / optics.px_per_m
+    uv = optics.world_to_pixel(plane).reshape(*x.shape, 2).astype(np.float32)
+    # remap takes no more than this many rows or columns at once
+    parts = [
+        cv2.remap(
+            image.grey,
+            np.ascontiguousarray(part[..., 0]),
+            np.ascontiguousarray(part[..., 1]),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=float("nan"),
+        )
+        for part in np.array_split(uv, 1 + len(uv) // 8192)
+    ]
+    return np.asarray(np.concatenate(parts), dtype=np.float64)
+
+
+def edge_sizes(
+    shape: CurveShape,
+    images: Sequence[GreyImage],
+    optics: Optics,
+    width_px: float,
+    many: int,
+    *,
+    blur_ratio: float = BLUR_RATIO,
+    taper: FloatArray | None = None,
+) -> FloatArray:
+    """Return (blocks, places across) how much the image changes there, over noise and texture.
+
+    Blocks are of `many` nodes. Of several channels it is the root of the sum of squares: an edge
+    may show in any of them.
+    """
+    across = across_px(width_px)
+    unit = float(across[1] - across[0])
+    blur = max(BLUR_MIN_PX, blur_ratio * width_px)
+    beside = np.abs(across) > (0.5 + 0.5 * SHIFT_RATIO) * width_px
+    count = max(1, len(shape.x) // many)
+    total = np.zeros((count, len(across)))
+    for image in images:
+        rows = grey_beside(shape, image, optics, across, taper)[: count * many]
+        with np.errstate(invalid="ignore"):
+            profiles = rows.reshape(count, many, -1).mean(axis=1)
+        slope = slopes(profiles, blur / unit)
+        texture = float(np.median(np.abs(slope[:, beside]))) / 0.6745
+        pixels = 1.5 * image.noise / math.sqrt(many * shape.basis.step_px * blur)
+        total += (slope / max(texture, pixels)) ** 2
+    return np.asarray(np.sqrt(total / len(images)))
+
+
+def running_middle(values: FloatArray, half: int) -> FloatArray:
+    """Return (n,) the median over `half` values to each side."""
+    half = min(half, len(values) - 1)
+    windows = np.lib.stride_tricks.sliding_window_view
+    return np.asarray(
+        np.median(windows(np.pad(values, half, mode="reflect"), 2 * half + 1), axis=1)
+    )
