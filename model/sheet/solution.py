@@ -19,6 +19,7 @@ from model.mechanics.free_shape import free_shape
 from model.sheet.beam_problem import ConditionProblem
 
 SPACING_M = 0.5e-3
+RIGID = 1e-7  # B over the stiffness of an elongation that does not bend, beside others that do
 _BESIDE = 4  # rounds of placing a contact beside the arc; each gains a factor of offset/R
 
 
@@ -59,7 +60,8 @@ def _batch(
     beyond = sheet.elongation_m
     if bends:  # the elongation is a part of the sheet whose stiffness is another
         kappa = [_longer(k, beyond, 0.0) for k in kappa]
-        soft = [_longer(c, beyond, s.elongation_soft) for c, s in zip(soft, setups, strict=True)]
+        softer = [max(s.elongation_soft, RIGID) for s in setups]
+        soft = [_longer(c, beyond, value) for c, value in zip(soft, softer, strict=True)]
         beyond = 0.0
     breaks = merged_breaks([f.breaks_m for f in (*kappa, *soft)])
     made = problems(for_each_field(lambda k: k.on(breaks), kappa), angles, radius_m, beyond)

@@ -220,3 +220,27 @@ def test_a_sheet_softer_towards_its_end_bends_where_it_is_soft(truth: SheetModel
     kappa, s = free_curvature(setup), np.linspace(0.0, 0.05, 11)
     np.testing.assert_allclose(kappa(s), 5.0 + 25.0 * soft(s), rtol=1e-12)
     assert isinstance(one.eibm[2.0], Along)
+
+
+def test_an_elongation_that_bends_at_one_voltage_alone_is_rigid_at_the_others(truth: SheetModel):
+    from model.sheet.beam_problem import ConditionProblem
+    from model.sheet.solution import solved
+
+    one: ConfiguredSheet = truth.sheet("short")
+    assert one.sheet.elongation_m > 0
+
+    def setup(elongation_soft: float) -> ConditionProblem:
+        return ConditionProblem(
+            sheet=one.sheet,
+            voltage_V=2.0,
+            angle_rad=0.1,
+            B_Nm2=one.B.value,
+            rest=Field.constant(5.0, one.sheet.free_length_m),
+            eibm=one.eibm_at(2.0),
+            elongation_soft=elongation_soft,
+        )
+
+    rigid = solved([setup(0.0)]).nu[0]
+    together = solved([setup(soft) for soft in (0.3, 0.0, -0.1)]).nu  # less than rigid: rigid
+    assert abs(together[0] / rigid - 1) > 1e-3
+    np.testing.assert_allclose(together[1:], rigid, rtol=1e-5)
