@@ -58,6 +58,7 @@ def check_links(page: Path, text: str) -> None:
             assert anchor in _anchors(to), f"{page.name}: {target} has no heading #{anchor}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_links_resolve(page):
     check_links(page, page.read_text(encoding="utf-8"))

@@ -122,6 +122,7 @@ def test_a_network_stream_is_read_grey_and_undistorted(server):
         camera.close()
 
 
+@pytest.mark.slow
 def test_after_a_pause_no_stale_frame_is_served(server):
     """A session pauses for minutes between runs, while the stream goes on."""
     clock = RealClock()
@@ -153,6 +154,7 @@ def test_a_url_that_nobody_serves_is_refused_in_bounded_time():
     assert time.perf_counter() - began < 6.0
 
 
+@pytest.mark.slow
 def test_a_url_that_accepts_and_stays_silent_is_refused_in_bounded_time(monkeypatch):
     monkeypatch.setattr(camera_capture, "OPEN_TIMEOUT_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as silent:
@@ -197,6 +199,7 @@ def test_a_camera_that_hangs_is_noticed_before_its_own_time_out():
         camera.close()
 
 
+@pytest.mark.slow
 def test_a_file_is_played_at_its_own_rate(tmp_path: Path):
     path = tmp_path / "strip.avi"
     writer = cv2.VideoWriter(str(path), cv2.VideoWriter.fourcc(*"MJPG"), 50.0, (COLUMNS, ROWS))

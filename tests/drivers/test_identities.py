@@ -136,6 +136,7 @@ def test_a_camera_on_the_network_is_known_by_its_server(camera_server, name, pro
     assert camera_server.asked == [("/video?size=1", None)]  # no password to tell who it is
 
 
+@pytest.mark.slow
 def test_a_camera_on_the_network_that_does_not_tell_is_not_waited_for():
     with socket.create_server(("127.0.0.1", 0)) as silent:
         began_s = time.monotonic()

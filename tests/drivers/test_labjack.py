@@ -379,6 +379,7 @@ def test_a_request_behind_one_that_is_not_answered_ends_by_itself():
     assert max(said[0], rig.clock.now()) < began_s + 5.0
 
 
+@pytest.mark.slow
 def test_an_answer_that_comes_byte_by_byte_is_given_up_in_time():
     with socket.create_server(("127.0.0.1", 0)) as listener:
 

@@ -43,6 +43,7 @@ def test_a_port_where_nobody_listens_is_said_so_at_once():
     assert time.perf_counter() - began < 2.0
 
 
+@pytest.mark.slow
 def test_a_server_that_accepts_and_never_answers_does_not_hang_us(monkeypatch):
     monkeypatch.setattr(ni_deadlines, "QUICK_S", 0.3)
     with socket.create_server(("127.0.0.1", 0)) as silent:

@@ -25,6 +25,7 @@ def test_channels_and_actual_ranges_are_told(ni_rig):
     assert list(signals.ranges_V) == pytest.approx([0.05, 0.5, 5.0])
 
 
+@pytest.mark.slow
 def test_blocks_join_without_gap_or_overlap(ni_rig):
     signals = ni_rig.signals(rate_hz=1000.0)
     signals.open()
@@ -205,6 +206,7 @@ def test_a_refusal_names_the_channels_and_leaves_the_input_usable(simulated_ni, 
     assert signals.measure(0.01).shape == (3, 10)
 
 
+@pytest.mark.slow
 def test_a_server_that_hangs_does_not_hang_a_read(tcp_ni, monkeypatch):
     monkeypatch.setattr(ni_deadlines, "QUICK_S", 0.3)
     monkeypatch.setattr(ni_input, "MARGIN_S", 0.2)

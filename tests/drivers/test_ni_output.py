@@ -173,6 +173,7 @@ def test_a_task_that_was_cleared_from_outside_is_told_and_can_be_opened_anew(ni_
     assert read_back(ni_rig) == pytest.approx(0.0, abs=2 * LSB_V)
 
 
+@pytest.mark.slow
 def test_a_server_that_hangs_does_not_hang_a_write(tcp_ni, monkeypatch):
     monkeypatch.setattr(ni_deadlines, "QUICK_S", 0.3)
     monkeypatch.setattr(ni_output, "WRITE_TIMEOUT_S", 0.2)

@@ -94,6 +94,7 @@ def test_a_camera_that_never_ends_its_frame_is_left_behind(monkeypatch):
     never.set()
 
 
+@pytest.mark.slow
 def test_a_program_that_holds_the_boards_is_waited_for_in_bounded_time(place):
     from drivers.boards.ni.analog_output import NiVoltageOutput
     from drivers.boards.ni.rescue import shut_down

@@ -112,6 +112,7 @@ def test_a_connection_that_ends_while_energised_is_made_safe_within_a_second(sce
     assert scene.boards.safe_s[0] - gone_s < 0.5
 
 
+@pytest.mark.slow
 def test_a_program_that_finishes_leaves_the_boards_alone_and_the_next_one_is_watched(scene):
     for _ in range(2):
         link = scene.link()
@@ -135,6 +136,7 @@ def test_a_link_that_is_closed_before_0_V_was_confirmed_leaves_it_to_the_watch(s
     scene.until(lambda: scene.boards.safe_s)
 
 
+@pytest.mark.slow
 def test_boards_that_refuse_are_tried_until_they_do_not(scene):
     scene.boards.refusals = 3
     link = scene.link()
@@ -171,6 +173,7 @@ def test_a_watch_that_lacks_the_token_is_not_taken_for_one(scene):
     thread.join()
 
 
+@pytest.mark.slow
 def test_silent_connections_and_floods_keep_nobody_from_being_watched(scene):
     link = scene.link()
     link.energised(on=True)
@@ -184,6 +187,7 @@ def test_silent_connections_and_floods_keep_nobody_from_being_watched(scene):
         line.close()
 
 
+@pytest.mark.slow
 def test_a_greeting_that_comes_byte_by_byte_is_cut_off(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("drivers.watch.server._GREETING_S", 0.3)
     scene = Scene()

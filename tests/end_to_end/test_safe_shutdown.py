@@ -142,6 +142,7 @@ def test_without_a_guard_zero_is_tried_until_the_deadline_of_the_shutdown(
     monkeypatch.undo()
 
 
+@pytest.mark.slow
 def test_each_shutdown_that_fails_is_told(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(_board_V: float) -> None:
         raise DeviceError("the board refuses")

@@ -134,6 +134,7 @@ def world_refused(path: Path) -> bool:
     return bool(said)
 
 
+@pytest.mark.slow
 def test_a_damaged_world_is_refused_in_words_or_read(tmp_path: Path) -> None:
     sound = (ROOT / "sim_hardware" / "world" / "world.toml").read_text(encoding="utf-8")
     path = tmp_path / "world.toml"

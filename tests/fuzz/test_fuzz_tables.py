@@ -64,6 +64,7 @@ def _damaged(raw: bytes, kind: str, dice: random.Random) -> bytes:
     return text_of(raw.decode(), dice).encode("utf-8", "surrogatepass")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [

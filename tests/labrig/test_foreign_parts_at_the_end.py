@@ -119,6 +119,7 @@ class Rescue:
         self._do("close")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("on", ["make_safe", "open", "close"])
 def test_the_guard_tries_again_whatever_the_boards_code_raises(on: str) -> None:
     rescue = Rescue(breaks=1, breaks_on=on)
@@ -130,6 +131,7 @@ def test_the_guard_tries_again_whatever_the_boards_code_raises(on: str) -> None:
     assert [json.loads(each)["why"] for each in said] == ["it hangs"]
 
 
+@pytest.mark.slow
 def test_the_guard_reports_boards_that_hang_and_makes_them_safe_beside_the_attempt_that_does(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -123,6 +123,7 @@ def test_a_hook_that_fails_is_logged_and_nothing_else(config, why, log):
     assert why in log[0]
 
 
+@pytest.mark.slow
 def test_a_hook_that_hangs_is_ended_after_its_time(log):
     sleeper = (sys.executable, "-c", "import time; time.sleep(60)")
     hooks = Hooks(HooksConfig(command=sleeper, timeout_s=0.5), "a.h5", log.append)
@@ -183,6 +184,7 @@ class Answers:
         return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("after_s", "events"), [(0.0, []), (0.6, ["waiting"])])
 def test_the_operator_is_told_of_a_question_that_stands_for_long(tmp_path, log, after_s, events):
     file = tmp_path / "told"

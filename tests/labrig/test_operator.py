@@ -51,6 +51,7 @@ def asked(typing):
     return RecordedOperator(operator, Clock(), events.append), said, events, typing
 
 
+@pytest.mark.slow
 def test_the_offer_to_repeat_lost_readings_does_not_wait_for_ever(asked):
     operator, said, events, typing = asked
     assert operator.ask(OFFER)
@@ -87,6 +88,7 @@ def test_an_answer_in_time_is_taken_as_before(asked):
     assert answered == [(False, False), (True, False)]
 
 
+@pytest.mark.slow
 def test_an_answer_that_comes_too_late_is_no_answer_to_the_next_question(monkeypatch):
     pty = pytest.importorskip("pty")
     ours, theirs = pty.openpty()

@@ -42,6 +42,7 @@ def test_a_package_in_the_folder_that_hides_one_is_named(tmp_path: Path) -> None
     assert_told(result, tmp_path / "model")
 
 
+@pytest.mark.slow
 def test_a_folder_that_is_no_package_hides_nothing(tmp_path: Path) -> None:
     (tmp_path / "model").mkdir()
     result = ended([sys.executable, "-m", "labrig", "--help"], tmp_path)

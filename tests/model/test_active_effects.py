@@ -50,6 +50,7 @@ def plausible(name: str) -> ActiveEffect:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(catalogue()))
 def test_every_effect_of_the_catalogue_can_be_in_a_model(truth: SheetModel, name: str):
     model = truth.with_effects(plausible(name)).in_session(2)

@@ -189,6 +189,7 @@ def test_forces_alone_give_stiffness_and_constant_eibm(measure, truth):
     assert np.isnan(found.rmse["constant"].curve_m)
 
 
+@pytest.mark.slow
 def test_held_out_conditions_are_not_used_and_are_named(measure):
     data = measure(seed=11, names=("short",))
     found = fit(data, FitOptions(held_out=(("short", 0.01), ("short", 0.02, 2.0))))

@@ -41,6 +41,7 @@ def test_shapes_determine_the_ratio_of_eibm_and_stiffness():
     assert fitted().rmse["constant"].curve_m < 5e-5
 
 
+@pytest.mark.slow
 def test_what_they_leave_open_is_said_and_not_made_up():
     assert not fitted().configurations["long"].B_known
     said = fitted().to_json()["configurations"]["long"]
@@ -49,6 +50,7 @@ def test_what_they_leave_open_is_said_and_not_made_up():
     assert any("B is not determined by these data, only EIBM/B is" in n for n in fitted().notes)
 
 
+@pytest.mark.slow
 def test_a_stated_stiffness_is_kept_and_scales_the_eibm():
     usual, stated = (f.configurations["long"] for f in (fitted(), fitted(2e-6)))
     assert stated.B.value == pytest.approx(2e-6, rel=1e-5)

@@ -56,6 +56,7 @@ def test_a_batch_says_the_same_as_one_condition_after_the_other(truth: SheetMode
     assert abs(batch[1, 2].F_N - batch.F_N[1, 2]) < 1e-10
 
 
+@pytest.mark.slow
 def test_what_is_not_reachable_is_nan_and_says_why(truth: SheetModel):
     found = truth.predict("long", [0.01, 0.1], 2.0)
     assert found.reachable.tolist() == [True, False]

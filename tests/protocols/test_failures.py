@@ -54,6 +54,7 @@ def check_end(rig, scheduler, outcome):
     assert not rig.guarded or rig.guarded[-1] is False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("device", ["output", "signals", "camera", "stage", "operator"])
 def test_a_device_that_fails_once_at_any_call_leaves_0_V_and_an_end(device):
     for k, name in enumerate(healthy_calls(device)):

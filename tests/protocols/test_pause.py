@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols import RunState, StopLevel
 from protocols.execution.events import (
@@ -77,6 +79,7 @@ def test_no_voltage_is_written_during_a_pause():
     assert not [e for e in rig.of_kind(VoltageSet) if begin <= e.time_s < end]
 
 
+@pytest.mark.slow
 def test_time_passes_during_a_pause_on_a_virtual_clock():
     rig, scheduler, _ = paused(Wanted(4))
     scheduler.run(SCHEDULE)

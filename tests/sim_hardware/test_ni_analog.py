@@ -327,6 +327,7 @@ def test_terminals_are_differential_where_they_can_be(ni: Any) -> None:
     assert chosen.ai_channels[0].ai_term_cfg is TerminalConfiguration.NRSE
 
 
+@pytest.mark.slow
 def test_a_large_block_comes_in_one_piece(ni: Any) -> None:
     task = ni.input("PCI6034E/ai0", "PCI6034E/ai1")
     task.timing.cfg_samp_clk_timing(100_000, samps_per_chan=40_000)

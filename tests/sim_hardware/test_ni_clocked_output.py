@@ -158,6 +158,7 @@ def test_a_buffer_that_may_be_overwritten_does_not_end_the_acquisition(board: An
     assert len(inputs.read(10)) == 10
 
 
+@pytest.mark.slow
 def test_events_of_an_output_come_with_its_samples(make_ni: Callable[..., Any]) -> None:
     ni = make_ni(tcp=True)
     output, counts, ends = generation(ni, 100), [], []

@@ -60,6 +60,7 @@ def test_a_finite_acquisition_tells_of_each_block_and_of_its_end(ni: Any) -> Non
         assert -1e-9 <= when - start_s - (k + 1) * 0.01 + 1e-4 < (0.05 if ni.tcp else 1e-9)
 
 
+@pytest.mark.slow
 def test_it_does_so_again_at_each_start(ni: Any) -> None:
     blocks, end = Listener(ni), Listener(ni)
     task = ni.input()

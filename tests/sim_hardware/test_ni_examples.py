@@ -45,6 +45,7 @@ def test_a_finite_number_of_voltages(ni: Any) -> None:
         assert len(data) == 50
 
 
+@pytest.mark.slow
 def test_voltages_without_end(ni: Any) -> None:
     with nidaqmx.Task(grpc_options=ni.options()) as task:
         task.ai_channels.add_ai_voltage_chan("PCI6034E/ai0")
@@ -126,6 +127,7 @@ def test_unscaled_data(ni: Any) -> None:
         assert offset + gain * codes[0] == pytest.approx(np.full(20, 2.0), abs=2e-3)
 
 
+@pytest.mark.slow
 def test_waveforms(ni: Any) -> None:
     ni.output().write(2.0)
     with nidaqmx.Task(grpc_options=ni.options()) as task:

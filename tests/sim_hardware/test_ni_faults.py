@@ -25,6 +25,7 @@ def status_of(ni: Any, timeout: float) -> grpc.StatusCode | None:
     return None
 
 
+@pytest.mark.slow
 def test_a_call_that_hangs_ends_with_its_deadline(ni: Any) -> None:
     ni.server.faults.hang.add("GetErrorString")
     before_s = ni.clock.now()
@@ -38,6 +39,7 @@ def test_a_call_that_hangs_ends_with_its_deadline(ni: Any) -> None:
     assert status_of(ni, 0.2) is None
 
 
+@pytest.mark.slow
 def test_a_hung_write_is_not_made_up_for_later(make_ni: Any) -> None:
     ni = make_ni(tcp=True)
     task = ni.output()

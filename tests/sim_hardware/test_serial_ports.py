@@ -162,6 +162,7 @@ def ask_often(port: serial.Serial) -> None:
         port.read_until(b"\r")
 
 
+@pytest.mark.slow
 @needs_pty
 def test_pyserial_meets_the_faults_of_the_cable(meter_pty: PtyPort) -> None:
     meter_pty.faults.silent = {0}
@@ -175,6 +176,7 @@ def test_pyserial_meets_the_faults_of_the_cable(meter_pty: PtyPort) -> None:
             ask_often(port)
 
 
+@pytest.mark.slow
 @needs_pty
 def test_a_device_that_speaks_to_nobody_neither_blocks_nor_ends() -> None:
     port = PtyPort(

@@ -173,6 +173,7 @@ def test_it_ends_at_once_while_clients_listen_and_wait(serve: Any) -> None:
         task.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -70,6 +70,7 @@ def test_the_last_row_of_a_name_counts_and_names_keep_their_order(tmp_path):
     assert len(rows) == 2
 
 
+@pytest.mark.slow
 def test_two_programs_do_not_write_to_the_same_rows(tmp_path):
     path = tmp_path / "rows.jsonl"
     with row_file(path), pytest.raises(BadInputError, match="another program"), row_file(path):

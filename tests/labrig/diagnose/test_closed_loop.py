@@ -55,6 +55,7 @@ def test_a_class_is_measured_further_until_one_is_named():
     assert ended.code is ExitCode.DONE
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [made.found, made.nothing_missing, made.unknown, made.cannot_tell])
 def test_nothing_is_measured_where_the_verdict_is_no_class(make):
     rig = Pretended(make())

@@ -211,6 +211,7 @@ def test_the_model_file_predicts_with_what_was_found(make, finding, recorded, tm
     assert json.loads(capsys.readouterr().out)[0]["F_N"] == pytest.approx(one, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_model_with_what_was_found_answers_design_questions(finding, recorded, tmp_path, capsys):
     finding(made.found)
     path = tmp_path / "model+.toml"

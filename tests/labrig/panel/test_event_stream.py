@@ -176,6 +176,7 @@ def server():
     found.close(1.0)
 
 
+@pytest.mark.slow
 def test_a_link_asks_is_answered_and_is_told(server):
     told, ended = threading.Event(), threading.Event()
     connection = JobConnection(server.port, server.key, "panel", lambda *_: told.set(), ended.set)

@@ -76,6 +76,7 @@ def jobs(tmp_path):
         each.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("when", ["before the panel looks", "later"])
 def test_that_the_guard_ended_the_run_and_wrote_0_V_is_told(jobs, tmp_path, when):
     if when == "before the panel looks":
@@ -93,6 +94,7 @@ def test_that_the_guard_ended_the_run_and_wrote_0_V_is_told(jobs, tmp_path, when
     assert stream.messages()[-2] == told
 
 
+@pytest.mark.slow
 def test_a_guard_that_has_read_0_V_back_at_last_is_heard(jobs, tmp_path):
     report = guard_report_path(tmp_path / "s.h5")
     report.write_text(json.dumps({**REPORT, "state": "unknown", "read_back_V": None}))

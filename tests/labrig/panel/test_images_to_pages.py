@@ -229,6 +229,7 @@ def test_an_image_comes_after_the_story_that_it_belongs_to():
     run(page())
 
 
+@pytest.mark.slow
 def test_acknowledgements_are_never_too_often_but_other_messages_are():
     async def page():
         stream = EventStream()

@@ -106,6 +106,7 @@ def test_readings_become_rows_in_si_units(measured):
     assert same.force_N.tolist() == [r.force_N for r in one.readings]
 
 
+@pytest.mark.slow
 def test_conditions_hold_the_mean_of_the_readings_in_use(measured):
     frame = measured.to_dataframe()
     assert len(frame) == len(measured.conditions)

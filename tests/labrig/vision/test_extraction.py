@@ -125,6 +125,7 @@ def test_a_chord_along_a_wire_is_not_taken_for_the_sheet(scenes, known):
     assert not curve.ok or scenes.rmse_px(curve.points_px, scene.truth_px) < 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("thickness_mm", [0.1, 0.21, 0.5, 1.2])
 def test_a_thickness_that_nobody_stated_is_taken_from_the_image(scenes, known, thickness_mm):
     recipe = scenes.Recipe(seed=3, physical=True, thickness_mm=thickness_mm)

@@ -34,6 +34,7 @@ def test_another_look_is_refused_with_what_there_is(silhouette, capsys):
     assert "silhouette" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("radius_px", [2.0, 2.6])
 def test_a_lens_far_out_of_focus_is_not_taken_for_a_side_face(scenes, known, radius_px):
     """It draws discs, not bells: the sheet looks wider, to both its sides."""

@@ -84,6 +84,7 @@ def test_light_on_one_side_draws_no_curve_aside(frayed, lighter):
     assert np.sqrt(np.mean(beside**2)) < 0.2
 
 
+@pytest.mark.slow
 def test_a_thick_strip_is_followed_too(frayed):
     image, line = frayed
     tracker = Tracker(*parts(line))

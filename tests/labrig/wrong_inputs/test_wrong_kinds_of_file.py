@@ -127,6 +127,7 @@ def test_a_file_that_is_not_there_is_told(
     assert told in said
 
 
+@pytest.mark.slow
 def test_a_large_session_in_place_of_a_text_is_told_as_a_session(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

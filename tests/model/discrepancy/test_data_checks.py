@@ -102,6 +102,7 @@ def test_a_camera_of_another_scale_is_no_wrong_radius():
     assert radius.sentence.endswith("so an effect may be the reason")
 
 
+@pytest.mark.slow
 def test_a_length_is_doubted_where_all_curves_end_elsewhere():
     wrong, right = with_mistake("length wrong by 8 to 15 %")
     (one,) = check_data(wrong).suspicions
@@ -110,6 +111,7 @@ def test_a_length_is_doubted_where_all_curves_end_elsewhere():
     assert "the free length of 'long' (free_length_mm in sheet.toml) is" in one.sentence
 
 
+@pytest.mark.slow
 def test_a_search_of_data_in_another_unit_stops_with_the_reason():
     found = diagnose(with_mistake("curves in m instead of mm")[0])
     assert found.verdict == "cannot_tell"

@@ -83,6 +83,7 @@ def reported(monkeypatch):
 CLASS = {"clamp_angle": 0.966, "roll_offset": 0.03, "gravity": 0.004}
 
 
+@pytest.mark.slow
 def test_the_confidence_of_a_class_is_the_sum_over_its_members(reported):
     one = reported(CLASS, ("clamp_angle", "gravity"))
     assert one.confusable_with == ("clamp_angle",)  # the other one is in no set
@@ -92,6 +93,7 @@ def test_the_confidence_of_a_class_is_the_sum_over_its_members(reported):
     assert one.or_else == ()
 
 
+@pytest.mark.slow
 def test_a_name_that_acts_otherwise_in_a_part_of_the_data_may_be_something_unknown(reported):
     one = reported({"gravity": 0.95, "unknown": 0.04}, ("gravity",), doubted=True)
     assert one.or_else == ("unknown",)

@@ -116,6 +116,7 @@ def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies
     assert left < 2e-3 * change
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "effect_name",
     [

@@ -58,6 +58,7 @@ def small(seed: int = 0):
     return data, weigh(data, np.log([0.7, 0.6])), random.standard_normal((12, 3))
 
 
+@pytest.mark.slow
 def test_evidence_is_the_ratio_of_marginal_likelihoods():
     from scipy.stats import multivariate_normal  # slow to import
 

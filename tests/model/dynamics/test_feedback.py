@@ -56,6 +56,7 @@ def test_a_loop_is_stable_within_its_margin_and_reaches_the_reference(long_sheet
     assert controller.sensitivity_peak(plant) <= 1.6 * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_with_a_higher_gain_the_margin_is_gone(long_sheet):
     plant, controller = loop_of(long_sheet, "pi")
     more = replace(controller.law, B=1.1 * controller.law.B, D=1.1 * controller.law.D)
@@ -68,6 +69,7 @@ def settled_s(force_N, sample_time_s):
     return (off[-1] + 1) * sample_time_s
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "within_s"), [("pi", 0.5), ("lqg", 0.3)])
 def test_a_step_of_1_mN_settles_within_the_limits_of_the_voltage(long_sheet, method, within_s):
     plant, controller = loop_of(long_sheet, method)

@@ -214,6 +214,7 @@ def test_a_viscous_loss_found_too_small_to_be_seen_hides_nothing_of_the_others()
     assert [one.name for one in sure if not one.determined] == ["viscous_time", "time_1"]
 
 
+@pytest.mark.slow
 def test_worse_residuals_than_the_noise_explains_widen_the_intervals():
     quiet = replace(NOISE, current=replace(NOISE.current, white=2.5e-5))
     data = recorded(replace(PUSH, force=False, setup=None, time_s=PUSH.time_s[::2]))

@@ -40,6 +40,7 @@ def start(row: dict[str, float], resolution: Resolution) -> Simulation:
     return Simulation(beam, setup, UNDRIVEN, resolution=resolution)
 
 
+@pytest.mark.slow
 def test_the_force_is_the_static_one_with_the_break_at_the_contact():
     errors = []
     for row in rows():
