@@ -35,7 +35,7 @@ def end_with_input() -> None:
 
 
 @contextmanager
-def deaf_to_interrupts() -> Iterator[None]:
+def interrupts_blocked() -> Iterator[None]:
     """Let processes that are started now by this thread never see Ctrl-C, from their first moment.
 
     It reaches all processes of a terminal. One that still loads would answer with a traceback; all

@@ -17,7 +17,7 @@ import numpy as np
 from drivers.interfaces import FloatArray, GreyImage
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
-from labrig.parent_process import deaf_to_interrupts, end_with_parent
+from labrig.parent_process import end_with_parent, interrupts_blocked
 from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.session.format.layout import NO_FRAME, Array
 from model.measurements import Contact, Curve, SheetGeometry
@@ -265,7 +265,7 @@ def by_processes(path: Path, jobs: list[CurveJob], workers: int) -> Iterator[Con
         raise SystemExit(1)
     try:
         with _pool(path, workers) as pool:
-            with deaf_to_interrupts():  # all processes are started here
+            with interrupts_blocked():  # all processes are started here
                 found = pool.map(_in_worker, jobs, chunksize=1)
             yield from found
     except BrokenProcessPool:

@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from typing import Any, ParamSpec, TypeVar
 
-from labrig.parent_process import deaf_to_interrupts, end_with_parent
+from labrig.parent_process import end_with_parent, interrupts_blocked
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -112,7 +112,7 @@ class _Worker:
         context = get_context("spawn")
         self._end, other = context.Pipe()
         self._process: BaseProcess = context.Process(target=_serve, args=(other,), daemon=True)
-        with _starting, _one_thread(), deaf_to_interrupts():
+        with _starting, _one_thread(), interrupts_blocked():
             self._process.start()
         other.close()  # else the pipe would not end with the process
 

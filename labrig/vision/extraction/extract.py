@@ -59,6 +59,9 @@ def neutral_curve(
         grey_image = read_grey_image(image, optics)
     except ImageError as error:
         return NeutralCurve(ok=False, why=f"check of the image failed: {error}")
+    outside = _place_outside(optics, grey_image)
+    if outside:
+        return NeutralCurve(ok=False, why=outside)
     if optics.tip_px is not None:  # the length is measured, whatever is stated
         strip = replace(strip, length_known=False, elongation_m=0.0)
     if not strip.length_known or not optics.clamp_angle_known or optics.through_px:
@@ -82,6 +85,18 @@ def neutral_curve(
         by_edges = _by_edges(image, grey_image, optics, strip, start)
         found = by_edges if by_edges.ok else found
     return found if found.ok else _saturated(found, grey_image)
+
+
+def _place_outside(optics: Optics, image: GreyImage) -> str:
+    """Return which of the stated places is not in the image, as a sentence; empty: all are."""
+    rows, columns = image.grey.shape
+    for u, v in optics.stated_places_px:
+        if not (0 <= u < columns and 0 <= v < rows):
+            return (
+                f"check of the stated places failed: {u:g},{v:g} lies outside of the image of "
+                f"{columns} x {rows} pixels; check through_px and tip_px."
+            )
+    return ""
 
 
 def _by_edges(

@@ -16,6 +16,8 @@ MapArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int64]
 FloatArray = npt.NDArray[np.float64]
 
+NEIGHBOURS = 8
+
 
 @jit
 def _push(keys: FloatArray, items: IntArray, size: int, key: float, item: int) -> int:
@@ -55,8 +57,7 @@ def shortest_path(cost: MapArray, first: int, last: int) -> IntArray:
     rows, columns = cost.shape
     so_far = np.full(rows * columns, np.inf)
     came = np.full(rows * columns, -1, dtype=np.int64)
-    # each pixel may be put in once from each of its neighbours
-    keys, items = np.empty(8 * rows * columns + 1), np.empty(8 * rows * columns + 1, dtype=np.int64)
+    keys, items = np.empty(NEIGHBOURS), np.empty(NEIGHBOURS, dtype=np.int64)  # they grow
     so_far[first] = 0.0
     size = _push(keys, items, 0, 0.0, first)
     while size > 0:
@@ -66,6 +67,9 @@ def shortest_path(cost: MapArray, first: int, last: int) -> IntArray:
             break
         if key > so_far[at]:
             continue  # a cheaper way was found since
+        if size + NEIGHBOURS > len(keys):
+            keys = np.concatenate((keys, np.empty_like(keys)))
+            items = np.concatenate((items, np.empty_like(items)))
         row, column = at // columns, at % columns
         for i in range(max(0, row - 1), min(rows, row + 2)):
             for j in range(max(0, column - 1), min(columns, column + 2)):

@@ -44,7 +44,8 @@ def locate_through(
     The path is the whole one up to the last place. `mask`, `signs`: as in `locate.locate`.
     """
     best: tuple[float, Located] | None = None
-    for width in widths_tried(image, thickness_px, _chord_px(places_px)):
+    longest = min(_chord_px(places_px), max(image.grey.shape))
+    for width in widths_tried(image, thickness_px, longest):
         ridges = ridge_maps(image.filled(), width, wide=False)
         if mask is not None and mask.any():
             ridges.hide(mask)

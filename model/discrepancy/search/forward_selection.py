@@ -164,13 +164,13 @@ def _forward(
             break
         fitted = turn.chosen.fitted
         outcome.final = fitted
-        if _share(turn.chosen) > largest_share or further_names_are_vain(outcome, most):
+        if _share(turn.chosen) > largest_share or nonparametric_replaces_any_names(outcome, most):
             break
     outcome.final = fitted
     return outcome
 
 
-def further_names_are_vain(outcome: SearchResult, most: int) -> bool:
+def nonparametric_replaces_any_names(outcome: SearchResult, most: int) -> bool:
     """Return whether one nonparametric term stands for the names, however many are added.
 
     Each further one is taken to explain as much as the last one did; as a rule it is less.

@@ -82,6 +82,12 @@ def test_a_place_beside_the_strip_is_named_not_followed():
         assert f"{u + 15:.0f},{v - 25:.0f}" in curve.why
 
 
+@pytest.mark.parametrize("place", [(9999.0, 5.0), (50.0, -1.0)])
+def test_a_place_outside_of_the_image_is_named(forked, place):
+    curve = neutral_curve(forked, stated(tip_px=place), UNKNOWN)
+    assert f"{place[0]:g},{place[1]:g} lies outside of the image of 220 x 150 pixels" in curve.why
+
+
 def test_places_where_there_is_nothing_are_refused_with_what_to_do():
     empty = np.random.default_rng(1).normal(90, 6, (150, 220)).astype(np.uint8)
     curve = neutral_curve(empty, stated(through_px=((90.0, 90.0),), tip_px=(150.0, 70.0)), UNKNOWN)

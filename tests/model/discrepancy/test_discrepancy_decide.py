@@ -315,7 +315,7 @@ def test_beside_others_the_form_itself_must_count(monkeypatch, share, worth, nam
 
 
 @pytest.mark.parametrize(
-    ("free", "first", "second", "vain"),
+    ("free", "first", "second", "replaced"),
     [
         (187.0, 84.0, None, True),  # not even three names of 84 each would do
         (160.0, 84.0, None, False),  # two would
@@ -325,7 +325,7 @@ def test_beside_others_the_form_itself_must_count(monkeypatch, share, worth, nam
     ],
 )
 def test_names_end_where_one_nonparametric_term_stands_for_as_many_as_there_may_be(
-    free, first, second, vain
+    free, first, second, replaced
 ):
     base, names = SimpleNamespace(deviance=0.0), ["gravity", "clamp_angle"]
     gains = [g for g in (first, second) if g is not None]
@@ -337,4 +337,4 @@ def test_names_end_where_one_nonparametric_term_stands_for_as_many_as_there_may_
         turn.chosen = contender(name, gain)
     final = SimpleNamespace(deviance=-2.0 * sum(gains))
     found = searching.SearchResult(base, turns, final)
-    assert searching.further_names_are_vain(found, 3) is vain
+    assert searching.nonparametric_replaces_any_names(found, 3) is replaced
