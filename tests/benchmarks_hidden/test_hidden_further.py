@@ -17,7 +17,7 @@ from benchmarks.hidden_effects.visits import FURTHER
 from labrig.config import parse_protocol
 from labrig.experiment.next_measurement.next_protocol import protocol_text
 from model.discrepancy import Next
-from model.discrepancy.next_measurement.candidate_measurements import MENU
+from model.discrepancy.next_measurement.menu import MENU
 from protocols.planning.schedule import PlannedRun, Purpose
 
 pytestmark = pytest.mark.thorough

@@ -21,7 +21,7 @@ from labrig.config.base import parse_toml
 from labrig.config.templates import template_text
 from labrig.errors import BadInputError
 from model.discrepancy import Diagnosis, Next
-from model.discrepancy.next_measurement.candidate_measurements import LONGER
+from model.discrepancy.next_measurement.added_conditions import LONGER
 from model.measurements import Measurements
 from protocols import ProtocolKind, ScheduleError
 from protocols.planning.schedule import SETTLED_S

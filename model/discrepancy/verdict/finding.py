@@ -12,11 +12,8 @@ import numpy as np
 from model.discrepancy.answers.choice_set import NOTHING
 from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
 from model.discrepancy.criticism.catalogue import origins as origins_of_checks
-from model.discrepancy.next_measurement.candidate_measurements import (
-    Suspect,
-    next_measurement,
-    separated,
-)
+from model.discrepancy.next_measurement.choice import next_measurement
+from model.discrepancy.next_measurement.separation import Suspect, separated
 from model.discrepancy.prepare import Options, Prepared, setups
 from model.discrepancy.search.cross_validation import left_out, position_groups
 from model.discrepancy.search.evidence import Candidate, candidates

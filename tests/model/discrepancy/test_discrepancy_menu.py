@@ -7,13 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.next_measurement.candidate_measurements import (
-    MENU,
-    Suspect,
-    extended,
-    next_measurement,
-    separation,
-)
+from model.discrepancy.next_measurement.choice import next_measurement
+from model.discrepancy.next_measurement.extended_design import extended
+from model.discrepancy.next_measurement.menu import MENU
+from model.discrepancy.next_measurement.separation import Suspect, separation
 from model.discrepancy.search.evidence import candidates
 from model.effects import effect
 from model.identification.data.data_vector import look
