@@ -9,7 +9,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from model.identification.fit import ConfigurationFit, Fit, fit
+    from model.identification.fit import fit
+    from model.identification.fit_result import ConfigurationFit, Fit
     from model.identification.options import FitOptions
     from model.measurements import (
         Condition,
@@ -51,10 +52,10 @@ __all__ = [
 _HOMES = {
     "Along": "sheet.configured_sheet",
     "Condition": "measurements",
-    "ConfigurationFit": "identification.fit",
+    "ConfigurationFit": "identification.fit_result",
     "ConfiguredSheet": "sheet.configured_sheet",
     "Curve": "measurements",
-    "Fit": "identification.fit",
+    "Fit": "identification.fit_result",
     "FitOptions": "identification.options",
     "Measurements": "measurements",
     "ModelError": "measurements",

@@ -17,7 +17,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from model.identification.fit import ConfigurationFit, Fit, fit
+from model.identification.fit import fit
+from model.identification.fit_result import ConfigurationFit, Fit
 from model.identification.observations import Observation, Observed, observe
 from model.identification.options import FitOptions
 from model.identification.residuals import distance_to

@@ -15,7 +15,8 @@ from benchmarks.hidden_effects.sessions import prepared
 from labrig.config import load_sheet
 from labrig.session.tables.read import read_tables
 from model import FitOptions, Measurements
-from model.identification.fit import Fit, fit
+from model.identification.fit import fit
+from model.identification.fit_result import Fit
 from sim_hardware.world import Visit, timed_session
 
 pytestmark = pytest.mark.thorough

@@ -9,7 +9,7 @@ from labrig.report.data.models import CONSTANT
 from labrig.report.data.selection import place
 from labrig.report.parts.table import Table, volts, with_sigma
 from model import Measurements, Parameter
-from model.identification.fit import Fit
+from model.identification.fit_result import Fit
 from model.identification.mounting import MountingParameters
 
 Run = tuple[str, float | None, int, int]  # configuration, position, mounting, run
