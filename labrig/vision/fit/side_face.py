@@ -3,8 +3,8 @@
 A camera sees the sheet in perspective, so a stripe of its face shows on the side of the vanishing
 point of the lines square to its plane. Two numbers give the width of the stripe along the whole
 sheet. Taken for a part of the edge it would pull the curve to its side by up to half its width.
-Lit from the front it is grey; in a silhouette it is as dark as the edge, and only its geometry tells
-the two apart.
+Lit from the front it is grey; in a silhouette it is as dark as the edge, and only its geometry
+tells the two apart.
 """
 
 from __future__ import annotations
