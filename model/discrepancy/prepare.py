@@ -232,7 +232,8 @@ def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
             name: {**shared, **{k: v for k, v in (one.values(name) or {}).items() if k in shared}}
             for name in acts
         }
-        result.append(Found(effect=entry, values=values, given=one.terms))
+        # without terms its form is the catalogue's, which is no more exact here than elsewhere
+        result.append(Found(effect=entry, values=values, given=one.terms or None))
     return tuple(result)
 
 

@@ -42,13 +42,21 @@ class Scale:
     stiffness: float
     eibm: Mapping[float, float]  # Me/B by voltage
 
+    def moment(self, sign: float) -> float:
+        """Return the factor of the moment per volt of a polarity: what its voltages share.
+
+        It is no factor of the drive: the charge that a pulse leaves to the next one stays as it is.
+        """
+        own = [factor for volts, factor in self.eibm.items() if volts * sign > 0.0]
+        return sum(own) / len(own) if own else 1.0
+
     def driven(self, drive: HeldVoltage) -> HeldVoltage:
-        """Return the drive that makes this EIBM: the electrodes are linear."""
+        """Return the drive that makes what the voltages of a polarity do not share."""
         known = np.array(sorted(self.eibm))
         if not len(known):
             return drive
         near = known[np.argmin(np.abs(drive.voltage_V[:, None] - known), axis=1)]
-        factor = np.array([self.eibm[v] for v in near.tolist()])
+        factor = np.array([self.eibm[v] / self.moment(v) for v in near.tolist()])
         return HeldVoltage(drive.time_s, drive.voltage_V * factor)
 
 
@@ -69,6 +77,7 @@ class SheetInMotion:
         beam = self.dynamic.beam(self.sheet, self.B_Nm2, self.rest.field(self.sheet.free_length_m))
         more, (up, down) = self.scale.stiffness, beam.moment_per_volt_Nm
         material = replace(beam.material, B_Nm2=self.B_Nm2 * more)
+        up, down = up * self.scale.moment(1.0), down * self.scale.moment(-1.0)
         return replace(beam, material=material, moment_per_volt_Nm=(more * up, more * down))
 
     def solved(self, position_m: float | None, volts: Sequence[float]) -> SolvedProblems:
