@@ -129,6 +129,9 @@ def _with_dynamics(
         data = _kept(one.measurements, hold_out)
         looks = [look(data, name) for name in forward.names]
         _, other, _ = sensitivities(ForwardModel(looks, rests, like=forward), bases, theta)
+        if how.of == "place":  # no parameter: effects and set-ups move the contacts
+            forward.in_motion[c] = (residual - other) / how.size
+            continue
         rows.append(residual - other)
         if how.of == "unsure":
             place, value, change, size = size, 0.0, 1.0, size + 1

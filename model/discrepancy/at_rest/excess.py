@@ -71,6 +71,7 @@ class SheetInMotion:
     eibm_Nm: Mapping[float, float]  # at the instants of readings, of the file's B
     scale: Scale
     late_s: float = 0.0  # all edges of the drive
+    farther_m: float = 0.0  # all contacts along the arc
 
     def beam(self) -> DynamicBeam:
         """Return it as it moves."""
@@ -214,17 +215,18 @@ def excess(
     s_m = _grid(moving.sheet)
     drive = moving.scale.driven(run.drive)
     drive = HeldVoltage(drive.time_s - run.begin_s + moving.late_s, drive.voltage_V)
-    beam, touches = moving.beam(), run.position_m is not None
-    rolls = None if run.position_m is None else moving.dynamic.rolls(moving.sheet, run.position_m)
+    place_m = None if run.position_m is None else run.position_m + moving.farther_m
+    beam, touches = moving.beam(), place_m is not None
+    rolls = None if place_m is None else moving.dynamic.rolls(moving.sheet, place_m)
     motion = simulate(beam, rolls, drive, times - run.begin_s, s_m=s_m, resolution=resolution)
     if motion.slipped_s is not None:
-        where = "" if run.position_m is None else f" at {run.position_m * 1e3:g} mm"
+        where = "" if place_m is None else f" at {place_m * 1e3:g} mm"
         raise ModelError(
             f"with the dynamic model of '{run.configuration}' the sheet slips out of the rolls"
             f"{where}"
         )
     volts = list(dict.fromkeys(c.voltage_V for c in conditions.values()))
-    still = moving.solved(run.position_m, volts)
+    still = moving.solved(place_m, volts)
     shapes = still.shapes(s_m)
 
     def at(instants: FloatArray) -> FloatArray:
