@@ -64,6 +64,7 @@ def test_one_name_has_no_other_in_its_place(monkeypatch):
 def test_a_single_name_shares_the_probability_as_far_as_it_comes_close(monkeypatch, gain, odds):
     """Four and a half are what its form may miss of thirty."""
     monkeypatch.setattr(search, "form_share", lambda *_: 0.0)
+    monkeypatch.setattr(one_name, "_ahead_in_words", lambda *_: -np.inf)
     outcome = outcome_of(ranked("elongation_flexibility", gain))
     names = ("load_cell_compliance", "camera_scale")
     named = [SimpleNamespace(effect=SimpleNamespace(name=name)) for name in names]
@@ -76,6 +77,31 @@ def test_a_single_name_shares_the_probability_as_far_as_it_comes_close(monkeypat
     assert one.rivals == ("elongation_flexibility",)
     assert one.odds == pytest.approx((odds,))
     assert one.sentence.startswith("elongation flexibility alone explains about as much as")
+
+
+def test_two_names_are_compared_with_one_in_the_best_wording_of_each(monkeypatch):
+    """The first counts where none of them is, the second beside it."""
+    outcome, words = outcome_of(), {"gravity": 21.0, "camera_scale": 19.0, "force_drift": 9.0}
+    monkeypatch.setattr(
+        one_name, "evidence", lambda _, __, effects: {e.name: words[e.name] for e in effects}
+    )
+    first, second, rival = (
+        SimpleNamespace(name=n) for n in ("camera_scale", "force_drift", "gravity")
+    )
+    named = [SimpleNamespace(effect=second, gain=9.0, before=None),
+             SimpleNamespace(effect=first, gain=19.0, before=None)]  # fmt: skip
+    fitted = SimpleNamespace(solution=SimpleNamespace(log_sigma=None))
+    candidate = SimpleNamespace(
+        name="gravity", score=SimpleNamespace(candidate=SimpleNamespace(effect=rival))
+    )
+    judged = NamedModel(outcome, named, fitted)
+
+    def ahead(explained: float) -> float:
+        single = search.SingleName(candidate=candidate, explained=explained, ahead=0.0)
+        return one_name._ahead_in_words(judged, single)
+
+    assert ahead(30.0) == pytest.approx(21.0 - 28.0 + search.FURTHER_NAME_LN)
+    assert ahead(60.0) == -np.inf  # a straight line is far from what was fitted
 
 
 @pytest.mark.parametrize(
