@@ -25,6 +25,7 @@ from model.discrepancy.thresholds import (
     MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
     PROBABLE_ALL_THE_SAME,
+    PROBABLE_BESIDE_ANOTHER,
     PROBABLY_NOTHING,
     UNEXPLAINED_SHARE,
 )
@@ -151,9 +152,10 @@ class Judgement:
         names = [one.effect.name for one in found.named]
         asked = dict(zip(names, answers, strict=False))
         wrong = {name for name, one in asked.items() if improbable(one)}
+        least = PROBABLE_ALL_THE_SAME if len(names) == 1 else PROBABLE_BESIDE_ANOTHER
         wrong |= {
             name for name in criticism.doubted(names)
-            if asked[name].probabilities.get(name, 0.0) < PROBABLE_ALL_THE_SAME
+            if asked[name].probabilities.get(name, 0.0) < least
         }  # fmt: skip
         # whichever name it is, not which one
         wrong |= {
@@ -225,17 +227,21 @@ class Judgement:
         rest = leftover(self.outcome, known, self.effects)
         if rest is not None and self._alone(rest, named, known):
             named, known = [], base
-        free = None if rest is None else rest.first if known is base else rest.last
-        nothing_else = rest is None or free is None or free.gain < self.threshold
-        if nothing_else and not rejected:
-            return found  # doubtful names, and nothing better
-        if rest is None or nothing_else:
+        if rest is None or self._worth(rest, known) < self.threshold:
+            if not rejected:
+                return found  # doubtful names, and nothing better
+            if named:  # nothing takes the place of those that are rejected
+                return self._with_names(named, known, rest)
             told, model = self._written(base, base, None)
             return Decision(
                 named=[], known=base, unknown=None, final=base, written=told, model=model,
                 predicting=told,
             )  # fmt: skip
         return self._with_unknown(named, known, rest)
+
+    def _worth(self, rest: Leftover, known: MixedModelFit) -> float:
+        """Return the evidence of the nonparametric term that is left, names being uncertain."""
+        return rest.first.gain if known is self.outcome.base else rest.apart
 
     def _written(
         self, known: MixedModelFit, final: MixedModelFit, free: RankedCandidate | None
