@@ -129,6 +129,9 @@ def _with_dynamics(
         data = _kept(one.measurements, hold_out)
         looks = [look(data, name) for name in forward.names]
         _, other, _ = sensitivities(ForwardModel(looks, rests, like=forward), bases, theta)
+        if how.of == "place":  # no parameter: effects and set-ups move the contacts
+            forward.in_motion[c] = (residual - other) / how.size
+            continue
         rows.append(residual - other)
         if how.of == "unsure":
             place, value, change, size = size, 0.0, 1.0, size + 1
@@ -232,7 +235,8 @@ def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
             name: {**shared, **{k: v for k, v in (one.values(name) or {}).items() if k in shared}}
             for name in acts
         }
-        result.append(Found(effect=entry, values=values, given=one.terms))
+        # without terms its form is the catalogue's, which is no more exact here than elsewhere
+        result.append(Found(effect=entry, values=values, given=one.terms or None))
     return tuple(result)
 
 

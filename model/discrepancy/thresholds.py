@@ -63,6 +63,8 @@ FEWEST_POSITIONS, ONE_POSITION_SHARE = 3, 0.1
 # inferred form in time is written; and the rise with which no other form is. It is as much evidence
 # as a name needs. (moves: predictions of benchmarks/worlds)
 FORM_GAIN_CHI2 = 2.0 * EVIDENCE_THRESHOLD_LN
+# Rise of the same squares with which what was found is told, but not written.
+LOSS_CHI2 = 2.0
 # Times that conditions may be left out as outliers.
 OUTLIER_ROUNDS = 2
 
@@ -102,10 +104,15 @@ NEGLIGIBLE_PROBABILITY = 0.02
 CROSS_VALIDATED_NAMES = 6
 # Probability of all names together below which none is reported: something else is likelier.
 LEAST_PROBABILITY = 0.5
+# Probability of 'nothing' from which on such names are not reported even if they are likeliest.
+PROBABLY_NOTHING = 0.1
 # Probability of a name from which on it is reported although it is not alike in all parts of the
 # data, beside 'unknown'. On open worlds six wrong names with a failed check of structure had 0.83
 # at most, right ones 0.89 and more.
 PROBABLE_ALL_THE_SAME = 0.85
+# The same of a name beside another one, whose form it may have to make up for: as many odds less as
+# the answers count for that.
+PROBABLE_BESIDE_ANOTHER = 0.65
 # Share of the probability of a name that it keeps beside another one of its location. On an open
 # world two changes in time imitated a third one with 0.94 and 0.95.
 KEPT_BESIDE_SAME_LOCATION = 0.85
@@ -155,6 +162,12 @@ STRUCTURE_SIGMA = 4.0
 OVERLOOKED_TOLD, LEAST_OVERLOOKED = 0.9, 0.01
 # Log Bayes factor within which a rival of the same location may be what a name says.
 NEIGHBOUR_EVIDENCE_LN = 6.0
+
+# Log prior odds against a further name: it is one of about thirty, and one effect is as probable as
+# two or more.
+FURTHER_NAME_LN = 4.0
+# Single names that are compared with several, and the share of what these explain from which on.
+COMPARED_SINGLE_NAMES, LEAST_SHARE_OF_SINGLE_NAME = 3, 0.5
 
 # -- What the data can show (moves: 'invisible', and which effects count as indistinguishable)
 

@@ -35,6 +35,7 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     piece = name in pieces(decision.named)
     several = piece or (decision.nonparametric_explains_more and len(decision.named) >= MANY_NAMES)
     doubtful = several or decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
+    doubtful = doubtful or (decision.criticism.incomplete and decision.unknown is None)
     believed = overlooked * (KEPT_BESIDE_SAME_LOCATION if piece else 1.0)
     others += [UNKNOWN] if doubtful else []
     or_else = tuple(dict.fromkeys(others))

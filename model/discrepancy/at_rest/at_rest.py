@@ -30,6 +30,7 @@ from model.sheet.configured_sheet import Along
 from model.sheet.sheet_model import SheetModel
 
 STEP = 0.05  # relative, of stiffness and EIBM
+FARTHER_M = 5e-4  # of all contacts along the arc
 EDGE_S = 1e-3  # how well the edges' times are known against those of frames and readings
 COARSE = Resolution(step_s=2.5e-3, after_edges=1, degrees=(6, 2), free_degrees=8)
 INSTANT_S = 1e-6  # in which the EIBM of the corrected data follows the voltage
@@ -179,6 +180,7 @@ def _others(moving: SheetInMotion) -> Iterator[tuple[Step, SheetInMotion]]:
         more = Scale(stiffness=1.0, eibm={v: 1.0 + STEP * (v == volts) for v in moving.eibm_Nm})
         how = replace(none, of="eibm", value=eibm / B, size=STEP, voltage_V=volts)
         yield how, replace(moving, scale=more)
+    yield replace(none, of="place", size=FARTHER_M), replace(moving, farther_m=FARTHER_M)
     yield none, replace(moving, late_s=EDGE_S)
     for dynamic in unsure(moving.dynamic):
         yield none, replace(moving, dynamic=dynamic)

@@ -42,13 +42,21 @@ class Scale:
     stiffness: float
     eibm: Mapping[float, float]  # Me/B by voltage
 
+    def moment(self, sign: float) -> float:
+        """Return the factor of the moment per volt of a polarity: what its voltages share.
+
+        It is no factor of the drive: the charge that a pulse leaves to the next one stays as it is.
+        """
+        own = [factor for volts, factor in self.eibm.items() if volts * sign > 0.0]
+        return sum(own) / len(own) if own else 1.0
+
     def driven(self, drive: HeldVoltage) -> HeldVoltage:
-        """Return the drive that makes this EIBM: the electrodes are linear."""
+        """Return the drive that makes what the voltages of a polarity do not share."""
         known = np.array(sorted(self.eibm))
         if not len(known):
             return drive
         near = known[np.argmin(np.abs(drive.voltage_V[:, None] - known), axis=1)]
-        factor = np.array([self.eibm[v] for v in near.tolist()])
+        factor = np.array([self.eibm[v] / self.moment(v) for v in near.tolist()])
         return HeldVoltage(drive.time_s, drive.voltage_V * factor)
 
 
@@ -63,12 +71,14 @@ class SheetInMotion:
     eibm_Nm: Mapping[float, float]  # at the instants of readings, of the file's B
     scale: Scale
     late_s: float = 0.0  # all edges of the drive
+    farther_m: float = 0.0  # all contacts along the arc
 
     def beam(self) -> DynamicBeam:
         """Return it as it moves."""
         beam = self.dynamic.beam(self.sheet, self.B_Nm2, self.rest.field(self.sheet.free_length_m))
         more, (up, down) = self.scale.stiffness, beam.moment_per_volt_Nm
         material = replace(beam.material, B_Nm2=self.B_Nm2 * more)
+        up, down = up * self.scale.moment(1.0), down * self.scale.moment(-1.0)
         return replace(beam, material=material, moment_per_volt_Nm=(more * up, more * down))
 
     def solved(self, position_m: float | None, volts: Sequence[float]) -> SolvedProblems:
@@ -205,17 +215,18 @@ def excess(
     s_m = _grid(moving.sheet)
     drive = moving.scale.driven(run.drive)
     drive = HeldVoltage(drive.time_s - run.begin_s + moving.late_s, drive.voltage_V)
-    beam, touches = moving.beam(), run.position_m is not None
-    rolls = None if run.position_m is None else moving.dynamic.rolls(moving.sheet, run.position_m)
+    place_m = None if run.position_m is None else run.position_m + moving.farther_m
+    beam, touches = moving.beam(), place_m is not None
+    rolls = None if place_m is None else moving.dynamic.rolls(moving.sheet, place_m)
     motion = simulate(beam, rolls, drive, times - run.begin_s, s_m=s_m, resolution=resolution)
     if motion.slipped_s is not None:
-        where = "" if run.position_m is None else f" at {run.position_m * 1e3:g} mm"
+        where = "" if place_m is None else f" at {place_m * 1e3:g} mm"
         raise ModelError(
             f"with the dynamic model of '{run.configuration}' the sheet slips out of the rolls"
             f"{where}"
         )
     volts = list(dict.fromkeys(c.voltage_V for c in conditions.values()))
-    still = moving.solved(run.position_m, volts)
+    still = moving.solved(place_m, volts)
     shapes = still.shapes(s_m)
 
     def at(instants: FloatArray) -> FloatArray:

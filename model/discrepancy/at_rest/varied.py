@@ -29,9 +29,9 @@ class Step:
     """How other dynamics differ from the stated ones of a configuration."""
 
     configuration: str
-    of: Literal["stiffness", "eibm", "unsure"]  # which parameter differs
+    of: Literal["stiffness", "eibm", "place", "unsure"]  # which parameter differs
     value: float = 0.0  # of the stated dynamics: B in N m^2, Me/B in 1/m
-    size: float = 0.0  # how much more it is, relative; of B in its logarithm
+    size: float = 0.0  # how much more it is, relative; of B in its logarithm; of a place in m
     voltage_V: float = 0.0  # of an EIBM
 
 

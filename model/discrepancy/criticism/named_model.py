@@ -12,6 +12,7 @@ from model.discrepancy.criticism.predictive import Predictive
 from model.discrepancy.search.cross_validation import position_groups
 from model.discrepancy.search.evidence import Candidate, candidates
 from model.discrepancy.search.forward_selection import SearchResult
+from model.discrepancy.search.one_name import SingleName, single_names
 from model.discrepancy.thresholds import CROSS_VALIDATED_NAMES, TOLERATED_SCATTER_RATIO
 from model.discrepancy.verdict.posterior import Choice
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
@@ -52,6 +53,11 @@ class NamedModel:
         effects = {c.name: c.score.candidate.effect for c in ranked}
         effects |= {one.effect.name: one.effect for one in self.named}
         return candidates(self.outcome.base, [e for e in effects.values() if e is not None])
+
+    @cached_property
+    def single_names(self) -> list[SingleName]:
+        """Return single names that explain a good part of what all names together do."""
+        return single_names(self.outcome, [one.effect.name for one in self.named], self.fitted)
 
     @cached_property
     def scatter_ratio(self) -> dict[str, float]:

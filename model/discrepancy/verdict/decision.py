@@ -7,23 +7,31 @@ from collections.abc import Collection, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from model.discrepancy.answers.calibrated_answers import Judged, calibrated, is_name
-from model.discrepancy.answers.choice_set import ChoiceSet
+from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.prepare import Options
-from model.discrepancy.search.forward_selection import SearchResult
+from model.discrepancy.search.cross_validation import predictive_gains
+from model.discrepancy.search.forward_selection import SearchResult, supported
 from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_names
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
+    FEWEST_POSITIONS,
     LEAST_PROBABILITY,
+    MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
     PROBABLE_ALL_THE_SAME,
+    PROBABLE_BESIDE_ANOTHER,
+    PROBABLY_NOTHING,
     UNEXPLAINED_SHARE,
 )
 from model.discrepancy.verdict.fitted_model import sheet_model
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
+from model.discrepancy.verdict.left_out_gain import predicts_better
 from model.discrepancy.verdict.posterior import (
     Choice,
     Leftover,
@@ -40,6 +48,8 @@ from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_m
 from model.measurements import Measurements, ModelError
 from model.sheet.sheet_model import SheetModel
 
+PAIR = 2  # names that one nonparametric term may stand for
+
 
 @dataclass(frozen=True, kw_only=True)
 class Decision:
@@ -51,6 +61,7 @@ class Decision:
     final: MixedModelFit  # with the free form of what is unknown, too
     written: MixedModelFit  # the same, solved with the inferred forms in the model
     model: SheetModel  # as a file has it
+    predicting: MixedModelFit  # what the file predicts with: `written`, or the base model
     rest: Leftover | None = None  # what nonparametric terms find beside the names
     criticism: Criticism = field(default_factory=Criticism)
     choice_sets: tuple[ChoiceSet, ...] = ()  # of the questions that it answers
@@ -72,7 +83,10 @@ class Judgement:
 
     def decision(self) -> Decision:
         """Return the effects named, the unknown term, or both, after the criticism."""
-        revised = self._revised(self.uncriticised())
+        revised, base = self._revised(self.uncriticised()), self.outcome.base
+        if not predicts_better(base, revised.written):
+            told, model = self._written(base, base, None)
+            revised = replace(revised, model=model, predicting=told)
         return replace(
             revised,
             nonparametric_explains_more=self.outcome.best_nonparametric > self.outcome.best_name,
@@ -89,7 +103,7 @@ class Judgement:
             beside = self._leftover(full)
             if not self._unexplained(beside):
                 named, known, rest = more, full, beside
-        only = rest is not None and alone(rest, base, known, self.outcome.best_name)
+        only = rest is not None and self._alone(rest, named, known)
         if rest is None or not (only or self._unexplained(rest)):
             return self._with_names(named, known, rest)
         if only:
@@ -103,7 +117,7 @@ class Judgement:
         told, model = self._written(known, known, None)
         return Decision(
             named=named, known=known, unknown=None, final=known, written=told, model=model,
-            rest=rest,
+            predicting=told, rest=rest,
         )  # fmt: skip
 
     def _with_unknown(self, named: list[Choice], known: MixedModelFit, rest: Leftover) -> Decision:
@@ -116,7 +130,7 @@ class Judgement:
         unknown = unknown_of(at, free)
         return Decision(
             named=named, known=known, unknown=unknown, final=final, written=told, model=model,
-            rest=rest,
+            predicting=told, rest=rest,
         )  # fmt: skip
 
     def _revised(self, found: Decision, *, settled: bool = False) -> Decision:
@@ -130,15 +144,18 @@ class Judgement:
             judged=judged, rest=found.rest, unknown=found.unknown is not None, criticism=criticism
         ).choice_sets()
         answers = tuple(calibrated().judged(one) for one in choice_sets)
-        other = None if settled else self._with_likelier(found, answers)
+        other = None
+        if not settled:
+            other = self._as_one(judged, found) or self._with_likelier(found, answers)
         if other is not None:
             return self._revised(other, settled=True)
         names = [one.effect.name for one in found.named]
         asked = dict(zip(names, answers, strict=False))
-        wrong = {name for name, one in asked.items() if one.of_names < LEAST_PROBABILITY}
+        wrong = {name for name, one in asked.items() if improbable(one)}
+        least = PROBABLE_ALL_THE_SAME if len(names) == 1 else PROBABLE_BESIDE_ANOTHER
         wrong |= {
             name for name in criticism.doubted(names)
-            if asked[name].probabilities.get(name, 0.0) < PROBABLE_ALL_THE_SAME
+            if asked[name].probabilities.get(name, 0.0) < least
         }  # fmt: skip
         # whichever name it is, not which one
         wrong |= {
@@ -150,13 +167,31 @@ class Judgement:
             found = self._without(found, rejected)
         return replace(found, criticism=criticism, choice_sets=choice_sets, answers=answers)
 
+    def _as_one(self, judged: NamedModel, found: Decision) -> Decision | None:
+        """Return the decision with a single name that explains more than several; None: none does.
+
+        The search did not find it because another name explained more by itself.
+        """
+        for one in () if found.unknown else judged.single_names:
+            fitted = one.candidate.fitted
+            if one.ahead <= 0.0 or fitted is None:
+                break
+            rest = self._leftover(fitted)
+            if self._unexplained(rest) or not supported(self.outcome.base, fitted):
+                continue
+            ranking = [c for c in self.outcome.turns[0].ranking if c.name != one.candidate.name]
+            ranking = sorted([one.candidate, *ranking], key=lambda c: -c.gain)
+            named = [choice(one.candidate, ranking, self.outcome.base)]
+            return self._with_names(named, fitted, rest)
+        return None
+
     def _with_likelier(self, found: Decision, answers: Sequence[Judged]) -> Decision | None:
         """Return the decision with the likeliest name of a question; None: it has them all.
 
         The evidence of all data decides in the search; what left-out data choose counts here.
         """
         if found.unknown is not None:
-            return None
+            return self._with_name_of_unknown(found, answers[-1])
         names = {one.effect.name for one in found.named}
         for i, (one, judged) in enumerate(zip(found.named, answers, strict=False)):
             name = judged.likeliest
@@ -171,6 +206,17 @@ class Judgement:
             return self._with_names(named, rival.fitted, rest)
         return None
 
+    def _with_name_of_unknown(self, found: Decision, judged: Judged) -> Decision | None:
+        """Return the decision with a name that is likelier than 'unknown'; None: none is."""
+        if found.named or not is_name(judged.likeliest):
+            return None
+        turn = self.outcome.turns[0]
+        one = next((c for c in turn.ranking if c.name == judged.likeliest and c.known), None)
+        if one is None or one.fitted is None or not supported(turn.before, one.fitted):
+            return None
+        named = [choice(one, turn.ranking, turn.before)]
+        return self._with_names(named, one.fitted, self._leftover(one.fitted))
+
     def _without(self, found: Decision, rejected: Sequence[str]) -> Decision:
         """Return a decision without these names, and with the best nonparametric term instead."""
         base, named = self.outcome.base, [c for c in found.named if c.effect.name not in rejected]
@@ -179,18 +225,23 @@ class Judgement:
             kept = tuple(f for f in known.found if f.effect.name not in rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
         rest = leftover(self.outcome, known, self.effects)
-        if rest is not None and alone(rest, base, known, self.outcome.best_name):
+        if rest is not None and self._alone(rest, named, known):
             named, known = [], base
-        free = None if rest is None else rest.first if known is base else rest.last
-        nothing_else = rest is None or free is None or free.gain < self.threshold
-        if nothing_else and not rejected:
-            return found  # doubtful names, and nothing better
-        if rest is None or nothing_else:
+        if rest is None or self._worth(rest, known) < self.threshold:
+            if not rejected:
+                return found  # doubtful names, and nothing better
+            if named:  # nothing takes the place of those that are rejected
+                return self._with_names(named, known, rest)
             told, model = self._written(base, base, None)
             return Decision(
-                named=[], known=base, unknown=None, final=base, written=told, model=model
-            )
+                named=[], known=base, unknown=None, final=base, written=told, model=model,
+                predicting=told,
+            )  # fmt: skip
         return self._with_unknown(named, known, rest)
+
+    def _worth(self, rest: Leftover, known: MixedModelFit) -> float:
+        """Return the evidence of the nonparametric term that is left, names being uncertain."""
+        return rest.first.gain if known is self.outcome.base else rest.apart
 
     def _written(
         self, known: MixedModelFit, final: MixedModelFit, free: RankedCandidate | None
@@ -210,11 +261,40 @@ class Judgement:
         """Return what nonparametric terms find beside the names."""
         return leftover(self.outcome, known, self.effects) if self.enough else None
 
+    def _alone(self, rest: Leftover, named: Sequence[Choice], known: MixedModelFit) -> bool:
+        """Return whether a nonparametric term stands for all names.
+
+        Two names of two locations may be of other forms, too, as long as left-out positions are
+        predicted as well with them: the term has to know what the names do not.
+        """
+        base, single = self.outcome.base, self.outcome.best_name
+        if not alone(rest, base, known, single):
+            return False
+        missed = rest.first.gain * (1.0 - MISSED_BY_FORM_SHARE)
+        explained = 0.5 * (base.deviance - known.deviance)
+        small = missed <= explained + NONPARAMETRIC_MARGIN_LN
+        if len(named) != PAIR or pieces(named) or not small:
+            return True
+        gains = predictive_gains(known, with_free_form(base, rest.first))
+        return len(gains) < FEWEST_POSITIONS or float(np.sum(gains)) > NONPARAMETRIC_MARGIN_LN
+
     def _unexplained(self, rest: Leftover | None) -> bool:
         """Return whether that exceeds the rest of a form."""
         if rest is None or rest.share < UNEXPLAINED_SHARE:
             return False
         return rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN
+
+
+def improbable(judged: Judged) -> bool:
+    """Return whether a name is rather nothing, or something unknown.
+
+    Where something is there for sure a name of less than one half may still be the likeliest.
+    """
+    names, unknown, nothing = (
+        judged.of_names, judged.probabilities.get(UNKNOWN, 0.0),
+        judged.probabilities.get(NOTHING, 0.0),
+    )  # fmt: skip
+    return names < LEAST_PROBABILITY and (names <= unknown or nothing >= PROBABLY_NOTHING)
 
 
 def of_others(judged: Judged, taken: Collection[str]) -> float:

@@ -44,6 +44,7 @@ from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
     DIFFERS,
     improbable,
+    not_written,
     notes,
     open_answers,
     promise_note,
@@ -129,7 +130,7 @@ class Finding:
         verdict = self._verdict(named, unknown, doubt)
         apart = self._left_out(pool, decision)
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
-        told = decision.written
+        told = decision.predicting
         fitted = BeforeAfter(*(gaps.gap(gaps.refitted(f), noise, where) for f in (base, told)))
         outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
         return Diagnosis(
@@ -168,6 +169,7 @@ class Finding:
                 *remarks(self.measurements, base),
                 *map(promise_note, promises),
                 *worse(apart.gap, apart.floor),
+                *not_written(decision.predicting is not decision.written),
                 *notes(named, outliers, apart.chosen),
                 *open_answers(open_still, named),
             ),
@@ -241,7 +243,7 @@ class Finding:
         return "effect_named"
 
     def _left_out(self, pool: Sequence[Candidate], decision: Decision) -> _LeftOut:
-        base, final = self.outcome.base, decision.written
+        base, final = self.outcome.base, decision.predicting
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
         rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][
             :CROSS_VALIDATED_NAMES

@@ -9,7 +9,7 @@ import numpy as np
 
 from model.discrepancy.search.cross_validation import position_groups, when_left_out
 from model.discrepancy.search.form_share import in_time
-from model.discrepancy.thresholds import FEWEST_POSITIONS, FORM_GAIN_CHI2
+from model.discrepancy.thresholds import FEWEST_POSITIONS, FORM_GAIN_CHI2, LOSS_CHI2
 from model.discrepancy.verdict.prediction_error import cells, variance
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.linearisation import with_only
@@ -36,6 +36,20 @@ def forms_asked_for(known: MixedModelFit, final: MixedModelFit) -> bool:
     plain, formed = (_chi2(final, without, rows, noise) for without in (own, none))
     slow = any(in_time(one.effect) for one in known.found)
     return bool(plain - formed > (FORM_GAIN_CHI2 if slow else -FORM_GAIN_CHI2))
+
+
+def predicts_better(base: MixedModelFit, told: MixedModelFit) -> bool:
+    """Return whether left-out positions are predicted no worse with what was found than without.
+
+    Mean forces and curves count: they are what a model file predicts.
+    """
+    where, noise = cells(told), variance(told)
+    rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
+    if len(position_groups(told)) < FEWEST_POSITIONS or not len(rows):
+        return True
+    none = np.zeros(0, dtype=np.int64)
+    before, after = (_chi2(fitted, none, rows, noise) for fitted in (base, told))
+    return bool(after - before < LOSS_CHI2)
 
 
 def columns_asked_for(final: MixedModelFit, part_of: Sequence[str]) -> Index:

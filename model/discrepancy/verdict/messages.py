@@ -165,6 +165,15 @@ def worse(left_out: BeforeAfter, least: Gap) -> Iterator[str]:
             )
 
 
+def not_written(left_away: bool) -> Iterator[str]:
+    """Yield why the model file has only the base model, although something was found."""
+    if left_away:
+        yield (
+            "what was found does not improve the prediction of mean forces and curves at left-out"
+            " positions: the model file has the base model without it"
+        )
+
+
 def promise_note(one: Promise) -> str:
     """Return what a proposed measurement promised, and what was found with it."""
     names = listed([title(name) for name in one.proposal.between])

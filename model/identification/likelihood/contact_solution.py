@@ -424,6 +424,10 @@ class ConfigurationModel:
         step[:, -1] = tilt
         return step
 
+    def along_arc_m(self, step: FloatArray) -> FloatArray:
+        """Return how far such a step moves the contacts along the arc, (K,)."""
+        return np.asarray(self.sheet.arc_radius_m * step[:, 2 * self.count + 1])
+
 
 def _nothing_held(K: int, G: int) -> ContactSolution:
     by_condition = ("force_N", "normal_N", "gamma_rad", "s_hat_m")

@@ -69,6 +69,9 @@ class ForwardModel:
         self.names = [one.sheet.configuration for one in looks]
         self._nothing: dict[int, Perturbation] = {}
         self.wave: PeriodicTerm | None = wave_in(looks) if like is None else like.wave
+        # by configuration: change of the rows (N,) where data at rest are those of a sheet in
+        # motion less what dynamics explain, for each metre of its contacts along the arc
+        self.in_motion: dict[int, FloatArray] = {}
 
     def part(self, c: int) -> RowBlock:
         """Rows of a configuration."""
@@ -145,6 +148,8 @@ class ForwardModel:
         mean = replace(nothing, eibm=eibm[of] * driven, stiffness=stiffness[of], beam=beam)
         y += self.rows_of(c, state, mean)
         y -= beyond_first_order(scene, part, state, inner, self.layout.size)
+        if self.in_motion:
+            y -= self._moved(c, scene.change(state.base, state.beam, state.solved.contact))
         return y - self.rows_of(c, state, self._rise_step(c))
 
     def _sway(self, c: int, state: ModelState) -> FloatArray:
@@ -272,7 +277,19 @@ class ForwardModel:
             b = part.bin_of
             within = by_stiffness[b] * step.bin_stiffness
             y[part.bin_rows] = state.by_eibm[b] * step.bin_eibm + within
+        if self.in_motion and step.beam is not none.beam:
+            y += self._moved(c, step.beam)
         return y
+
+    def _moved(self, c: int, beam: FloatArray) -> FloatArray:
+        """Return what a step (K, Q) that moves contacts changes of what dynamics explain, (N,)."""
+        result = np.zeros(self.layout.size)
+        if c not in self.in_motion:
+            return result
+        for k, place_m in enumerate(self.scenes[c].along_arc_m(beam).tolist()):
+            own = self.part(c).of_condition(k, self.layout.size)
+            result[own] = place_m * self.in_motion[c][own]
+        return result
 
 
 def _points(scene: ConfigurationModel, solved: SolvedConditions) -> ImagePoints:

@@ -11,7 +11,9 @@ from benchmarks._moving_dynamics import MOST_M, session, true_model
 from model import Parameter, SheetModel
 from model.discrepancy import DiagnoseOptions, Diagnosis, diagnose
 from model.discrepancy.at_rest.at_rest import at_rest
+from model.discrepancy.at_rest.excess import Scale
 from model.discrepancy.at_rest.runs import planned_drive, recorded_drive
+from model.dynamics import HeldVoltage
 from model.effects import catalogue
 from model.measurements import Measurements, ModelError, TimeSeries
 from model.sheet.beam_problem import ActiveEffect
@@ -112,6 +114,17 @@ def test_the_drive_is_the_recorded_one_or_that_which_the_readings_tell(spreading
     told = planned_drive(own)
     assert recorded.voltage_V == pytest.approx(told.voltage_V)
     assert recorded.time_s[1:] == pytest.approx(told.time_s[1:], abs=1e-9)
+
+
+def test_another_eibm_is_another_moment_per_volt_and_leaves_the_charge_as_it_is():
+    """A pulse leaves charge to the next one, of the other polarity, which must not grow with it."""
+    drive = HeldVoltage(np.array([0.0, 0.6, 1.2]), np.array([0.0, 2.0, -2.0]))
+    one = Scale(stiffness=1.0, eibm={2.0: 1.1, -2.0: 0.9})
+    assert (one.moment(1.0), one.moment(-1.0)) == pytest.approx((1.1, 0.9))
+    assert one.driven(drive).voltage_V == pytest.approx(drive.voltage_V)
+    several = Scale(stiffness=1.0, eibm={1.0: 1.0, 2.0: 1.2})
+    assert several.moment(1.0) == pytest.approx(1.1)
+    assert several.driven(drive).voltage_V[1] == pytest.approx(2.0 * 1.2 / 1.1)
 
 
 def test_pulses_of_which_nothing_was_kept_are_driven_all_the_same(spreading):

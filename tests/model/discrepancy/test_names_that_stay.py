@@ -1,0 +1,89 @@
+"""What is reported in place of names that are rejected, and which names stay."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from model.discrepancy.verdict import decision as module
+from model.discrepancy.verdict.decision import Judgement
+
+BASE = SimpleNamespace(found=(), deviance=100.0)
+
+
+def name(one: str, location: str) -> SimpleNamespace:
+    return SimpleNamespace(effect=SimpleNamespace(name=one, location=location))
+
+
+GRAVITY, CELL = name("gravity", "even_moment"), name("force_offset", "load_cell")
+
+
+def fit_with(*names: SimpleNamespace, deviance: float = 20.0) -> SimpleNamespace:
+    found = tuple(SimpleNamespace(effect=one.effect) for one in names)
+    return SimpleNamespace(found=found, deviance=deviance, problem=None, theta=None)
+
+
+@pytest.fixture
+def judgement(monkeypatch) -> Judgement:
+    """A judgement that tells what it would decide, and makes no fit."""
+    monkeypatch.setattr(module, "fit_mixed_model", lambda _, __, found: fit_with(*found))
+    monkeypatch.setattr(module, "alone", lambda *_: False)
+    told = {"_with_names": "names", "_with_unknown": "unknown"}
+    for method, what in told.items():
+        monkeypatch.setattr(
+            Judgement, method,
+            lambda _, named, *__, what=what: (what, [one.effect.name for one in named]),
+        )  # fmt: skip
+    return Judgement(
+        measurements=None, options=None, outcome=SimpleNamespace(base=BASE, best_name=0.0),
+        effects=(), threshold=6.0, enough=True,
+    )  # type: ignore[arg-type]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("first", "apart", "told"),
+    [
+        (50.0, 2.0, ("names", ["gravity"])),  # the rest of a form: nothing takes its place
+        (50.0, 9.0, ("unknown", ["gravity"])),
+    ],
+)
+def test_a_name_stays_where_another_is_rejected(monkeypatch, judgement, first, apart, told):
+    rest = SimpleNamespace(first=SimpleNamespace(gain=first), last=None, apart=apart)
+    monkeypatch.setattr(module, "leftover", lambda *_: rest)
+    found = SimpleNamespace(named=[GRAVITY, CELL], known=fit_with(GRAVITY, CELL))
+    assert judgement._without(found, ["force_offset"]) == told
+
+
+def test_doubtful_names_stay_where_nothing_is_better(monkeypatch, judgement):
+    rest = SimpleNamespace(first=SimpleNamespace(gain=50.0), last=None, apart=2.0)
+    monkeypatch.setattr(module, "leftover", lambda *_: rest)
+    found = SimpleNamespace(named=[GRAVITY, CELL], known=fit_with(GRAVITY, CELL))
+    assert judgement._without(found, []) is found
+
+
+@pytest.mark.parametrize(
+    ("named", "gains", "alone"),
+    [
+        ([GRAVITY, CELL], [1.0, 1.0, 1.0], False),  # left-out positions do not ask for the term
+        ([GRAVITY, CELL], [3.0, 3.0, 3.0], True),
+        ([GRAVITY, CELL], [1.0, 1.0], True),  # too few positions to tell
+        ([GRAVITY], [1.0, 1.0, 1.0], True),
+        ([CELL, name("force_drift", "load_cell")], [1.0, 1.0, 1.0], True),  # of one location
+    ],
+)
+def test_two_names_of_two_locations_may_be_of_other_forms(
+    monkeypatch, judgement, named, gains, alone
+):
+    monkeypatch.setattr(module, "alone", lambda *_: True)
+    monkeypatch.setattr(module, "with_free_form", lambda *_: None)
+    monkeypatch.setattr(module, "predictive_gains", lambda *_: gains)
+    rest = SimpleNamespace(first=SimpleNamespace(gain=50.0))
+    known = fit_with(*named)  # explains 40, the term 50
+    assert judgement._alone(rest, named, known) == alone
+
+
+def test_a_term_that_explains_much_more_stands_for_two_names(monkeypatch, judgement):
+    monkeypatch.setattr(module, "alone", lambda *_: True)
+    rest = SimpleNamespace(first=SimpleNamespace(gain=60.0))
+    assert judgement._alone(rest, [GRAVITY, CELL], fit_with(GRAVITY, CELL))
