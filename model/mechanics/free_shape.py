@@ -18,11 +18,11 @@ def free_shape(kappa: Field, s_m: FloatArray) -> tuple[FloatArray, FloatArray, F
     """
     s = np.asarray(s_m, dtype=float)
     edges, inside = _pieces(kappa.breaks_m, s)
-    phi, run = kappa.integral(inside), _Run(edges, s)
+    phi, run = kappa.integral(inside), _PieceIntegrals(edges, s)
     return run(np.cos(phi)), run(np.sin(phi)), kappa.integral(np.minimum(s, kappa.length_m))
 
 
-class FreeShapes:
+class SharedFreeShapes:
     """Free shapes of many curvatures on the same panels, at the same places.
 
     phi is linear in the curvature's coefficients, so that only this matrix is worked out once.
@@ -34,7 +34,7 @@ class FreeShapes:
         self._inside = Field.integral_weights(breaks_m, degree, inside.ravel())
         end = np.minimum(s_m, breaks_m[-1])
         self._at_s = Field.integral_weights(breaks_m, degree, end)
-        self._run = _Run(edges, s_m)
+        self._run = _PieceIntegrals(edges, s_m)
         self._turns: FloatArray | None = None
 
     def shape(self, kappa: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -55,7 +55,7 @@ class FreeShapes:
         return phi
 
 
-class _Run:
+class _PieceIntegrals:
     """Integrals of values at the nodes of pieces, up to each place."""
 
     def __init__(self, edges: FloatArray, s: FloatArray) -> None:

@@ -19,7 +19,7 @@ from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.equilibrium import Directions, Equilibria, Problems, SolverStatus, finer, solve
 from model.mechanics.field import Field, legendre_field, merged_breaks, padded
-from model.mechanics.free_shape import FreeShapes
+from model.mechanics.free_shape import SharedFreeShapes
 
 STEEPEST_PER_M = 90.0  # free curvature that panels are made for
 NODES_LONG, NODES_SHORT = 14, 6
@@ -93,7 +93,7 @@ class ConfigurationModel:
         # by condition: angle and solution where the contact was last beside the point on the arc
         self._beside: dict[int, tuple[float, Equilibria]] = {}
         self._last: Equilibria | None = None
-        self._free: dict[bytes, FreeShapes] = {}
+        self._free: dict[bytes, SharedFreeShapes] = {}
         self._found: list[tuple[Index, Equilibria]] = []
 
     def _make_panels(self, look: DataVector, G: int) -> None:
@@ -389,13 +389,13 @@ class ConfigurationModel:
         modes[:, :, -1] = np.einsum("kms,ks->km", self.project, turned)
         return Sensitivities(force, modes)
 
-    def _free_at(self, s_m: FloatArray) -> FreeShapes:
+    def _free_at(self, s_m: FloatArray) -> SharedFreeShapes:
         """Return free shapes at these places, ascending."""
         key = s_m.tobytes()
         if key not in self._free:
             if len(self._free) >= MOST_KEPT:  # a camera that distorts asks at other s each time
                 self._free.clear()
-            self._free[key] = FreeShapes(self.breaks, self.rows.shape[2], s_m)
+            self._free[key] = SharedFreeShapes(self.breaks, self.rows.shape[2], s_m)
         return self._free[key]
 
     def _free_answers(self, beam: BeamProblem, k: int, solved: SolvedConditions) -> FloatArray:

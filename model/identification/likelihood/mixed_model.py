@@ -176,7 +176,7 @@ def _weights(data: Data, stack: _Stack, log_sigma: FloatArray) -> tuple[FloatArr
     return W, logdet + float(np.sum(np.log(noise)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _DeviancePoint:
     """-2 ln of the restricted likelihood times prior; its derivatives where somebody asks."""
 
@@ -235,7 +235,9 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     value += float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
     value += float(away @ away)
     solution = Solution(beta=beta, covariance=C, log_sigma=log_sigma, weights=W, deviance=value)
-    return _DeviancePoint(data, stack, guess, value, WX, We, solution)
+    return _DeviancePoint(
+        data=data, stack=stack, guess=guess, value=value, WX=WX, We=We, solution=solution
+    )
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:
