@@ -7,7 +7,7 @@ the signatures of all effects cost next to nothing.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -246,16 +246,25 @@ class ConfigurationModel:
 
         The solution kept for derivatives is not changed.
         """
+        return self.forces_in_turn([beam], some)[0]
+
+    def forces_in_turn(
+        self, beams: Sequence[BeamProblem], some: Index | None = None
+    ) -> list[FloatArray]:
+        """Return the same of several problems, each solved from the one before."""
         last, kept = self._last, self._found
-        result = np.full(self.K, np.nan)
         asked = self.touching if some is None else some
         if last is not None and some is not None:
             self._last = last.of(np.searchsorted(self.touching, some))
-        for rows, found in self._equilibria(beam, asked) if len(asked) else []:
-            gamma = found.phi_hat_rad - self._beta(beam, rows)
-            result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
+        results = []
+        for beam in beams:
+            result = np.full(self.K, np.nan)
+            for rows, found in self._equilibria(beam, asked) if len(asked) else []:
+                gamma = found.phi_hat_rad - self._beta(beam, rows)
+                result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
+            results.append(result)
         self._last, self._found = last, kept
-        return result
+        return results
 
     def modes_of(self, beam: BeamProblem, s_m: FloatArray | None = None) -> FloatArray:
         """Modes of the distances measured - predicted alone (K, M), likewise; at s (K, S)."""

@@ -21,7 +21,7 @@ from model.identification.likelihood.model_state import (
     acting_in,
 )
 from model.identification.likelihood.row_index import RowBlock, RowIndex
-from model.identification.likelihood.second_order import LEVELS, beyond_first_order
+from model.identification.likelihood.second_order import LEVELS, WAYS_FROM_ONE, beyond_first_order
 from model.identification.likelihood.time_courses import (
     bent,
     in_images,
@@ -115,9 +115,10 @@ class ForwardModel:
         scene = self.scenes[c]
         rows = scene.touching[np.any(beam.eibm[scene.touching] != 0.0, axis=1)]
         result = np.repeat(solved.force_N[:, None], len(LEVELS), axis=1)  # at level 1
-        for number in np.flatnonzero(LEVELS != 1.0).tolist():
-            other = replace(beam, eibm=beam.eibm * LEVELS[number])
-            result[rows, number] = scene.forces(other, rows)[rows]
+        for way in WAYS_FROM_ONE:  # each level from its neighbour, which is near
+            others = [replace(beam, eibm=beam.eibm * LEVELS[number]) for number in way]
+            for number, forces in zip(way, scene.forces_in_turn(others, rows), strict=True):
+                result[rows, number] = forces[rows]
         return result
 
     def _residual(self, c: int, state: ModelState, inner: Sequence[Acting]) -> FloatArray:
