@@ -65,7 +65,7 @@ def by_scipy(
 ) -> tuple[float, bool]:
     """N R^2 / B with solve_bvp; unknown besides the shape: nu, s_hat, phi_hat."""
     s = np.linspace(0.0, 0.07, 141)
-    x, y, phi, _ = free_shape(Field.constant(kappa, length), s)
+    x, y, phi = free_shape(Field.constant(kappa, length), s)
     i = int(np.argmax(np.hypot(x, y) >= R))
     share = 1.0 - max(0.0, 1.0 - length / R) ** 3
     nu = 3.0 * (np.arctan2(y[i], x[i]) - beta) / share
@@ -214,7 +214,7 @@ def _same_branch(name: str, count: int) -> int:
     s = np.linspace(0.0, 0.2, 4001)
     start = np.empty(count)
     for k in range(count):
-        x, y, _, _ = free_shape(Field.constant(cold.kappa[k, 0, 0], length), s)
+        x, y, _ = free_shape(Field.constant(cold.kappa[k, 0, 0], length), s)
         i = int(np.argmax(np.hypot(x, y) >= R))
         start[k] = np.arctan2(y[i], x[i])
     walked = None

@@ -109,14 +109,14 @@ def touch(curve: SmoothCurve, sheet: SheetGeometry, where: str) -> Touch:
     """Return the first place where the curve, with its elongation, reaches the arc's radius."""
     R, end = sheet.arc_radius_m, sheet.free_length_m + max(sheet.elongation_m, sheet.arc_radius_m)
     s = np.unique(np.append(np.linspace(0.0, end, 200), sheet.free_length_m))
-    x, y, phi, _ = free_shape(curve.curvature, s)
+    x, y, phi = free_shape(curve.curvature, s)
     outside = np.hypot(x, y) >= R
     if not outside.any() or outside[0]:
         raise ModelError(f"the curve of condition {where} does not reach the arc")
     i = int(np.argmax(outside))
     s_hat = float(s[i])
     for _ in range(12):  # Newton, from just beyond
-        x, y, phi, _ = free_shape(curve.curvature, np.array([s_hat]))
+        x, y, phi = free_shape(curve.curvature, np.array([s_hat]))
         radius = float(np.hypot(x[0], y[0]))
         rate = (x[0] * np.cos(phi[0]) + y[0] * np.sin(phi[0])) / radius
         step = (radius - R) / max(float(rate), 0.05)

@@ -104,7 +104,7 @@ def loaded(observed: Observed, o: Observation, rest: Field, exponent: float) -> 
     N = o.force_N / np.cos(at.phi_hat_rad - at.polar_rad)  # (5)
     l_hat = min(at.s_hat_m, sheet.free_length_m)
     s = np.linspace(0.0, l_hat, 201)
-    x, y, _, _ = free_shape(curve.curvature, s)
+    x, y, _ = free_shape(curve.curvature, s)
     lever = (at.x_m - x) * np.cos(at.phi_hat_rad) + (at.y_m - y) * np.sin(at.phi_hat_rad)
     mean_lever = float(np.trapezoid(lever, s) / l_hat)
     turn = float(curve.curvature.integral(l_hat)) - float(rest.integral(l_hat))

@@ -118,7 +118,7 @@ def _free_distance(kappa: Field, o: Observation) -> float:
     if o.curve is None:
         return np.nan
     s = np.linspace(0.0, kappa.length_m, 401)
-    x, y, _, _ = free_shape(kappa, s)
+    x, y, _ = free_shape(kappa, s)
     return distance_to(x, y, o.curve, kappa.length_m)
 
 

@@ -106,6 +106,19 @@ class Field:
         )
         return value
 
+    @staticmethod
+    def integral_weights(breaks_m: FloatArray, degree: int, s_m: FloatArray) -> FloatArray:
+        """Return the matrix (S, P degree) from coefficients on these panels to `integral` at s."""
+        panel, t, half = _places(breaks_m, s_m)
+        powers = np.arange(1, degree + 1)
+        low = (-1.0) ** powers
+        whole = 0.5 * np.diff(breaks_m)[:, None] * ((1.0 - low) / powers)
+        before = np.arange(len(breaks_m) - 1) < panel[:, None]
+        result: FloatArray = before[:, :, None] * whole
+        own = half[:, None] * (t[:, None] ** powers - low) / powers
+        result[np.arange(len(panel)), panel] = own
+        return result.reshape(len(panel), -1)
+
     def mean(self, end_m: float) -> float:
         """Return mean over [0, end_m]."""
         return float(self.integral(end_m)) / end_m
@@ -142,12 +155,15 @@ class Field:
         return float(np.abs(self.coefficients).sum(axis=1).max())
 
     def _local(self, s: FloatArray) -> tuple[np.ndarray, FloatArray, FloatArray]:
-        panel = np.clip(
-            np.searchsorted(self.breaks_m, s, side="right") - 1, 0, len(self.coefficients) - 1
-        )
-        low, high = self.breaks_m[panel], self.breaks_m[panel + 1]
-        half = 0.5 * (high - low)
-        return panel, (s - 0.5 * (low + high)) / half, half
+        return _places(self.breaks_m, s)
+
+
+def _places(breaks_m: FloatArray, s: FloatArray) -> tuple[np.ndarray, FloatArray, FloatArray]:
+    """Return the panel of each s, the place in it (-1 .. 1), and half the panel's width."""
+    panel = np.clip(np.searchsorted(breaks_m, s, side="right") - 1, 0, len(breaks_m) - 2)
+    low, high = breaks_m[panel], breaks_m[panel + 1]
+    half = 0.5 * (high - low)
+    return panel, (s - 0.5 * (low + high)) / half, half
 
 
 def for_each_field(make: Callable[[Field], Made], fields: Sequence[Field]) -> list[Made]:

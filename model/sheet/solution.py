@@ -152,7 +152,7 @@ def _hanging(
     setup: ConditionProblem, s_m: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     kappa = free_curvature(setup)
-    x, y, phi, _ = free_shape(kappa, s_m)
+    x, y, phi = free_shape(kappa, s_m)
     inside = s_m <= kappa.length_m
     return x, y, phi, np.where(inside, kappa(np.minimum(s_m, kappa.length_m)), 0.0)
 

@@ -235,7 +235,7 @@ def test_the_branch_found_from_cold_is_the_one_followed_from_the_free_shape(leng
     s = np.linspace(0.0, 0.2, 4001)
     start = []
     for field_ in kappa:
-        x, y, _, _ = free_shape(field_, s)
+        x, y, _ = free_shape(field_, s)
         i = int(np.argmax(np.hypot(x, y) >= R))
         start.append(np.arctan2(y[i], x[i]))
     for share in np.linspace(0.0, 1.0, 41):

@@ -60,7 +60,7 @@ def test_free_arcs_are_exact():
     for row in table("iii_v_constant_curvature_arcs_R40mm.csv"):
         length = row["l_mm"] * 1e-3
         kappa = Field.constant(row["kappa_1_per_mm(k0+Me/B)"] * 1e3, length)
-        x, y, phi, _ = free_shape(kappa, np.linspace(0.0, length, 20))
+        x, y, phi = free_shape(kappa, np.linspace(0.0, length, 20))
         assert x[-1] == pytest.approx(row["x_l_mm"] * 1e-3, rel=1e-11)
         assert y[-1] == pytest.approx(row["y_l_mm"] * 1e-3, rel=1e-11, abs=1e-16)
         assert phi[-1] == pytest.approx(row["phi_l_rad"], rel=1e-13)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import fields, is_dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
+
+_PLAIN = frozenset({float, int, bool, str, type(None)})
 
 
 def content_digest(*values: Any) -> bytes:
@@ -17,40 +20,52 @@ def content_digest(*values: Any) -> bytes:
     Of another object it has the type and the attributes, or its `repr` where it has none; of a
     function or class the full name.
     """
-    digest = hashlib.sha256()
-    for piece in _pieces(values):
-        digest.update(len(piece).to_bytes(8, "little"))
-        digest.update(piece)
+    pieces = list[bytes]()
+    _add(values, pieces)
+    lengths = np.array([len(piece) for piece in pieces], dtype="<u8").tobytes()
+    digest = hashlib.sha256(lengths)
+    digest.update(b"".join(pieces))
     return digest.digest()
 
 
-def _pieces(value: Any) -> Iterator[bytes]:
-    if isinstance(value, np.ndarray):
-        yield f"array {value.dtype.str} {value.shape}".encode()
-        yield from _pieces(value.tolist()) if value.dtype.hasobject else (value.tobytes(),)
-    elif value is None or isinstance(
-        value, bool | int | float | complex | str | bytes | np.generic
-    ):
-        yield f"{type(value).__name__} {value!r}".encode()
+def _add(value: Any, to: list[bytes]) -> None:
+    """Add the pieces of a value; the kinds that are frequent come first."""
+    kind = type(value)
+    if kind in _PLAIN:
+        to.append(f"{kind.__name__} {value!r}".encode())
+    elif isinstance(value, np.ndarray):
+        to.append(f"array {value.dtype.str} {value.shape}".encode())
+        if value.dtype.hasobject:
+            _add(value.tolist(), to)
+        else:
+            to.append(value.tobytes())
+    elif isinstance(value, bool | int | float | complex | str | bytes | np.generic):
+        to.append(f"{kind.__name__} {value!r}".encode())
     elif isinstance(value, type) or hasattr(value, "__qualname__"):
-        yield f"name {value.__module__}.{value.__qualname__}".encode()
+        to.append(f"name {value.__module__}.{value.__qualname__}".encode())
     elif isinstance(value, Mapping):
-        yield f"mapping {len(value)}".encode()
-        yield from _pieces([part for item in value.items() for part in item])
+        to.append(f"mapping {len(value)}".encode())
+        _add([part for item in value.items() for part in item], to)
     elif isinstance(value, AbstractSet):
-        yield f"set {len(value)}".encode()
-        yield from sorted(content_digest(part) for part in value)
+        to.append(f"set {len(value)}".encode())
+        to.extend(sorted(content_digest(part) for part in value))
     elif isinstance(value, Sequence):
-        yield f"sequence {len(value)}".encode()
+        to.append(f"sequence {len(value)}".encode())
         for part in value:
-            yield from _pieces(part)
+            _add(part, to)
     else:
-        yield f"object {type(value).__module__}.{type(value).__qualname__}".encode()
-        yield from _pieces(_attributes(value))
+        to.append(f"object {kind.__module__}.{kind.__qualname__}".encode())
+        _add(_attributes(value), to)
 
 
 def _attributes(value: Any) -> dict[str, Any] | str:
     """Return what an object holds; of a dataclass its fields, without what it keeps besides."""
     if is_dataclass(value):
-        return {one.name: getattr(value, one.name) for one in fields(value)}
+        return {name: getattr(value, name) for name in _names(type(value))}
     return dict(vars(value)) if hasattr(value, "__dict__") else repr(value)
+
+
+@cache
+def _names(kind: type) -> tuple[str, ...]:
+    """Return the names of a dataclass's fields."""
+    return tuple(one.name for one in fields(kind))

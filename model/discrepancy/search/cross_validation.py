@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.search.evidence import Candidate, Projected, Score, score
+from model.discrepancy.search.evidence import Candidate, Projected, Score, scored
 from model.discrepancy.verdict.prediction_error import refitted
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.mixed_model import inverse_symmetric, weigh
@@ -132,7 +132,7 @@ def scores_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) 
     We = (weights @ error[:, :, None])[:, :, 0]
     WX = (weights @ base.linear.data.X)[layout.run_of, layout.row_of]
     projected = Projected(weights, WX, covariance, We[layout.run_of, layout.row_of])
-    return [score(forward, projected, c) for c in pool]
+    return scored(forward, projected, pool)
 
 
 def position_groups(fitted: MixedModelFit) -> list[Index]:

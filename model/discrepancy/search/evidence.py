@@ -23,6 +23,7 @@ from model.identification.likelihood.model_state import ModelState
 from model.measurements import FloatArray
 
 SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0)  # in units of the plausible size
+TOGETHER = 20  # candidates whose columns are multiplied at once
 FULL = (0.05, 0.1, 0.2, 0.5, 1.0, 1.5)  # where a tried value is the whole effect
 
 
@@ -142,22 +143,44 @@ class Projected:
 
     def normal(self, forward: ForwardModel, S: FloatArray) -> tuple[FloatArray, FloatArray]:
         """S'PS and S'Py."""
-        layout = forward.layout
+        (found,) = self.normals(forward, [S])
+        return found
+
+    def normals(
+        self, forward: ForwardModel, some: Sequence[FloatArray]
+    ) -> list[tuple[FloatArray, FloatArray]]:
+        """Return the same of several; what they have in common is one product."""
+        layout, S = forward.layout, np.concatenate(some, axis=1)
         WS = (self.weights @ layout.pad(S))[layout.run_of, layout.row_of]
-        XS = self.WX.T @ S
-        return S.T @ WS - XS.T @ self.covariance @ XS, S.T @ self.pulled
+        XS, Sy = self.WX.T @ S, S.T @ self.pulled
+        known = self.covariance @ XS
+        ends = np.cumsum([one.shape[1] for one in some]).tolist()
+        parts = [slice(end - one.shape[1], end) for end, one in zip(ends, some, strict=True)]
+        return [(S[:, own].T @ WS[:, own] - XS[:, own].T @ known[:, own], Sy[own]) for own in parts]
 
 
 def score(forward: ForwardModel, projected: Projected, candidate: Candidate) -> Score:
     """Return evidence of a candidate at given noise."""
-    A, b = projected.normal(forward, candidate.columns)
+    return scored(forward, projected, [candidate])[0]
+
+
+def scored(forward: ForwardModel, projected: Projected, pool: Sequence[Candidate]) -> list[Score]:
+    """Return evidence of candidates at given noise."""
+    result = list[Score]()
+    for first in range(0, len(pool), TOGETHER):
+        some = pool[first : first + TOGETHER]
+        found = projected.normals(forward, [one.columns for one in some])
+        result += [_score(one, A, b) for one, (A, b) in zip(some, found, strict=True)]
+    return result
+
+
+def _score(candidate: Candidate, A: FloatArray, b: FloatArray) -> Score:
     D, U = np.linalg.eigh(0.5 * (A + A.T))
     D = np.maximum(D, 0.0)
     z = U.T @ b
     scales = np.array(candidate.sizes)
-    gains = [
-        0.5 * float(np.sum(v * z**2 / (1.0 + v * D)) - np.sum(np.log1p(v * D))) for v in scales**2
-    ]
+    v = scales[:, None] ** 2
+    gains = 0.5 * (np.sum(v * z**2 / (1.0 + v * D), axis=1) - np.sum(np.log1p(v * D), axis=1))
     best = int(np.argmax(gains))
     value = float(np.logaddexp.reduce(gains) - np.log(len(gains)))
     variance = scales[best] ** 2

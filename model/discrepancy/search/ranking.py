@@ -15,7 +15,7 @@ from model.discrepancy.search.evidence import (
     averaged,
     candidates,
     rescored,
-    score,
+    scored,
     surprise,
 )
 from model.discrepancy.search.nonparametric_terms import unknowns
@@ -119,7 +119,7 @@ def _among(fitted: MixedModelFit, shapes: Sequence[Candidate], solution: Solutio
     forward = fitted.problem.forward
     weighed = weigh(fitted.linear.data, solution.log_sigma)
     projected = Projected.of(forward, fitted.linear, weighed)
-    found = [score(forward, projected, one).log_bayes for one in shapes]
+    found = [one.log_bayes for one in scored(forward, projected, shapes)]
     return averaged(found) - max(found)
 
 
@@ -136,7 +136,7 @@ def _by_name(
     """Return the scores of all shapes of each name, at given scatter; best first."""
     forward = fitted.problem.forward
     projected = Projected.of(forward, fitted.linear, solution)
-    scores = [s for s in (score(forward, projected, c) for c in every) if allowed(s)]
+    scores = [s for s in scored(forward, projected, every) if allowed(s)]
     scores.sort(key=lambda s: -s.log_bayes)
     result: dict[str, list[Score]] = {}
     for one in scores:

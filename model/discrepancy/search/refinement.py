@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache, partial
 
 import numpy as np
 
@@ -47,10 +48,9 @@ def refine_best(fitted: MixedModelFit, ranking: list[RankedCandidate]) -> list[R
     done = {c.name: refined(fitted, c, (c.score,)) for c in chosen}
     promising = _promising(fitted, list(done.values()))
     done |= {name: refined(fitted, done[name], done[name].shapes) for name in promising}
-    doubtful = [name for name in promising if _doubtful(done[name])]
-    begins = [fitted.theta, by_forces(fitted)] if doubtful else []
-    for name in doubtful:
-        done[name] = _refined_again(fitted, done[name], begins)
+    forces = cache(partial(by_forces, fitted))  # a fit of its own, which few need
+    for name in [name for name in promising if _doubtful(done[name])]:
+        done[name] = _refined_again(fitted, done[name], (lambda: fitted.theta, forces))
     rest = [c for c in ranking if c.name not in done]
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
 
@@ -87,7 +87,9 @@ def by_forces(fitted: MixedModelFit) -> FloatArray:
 
 
 def _refined_again(
-    fitted: MixedModelFit, contender: RankedCandidate, begins: Sequence[FloatArray]
+    fitted: MixedModelFit,
+    contender: RankedCandidate,
+    begins: Sequence[Callable[[], FloatArray]],
 ) -> RankedCandidate:
     """From other beginnings: a straight line from where the effect is absent may lead nowhere.
 
@@ -100,8 +102,8 @@ def _refined_again(
     first = _found(fitted, one, float(np.copysign(max(1.0, abs(size)), size)))
     found = (*fitted.found, first)
     places: list[float] = []
-    for theta in begins:
-        strict = _settled(fitted, theta, found, None, STRICT)
+    for begin in begins:
+        strict = _settled(fitted, begin(), found, None, STRICT)
         if strict is None or any(abs(strict.deviance - p) < SAME for p in places):
             continue
         places.append(strict.deviance)

@@ -40,7 +40,7 @@ class Gonzalez(PublishedModel):
         s = np.linspace(0.0, length, PLACES)
         n, frames = len(run.time_s), len(run.frames)
         if run.free:
-            x, y, _, _ = free_shape(rest, s)
+            x, y, _ = free_shape(rest, s)
             return Response(tip_m=np.full(n, y[-1]), curves_m=_repeated(x, y, frames))
         found = solve(problems(rest, run.angle_rad, sheet.arc_radius_m, sheet.elongation_m))
         if found.status[0] != SolverStatus.SOLVED:

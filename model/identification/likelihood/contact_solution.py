@@ -7,7 +7,7 @@ the signatures of all effects cost next to nothing.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from model.measurements import FloatArray, ModelError
 from model.mechanics.collocation import rule
 from model.mechanics.equilibrium import Directions, Equilibria, Problems, SolverStatus, finer, solve
 from model.mechanics.field import Field, legendre_field, merged_breaks, padded
-from model.mechanics.free_shape import free_shape, turns
+from model.mechanics.free_shape import SharedFreeShapes
 
 STEEPEST_PER_M = 90.0  # free curvature that panels are made for
 NODES_LONG, NODES_SHORT = 14, 6
@@ -93,7 +93,7 @@ class ConfigurationModel:
         # by condition: angle and solution where the contact was last beside the point on the arc
         self._beside: dict[int, tuple[float, Equilibria]] = {}
         self._last: Equilibria | None = None
-        self._turns: dict[bytes, FloatArray] = {}
+        self._free: dict[bytes, SharedFreeShapes] = {}
         self._found: list[tuple[Index, Equilibria]] = []
 
     def _make_panels(self, look: DataVector, G: int) -> None:
@@ -218,9 +218,9 @@ class ConfigurationModel:
             shapes = found.shapes(s_m[rows])
             x[rows], y[rows], phi[rows] = shapes.x_m, shapes.y_m, shapes.phi_rad
         for k in self.free.tolist():
-            kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
+            kappa = self._kappa(beam, np.array([k]))[0]
             places, back = np.unique(s_m[k], return_inverse=True)
-            x[k], y[k], phi[k] = (a[back] for a in free_shape(kappa, places)[:3])
+            x[k], y[k], phi[k] = (a[back] for a in self._free_at(places).shape(kappa))
         return self._compared(beam, solved.contact, s_m, (x, y, phi))
 
     def _compared(
@@ -246,16 +246,25 @@ class ConfigurationModel:
 
         The solution kept for derivatives is not changed.
         """
+        return self.forces_in_turn([beam], some)[0]
+
+    def forces_in_turn(
+        self, beams: Sequence[BeamProblem], some: Index | None = None
+    ) -> list[FloatArray]:
+        """Return the same of several problems, each solved from the one before."""
         last, kept = self._last, self._found
-        result = np.full(self.K, np.nan)
         asked = self.touching if some is None else some
         if last is not None and some is not None:
             self._last = last.of(np.searchsorted(self.touching, some))
-        for rows, found in self._equilibria(beam, asked) if len(asked) else []:
-            gamma = found.phi_hat_rad - self._beta(beam, rows)
-            result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
+        results = []
+        for beam in beams:
+            result = np.full(self.K, np.nan)
+            for rows, found in self._equilibria(beam, asked) if len(asked) else []:
+                gamma = found.phi_hat_rad - self._beta(beam, rows)
+                result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
+            results.append(result)
         self._last, self._found = last, kept
-        return result
+        return results
 
     def modes_of(self, beam: BeamProblem, s_m: FloatArray | None = None) -> FloatArray:
         """Modes of the distances measured - predicted alone (K, M), likewise; at s (K, S)."""
@@ -340,12 +349,12 @@ class ConfigurationModel:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the free shape of condition k, which has no force and needs no solver."""
         G = self.count
-        kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
+        kappa = self._kappa(beam, np.array([k]))[0]
         at = np.concatenate([self.s_m, self.curve_s[k], [self.length]])
         places, back = np.unique(at, return_inverse=True)
-        x, y, phi = (a[back] for a in free_shape(kappa, places)[:3])
+        x, y, phi = (a[back] for a in self._free_at(places).shape(kappa))
         contact.x_m[k], contact.y_m[k], contact.phi_rad[k] = x[:G], y[:G], phi[:G]
-        contact.curvature[k], contact.end_phi_rad[k] = kappa(self.s_m), phi[-1]
+        contact.curvature[k], contact.end_phi_rad[k] = Field(self.breaks, kappa)(self.s_m), phi[-1]
         return x[G:-1], y[G:-1], phi[G:-1]
 
     # -- derivatives
@@ -389,19 +398,20 @@ class ConfigurationModel:
         modes[:, :, -1] = np.einsum("kms,ks->km", self.project, turned)
         return Sensitivities(force, modes)
 
+    def _free_at(self, s_m: FloatArray) -> SharedFreeShapes:
+        """Return free shapes at these places, ascending."""
+        key = s_m.tobytes()
+        if key not in self._free:
+            if len(self._free) >= MOST_KEPT:  # a camera that distorts asks at other s each time
+                self._free.clear()
+            self._free[key] = SharedFreeShapes(self.breaks, self.rows.shape[2], s_m)
+        return self._free[key]
+
     def _free_answers(self, beam: BeamProblem, k: int, solved: SolvedConditions) -> FloatArray:
-        kappa = Field(self.breaks, self._kappa(beam, np.array([k]))[0])
-        key = solved.s_m[k].tobytes()
-        if key not in self._turns:
-            if len(self._turns) >= MOST_KEPT:  # a camera that distorts asks at other s each time
-                self._turns.clear()
-            fields = [Field(self.breaks, r) for r in self.rows]
-            self._turns[key] = turns(kappa, solved.s_m[k], fields)
-        _, _, _, found = free_shape(kappa, solved.s_m[k], self._turns[key])
+        kappa = self._kappa(beam, np.array([k]))[0]
+        x, y = self._free_at(solved.s_m[k]).answers(kappa, self.rows)
         cos, sin = np.cos(beam.tilt_rad[k]), np.sin(beam.tilt_rad[k])
-        dx = cos * found[..., 0] - sin * found[..., 1]
-        dy = sin * found[..., 0] + cos * found[..., 1]
-        sideways = dx * solved.nx[k] + dy * solved.ny[k]
+        sideways = (cos * x - sin * y) * solved.nx[k] + (sin * x + cos * y) * solved.ny[k]
         result: FloatArray = self.project[k] @ sideways.T
         return result
 

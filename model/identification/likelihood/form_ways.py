@@ -303,15 +303,17 @@ def ways_of(
     if len(steps) > 1 and all(np.any(w) for w in whole) and not effect.of_the_rig:
         share = OWN if effect.by_configuration else SIGN
         signs = [1.0 if c == 0 else -1.0 for c in range(len(steps))]
-        rows = share * np.sum([s * w for s, w in zip(signs, whole, strict=True)], axis=0)
+        whole_rows = np.sum([s * w for s, w in zip(signs, whole, strict=True)], axis=0)
         signed: dict[str, Terms] = {
             n: partial(_constant, s) for n, s in zip(forward.names, signs, strict=True)
         }
-        first.append(WayColumn(rows, share, signed))
+        first.append(WayColumn(share * whole_rows, share, signed))
     ways: list[WayColumn] = []
     for c, step in enumerate(steps):
-        for j, way in enumerate(deviations(effect, forward, c, step, states[c].solved.contact)):
-            row, terms = way.share * forward.rows_of(c, states[c], way.step), way.terms
+        found = list(deviations(effect, forward, c, step, states[c].solved.contact))
+        every = forward.rows_of_each(c, states[c], [way.step for way in found])
+        for j, (way, rows) in enumerate(zip(found, every, strict=True)):
+            row, terms = way.share * rows, way.terms
             if j < len(ways):
                 ways[j].terms[forward.names[c]] = terms
                 ways[j] = replace(ways[j], rows=ways[j].rows + row)

@@ -21,7 +21,7 @@ from model.identification.likelihood.model_state import (
     acting_in,
 )
 from model.identification.likelihood.row_index import RowBlock, RowIndex
-from model.identification.likelihood.second_order import LEVELS, beyond_first_order
+from model.identification.likelihood.second_order import LEVELS, WAYS_FROM_ONE, beyond_first_order
 from model.identification.likelihood.time_courses import (
     bent,
     in_images,
@@ -118,9 +118,10 @@ class ForwardModel:
         scene = self.scenes[c]
         rows = scene.touching[np.any(beam.eibm[scene.touching] != 0.0, axis=1)]
         result = np.repeat(solved.force_N[:, None], len(LEVELS), axis=1)  # at level 1
-        for number in np.flatnonzero(LEVELS != 1.0).tolist():
-            other = replace(beam, eibm=beam.eibm * LEVELS[number])
-            result[rows, number] = scene.forces(other, rows)[rows]
+        for way in WAYS_FROM_ONE:  # each level from its neighbour, which is near
+            others = [replace(beam, eibm=beam.eibm * LEVELS[number]) for number in way]
+            for number, forces in zip(way, scene.forces_in_turn(others, rows), strict=True):
+                result[rows, number] = forces[rows]
         return result
 
     def _residual(self, c: int, state: ModelState, inner: Sequence[Acting]) -> FloatArray:
@@ -251,34 +252,40 @@ class ForwardModel:
 
     def rows_of(self, c: int, state: ModelState, step: Perturbation) -> FloatArray:
         """Return a step in all rows (N,); what is as in `no_step` costs nothing."""
-        part, scene, y = self.part(c), self.scenes[c], np.zeros(self.layout.size)
-        of, answers, none = part.reading_of, state.answers, self.no_step(c)
-        by_stiffness = state.by_stiffness
-        timed = not all(
-            getattr(step, name) is getattr(none, name)
-            for name in ("eibm", "stiffness", "frame_eibm")
-        )
-        modes, readings = np.zeros_like(state.modes_by_eibm), step.force_N
-        if timed:
-            readings = readings + state.by_eibm[of] * step.eibm + by_stiffness[of] * step.stiffness
-            bent = step.eibm + step.frame_eibm - step.stiffness * (part.clock.voltage_V != 0.0)
-            y[part.sway_rows] = part.sways_by @ (bent * state.reach_m[of])
-            modes = state.modes_by_eibm * part.mean(bent)[:, None]
-        if step.beam is not none.beam:
-            readings = readings + np.einsum("kq,kq->k", answers.force, step.beam)[of]
-            modes += (answers.modes @ step.beam[:, :, None])[:, :, 0]
-        if readings is not none.force_N:
-            y[part.trend_rows] = part.trends_by @ readings
-        if step.points_m is not none.points_m:
-            modes += np.einsum("kms,ks->km", scene.project, step.points_m)
-        has = scene.has_curve
-        y[part.mode_rows[has]] = modes[has]
-        if step.bin_eibm is not none.bin_eibm or step.bin_stiffness is not none.bin_stiffness:
-            b = part.bin_of
-            within = by_stiffness[b] * step.bin_stiffness
-            y[part.bin_rows] = state.by_eibm[b] * step.bin_eibm + within
-        if self.in_motion and step.beam is not none.beam:
-            y += self._moved(c, step.beam)
+        return self.rows_of_each(c, state, [step])[0]
+
+    def rows_of_each(self, c: int, state: ModelState, steps: Sequence[Perturbation]) -> FloatArray:
+        """Return several steps in all rows (m, N)."""
+        part, scene, some = self.part(c), self.scenes[c], _Given(steps, self.no_step(c))
+        y = np.zeros((len(steps), self.layout.size))
+        modes = np.zeros((len(steps), *state.modes_by_eibm.shape))
+        readings, has, of = some.of("force_N"), scene.has_curve, part.reading_of
+        timed = some.of("eibm"), some.of("stiffness"), some.of("frame_eibm")
+        if any(one is not None for one in timed):
+            eibm, stiffness, frame = (np.zeros(1) if one is None else one for one in timed)
+            by_time = state.by_eibm[of] * eibm + state.by_stiffness[of] * stiffness
+            readings = by_time if readings is None else readings + by_time
+            bent = eibm + frame - stiffness * (part.clock.voltage_V != 0.0)
+            y[:, part.sway_rows] = (part.sways_by @ (bent * state.reach_m[of]).T).T
+            modes = state.modes_by_eibm * part.means(bent)[:, :, None]
+        beam = some.of("beam")
+        if beam is not None:
+            by_condition = beam.transpose(1, 2, 0)  # (K, Q, m)
+            force = (state.answers.force[:, None] @ by_condition)[:, 0].T[:, of]
+            readings = force if readings is None else readings + force
+            modes = modes + (state.answers.modes @ by_condition).transpose(2, 0, 1)
+        if readings is not None:
+            y[:, part.trend_rows] = (part.trends_by @ readings.T).T
+        points = some.of("points_m")
+        if points is not None:
+            modes = modes + (scene.project @ points.transpose(1, 2, 0)).transpose(2, 0, 1)
+        y[:, part.mode_rows[has]] = modes[:, has]
+        within = some.of("bin_eibm"), some.of("bin_stiffness")
+        if any(one is not None for one in within):
+            b, (eibm, stiffness) = part.bin_of, (0.0 if one is None else one for one in within)
+            y[:, part.bin_rows] = state.by_eibm[b] * eibm + state.by_stiffness[b] * stiffness
+        if self.in_motion and beam is not None:
+            y += np.stack([self._moved(c, one) for one in beam])
         return y
 
     def _moved(self, c: int, beam: FloatArray) -> FloatArray:
@@ -290,6 +297,21 @@ class ForwardModel:
             own = self.part(c).of_condition(k, self.layout.size)
             result[own] = place_m * self.in_motion[c][own]
         return result
+
+
+class _Given:
+    """The fields of several steps, where any of them is something."""
+
+    def __init__(self, steps: Sequence[Perturbation], none: Perturbation) -> None:
+        self._steps, self._none = steps, none
+
+    def of(self, name: str) -> FloatArray | None:
+        """Return a field of all steps, (m, ...); None: it is nothing in all of them."""
+        nothing = getattr(self._none, name)
+        values = [getattr(step, name) for step in self._steps]
+        if all(one is nothing for one in values):
+            return None
+        return values[0][None] if len(values) == 1 else np.stack(values)
 
 
 def _points(scene: ConfigurationModel, solved: SolvedConditions) -> ImagePoints:

@@ -179,8 +179,8 @@ def sensitivities(
         state = replace(state, mounting=mounted[c]) if mounted else state
         states.append(state)
         residual += state.residual
-        for i, step in base_steps(forward, bases, c, state, base).items():
-            columns[:, i] += forward.rows_of(c, state, step)
+        steps = base_steps(forward, bases, c, state, base)
+        columns[:, list(steps)] += forward.rows_of_each(c, state, list(steps.values())).T
     if bases.rise is not None:
         own = slice(bases.rise, bases.rise + len(RISE))
         columns[:, own] = sum(rise_columns(forward, c, state) for c, state in enumerate(states))

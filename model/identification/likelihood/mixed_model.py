@@ -10,10 +10,14 @@ Thompson 1971), under wide priors that matter only where the data say nothing.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
 
 import numpy as np
+import numpy.typing as npt
 
 from model.measurements import FloatArray
+
+Index = npt.NDArray[np.int64]
 
 PRIOR_WIDTH = 2.5  # standard deviation of ln sigma about its guess
 LONGEST = 1.5  # change of any ln sigma in one step
@@ -49,9 +53,25 @@ class Solution:
 
 
 def _inverted(V: FloatArray) -> tuple[FloatArray, float]:
-    """Inverses of positive matrices, and ln of the product of their determinants."""
-    half, logdet = _triangular(V)
-    return half.transpose(0, 2, 1) @ half, logdet
+    """Inverses of positive matrices, and ln of the product of their determinants; V is used up."""
+    from scipy.linalg.lapack import dpotrf, dpotri
+
+    for one in V:
+        # a symmetric matrix is its own transpose, which is what LAPACK works on without a copy
+        if dpotrf(one.T, lower=1, clean=0, overwrite_a=1)[1]:
+            raise np.linalg.LinAlgError("a covariance is not positive")
+    logdet = 2.0 * float(np.sum(np.log(np.diagonal(V, axis1=1, axis2=2))))
+    for one in V:
+        dpotri(one.T, lower=1, overwrite_c=1)
+    low, right = _below(V.shape[1])
+    V[:, low, right] = V[:, right, low]
+    return V, logdet
+
+
+@lru_cache(maxsize=8)
+def _below(n: int) -> tuple[Index, Index]:
+    """Return the places below the diagonal of an n by n matrix."""
+    return np.tril_indices(n, -1)
 
 
 def _triangular(V: FloatArray) -> tuple[FloatArray, float]:
@@ -156,18 +176,53 @@ def _weights(data: Data, stack: _Stack, log_sigma: FloatArray) -> tuple[FloatArr
     return W, logdet + float(np.sum(np.log(noise)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class _DeviancePoint:
-    """-2 ln of the restricted likelihood times prior, its gradient, and its expected curvature."""
+    """-2 ln of the restricted likelihood times prior; its derivatives where somebody asks."""
 
+    data: Data
+    stack: _Stack
+    guess: FloatArray
     value: float
-    gradient: FloatArray
-    curvature: FloatArray
+    WX: FloatArray
+    We: FloatArray
     solution: Solution
+
+    @cached_property
+    def _WZ(self) -> FloatArray:
+        return self.solution.weights @ self.stack.Z
+
+    @cached_property
+    def gradient(self) -> FloatArray:
+        """By ln sigma."""
+        Z, D, W, WX, We = self.stack.Z, self.stack.D, self.solution.weights, self.WX, self.We
+        C, log_sigma = self.solution.covariance, self.solution.log_sigma
+        turned = Z.transpose(0, 2, 1)
+        ZX = turned @ WX
+        slopes = np.sum(Z * self._WZ, axis=(0, 1)) - np.sum((ZX @ C) * ZX, axis=(0, 2))
+        slopes -= np.sum((turned @ We[:, :, None]) ** 2, axis=(0, 2))
+        known = np.einsum("nq,nq->n", _stacked(WX) @ C, _stacked(WX)).reshape(We.shape)
+        rest = np.diagonal(W, axis1=1, axis2=2) - known - We**2
+        both = np.concatenate([slopes @ self.stack.of, np.tensordot(rest, D, axes=2)])
+        away = 2.0 * (log_sigma - self.guess) / np.square(self.data.width)
+        return 2.0 * np.exp(2.0 * log_sigma) * both + away
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Expected second derivatives."""
+        Z, of, WZ = self.stack.Z, self.stack.of, self._WZ
+        D = self.stack.D.transpose(0, 2, 1)
+        ZWZ = np.sum((Z.transpose(0, 2, 1) @ WZ) ** 2, axis=0)
+        cross = np.sum(D @ WZ**2, axis=0) @ of
+        DWD = np.sum(D @ self.solution.weights**2 @ self.stack.D, axis=0)
+        X = np.block([[of.T @ ZWZ @ of, cross.T], [cross, DWD]])
+        variance = np.exp(2.0 * self.solution.log_sigma)
+        curvature: FloatArray = 4.0 * variance[:, None] * variance * X
+        curvature[np.diag_indices_from(curvature)] += 2.0 / np.square(self.data.width)
+        return curvature
 
 
 def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) -> _DeviancePoint:
-    variance, n = np.exp(2.0 * log_sigma), np.arange(data.y.shape[1])
     W, logdet = _weights(data, stack, log_sigma)
     WX = W @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
@@ -179,22 +234,10 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     value = logdet + float(np.linalg.slogdet(information)[1])
     value += float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
     value += float(away @ away)
-    WZ = W @ stack.Z
-    ZX = stack.Z.transpose(0, 2, 1) @ WX
-    slopes = np.sum(stack.Z * WZ, axis=(0, 1)) - np.sum((ZX @ C) * ZX, axis=(0, 2))
-    slopes -= np.sum((stack.Z.transpose(0, 2, 1) @ We[:, :, None]) ** 2, axis=(0, 2))
-    known = np.einsum("nq,nq->n", _stacked(WX) @ C, _stacked(WX)).reshape(We.shape)
-    rest = W[:, n, n] - known - We**2
-    both = np.concatenate([slopes @ stack.of, np.tensordot(rest, stack.D, axes=2)])
-    gradient = 2.0 * variance * both + 2.0 * away / data.width
-    ZWZ = np.sum((stack.Z.transpose(0, 2, 1) @ WZ) ** 2, axis=0)
-    cross = np.sum(stack.D.transpose(0, 2, 1) @ WZ**2, axis=0) @ stack.of
-    DWD = np.sum(stack.D.transpose(0, 2, 1) @ W**2 @ stack.D, axis=0)
-    X = np.block([[stack.of.T @ ZWZ @ stack.of, cross.T], [cross, DWD]])
-    curvature = 4.0 * variance[:, None] * variance * X
-    curvature[np.diag_indices_from(curvature)] += 2.0 / np.broadcast_to(data.width, len(away)) ** 2
     solution = Solution(beta=beta, covariance=C, log_sigma=log_sigma, weights=W, deviance=value)
-    return _DeviancePoint(value, gradient, curvature, solution)
+    return _DeviancePoint(
+        data=data, stack=stack, guess=guess, value=value, WX=WX, We=We, solution=solution
+    )
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:
@@ -215,7 +258,7 @@ def estimate(
     at = np.clip(guess if start is None else start, low, high)
     point, damping = _point(data, stack, at, guess), 1e-3
     for _ in range(60):
-        H = point.curvature.copy()
+        H = point.curvature.copy()  # not worked out at the last one, nor where the step was bad
         H[np.diag_indices_from(H)] *= 1.0 + damping
         held = ((at <= low) & (point.gradient > 0.0)) | ((at >= high) & (point.gradient < 0.0))
         gradient = np.where(held, 0.0, point.gradient)

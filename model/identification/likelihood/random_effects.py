@@ -69,26 +69,20 @@ WIDE = NoisePriors(
 
 def scatter_columns(forward: ForwardModel, c: int, state: ModelState) -> Columns:
     """Rows of one configuration by what differs from set-up to set-up, each shared by a run."""
-    none = forward.no_step(c)
-    result = {
-        name: [forward.rows_of(c, state, step)]
-        for name, step in _setup_steps(forward, c, state).items()
-    }
-    result["registration"] = [
-        forward.rows_of(c, state, replace(none, points_m=n))
-        for n in (state.solved.nx, state.solved.ny)
-    ]
-    part, scene = forward.part(c), forward.scenes[c]
+    none, part, scene = forward.no_step(c), forward.part(c), forward.scenes[c]
+    steps = {name: [step] for name, step in _setup_steps(forward, c, state).items()}
+    steps["registration"] = [replace(none, points_m=n) for n in (state.solved.nx, state.solved.ny)]
     rise = max(scene.sheet.rise_time_s, 1e-3)
     late = rise_left(part.bin_clock, rise, part.edge_s) - rise_left(part.bin_clock, rise, 0.0)
-    result["pulse_edge"] = [forward.rows_of(c, state, replace(none, bin_eibm=part.bin_mean(late)))]
-    result |= {name: [] for name in EACH}
+    steps["pulse_edge"] = [replace(none, bin_eibm=part.bin_mean(late))]
+    steps |= {name: [] for name in EACH}
     active = _active(state)
     for k, name in own_eibm(forward, c):
         by = np.zeros_like(none.beam)
         by[k, : scene.count] = active[k]
-        result[name].append(forward.rows_of(c, state, replace(none, beam=by)))
-    return result
+        steps[name].append(replace(none, beam=by))
+    rows = iter(forward.rows_of_each(c, state, [one for own in steps.values() for one in own]))
+    return {name: [next(rows) for _ in own] for name, own in steps.items()}
 
 
 def own_eibm(forward: ForwardModel, c: int) -> list[tuple[int, str]]:

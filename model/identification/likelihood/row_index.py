@@ -74,6 +74,16 @@ class RowBlock:
         """The same as `sway`."""
         return _sparse(self.sway)
 
+    @cached_property
+    def _means_by(self) -> csr_array:
+        by = np.zeros((len(self.mode_rows), len(self.reading_of)))
+        by[self.reading_of, np.arange(len(self.reading_of))] = self.share
+        return _sparse(by)
+
+    def means(self, values: FloatArray) -> FloatArray:
+        """Return `mean` of several: (m, n) to (m, K)."""
+        return np.asarray((self._means_by @ values.T).T)
+
     def mean(self, values: FloatArray) -> FloatArray:
         """Mean over the readings that count: (n,) to (K,)."""
         return np.asarray(

@@ -16,6 +16,8 @@ from model.measurements import FloatArray
 from model.sheet.effect_hooks import MOST_LOST, Acting, course
 
 LEVELS = np.array([-1.2, -0.6, 0.0, 0.4, 0.7, 0.85, 1.0, 1.15])  # the last but one: as it is
+# from the level as it is, down and up: numbers of the levels that are passed
+WAYS_FROM_ONE = ((5, 4, 3, 2, 1, 0), (7,))
 
 
 def beyond_first_order(
