@@ -10,6 +10,8 @@ A leaf or a fitting at the tip has edges, but further apart, and another profile
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, insort
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -238,19 +240,22 @@ def _said(size: FloatArray, across: FloatArray, width: float, block_px: float) -
     near = max(6, round(GROUND_WIDTHS * width / block_px))
     told = np.zeros((5, count))
     said, by_profile, by_edges, shift, unlike = told
-    beside: list[float] = []  # of the ground: what looks like the strip there
-    noise: list[float] = []  # and how much it changes there
+    beside = _Recent(2 * near)  # of the ground: what looks like the strip there
+    noise = _Recent(2 * near)  # and how much it changes there
     for b in range(count):
-        strength = windows[b] @ usual / max(float(usual @ usual), 1e-12)
-        at = middle - few + int(strength[middle - few : middle + few + 1].argmax())
+        usual_size = float(usual @ usual)
+        strength = (windows[b] @ usual / max(usual_size, 1e-12)).tolist()
+        at = _first_largest(strength, middle - few, middle + few + 1)
         found = windows[b, at]
-        noise += [float(each @ each) for each in windows[b, [0, -1]]]
+        for each in windows[b, [0, -1]]:
+            noise.append(float(each @ each))
         own = float(found @ found)
-        own = max(own - float(np.median(noise[-2 * near :])), OWN_SHARE_MIN * own)
-        alike = float(found @ usual) / math.sqrt(own * float(usual @ usual) + 1e-12)
-        beside += [float(strength[: middle - far + 1].max()), float(strength[middle + far :].max())]
-        by_profile[b] = _of_profile(float(strength[at]), alike, np.array(beside[-2 * near :]))
-        by_edges[b] = _of_edges(edges[b], usual_edge, ground[b])
+        own = max(own - noise.median, OWN_SHARE_MIN * own)
+        alike = float(found @ usual) / math.sqrt(own * usual_size + 1e-12)
+        beside.append(max(strength[: middle - far + 1]))
+        beside.append(max(strength[middle + far :]))
+        by_profile[b] = _of_profile(strength[at], alike, beside)
+        by_edges[b] = _of_edges(float(edges[b]), usual_edge, float(ground[b]))
         another = False
         if alike < COURSE_ALIKE_MIN:
             another = wider[b] > COURSE_WIDE_RATIO * edges[b]
@@ -261,20 +266,56 @@ def _said(size: FloatArray, across: FloatArray, width: float, block_px: float) -
         if said[b] > ADAPT_MIN:
             share = 1 / (1 + math.exp(-said[b])) / memory
             usual = (1 - share) * usual + share * found
-            usual_edge *= (edges[b] / usual_edge) ** share
+            usual_edge *= (float(edges[b]) / usual_edge) ** share
     return told
 
 
-def _of_profile(strength: float, alike: float, beside: FloatArray) -> float:
+class _Recent:
+    """The latest of some numbers, in their order of size: a median of few costs next to nothing."""
+
+    def __init__(self, many: int) -> None:
+        self.ordered: list[float] = []
+        self._latest: deque[float] = deque(maxlen=many)
+
+    def append(self, value: float) -> None:
+        """Add a number; the oldest one goes where there are too many."""
+        if len(self._latest) == self._latest.maxlen:
+            del self.ordered[bisect_left(self.ordered, self._latest[0])]
+        self._latest.append(value)
+        insort(self.ordered, value)
+
+    @property
+    def median(self) -> float:
+        """Return the median of the latest."""
+        return _median(self.ordered)
+
+    @property
+    def scatter(self) -> float:
+        """Return their median distance from it."""
+        middle = self.median
+        return _median(sorted(abs(each - middle) for each in self.ordered))
+
+
+def _median(ordered: list[float]) -> float:
+    half = len(ordered) // 2
+    return ordered[half] if len(ordered) % 2 else 0.5 * (ordered[half - 1] + ordered[half])
+
+
+def _first_largest(values: list[float], first: int, end: int) -> int:
+    part = values[first:end]
+    return first + part.index(max(part))
+
+
+def _of_profile(strength: float, alike: float, beside: _Recent) -> float:
     """Return the log odds of a profile's size against what the same search finds beside."""
-    usual = float(np.median(beside))
-    spread = max(1.48 * float(np.median(np.abs(beside - usual))), COURSE_PROFILE_SIGMA_MIN)
+    usual = beside.median
+    spread = max(1.48 * beside.scatter, COURSE_PROFILE_SIGMA_MIN)
     strip = max(STRIP_SPREAD, spread)
     odds = math.log(spread / strip) - 0.5 * ((min(strength, 1.0) - 1) / strip) ** 2
     odds += 0.5 * (max(strength - usual, 0.0) / spread) ** 2
     if alike < COURSE_ALIKE_MIN:
         odds = min(odds, 0.0) - 0.3
-    return float(np.clip(odds, -SAID_MAX, SAID_MAX))
+    return min(max(odds, -SAID_MAX), SAID_MAX)
 
 
 def _of_edges(edge: float, usual: float, ground: float) -> float:
@@ -284,7 +325,7 @@ def _of_edges(edge: float, usual: float, ground: float) -> float:
         return -0.5
     least = max(math.sqrt(usual * ground), COURSE_EDGE_RATIO * usual)
     odds = math.log(max(min(edge, usual), 1e-6) / least) * apart / EDGE_SPREAD**2
-    return float(np.clip(odds, -SAID_MAX, SAID_MAX))
+    return min(max(odds, -SAID_MAX), SAID_MAX)
 
 
 def _edges(

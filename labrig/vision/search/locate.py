@@ -185,27 +185,23 @@ def _path(
     spread = np.array([(offset, turn, turn) for offset in offsets for turn in turns])
     u0, v0 = (np.array(clamp) + 0.5) / scale - 0.5
 
-    def traced(steps: int) -> tuple[FloatArray, FloatArray]:
-        path, gains, _ = search(
-            ridges.maps,
-            sign,
-            u0=float(u0),
-            v0=float(v0),
-            heading=heading or 0.0,
-            spread=spread,
-            steps=steps,
-            straight_from=steps,
-            wide_from=steps,
-            length=step,
-            most_bend=_most_bend(step, width / scale),
-            most_turn=TURN_MAX_RAD,
-            width=BEAM_WIDTH,
-            half=5.0,
-            quantum=BEND_QUANTUM_RAD,
-        )
-        return path, gains
-
-    path, gains = traced(steps)
+    beam = search(
+        ridges.maps,
+        sign,
+        place=(float(u0), float(v0)),
+        heading=heading or 0.0,
+        spread=spread,
+        steps=steps,
+        straight_from=steps,
+        wide_from=steps,
+        length=step,
+        most_bend=_most_bend(step, width / scale),
+        most_turn=TURN_MAX_RAD,
+        width=BEAM_WIDTH,
+        half=5.0,
+        quantum=BEND_QUANTUM_RAD,
+    )
+    path, gains = beam.best()
     if len(path) == 0:
         return None
     first, end = _seen_part(gains)
@@ -224,10 +220,8 @@ def _path(
         if further is not None:
             return further
     if end < steps:  # what lies beyond the end must not draw the path
-        again, more = traced(max(end, 4))
-        if len(again):
-            path, gains = again, more
-            first, end = _seen_part(gains)
+        path, gains = beam.best(max(end, 4))
+        first, end = _seen_part(gains)
     if end - first < 3:
         return None
     return ridges.raw(path[first : end + 1])
@@ -280,9 +274,12 @@ def measured_along(
     profiles = rows.mean(axis=1)
     found = []
     low, high = (0.4, 2.2) if fixed is None else STATED_WIDTH_RATIOS
+    slope, slope_blur = profiles, 0.0
     for wide in (fixed or width) * np.geomspace(low, high, WIDTHS_COMPARED):
         blur = max(0.8, EDGE_BLUR_RATIO * wide) / unit
-        slope = slopes(profiles, max(blur, 1.0))
+        if max(blur, 1.0) != slope_blur:  # thin ones are all looked at through the same filter
+            slope_blur = max(blur, 1.0)
+            slope = slopes(profiles, slope_blur)
         edges = _both_edges(
             slope, wide / unit, 0.7 * width / unit, opposite=wide < ONE_EDGE_BLURS * blur * unit
         )

@@ -156,11 +156,10 @@ def trace_from_clamp(
         ]
     )
     bent_steps = max(1, math.ceil(free_share * steps))
-    path, gains, score = search(
+    beam = search(
         ridges.maps,
         sign,
-        u0=float(u0),
-        v0=float(v0),
+        place=(float(u0), float(v0)),
         heading=heading,
         spread=spread,
         steps=max(6, round(share * steps)),
@@ -172,9 +171,10 @@ def trace_from_clamp(
         width=width,
         half=5.0,
     )
+    path, gains = beam.best()
     if len(path) == 0:
         return None
-    return Trace((path + 0.5) * scale - 0.5, gains, score)
+    return Trace(ridges.raw(path), gains, float(gains.mean()))
 
 
 def _clamp_direction(optics: Optics) -> tuple[float, float]:
