@@ -22,7 +22,7 @@ from labrig.vision.fit.outline_blocks import Blocks
 from labrig.vision.fit.outline_profiles import (
     BLUR_MIN_PX,
     BLUR_RATIO,
-    grey_beside,
+    greys_beside,
     running_middle,
 )
 from labrig.vision.image.image import GreyImage
@@ -197,8 +197,9 @@ def _signed_sizes(
     middle = np.abs(across) < OUTSIDE_HALF_WIDTHS * width_px
     found = []
     inside = np.ones(max(1, len(shape.x) // many), dtype=bool)
-    for image in images:
-        rows = grey_beside(shape, image, optics, across, taper)[: len(inside) * many]
+    greys = greys_beside(shape, images, optics, across, taper)
+    for image, grey in zip(images, greys, strict=True):
+        rows = grey[: len(inside) * many]
         with np.errstate(invalid="ignore"):
             profiles = rows.reshape(len(inside), -1, len(across)).mean(axis=1)
         inside &= np.isfinite(profiles[:, middle]).all(axis=1)

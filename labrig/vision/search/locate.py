@@ -22,6 +22,7 @@ from labrig.vision.search.straightened import (
     smoothed,
     straightened,
 )
+from labrig.vision.search.work import Work
 from labrig.vision.thresholds import END_PRESENT_RATIO
 
 FloatArray = npt.NDArray[np.float64]
@@ -33,7 +34,8 @@ THINNEST_PX = 2.5
 THICKEST_RATIO = 1 / 6  # of the length, and so of the image's side
 HEADINGS = 32  # all around
 HEADING_SPREAD = (-2, -1, 0, 1, 2)  # around a stated one, in its standard deviations
-BEAM_WIDTH = 400
+BEAM_WIDTH = 400  # states that a search keeps
+STATED_BEAM_WIDTH = 120  # where the direction is stated: each of few directions has as many
 STEP_WIDTHS = 2.0  # a step of the search, in widths of the strip
 LONGEST_STEPS = 220
 LONGER = 2.0  # than the image's diagonal: a strip that turns back
@@ -107,6 +109,7 @@ def candidates(
     signs: tuple[float, ...],
     length_px: float | None,
     thickness_px: float | None,
+    work: Work,
 ) -> list[Located]:
     """Return what may be the strip that begins near a place, the clearest first.
 
@@ -114,8 +117,9 @@ def candidates(
     `mask` (rows, columns): not 0 where something hides the view.
     """
     all_found = []
+    filled = image.filled()
     for width in widths_tried(image, thickness_px, length_px):
-        ridges = ridge_maps(image.filled(), width, wide=False)
+        ridges = ridge_maps(filled, width, wide=False)
         if mask is not None and mask.any():
             ridges.hide(mask)
         for sign in signs:
@@ -123,6 +127,7 @@ def candidates(
                 path = _path(
                     ridges,
                     sign,
+                    work=work,
                     width=width,
                     clamp=clamp_px,
                     reach=reach,
@@ -158,6 +163,7 @@ def _path(
     ridges: RidgeMaps,
     sign: float,
     *,
+    work: Work,
     width: float,
     clamp: Point,
     reach: float,
@@ -169,6 +175,8 @@ def _path(
     """Return the likeliest path (raw pixels) up to where it ends; None without one."""
     from labrig.vision.search.path_search import search
 
+    if not work.may_search():
+        return None
     scale = ridges.scale
     rows, columns = ridges.maps.shape[2:]
     step = STEP_WIDTHS * width / scale
@@ -197,7 +205,7 @@ def _path(
         length=step,
         most_bend=_most_bend(step, width / scale),
         most_turn=TURN_MAX_RAD,
-        width=BEAM_WIDTH,
+        width=BEAM_WIDTH if heading is None else STATED_BEAM_WIDTH,
         half=5.0,
         quantum=BEND_QUANTUM_RAD,
     )
@@ -205,10 +213,13 @@ def _path(
     if len(path) == 0:
         return None
     first, end = _seen_part(gains)
-    if end == steps and length_px is None and longer == 1.0:  # longer than the image is wide
+    inside = _steps_inside(ridges, path)
+    if min(end, inside) == steps and length_px is None and longer == 1.0:
+        # longer than the image is wide
         further = _path(
             ridges,
             sign,
+            work=work,
             width=width,
             clamp=clamp,
             reach=reach,
@@ -219,8 +230,8 @@ def _path(
         )
         if further is not None:
             return further
-    if end < steps:  # what lies beyond the end must not draw the path
-        path, gains = beam.best(max(end, 4))
+    if min(end, inside) < steps:  # what lies beyond the end must not draw the path
+        path, gains = beam.best(max(min(end, inside), 4))
         first, end = _seen_part(gains)
     if end - first < 3:
         return None
@@ -284,22 +295,23 @@ def measured_along(
             slope, wide / unit, 0.7 * width / unit, opposite=wide < ONE_EDGE_BLURS * blur * unit
         )
         edges = edges[: _end_block(edges)]
-        beside = np.abs(slope[: len(edges), np.abs(across) > 1.2 * wide])
-        texture = max(float(np.median(beside)) / 0.6745 if beside.size else 0.0, 1e-3)
-        found.append((float(np.minimum(edges, 2 * np.median(edges)).sum()), edges, wide, texture))
-    _, edges, wide, texture = max(found, key=lambda each: each[0])
+        found.append((float(np.minimum(edges, 2 * np.median(edges)).sum()), edges, wide, slope))
+    _, edges, wide, slope = max(found, key=lambda each: each[0])
     if len(edges) < 4:
         return None
+    beside = np.abs(slope[: len(edges), np.abs(across) > 1.2 * wide])
+    texture = max(float(np.median(beside)) / 0.6745 if beside.size else 0.0, 1e-3)
+    clear = float(np.mean(np.minimum(edges, 2 * np.median(edges))))
     if len(edges) < blocks:
         line, leaves = line[: len(edges) * many + 1], False
         profiles = profiles[: len(edges)]
     return Located(
         path_px=line,
         thickness_px=float(wide),
-        edge=float(np.mean(np.minimum(edges, 2 * np.median(edges)))),
+        edge=clear,
         leaves_image=leaves,
         sign=sign,
-        clearness=float(np.mean(np.minimum(edges, 2 * np.median(edges)))) / texture,
+        clearness=clear / texture,
         likeness=_likeness(profiles, across, float(wide)),
         aside_px=float(np.hypot(*(line - np.array(clamp)).T).min()),
         scale_px=max(width, THINNEST_PX),
@@ -313,12 +325,11 @@ def _end_block(edges: FloatArray) -> int:
     """
     usual = float(np.median(edges[: max(END_RUN_STEPS, len(edges) // 8)]))
     there = np.minimum(edges / max(usual, 1e-9), 1.0) - END_PRESENT_RATIO
-    unseen = 0
-    for at, more in enumerate(there):
-        unseen = 0 if more > 0 else unseen + 1
-        if unseen > max(END_RUN_STEPS, END_RUN_SHARE * at):
-            there = there[: at + 1]
-            break
+    at = np.arange(len(there))
+    unseen = at - np.maximum.accumulate(np.where(there > 0, at, -1))
+    lost = unseen > np.maximum(END_RUN_STEPS, END_RUN_SHARE * at)
+    if lost.any():
+        there = there[: int(lost.argmax()) + 1]
     return int(np.cumsum(there).argmax()) + 1
 
 
@@ -334,6 +345,13 @@ def _likeness(profiles: FloatArray, across: FloatArray, wide: float) -> float:
 
 def _mean(values: FloatArray) -> FloatArray:
     return np.asarray(np.where(np.isfinite(values), values, 0.0).mean(axis=1))
+
+
+def _steps_inside(ridges: RidgeMaps, path: FloatArray) -> int:
+    """Return how many steps of a path are followed before it comes near the image's border."""
+    rows, columns = ridges.maps.shape[2:]
+    line, leaves = _inside(ridges.raw(path), (rows * ridges.scale, columns * ridges.scale))
+    return len(line) if leaves else len(path) - 1
 
 
 def _inside(line: FloatArray, shape: tuple[int, ...]) -> tuple[FloatArray, bool]:
