@@ -23,7 +23,7 @@ from labrig.vision.extraction.outline_report import (
 from labrig.vision.extraction.outline_shape import CLAMP_REACH_PX, Outline, fitted_outline
 from labrig.vision.fit.context import roll_mask
 from labrig.vision.image.image import GreyImage
-from labrig.vision.search.locate import Located, candidates
+from labrig.vision.search.locate import COMPARABLE_RATIO, Located, candidates
 from labrig.vision.search.stated_places import locate_through
 from labrig.vision.search.straightened import resampled
 from labrig.vision.search.work import Work, WorkDoneError
@@ -51,7 +51,6 @@ TOO_MUCH = (
     "search failed: too much in the image looks like the edges of a strip; mask what confuses "
     "(--mask), state length, thickness and direction (--along-px), or crop the image."
 )
-COMPARABLE_RATIO = 0.15  # of a candidate's evidence to the clearest one's
 OF_A_CHANNEL_MAX, FITTED_MAX = 2, 4  # candidates: each costs a fit
 SAME_WIDTHS, SAME_MIN_PX = 0.5, 2.0  # beside another path everywhere: the same course
 SAME_THICKNESS = 1.35  # of one path's thickness to another's, at most
@@ -179,7 +178,8 @@ def _likeliest_first(
     for image in images:
         kept: list[Located] = []
         work.next_channel()
-        for located in _located(image, optics, strip, mask, work):
+        clearest = max((each.evidence for each in found), default=0.0)
+        for located in _located(image, optics, strip, mask, work, clearest):
             if not any(_alike(located, each) for each in kept):
                 kept.append(located)
             if len(kept) == OF_A_CHANNEL_MAX:
@@ -233,7 +233,12 @@ def _refused(why: str) -> NeutralCurve:
 
 
 def _located(
-    image: GreyImage, optics: Optics, strip: StripGeometry, mask: MaskArray, work: Work
+    image: GreyImage,
+    optics: Optics,
+    strip: StripGeometry,
+    mask: MaskArray,
+    work: Work,
+    clearest: float,
 ) -> list[Located]:
     signs = {"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[optics.polarity]
     thickness_px = strip.thickness_m * optics.px_per_m if strip.thickness_known else None
@@ -256,6 +261,7 @@ def _located(
         length_px=strip.length_m * optics.px_per_m if strip.length_known else None,
         thickness_px=thickness_px,
         work=work,
+        clearest_before=clearest,
     )
 
 

@@ -35,7 +35,6 @@ THICKEST_RATIO = 1 / 6  # of the length, and so of the image's side
 HEADINGS = 32  # all around
 HEADING_SPREAD = (-2, -1, 0, 1, 2)  # around a stated one, in its standard deviations
 BEAM_WIDTH = 400  # states that a search keeps
-STATED_BEAM_WIDTH = 120  # where the direction is stated: each of few directions has as many
 STEP_WIDTHS = 2.0  # a step of the search, in widths of the strip
 LONGEST_STEPS = 220
 LONGER = 2.0  # than the image's diagonal: a strip that turns back
@@ -53,6 +52,7 @@ CLEARNESS_OF_ANY = 20.0  # on a plain ground every strip is clear
 SCALE_SPREAD = 0.5  # of the logarithm of a path's width to that at which it was searched
 NEAR_REACH_PX = 8.0  # a strip that begins further aside may be another one
 ASIDE_USUAL_PX = 5.0  # from where the clamp is stated to the strip's begin
+COMPARABLE_RATIO = 0.15  # of a candidate's evidence to the clearest one's
 BORDER_PX = 10.0  # a strip that leaves the image is followed up to here
 
 
@@ -91,7 +91,7 @@ class Located:
 
     @property
     def _share_px(self) -> float:
-        near = math.exp(-0.5 * (self.aside_px / ASIDE_USUAL_PX) ** 2)
+        near = _nearness(self.aside_px)
         # a path that was searched at another width than it shows is a rough one
         apart = math.log(self.thickness_px / self.scale_px) if self.scale_px else 0.0
         fitting = math.exp(-0.5 * (apart / SCALE_SPREAD) ** 2)
@@ -110,13 +110,17 @@ def candidates(
     length_px: float | None,
     thickness_px: float | None,
     work: Work,
+    clearest_before: float = 0.0,
 ) -> list[Located]:
     """Return what may be the strip that begins near a place, the clearest first.
+
+    What is far less clear than others, or than `clearest_before` of another channel, may be left
+    out.
 
     Near: within `clamp_reach_px`. What is None is not known. `signs`: the polarities to try;
     `mask` (rows, columns): not 0 where something hides the view.
     """
-    all_found = []
+    paths = []
     filled = image.filled()
     for width in widths_tried(image, thickness_px, length_px):
         ridges = ridge_maps(filled, width, wide=False)
@@ -137,12 +141,33 @@ def candidates(
                 )
                 if path is None:
                     break
-                found = measured_along(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
-                if found is not None and found.worth > 0:
-                    all_found.append(found)
-                if found is None or found.aside_px < NEAR_REACH_PX:
+                paths.append((_evidence_max(path, clamp_px), path, width, sign))
+                if _aside_px(path, clamp_px) < NEAR_REACH_PX:
                     break  # else there may be another one that begins nearer
-    return sorted(all_found, key=lambda each: -each.evidence)
+    found: list[Located] = []
+    clearest = clearest_before
+    for most, path, width, sign in sorted(paths, key=lambda each: -each[0]):
+        if most < COMPARABLE_RATIO * clearest:
+            break  # nothing of it could be comparable
+        one = measured_along(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
+        if one is not None and one.worth > 0:
+            found.append(one)
+            clearest = max(clearest, one.evidence)
+    return sorted(found, key=lambda each: -each.evidence)
+
+
+def _aside_px(path: FloatArray, clamp: Point) -> float:
+    return float(np.hypot(*(path - np.array(clamp)).T).min())
+
+
+def _evidence_max(path: FloatArray, clamp: Point) -> float:
+    """Return the most that a path's evidence can be, before its edges are measured."""
+    length = float(np.hypot(*np.diff(path, axis=0).T).sum())
+    return CLEARNESS_OF_ANY * length * _nearness(_aside_px(path, clamp))
+
+
+def _nearness(aside_px: float) -> float:
+    return math.exp(-0.5 * (aside_px / ASIDE_USUAL_PX) ** 2)
 
 
 def widths_tried(
@@ -205,7 +230,7 @@ def _path(
         length=step,
         most_bend=_most_bend(step, width / scale),
         most_turn=TURN_MAX_RAD,
-        width=BEAM_WIDTH if heading is None else STATED_BEAM_WIDTH,
+        width=BEAM_WIDTH,
         half=5.0,
         quantum=BEND_QUANTUM_RAD,
     )
@@ -213,9 +238,7 @@ def _path(
     if len(path) == 0:
         return None
     first, end = _seen_part(gains)
-    inside = _steps_inside(ridges, path)
-    if min(end, inside) == steps and length_px is None and longer == 1.0:
-        # longer than the image is wide
+    if end == steps and length_px is None and longer == 1.0:  # longer than the image is wide
         further = _path(
             ridges,
             sign,
@@ -230,8 +253,8 @@ def _path(
         )
         if further is not None:
             return further
-    if min(end, inside) < steps:  # what lies beyond the end must not draw the path
-        path, gains = beam.best(max(min(end, inside), 4))
+    if end < steps:  # what lies beyond the end must not draw the path
+        path, gains = beam.best(max(end, 4))
         first, end = _seen_part(gains)
     if end - first < 3:
         return None
@@ -313,7 +336,7 @@ def measured_along(
         sign=sign,
         clearness=clear / texture,
         likeness=_likeness(profiles, across, float(wide)),
-        aside_px=float(np.hypot(*(line - np.array(clamp)).T).min()),
+        aside_px=_aside_px(line, clamp),
         scale_px=max(width, THINNEST_PX),
     )
 
@@ -345,13 +368,6 @@ def _likeness(profiles: FloatArray, across: FloatArray, wide: float) -> float:
 
 def _mean(values: FloatArray) -> FloatArray:
     return np.asarray(np.where(np.isfinite(values), values, 0.0).mean(axis=1))
-
-
-def _steps_inside(ridges: RidgeMaps, path: FloatArray) -> int:
-    """Return how many steps of a path are followed before it comes near the image's border."""
-    rows, columns = ridges.maps.shape[2:]
-    line, leaves = _inside(ridges.raw(path), (rows * ridges.scale, columns * ridges.scale))
-    return len(line) if leaves else len(path) - 1
 
 
 def _inside(line: FloatArray, shape: tuple[int, ...]) -> tuple[FloatArray, bool]:

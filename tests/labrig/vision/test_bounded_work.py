@@ -72,10 +72,18 @@ def test_nothing_is_fitted_beyond_the_bound_and_the_sentence_says_what_would_hel
     assert counted["rounds"] == 3
 
 
-def test_a_path_that_reaches_the_border_ends_there():
-    maps = locate.RidgeMaps(np.zeros((1, 5, 50, 100), np.float32), 2)
-    path = np.stack([np.linspace(10, 130, 121), np.full(121, 25.0)], axis=1)
-    steps = locate._steps_inside(maps, path)
-    at_px = maps.raw(path[steps])[0]
-    assert 200 - locate.BORDER_PX - 3 < at_px < 200
-    assert locate._steps_inside(maps, path[:60]) == 59
+@pytest.mark.slow
+def test_a_path_that_could_not_be_comparable_is_not_measured(monkeypatch):
+    picture = np.full((ROWS, COLUMNS), 40, np.uint8)
+    picture[78:83, 30:170] = 200
+    picture[92:97, 30:170] = 200  # begins elsewhere
+    measured = []
+    real = locate.measured_along
+
+    def one(image, path, *rest, **known):
+        measured.append(locate._aside_px(path, OPTICS.clamp_px))
+        return real(image, path, *rest, **known)
+
+    monkeypatch.setattr(locate, "measured_along", one)
+    assert neutral_curve(picture, OPTICS, UNKNOWN).ok
+    assert max(measured) < 3 * locate.ASIDE_USUAL_PX
