@@ -23,9 +23,10 @@ from labrig.vision.extraction.outline_report import (
 from labrig.vision.extraction.outline_shape import CLAMP_REACH_PX, Outline, fitted_outline
 from labrig.vision.fit.context import roll_mask
 from labrig.vision.image.image import GreyImage
-from labrig.vision.search.locate import Located, candidates
+from labrig.vision.search.locate import COMPARABLE_RATIO, Located, candidates
 from labrig.vision.search.stated_places import locate_through
 from labrig.vision.search.straightened import resampled
+from labrig.vision.search.work import Work, WorkDoneError
 
 FloatArray = npt.NDArray[np.float64]
 MaskArray = npt.NDArray[np.uint8]
@@ -46,7 +47,10 @@ UNSEEN_THROUGH = (
     "search failed: both edges of a strip are nowhere seen together between the stated places; "
     "check them (through_px, tip_px), or light the strip."
 )
-COMPARABLE_RATIO = 0.15  # of a candidate's evidence to the clearest one's
+TOO_MUCH = (
+    "search failed: too much in the image looks like the edges of a strip; mask what confuses "
+    "(--mask), state length, thickness and direction (--along-px), or crop the image."
+)
 OF_A_CHANNEL_MAX, FITTED_MAX = 2, 4  # candidates: each costs a fit
 SAME_WIDTHS, SAME_MIN_PX = 0.5, 2.0  # beside another path everywhere: the same course
 SAME_THICKNESS = 1.35  # of one path's thickness to another's, at most
@@ -95,19 +99,24 @@ def outline_curve(
     mask = roll_mask(optics, images[0].grey.shape)
     if mask.any():
         images = [image.without(mask) for image in images]
+    work = Work()
     if start is not None:
-        followed = _tried(images, optics, strip, _from_before(start))
+        followed = _tried(images, optics, strip, _from_before(start), work)
         if followed is not None and not followed.why:
             found = outline_in_metres(followed.outline, images[0], optics, strip)
             if found.ok:
                 return found
-    likeliest = _likeliest_first(images, optics, strip, mask)
+    likeliest = _likeliest_first(images, optics, strip, mask, work)
     if not likeliest:
         return _refused(NOTHING_THROUGH if optics.stated_places_px else NOTHING_FOUND)
     tried: list[_Tried] = []
     for located in likeliest:
         if not any(not each.why and _same_course(located, each) for each in tried):
-            fitted = _tried(images, optics, strip, located)
+            try:
+                fitted = _tried(images, optics, strip, located, work)
+            except WorkDoneError:
+                # whether what was not looked at to its end is the strip is not known
+                return _refused(TOO_MUCH)
             if fitted is not None:
                 tried.append(fitted)
     if not tried:
@@ -158,13 +167,19 @@ def _distances(one: FloatArray, other: FloatArray) -> FloatArray:
 
 
 def _likeliest_first(
-    images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, mask: MaskArray
+    images: Sequence[GreyImage],
+    optics: Optics,
+    strip: StripGeometry,
+    mask: MaskArray,
+    work: Work,
 ) -> list[Located]:
     """Return what the channels show, without what is far less clear than the clearest."""
     found: list[Located] = []
     for image in images:
         kept: list[Located] = []
-        for located in _located(image, optics, strip, mask):
+        work.next_channel()
+        clearest = max((each.evidence for each in found), default=0.0)
+        for located in _located(image, optics, strip, mask, work, clearest):
             if not any(_alike(located, each) for each in kept):
                 kept.append(located)
             if len(kept) == OF_A_CHANNEL_MAX:
@@ -201,9 +216,13 @@ def _length(path: FloatArray) -> float:
 
 
 def _tried(
-    images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, located: Located
+    images: Sequence[GreyImage],
+    optics: Optics,
+    strip: StripGeometry,
+    located: Located,
+    work: Work,
 ) -> _Tried | None:
-    outline = fitted_outline(images, optics, strip, located)
+    outline = fitted_outline(images, optics, strip, located, work)
     if outline is None:
         return None
     return _Tried(outline=outline, why=outline_fault(outline, optics, strip))
@@ -214,7 +233,12 @@ def _refused(why: str) -> NeutralCurve:
 
 
 def _located(
-    image: GreyImage, optics: Optics, strip: StripGeometry, mask: MaskArray
+    image: GreyImage,
+    optics: Optics,
+    strip: StripGeometry,
+    mask: MaskArray,
+    work: Work,
+    clearest: float,
 ) -> list[Located]:
     signs = {"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[optics.polarity]
     thickness_px = strip.thickness_m * optics.px_per_m if strip.thickness_known else None
@@ -236,6 +260,8 @@ def _located(
         signs=signs,
         length_px=strip.length_m * optics.px_per_m if strip.length_known else None,
         thickness_px=thickness_px,
+        work=work,
+        clearest_before=clearest,
     )
 
 

@@ -18,6 +18,7 @@ from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located
+from labrig.vision.search.work import Work
 from labrig.vision.thresholds import FULL_RESOLUTION_THICKNESS_MAX_PX
 
 FloatArray = npt.NDArray[np.float64]
@@ -61,6 +62,7 @@ class _Fitter:
     optics: Optics
     width_px: float
     places: StatedPlaces
+    work: Work
 
     def fit(
         self, shape: CurveShape, *, rounds: int = ROUNDS, whole: bool = False
@@ -73,6 +75,7 @@ class _Fitter:
             self.optics,
             width_px=self.width_px,
             prior=prior,
+            work=self.work,
             rounds=rounds,
             completed=self._without_ends if whole else self._completed,
             tapers=whole,
@@ -137,7 +140,11 @@ class _Fitter:
 
 
 def fitted_outline(
-    images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, located: Located
+    images: Sequence[GreyImage],
+    optics: Optics,
+    strip: StripGeometry,
+    located: Located,
+    work: Work,
 ) -> Outline | None:
     """Return the curve between the edges up to the strip's end, or to where it is stated to be."""
     plane = optics.pixel_to_world(located.path_px) * optics.px_per_m
@@ -152,7 +159,7 @@ def fitted_outline(
         free = length = total + max(BEYOND_WIDTHS * width, BEYOND_MIN_PX, BEYOND_SHARE * total)
     there, shape = _first_shape(plane, optics, width, free, length)
     places = StatedPlaces.of(optics, width)
-    fitter = _Fitter(images=images, optics=there, width_px=width, places=places)
+    fitter = _Fitter(images=images, optics=there, width_px=width, places=places, work=work)
     if not strip.length_known and optics.tip_px is None:
         ahead = fitter.course(shape).end[0] + BEYOND_WIDTHS * width
         if ahead < length:  # what lies beyond the end must not draw the curve

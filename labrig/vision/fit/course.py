@@ -22,17 +22,13 @@ from labrig.vision.fit.outline_blocks import Blocks
 from labrig.vision.fit.outline_profiles import (
     BLUR_MIN_PX,
     BLUR_RATIO,
-    grey_beside,
+    greys_beside,
     running_middle,
 )
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.straightened import slopes
 from labrig.vision.thresholds import (
-    COURSE_ALIKE_MIN,
-    COURSE_EDGE_RATIO,
-    COURSE_PROFILE_SIGMA_MIN,
     COURSE_SEEN_MIN,
-    COURSE_WIDE_RATIO,
     END_GAP_SHARE,
     END_GAP_WIDTHS,
 )
@@ -50,15 +46,9 @@ WIDER = (1.7, 2.1, 2.6)  # in widths: edges of what is another thing
 MEMORY_WIDTHS, MEMORY_SHARE = 8.0, 0.1  # of the length: how long a strip is remembered
 MEMORY_MIN_BLOCKS, FIRST_MIN_BLOCKS = 8, 4
 GROUND_WIDTHS = 3.0  # of the course in which the ground is taken to be alike
-STRIP_SPREAD = 0.35  # of a profile's size, in that of the strip shortly before
-EDGE_SPREAD = 0.4  # of the logarithm of an edge's size
-SAID_MAX = 2.0  # by one block
 CROSSING_SAID_MAX = 12.0  # by all blocks together in which something else hides the strip
-SAID_UNLIKE = -0.1  # by edges of what does not look like the strip shortly before
 GOES_ON_SHARE = 0.4  # of the blocks of two widths beyond the end
 LAST_BLOCK_LESS = 0.2  # a block counts as strip where it shows a third of it
-OWN_SHARE_MIN = 0.4  # of a profile that is no noise, at least
-ADAPT_MIN = 0.5  # log odds of a block that is remembered
 ALIKE_WIDTHS = 0.8  # of blocks that share texture and blur
 OUTSIDE_HALF_WIDTHS = 0.6  # of the strip that must lie inside the image
 
@@ -207,8 +197,9 @@ def _signed_sizes(
     middle = np.abs(across) < OUTSIDE_HALF_WIDTHS * width_px
     found = []
     inside = np.ones(max(1, len(shape.x) // many), dtype=bool)
-    for image in images:
-        rows = grey_beside(shape, image, optics, across, taper)[: len(inside) * many]
+    greys = greys_beside(shape, images, optics, across, taper)
+    for image, grey in zip(images, greys, strict=True):
+        rows = grey[: len(inside) * many]
         with np.errstate(invalid="ignore"):
             profiles = rows.reshape(len(inside), -1, len(across)).mean(axis=1)
         inside &= np.isfinite(profiles[:, middle]).all(axis=1)
@@ -225,66 +216,28 @@ def _said(size: FloatArray, across: FloatArray, width: float, block_px: float) -
     half, few, far = (
         round(widths * width / unit) for widths in (HALF_WIDTHS, SHIFT_WIDTHS, ASIDE_WIDTHS)
     )
-    windows = np.lib.stride_tricks.sliding_window_view(size, 2 * half + 1, axis=2)
-    windows = windows.transpose(0, 2, 1, 3).reshape(count, windows.shape[2], -1)
-    middle = windows.shape[1] // 2
+    from labrig.vision.fit.course_odds import SHIFT, log_odds
+
     edges, ground, wider = _edges(size, across, width, block_px)
     memory = max(
         MEMORY_MIN_BLOCKS, max(MEMORY_WIDTHS * width, MEMORY_SHARE * count * block_px) / block_px
     )
     first = int(max(FIRST_MIN_BLOCKS, min(count // 8, memory)))
-    usual = np.median(windows[:first, middle], axis=0)
-    usual_edge = float(np.median(edges[:first]))
-    near = max(6, round(GROUND_WIDTHS * width / block_px))
-    told = np.zeros((5, count))
-    said, by_profile, by_edges, shift, unlike = told
-    beside: list[float] = []  # of the ground: what looks like the strip there
-    noise: list[float] = []  # and how much it changes there
-    for b in range(count):
-        strength = windows[b] @ usual / max(float(usual @ usual), 1e-12)
-        at = middle - few + int(strength[middle - few : middle + few + 1].argmax())
-        found = windows[b, at]
-        noise += [float(each @ each) for each in windows[b, [0, -1]]]
-        own = float(found @ found)
-        own = max(own - float(np.median(noise[-2 * near :])), OWN_SHARE_MIN * own)
-        alike = float(found @ usual) / math.sqrt(own * float(usual @ usual) + 1e-12)
-        beside += [float(strength[: middle - far + 1].max()), float(strength[middle + far :].max())]
-        by_profile[b] = _of_profile(float(strength[at]), alike, np.array(beside[-2 * near :]))
-        by_edges[b] = _of_edges(edges[b], usual_edge, ground[b])
-        another = False
-        if alike < COURSE_ALIKE_MIN:
-            another = wider[b] > COURSE_WIDE_RATIO * edges[b]
-            unlike[b] = another or by_edges[b] > 0
-            by_edges[b] = -SAID_MAX if another else min(by_edges[b], SAID_UNLIKE)
-        said[b] = by_edges[b] if another else max(by_profile[b], by_edges[b])
-        shift[b] = across[0] + (at + half) * unit
-        if said[b] > ADAPT_MIN:
-            share = 1 / (1 + math.exp(-said[b])) / memory
-            usual = (1 - share) * usual + share * found
-            usual_edge *= (edges[b] / usual_edge) ** share
+    middle = len(across) // 2
+    told: FloatArray = log_odds(
+        np.ascontiguousarray(size),
+        np.median(size[:first, :, middle - half : middle + half + 1], axis=0),
+        edges,
+        float(np.median(edges[:first])),
+        ground,
+        wider,
+        few=few,
+        far=far,
+        memory=float(memory),
+        near=2 * max(6, round(GROUND_WIDTHS * width / block_px)),
+    )
+    told[SHIFT] *= unit
     return told
-
-
-def _of_profile(strength: float, alike: float, beside: FloatArray) -> float:
-    """Return the log odds of a profile's size against what the same search finds beside."""
-    usual = float(np.median(beside))
-    spread = max(1.48 * float(np.median(np.abs(beside - usual))), COURSE_PROFILE_SIGMA_MIN)
-    strip = max(STRIP_SPREAD, spread)
-    odds = math.log(spread / strip) - 0.5 * ((min(strength, 1.0) - 1) / strip) ** 2
-    odds += 0.5 * (max(strength - usual, 0.0) / spread) ** 2
-    if alike < COURSE_ALIKE_MIN:
-        odds = min(odds, 0.0) - 0.3
-    return float(np.clip(odds, -SAID_MAX, SAID_MAX))
-
-
-def _of_edges(edge: float, usual: float, ground: float) -> float:
-    """Return the log odds of how clear both edges are against what is found beside."""
-    apart = math.log(max(usual, 1e-6) / ground)
-    if apart <= 0:
-        return -0.5
-    least = max(math.sqrt(usual * ground), COURSE_EDGE_RATIO * usual)
-    odds = math.log(max(min(edge, usual), 1e-6) / least) * apart / EDGE_SPREAD**2
-    return float(np.clip(odds, -SAID_MAX, SAID_MAX))
 
 
 def _edges(

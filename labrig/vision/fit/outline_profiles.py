@@ -32,14 +32,14 @@ def across_px(width_px: float) -> FloatArray:
     return np.asarray(np.arange(-many, many + 1) * unit)
 
 
-def grey_beside(
+def greys_beside(
     shape: CurveShape,
-    image: GreyImage,
+    images: Sequence[GreyImage],
     optics: Optics,
     across: FloatArray,
     taper: FloatArray | None = None,
-) -> FloatArray:
-    """Return (nodes, places across) the image to the left of a curve; NaN outside.
+) -> list[FloatArray]:
+    """Return (nodes, places across) each channel to the left of a curve; NaN outside.
 
     `taper` (nodes,): by which the places lie nearer to the curve.
     """
@@ -52,18 +52,23 @@ def grey_beside(
     plane = np.stack([x.ravel(), y.ravel()], axis=1) / optics.px_per_m
     uv = optics.world_to_pixel(plane).reshape(*x.shape, 2).astype(np.float32)
     # remap takes no more than this many rows or columns at once
-    parts = [
-        cv2.remap(
-            image.grey,
-            np.ascontiguousarray(part[..., 0]),
-            np.ascontiguousarray(part[..., 1]),
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_CONSTANT,
-            borderValue=float("nan"),
-        )
-        for part in np.array_split(uv, 1 + len(uv) // 8192)
+    parts = np.array_split(uv, 1 + len(uv) // 8192)
+    return [
+        np.concatenate(
+            [
+                cv2.remap(
+                    image.grey,
+                    part,
+                    None,
+                    cv2.INTER_LINEAR,
+                    borderMode=cv2.BORDER_CONSTANT,
+                    borderValue=float("nan"),
+                )
+                for part in parts
+            ]
+        ).astype(np.float64)
+        for image in images
     ]
-    return np.asarray(np.concatenate(parts), dtype=np.float64)
 
 
 def edge_sizes(
@@ -87,8 +92,9 @@ def edge_sizes(
     beside = np.abs(across) > (0.5 + 0.5 * SHIFT_RATIO) * width_px
     count = max(1, len(shape.x) // many)
     total = np.zeros((count, len(across)))
-    for image in images:
-        rows = grey_beside(shape, image, optics, across, taper)[: count * many]
+    greys = greys_beside(shape, images, optics, across, taper)
+    for image, grey in zip(images, greys, strict=True):
+        rows = grey[: count * many]
         with np.errstate(invalid="ignore"):
             profiles = rows.reshape(count, many, -1).mean(axis=1)
         slope = slopes(profiles, blur / unit)

@@ -46,6 +46,11 @@ class GreyImage:
 
         return np.asarray(cv2.GaussianBlur(self.grey, (0, 0), SMOOTHING_PX), dtype=np.float32)
 
+    @cached_property
+    def ridge_unit(self) -> float:
+        """Grey levels in which ridges are measured: noise, or texture where there is hardly any."""
+        return max(self.noise, 0.01 * float(np.ptp(self.grey)))
+
     def without(self, mask: npt.NDArray[np.uint8]) -> GreyImage:
         """Return the image with NaN where a mask (rows, columns) is not 0."""
         return replace(self, grey=np.where(mask > 0, np.float32("nan"), self.grey))

@@ -22,6 +22,7 @@ from labrig.vision.search.straightened import (
     smoothed,
     straightened,
 )
+from labrig.vision.search.work import Work
 from labrig.vision.thresholds import END_PRESENT_RATIO
 
 FloatArray = npt.NDArray[np.float64]
@@ -33,7 +34,7 @@ THINNEST_PX = 2.5
 THICKEST_RATIO = 1 / 6  # of the length, and so of the image's side
 HEADINGS = 32  # all around
 HEADING_SPREAD = (-2, -1, 0, 1, 2)  # around a stated one, in its standard deviations
-BEAM_WIDTH = 400
+BEAM_WIDTH = 400  # states that a search keeps
 STEP_WIDTHS = 2.0  # a step of the search, in widths of the strip
 LONGEST_STEPS = 220
 LONGER = 2.0  # than the image's diagonal: a strip that turns back
@@ -51,6 +52,7 @@ CLEARNESS_OF_ANY = 20.0  # on a plain ground every strip is clear
 SCALE_SPREAD = 0.5  # of the logarithm of a path's width to that at which it was searched
 NEAR_REACH_PX = 8.0  # a strip that begins further aside may be another one
 ASIDE_USUAL_PX = 5.0  # from where the clamp is stated to the strip's begin
+COMPARABLE_RATIO = 0.15  # of a candidate's evidence to the clearest one's
 BORDER_PX = 10.0  # a strip that leaves the image is followed up to here
 
 
@@ -89,7 +91,7 @@ class Located:
 
     @property
     def _share_px(self) -> float:
-        near = math.exp(-0.5 * (self.aside_px / ASIDE_USUAL_PX) ** 2)
+        near = _nearness(self.aside_px)
         # a path that was searched at another width than it shows is a rough one
         apart = math.log(self.thickness_px / self.scale_px) if self.scale_px else 0.0
         fitting = math.exp(-0.5 * (apart / SCALE_SPREAD) ** 2)
@@ -107,15 +109,21 @@ def candidates(
     signs: tuple[float, ...],
     length_px: float | None,
     thickness_px: float | None,
+    work: Work,
+    clearest_before: float = 0.0,
 ) -> list[Located]:
     """Return what may be the strip that begins near a place, the clearest first.
+
+    What is far less clear than others, or than `clearest_before` of another channel, may be left
+    out.
 
     Near: within `clamp_reach_px`. What is None is not known. `signs`: the polarities to try;
     `mask` (rows, columns): not 0 where something hides the view.
     """
-    all_found = []
+    paths = []
+    filled = image.filled()
     for width in widths_tried(image, thickness_px, length_px):
-        ridges = ridge_maps(image.filled(), width, wide=False)
+        ridges = ridge_maps(filled, width, wide=False)
         if mask is not None and mask.any():
             ridges.hide(mask)
         for sign in signs:
@@ -123,6 +131,7 @@ def candidates(
                 path = _path(
                     ridges,
                     sign,
+                    work=work,
                     width=width,
                     clamp=clamp_px,
                     reach=reach,
@@ -132,12 +141,33 @@ def candidates(
                 )
                 if path is None:
                     break
-                found = measured_along(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
-                if found is not None and found.worth > 0:
-                    all_found.append(found)
-                if found is None or found.aside_px < NEAR_REACH_PX:
+                paths.append((_evidence_max(path, clamp_px), path, width, sign))
+                if _aside_px(path, clamp_px) < NEAR_REACH_PX:
                     break  # else there may be another one that begins nearer
-    return sorted(all_found, key=lambda each: -each.evidence)
+    found: list[Located] = []
+    clearest = clearest_before
+    for most, path, width, sign in sorted(paths, key=lambda each: -each[0]):
+        if most < COMPARABLE_RATIO * clearest:
+            break  # nothing of it could be comparable
+        one = measured_along(image, path, width, sign, fixed=thickness_px, clamp=clamp_px)
+        if one is not None and one.worth > 0:
+            found.append(one)
+            clearest = max(clearest, one.evidence)
+    return sorted(found, key=lambda each: -each.evidence)
+
+
+def _aside_px(path: FloatArray, clamp: Point) -> float:
+    return float(np.hypot(*(path - np.array(clamp)).T).min())
+
+
+def _evidence_max(path: FloatArray, clamp: Point) -> float:
+    """Return the most that a path's evidence can be, before its edges are measured."""
+    length = float(np.hypot(*np.diff(path, axis=0).T).sum())
+    return CLEARNESS_OF_ANY * length * _nearness(_aside_px(path, clamp))
+
+
+def _nearness(aside_px: float) -> float:
+    return math.exp(-0.5 * (aside_px / ASIDE_USUAL_PX) ** 2)
 
 
 def widths_tried(
@@ -158,6 +188,7 @@ def _path(
     ridges: RidgeMaps,
     sign: float,
     *,
+    work: Work,
     width: float,
     clamp: Point,
     reach: float,
@@ -169,6 +200,8 @@ def _path(
     """Return the likeliest path (raw pixels) up to where it ends; None without one."""
     from labrig.vision.search.path_search import search
 
+    if not work.may_search():
+        return None
     scale = ridges.scale
     rows, columns = ridges.maps.shape[2:]
     step = STEP_WIDTHS * width / scale
@@ -185,27 +218,23 @@ def _path(
     spread = np.array([(offset, turn, turn) for offset in offsets for turn in turns])
     u0, v0 = (np.array(clamp) + 0.5) / scale - 0.5
 
-    def traced(steps: int) -> tuple[FloatArray, FloatArray]:
-        path, gains, _ = search(
-            ridges.maps,
-            sign,
-            u0=float(u0),
-            v0=float(v0),
-            heading=heading or 0.0,
-            spread=spread,
-            steps=steps,
-            straight_from=steps,
-            wide_from=steps,
-            length=step,
-            most_bend=_most_bend(step, width / scale),
-            most_turn=TURN_MAX_RAD,
-            width=BEAM_WIDTH,
-            half=5.0,
-            quantum=BEND_QUANTUM_RAD,
-        )
-        return path, gains
-
-    path, gains = traced(steps)
+    beam = search(
+        ridges.maps,
+        sign,
+        place=(float(u0), float(v0)),
+        heading=heading or 0.0,
+        spread=spread,
+        steps=steps,
+        straight_from=steps,
+        wide_from=steps,
+        length=step,
+        most_bend=_most_bend(step, width / scale),
+        most_turn=TURN_MAX_RAD,
+        width=BEAM_WIDTH,
+        half=5.0,
+        quantum=BEND_QUANTUM_RAD,
+    )
+    path, gains = beam.best()
     if len(path) == 0:
         return None
     first, end = _seen_part(gains)
@@ -213,6 +242,7 @@ def _path(
         further = _path(
             ridges,
             sign,
+            work=work,
             width=width,
             clamp=clamp,
             reach=reach,
@@ -224,10 +254,8 @@ def _path(
         if further is not None:
             return further
     if end < steps:  # what lies beyond the end must not draw the path
-        again, more = traced(max(end, 4))
-        if len(again):
-            path, gains = again, more
-            first, end = _seen_part(gains)
+        path, gains = beam.best(max(end, 4))
+        first, end = _seen_part(gains)
     if end - first < 3:
         return None
     return ridges.raw(path[first : end + 1])
@@ -280,31 +308,35 @@ def measured_along(
     profiles = rows.mean(axis=1)
     found = []
     low, high = (0.4, 2.2) if fixed is None else STATED_WIDTH_RATIOS
+    slope, slope_blur = profiles, 0.0
     for wide in (fixed or width) * np.geomspace(low, high, WIDTHS_COMPARED):
         blur = max(0.8, EDGE_BLUR_RATIO * wide) / unit
-        slope = slopes(profiles, max(blur, 1.0))
+        if max(blur, 1.0) != slope_blur:  # thin ones are all looked at through the same filter
+            slope_blur = max(blur, 1.0)
+            slope = slopes(profiles, slope_blur)
         edges = _both_edges(
             slope, wide / unit, 0.7 * width / unit, opposite=wide < ONE_EDGE_BLURS * blur * unit
         )
         edges = edges[: _end_block(edges)]
-        beside = np.abs(slope[: len(edges), np.abs(across) > 1.2 * wide])
-        texture = max(float(np.median(beside)) / 0.6745 if beside.size else 0.0, 1e-3)
-        found.append((float(np.minimum(edges, 2 * np.median(edges)).sum()), edges, wide, texture))
-    _, edges, wide, texture = max(found, key=lambda each: each[0])
+        found.append((float(np.minimum(edges, 2 * np.median(edges)).sum()), edges, wide, slope))
+    _, edges, wide, slope = max(found, key=lambda each: each[0])
     if len(edges) < 4:
         return None
+    beside = np.abs(slope[: len(edges), np.abs(across) > 1.2 * wide])
+    texture = max(float(np.median(beside)) / 0.6745 if beside.size else 0.0, 1e-3)
+    clear = float(np.mean(np.minimum(edges, 2 * np.median(edges))))
     if len(edges) < blocks:
         line, leaves = line[: len(edges) * many + 1], False
         profiles = profiles[: len(edges)]
     return Located(
         path_px=line,
         thickness_px=float(wide),
-        edge=float(np.mean(np.minimum(edges, 2 * np.median(edges)))),
+        edge=clear,
         leaves_image=leaves,
         sign=sign,
-        clearness=float(np.mean(np.minimum(edges, 2 * np.median(edges)))) / texture,
+        clearness=clear / texture,
         likeness=_likeness(profiles, across, float(wide)),
-        aside_px=float(np.hypot(*(line - np.array(clamp)).T).min()),
+        aside_px=_aside_px(line, clamp),
         scale_px=max(width, THINNEST_PX),
     )
 
@@ -316,12 +348,11 @@ def _end_block(edges: FloatArray) -> int:
     """
     usual = float(np.median(edges[: max(END_RUN_STEPS, len(edges) // 8)]))
     there = np.minimum(edges / max(usual, 1e-9), 1.0) - END_PRESENT_RATIO
-    unseen = 0
-    for at, more in enumerate(there):
-        unseen = 0 if more > 0 else unseen + 1
-        if unseen > max(END_RUN_STEPS, END_RUN_SHARE * at):
-            there = there[: at + 1]
-            break
+    at = np.arange(len(there))
+    unseen = at - np.maximum.accumulate(np.where(there > 0, at, -1))
+    lost = unseen > np.maximum(END_RUN_STEPS, END_RUN_SHARE * at)
+    if lost.any():
+        there = there[: int(lost.argmax()) + 1]
     return int(np.cumsum(there).argmax()) + 1
 
 

@@ -8,6 +8,7 @@ sheet has no bend at all. Runs in raw pixels (u right, v down).
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -209,8 +210,76 @@ def select(
     return kept
 
 
-@jit
+@dataclass(frozen=True, eq=False)
+class Beam:
+    """The states that were kept after each step, the best one first."""
+
+    start: FloatArray  # (states, 2)
+    log: FloatArray  # (steps, width, 3): where each is, and the score of the step to it
+    parent: IntArray  # (steps, width): the state of the step before
+
+    def best(self, steps: int | None = None) -> tuple[FloatArray, FloatArray]:
+        """Return the best path of the first steps, or of all: nodes (steps + 1, 2), and scores.
+
+        Empty ones where every path left what a sheet can do.
+        """
+        many = len(self.log) if steps is None else steps
+        if many == 0:
+            return np.empty((0, 2)), np.empty(0)
+        state = np.zeros(many + 1, dtype=np.int64)
+        for j in range(many - 1, -1, -1):
+            state[j] = self.parent[j, state[j + 1]]
+        seen = self.log[np.arange(many), state[1:]]
+        return np.concatenate([self.start[state[:1]], seen[:, :2]]), seen[:, 2]
+
+
 def search(
+    maps: MapArray,
+    sign: float,
+    *,
+    place: tuple[float, float],
+    heading: float,
+    spread: FloatArray,
+    steps: int,
+    straight_from: int,
+    wide_from: int,
+    length: float,
+    most_bend: int,
+    most_turn: float,
+    width: int,
+    half: float,
+    quantum: float = BEND_QUANTUM_RAD,
+) -> Beam:
+    """Return all paths that are kept from a place (u, v) of the maps on.
+
+    `spread` (n, 3): offsets and angles at which paths may start, and the angle to whose left an
+    offset is; angles from `heading`. `most_bend` in quanta (rad) a step, `most_turn` in rad from
+    the start; `width` states are kept after each step. From step `straight_from` on there is no
+    bend, from `wide_from` on all layers of the maps count.
+    """
+    return Beam(
+        *_grow(
+            maps,
+            sign,
+            u0=float(place[0]),
+            v0=float(place[1]),
+            heading=heading,
+            spread=spread,
+            steps=steps,
+            straight_from=straight_from,
+            wide_from=wide_from,
+            length=length,
+            most_bend=most_bend,
+            most_turn=most_turn,
+            width=width,
+            half=half,
+            quantum=quantum,
+        )
+    )
+
+
+@jit
+def _grow(
     maps: MapArray,
     sign: float,
     u0: float,
@@ -225,15 +294,9 @@ def search(
     most_turn: float,
     width: int,
     half: float,
-    quantum: float = BEND_QUANTUM_RAD,
-) -> tuple[FloatArray, FloatArray, float]:
-    """Return the best path: nodes (steps + 1, 2), the score of each step (steps,), and their mean.
-
-    `spread` (n, 3): offsets and angles at which paths may start, and the angle to whose left an
-    offset is; angles from `heading`. `most_bend` in quanta (rad) a step, `most_turn` in rad from
-    the start; `width` states are kept after each step. From step `straight_from` on there is no
-    bend, from `wide_from` on all layers of the maps count.
-    """
+    quantum: float,
+) -> tuple[FloatArray, FloatArray, IntArray]:
+    """Return start, log and parents of a beam; see `search`. No step where none is possible."""
     capacity = max(width, len(spread) * (2 * most_bend + 1))
     state, bend = np.empty((capacity, 5)), np.zeros(capacity, dtype=np.int64)
     child = np.empty((5 * capacity, 6))
@@ -268,7 +331,7 @@ def search(
             quantum=quantum,
         )
         if count == 0:
-            return np.empty((0, 2)), np.empty(0), -1.0
+            return start, log[:0], parent[:0]
         # a straight rest differs in little but its angle
         fine = 0.006 if straight else 0.1
         alive = select(child, child_bend, count, width, fine, chosen)
@@ -278,11 +341,4 @@ def search(
                 state[i, q] = child[t, q]
             bend[i], parent[j, i] = child_bend[t], child_of[t]
             log[j, i, 0], log[j, i, 1], log[j, i, 2] = child[t, U], child[t, V], child[t, GAIN]
-    path, gains = np.empty((steps + 1, 2)), np.empty(steps)
-    at, total = 0, 0.0
-    for j in range(steps - 1, -1, -1):
-        path[j + 1, 0], path[j + 1, 1], gains[j] = log[j, at, 0], log[j, at, 1], log[j, at, 2]
-        total += gains[j]
-        at = parent[j, at]
-    path[0, 0], path[0, 1] = start[at, U], start[at, V]
-    return path, gains, total / steps
+    return start, log, parent

@@ -81,13 +81,12 @@ def ridge_maps(image: GreyImage, thickness_px: float, *, wide: bool) -> RidgeMap
     import cv2
 
     scale = max(1, round(thickness_px / 2.5))
-    # an image with hardly any noise has texture instead
-    unit = max(image.noise, 0.01 * float(np.ptp(image.grey)))
-    grey = image.grey * np.float32(1 / unit)
+    grey, unit = image.grey, scale / image.ridge_unit
     if scale > 1:
         size = (grey.shape[1] // scale, grey.shape[0] // scale)
         grey = grey[: size[1] * scale, : size[0] * scale]
-        grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA) * np.float32(scale)
+        grey = cv2.resize(grey, size, interpolation=cv2.INTER_AREA)
+    grey = grey * np.float32(unit)
     narrow = max(1.2, 0.45 * thickness_px / scale)
     blurs = [narrow, 2.5 * narrow] if wide else [narrow]
     maps = np.empty((len(blurs), 5, *grey.shape), np.float32)
@@ -156,11 +155,10 @@ def trace_from_clamp(
         ]
     )
     bent_steps = max(1, math.ceil(free_share * steps))
-    path, gains, score = search(
+    beam = search(
         ridges.maps,
         sign,
-        u0=float(u0),
-        v0=float(v0),
+        place=(float(u0), float(v0)),
         heading=heading,
         spread=spread,
         steps=max(6, round(share * steps)),
@@ -172,9 +170,10 @@ def trace_from_clamp(
         width=width,
         half=5.0,
     )
+    path, gains = beam.best()
     if len(path) == 0:
         return None
-    return Trace((path + 0.5) * scale - 0.5, gains, score)
+    return Trace(ridges.raw(path), gains, float(gains.mean()))
 
 
 def _clamp_direction(optics: Optics) -> tuple[float, float]:

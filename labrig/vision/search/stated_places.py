@@ -45,8 +45,9 @@ def locate_through(
     """
     best: tuple[float, Located] | None = None
     longest = min(_chord_px(places_px), max(image.grey.shape))
+    filled = image.filled()
     for width in widths_tried(image, thickness_px, longest):
-        ridges = ridge_maps(image.filled(), width, wide=False)
+        ridges = ridge_maps(filled, width, wide=False)
         if mask is not None and mask.any():
             ridges.hide(mask)
         for sign in signs:

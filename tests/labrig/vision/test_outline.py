@@ -15,6 +15,7 @@ from labrig.vision.curve.shape import make_basis, make_shape
 from labrig.vision.fit.outline import fit_outline
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import read_grey_image
+from labrig.vision.search.work import Work
 
 SIZE = (150, 220)  # rows, columns
 CLAMP = (30.0, 110.0)
@@ -114,10 +115,19 @@ def test_a_path_of_which_both_edges_are_nowhere_measured_is_no_strip():
     def faint(_shape, _taper, blocks):
         return dataclasses.replace(blocks, by_profile=blocks.seen)
 
-    first = (np.array([3.0, 0.2]), [image], stated())
-    assert fit_outline(shape, first[1], first[2], width_px=10, prior=first[0]) is not None
-    found = fit_outline(shape, first[1], first[2], width_px=10, prior=first[0], completed=faint)
-    assert found is None
+    def fitted(completed):
+        return fit_outline(
+            shape,
+            [image],
+            stated(),
+            width_px=10,
+            prior=np.array([3.0, 0.2]),
+            work=Work(),
+            completed=completed,
+        )
+
+    assert fitted(None) is not None
+    assert fitted(faint) is None
 
 
 def test_where_the_begin_is_hidden_the_clamp_leads_unless_it_is_stated_roughly():
@@ -134,7 +144,9 @@ def test_where_the_begin_is_hidden_the_clamp_leads_unless_it_is_stated_roughly()
             sigma_px=1.5,
         )
         prior = np.array([3.0, 0.2])
-        fit = fit_outline(shape, [image], stated(), width_px=10, prior=prior, places=clamp)
+        fit = fit_outline(
+            shape, [image], stated(), width_px=10, prior=prior, work=Work(), places=clamp
+        )
         return fit.shape.y[0]
 
     assert 0.1 < begin_px(0.8, 0.4) < 0.8  # a straight strip says most of it
