@@ -21,6 +21,7 @@ from labrig.library.select import select
 from labrig.model_file import load_model, save_model
 from labrig.session import open_session
 from tests.labrig.session.session_recording import record, small_schedule
+from tests.processes import last_words
 
 
 @pytest.fixture(scope="module")
@@ -156,7 +157,7 @@ def test_programs_that_look_at_once_do_not_disturb_each_other(folder):
     )
     command = [sys.executable, "-c", script, str(folder)]
     several = [subprocess.Popen(command, stdout=subprocess.PIPE, text=True) for _ in range(4)]
-    said = {process.communicate()[0].strip() for process in several}
+    said = {last_words(process)[0].strip() for process in several}
     assert [process.returncode for process in several] == [0] * 4
     assert said == {"a.h5 b.h5 below/c.h5 broken.h5"}
 

@@ -19,6 +19,7 @@ from labrig.session.recording.journal import journal_path
 from protocols.execution import events as ev
 from tests.labrig.session import session_recording
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
+from tests.processes import ended
 
 
 def until_reading(schedule, run, index):
@@ -324,6 +325,6 @@ def kill_a_recording(path: Path, after_readings: int) -> int:
         process.stdout.readline()
     process.send_signal(signal.SIGKILL)
     rest = process.stdout.read()
-    process.wait()
+    ended(process)
     process.stdout.close()
     return after_readings + rest.count("\n")
