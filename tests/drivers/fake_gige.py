@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.processes import ended
+
 PROGRAM = "arv-fake-gv-camera-0.8"
 SOURCE = "aravis:127.0.0.1"
 PACKAGE = "aravis-tools"
@@ -99,7 +101,7 @@ def fake_camera(folder: Path, lost_per_thousand: int = 0) -> Iterator[FakeCamera
             with suppress(subprocess.TimeoutExpired):
                 process.wait(5)
             process.kill()
-            process.wait()
+            ended(process)
 
 
 def _await(process: subprocess.Popen[bytes]) -> None:

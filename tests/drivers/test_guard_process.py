@@ -20,6 +20,7 @@ from drivers.boards.ni.rescue import OutputPlace, shut_down
 from drivers.interfaces import DeviceError, RealClock
 from drivers.safe_shutdown import Safety
 from sim_hardware.ni import LoopbackWires, NiDeviceServer
+from tests.processes import ended
 
 pytestmark = pytest.mark.slow
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
@@ -121,7 +122,7 @@ class Scene:
     def end(self) -> None:
         if self.victim is not None:
             self.victim.kill()
-            self.victim.wait()
+            ended(self.victim)
             self.victim.stdout.close()
         until = CLOCK.now() + 6.0
         while self.guard_pid and lives(self.guard_pid) and CLOCK.now() < until:
@@ -414,7 +415,7 @@ def test_the_dead_programs_tasks_are_taken_over_by_name(remote):
     remote.run("beat")
     os.kill(remote.guard_pid, getattr(signal, "SIGKILL", signal.SIGTERM))
     remote.victim.kill()
-    remote.victim.wait()
+    ended(remote.victim)
     assert remote.bench.volts == pytest.approx(0.2, abs=4e-4)  # nobody has cleaned up
     connection = NiConnection(remote.place.address)
     connection.open()

@@ -21,6 +21,7 @@ from sim_hardware.serve import LINGER_S
 from tests.end_to_end.real_rig import PROTOCOL, children
 from tests.end_to_end.small_rig import small_rig
 from tests.labrig.panel.page import Page, Server, jobs_of, start
+from tests.processes import ended
 
 pytestmark = [
     pytest.mark.slow,
@@ -71,7 +72,7 @@ def killed(process: subprocess.Popen[bytes], there: list[int]) -> None:
     """Kill a process; each of its children must end, and is ended if it does not."""
     try:
         process.kill()
-        process.wait()
+        ended(process)
         until(lambda: not any(map(is_alive, there)))
     finally:
         for pid in filter(is_alive, there):
@@ -120,7 +121,7 @@ def nothing_left_after(order: str, command: list[str], folder: Path) -> str:
         finally:
             for pid in family(name):
                 os.kill(pid, signal.SIGKILL)
-            process.wait()
+            ended(process)
     return (folder / "said.txt").read_text()
 
 
@@ -200,8 +201,9 @@ def is_energised(record: Path) -> bool:
 @pytest.mark.parametrize(
     "order",
     [
-        "program", "hanging program", "guard",
-        pytest.param("guard, program", marks=pytest.mark.thorough),
+        "program", "guard",
+        *(pytest.param(one, marks=pytest.mark.thorough)
+          for one in ("hanging program", "guard, program")),
     ],
 )  # fmt: skip
 def test_nothing_is_left_of_a_run_with_its_simulator_whoever_is_killed(
@@ -230,7 +232,7 @@ def test_nothing_is_left_of_a_run_with_its_simulator_whoever_is_killed(
     finally:
         for pid in family(name):
             os.kill(pid, signal.SIGKILL)
-        process.wait()
+        ended(process)
 
 
 @pytest.mark.parametrize(

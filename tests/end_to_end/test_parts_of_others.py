@@ -15,6 +15,7 @@ from labrig.session import open_session
 from labrig.session.reading.guard_report import guard_report_path
 from protocols.execution.events import Outcome, OutputState
 from tests.end_to_end.real_rig import ServedRig, serving
+from tests.end_to_end.small_rig import make_rig
 
 pytestmark = [
     pytest.mark.slow,
@@ -138,6 +139,7 @@ def test_parts_of_another_distribution_work_like_our_own(rig: ServedRig) -> None
     file = rig.folder / "rig" / "rig.toml"
     checked = command("check", file)
     assert checked.returncode == 0, checked.stdout + checked.stderr
+    rig.be_short()
     assert rig.start().wait(90) == 0, rig.said()
     with open_session(rig.session) as session:
         assert session.outcome is Outcome.COMPLETED
@@ -165,8 +167,20 @@ def test_the_guard_makes_their_boards_safe_when_labrig_is_killed(rig: ServedRig)
     assert abs(rig.drive_V()) < 0.05
 
 
-def test_boards_that_cannot_make_themselves_safe_are_refused(rig: ServedRig) -> None:
-    file = rig.folder / "rig" / "rig.toml"
+@pytest.fixture
+def unserved(installed: Path, tmp_path: Path) -> Path:
+    """The rig.toml of one that is looked at no further than its own words."""
+    del installed
+    file = make_rig(tmp_path / "rig") / "rig.toml"
+    head, _, rest = file.read_text().partition("[ni]")
+    rest = rest[rest.index("[amplifier]") :].replace('source = "simulated"', 'source = "firefly:"')
+    rest = rest.partition("[simulated]")[0]
+    file.write_text(f'{head}[pico]\naddress = "127.0.0.1:9"\n{rest}')
+    return file
+
+
+def test_boards_that_cannot_make_themselves_safe_are_refused(unserved: Path) -> None:
+    file = unserved
     file.write_text(file.read_text().replace("[pico]", "[unsafe]"))
     for name in ("check", "safe"):
         done = command(name, file)
@@ -174,10 +188,9 @@ def test_boards_that_cannot_make_themselves_safe_are_refused(rig: ServedRig) -> 
         assert "[unsafe] cannot be made safe by another process" in done.stdout + done.stderr
 
 
-def test_a_rig_has_one_family_of_boards(rig: ServedRig) -> None:
-    file = rig.folder / "rig" / "rig.toml"
-    file.write_text(file.read_text() + "[ni]\n")
-    done = command("check", file)
+def test_a_rig_has_one_family_of_boards(unserved: Path) -> None:
+    unserved.write_text(unserved.read_text() + "[ni]\n")
+    done = command("check", unserved)
     assert done.returncode == 2
     assert "[ni] and [pico]; a rig has one table of boards" in done.stderr
 

@@ -38,6 +38,7 @@ FILES = ("rig.toml", "protocol.toml", "sheet.toml")
 def failed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a rig whose session failed in its second run; its world is sound again."""
     folder = make_rig(tmp_path_factory.mktemp("resume") / "rig", PROTOCOL, FAULT)
+    (folder / "about.toml").write_text('title = "as it was begun"\n')
     assert labrig("run", *(folder / f for f in FILES), "-o", folder / "s.h5") == 5
     (folder / "world.toml").write_text("seed = 1\n")
     with open_session(folder / "s.h5") as session:
@@ -135,15 +136,11 @@ def test_people_and_sample_stay_those_of_the_session_unless_others_are_given(
     failed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: tuple[str, ...], title: str
 ) -> None:
     folder = tmp_path / "rig"
-    shutil.copytree(failed, folder)
+    shutil.copytree(failed, folder)  # begun with a title
     monkeypatch.chdir(folder)
-    Path("about.toml").write_text('title = "as it was begun"\n')
-    Path("world.toml").write_text(FAULT)
-    assert labrig("run", *FILES, "-o", "begun.h5") == 5
-    Path("world.toml").write_text("seed = 1\n")
     Path("about.toml").write_text('title = "edited since"\n')
     Path("other.toml").write_text('title = "by another person"\n')
-    assert labrig("run", *FILES, "--resume", "begun.h5", "-o", "whole.h5", *more) == 0
+    assert labrig("run", *FILES, "--resume", "s.h5", "-o", "whole.h5", *more) == 0
     with open_session(Path("whole.h5")) as session:
         assert session.about.title == title
         assert [run.completed for run in session.runs] == [True] * 3

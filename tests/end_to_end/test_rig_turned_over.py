@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from labrig.analysis import analyze
+from labrig.analysis.analyze import measure
 from labrig.session import open_session
 from model import Measurements
 from tests.end_to_end.small_rig import ONE_POSITION, make_rig, run_rig
@@ -30,8 +30,8 @@ def measured(folder: Path, protocol: str, load_N_per_m: float) -> Measurements:
     path = run_rig(folder)
     with open_session(path) as session:
         asked = [event for event in session.events if "Turn the whole rig over" in event.text]
-    assert len(asked) == ("tilt_deg" in protocol)
-    return analyze(path)
+        assert len(asked) == ("tilt_deg" in protocol)
+        return measure(session, curves=False)
 
 
 def test_weight_pulls_the_other_way_and_the_conditions_say_so(tmp_path: Path) -> None:

@@ -59,11 +59,13 @@ class RigWorld:
 def rig_world(folder: Path, *options: str, lean: bool = False) -> Iterator[RigWorld]:
     """A panel on a new rig: `short.toml` is done in seconds, `long.toml` takes half a minute.
 
+    `one.toml` has one position, `short.toml` two.
+
     `protocol.toml` has four positions.
     """
     write_templates(folder, simulated=True)
     kinds = {
-        "short": ("true", 3, "5, 10"), "long": ("false", 20, "10"),
+        "one": ("true", 3, "10"), "short": ("true", 3, "5, 10"), "long": ("false", 20, "10"),
         "protocol": ("true", 2, "0, 10, 20, 30"),
     }  # fmt: skip
     for name, (moisten, readings, positions) in kinds.items():
@@ -141,10 +143,10 @@ def energised_page(world: RigWorld, session: str) -> Page:
 def answer_until(page: Any, condition: str, timeout_s: float = 90.0) -> None:
     """Press Go whenever something is asked, until `condition` (JavaScript) holds."""
     end = time.monotonic() + timeout_s
-    while not page.evaluate(condition):
+    press = "document.querySelector('.prompt:not([hidden]) .go:not(:disabled)')?.click()"
+    while not page.evaluate(f"() => ({condition}) || void ({press})"):
         assert time.monotonic() < end, f"it did not come about: {condition}"
-        page.evaluate("document.querySelector('.prompt:not([hidden]) .go:not(:disabled)')?.click()")
-        page.wait_for_timeout(50)
+        page.wait_for_timeout(100)
 
 
 def listen_for_a_press(page: Any) -> None:

@@ -92,6 +92,7 @@ def recorded(shared_world, tmp_path_factory):
     shutil.copy(two_positions(tmp_path_factory), shared_world.folder / NAME)
 
 
+@pytest.mark.thorough  # what is asked and told is tested with a made-up panel and without a page
 @pytest.mark.usefixtures("recorded")
 def test_a_session_is_fitted_with_the_mouse_alone(world, visit):
     page = enter(visit, world, f"session?name={NAME}")

@@ -83,7 +83,10 @@ def test_the_limit_is_the_schemas_own(fake, visit):
     until_fault(page, "pulse_s", "0.6 is not allowed: more than 0, at most 0.55 s.")
 
 
-@pytest.mark.parametrize(("typed", "told"), [("", ""), ("ten", "a number"), ("2.5", "whole")])
+@pytest.mark.parametrize(
+    ("typed", "told"),
+    [("", ""), pytest.param("ten", "a number", marks=pytest.mark.thorough), ("2.5", "whole")],
+)
 def test_what_is_no_whole_number_is_told(fake, visit, typed, told):
     page = visit(f"{fake.url}#/new")
     field(page, "zero_readings").fill(typed)

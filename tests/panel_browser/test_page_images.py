@@ -67,7 +67,9 @@ def test_an_image_that_a_story_makes_pointless_is_acknowledged_all_the_same(fake
     assert fake.seen == [300]
 
 
-@pytest.mark.parametrize("ahead_s", [0.0, 3600.0, -250.0])
+@pytest.mark.parametrize(
+    "ahead_s", [-250.0, *(pytest.param(s, marks=pytest.mark.thorough) for s in (0.0, 3600.0))]
+)
 def test_the_page_says_how_old_the_image_is_by_the_servers_clock(fake, visit, ahead_s):
     fake.ahead_s = ahead_s
     page = opened(fake, visit)
@@ -123,7 +125,7 @@ def test_the_prediction_is_seen_over_the_sheet_and_its_error_is_a_number(fake, v
     assert 0.35 < share < 0.7, shares  # dashes, and gaps through which the sheet is seen
 
 
-@pytest.mark.parametrize("width", [390, 1024, 1920])
+@pytest.mark.parametrize("width", [390, 1920, pytest.param(1024, marks=pytest.mark.thorough)])
 def test_lines_over_the_image_are_as_wide_as_the_image_allows(fake, visit, width):
     page = visit(f"{fake.url}#/run", width, 900)
     page.wait_for_function("labrig.page?.view.picture.shown === 1")

@@ -11,10 +11,13 @@ PAGES = every_page()
 SIZES = {"desk": (1440, 900), "laptop": (1280, 800), "phone": (390, 844)}
 
 
+@pytest.mark.parametrize(
+    "sizes", [("laptop", "phone"), pytest.param(("desk",), marks=pytest.mark.thorough)]
+)
 @pytest.mark.parametrize("name", PAGES)
-def test_nothing_is_wider_than_what_it_stands_in(turn_to, name):
-    for where, size in SIZES.items():
-        page = turn_to(name, *size)
+def test_nothing_is_wider_than_what_it_stands_in(turn_to, name, sizes):
+    for where in sizes:
+        page = turn_to(name, *SIZES[where])
         page.wait_for_timeout(300)
         assert page.evaluate(CUT) == [], where
 
@@ -61,7 +64,7 @@ BESIDE = """() => {
 }"""
 
 
-@pytest.mark.parametrize("width", [1280, 1440])
+@pytest.mark.parametrize("width", [1280, pytest.param(1440, marks=pytest.mark.thorough)])
 def test_the_table_of_single_readings_shows_all_its_columns(turn_to, width):
     page = turn_to("run", width, 800)
     page.wait_for_selector(".readings-single td")

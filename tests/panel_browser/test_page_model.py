@@ -89,13 +89,15 @@ def test_a_failure_is_a_sentence_and_no_model_is_no_card(fake, visit):
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    with moving_session(tmp_path_factory) as found:
-        yield found
+    return moving_session(tmp_path_factory)
 
 
 @pytest.mark.parametrize(
     ("stiffness", "said"),
-    [(1.0, None), (1.2, "Stiffness B is {} % below the model’s.")],
+    [
+        pytest.param(1.0, None, marks=pytest.mark.thorough),
+        (1.2, "Stiffness B is {} % below the model’s."),
+    ],
     ids=["true", "20 % too stiff"],
 )
 def test_a_stiffness_that_is_off_shows_while_the_sheet_moves(

@@ -115,7 +115,14 @@ def test_an_output_that_is_not_safe_is_said_so(fake, visit):
     assert "Switch the amplifier off by hand." in text_of(page, "#stop-said")
 
 
-@pytest.mark.parametrize("size", [(1920, 1080), (1024, 768), (390, 844), (320, 568)])
+@pytest.mark.parametrize(
+    "size",
+    [
+        (1920, 1080),
+        (320, 568),
+        *(pytest.param(size, marks=pytest.mark.thorough) for size in ((1024, 768), (390, 844))),
+    ],
+)
 def test_stop_and_state_are_in_sight_on_every_page(fake, visit, size):
     page = visit(f"{fake.url}#/run", *size)
     page.wait_for_selector(".mean", state="attached")

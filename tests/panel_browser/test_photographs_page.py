@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 from tests.labrig.vision import drawn_strips
+from tests.processes import last_words
 
 CLAMP = drawn_strips.BENT_UP.optics.clamp_px
 SIZE = drawn_strips.BENT_UP.image.shape[::-1]
@@ -41,7 +42,7 @@ def address(folder):
         assert process.wait(20) == 0
     finally:
         process.kill()
-        process.communicate()
+        last_words(process)
 
 
 def click_at(page, px):

@@ -40,7 +40,7 @@ def states(page):
 def test_sessions_are_added_ordered_and_run(world, visit):
     page = enter(visit, world, "queue")
     for number, session in enumerate(("first.h5", "second.h5"), start=1):
-        page.locator(".queue-add select").first.select_option("short.toml")
+        page.locator(".queue-add select").first.select_option("one.toml")
         page.locator(".queue-add input").fill(session)
         page.click(".queue-add button:has-text('Add')")
         page.wait_for_function("(n) => labrig.job.queue?.entries.length === n", arg=number)
@@ -54,7 +54,7 @@ def test_sessions_are_added_ordered_and_run(world, visit):
     assert "completed" in page.inner_text(".queue table")
 
 
-@pytest.mark.parametrize("width", [1440, 390])
+@pytest.mark.parametrize("width", [1440, pytest.param(390, marks=pytest.mark.thorough)])
 def test_axe_finds_nothing_on_a_queue_with_sessions(world, visit, width):
     page = enter(visit, world, "queue", width=width)
     page.locator(".queue-add select").first.select_option("short.toml")

@@ -66,7 +66,7 @@ def test_the_open_page_learns_how_a_run_ended_meanwhile(world, visit):
         """async () => {
           const net = await import("/static/js/net.js");
           await labrig.control.take(true);
-          const files = { protocol: "short.toml", session: "quick.h5" };
+          const files = { protocol: "one.toml", session: "quick.h5" };
           await net.post("/api/run", { ...files, clock: "virtual" });
         }"""
     )

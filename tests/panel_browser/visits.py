@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 from urllib.parse import urlsplit
 
+POLLING_MS = 50  # as it is shipped it looks at each frame, and so has the browser make frames
 WAIT_MS = 30_000  # a shared machine may be slow; nothing waits longer than it must
 FORGET = "localStorage.clear(); sessionStorage.clear()"
 Visit = Callable[..., Any]
@@ -111,6 +113,7 @@ def visits(chromium: Any, kept: Sequence[KeptPage] = ()) -> Iterator[Visit]:
             context.set_default_timeout(WAIT_MS)
             page = context.new_page()
         watched.watch(page)
+        page.wait_for_function = partial(type(page).wait_for_function, page, polling=POLLING_MS)
         page.goto(url)
         return page
 

@@ -13,6 +13,7 @@ from nidaqmx.errors import DaqError, RpcError
 from nidaqmx.grpc_session_options import SessionInitializationBehavior as Behavior
 
 from sim_hardware.ni import LoopbackWires, NiDeviceServer, PortTakenError
+from tests.processes import ended
 
 CLIENT = """
 import sys, grpc, nidaqmx
@@ -64,7 +65,7 @@ def test_a_killed_clients_output_stays_until_somebody_attaches_and_writes(
     ni = make_ni(tcp=True)
     client = start_client(port_of(ni))
     client.kill()
-    client.wait()
+    ended(client)
     with pytest.raises(DaqError, match="-50103"):  # its tasks go on
         ni.output().write(0.0)
     with pytest.raises(DaqError, match="-50103"):
@@ -101,7 +102,7 @@ def test_with_strict_ownership_tasks_end_with_their_process(
     with pytest.raises(DaqError, match="-50103"):
         ni.output().write(0.0)
     client.kill()
-    client.wait()
+    ended(client)
     output = ni.output()
     for _ in range(100):  # a driver needs a moment to notice
         try:
@@ -114,6 +115,7 @@ def test_with_strict_ownership_tasks_end_with_their_process(
     assert abs(ni.input().read()) < 2e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tcp", [False, True])
 def test_with_strict_ownership_names_belong_to_a_client(make_ni: Any, tcp: bool) -> None:
     ni = make_ni(tcp=tcp, strict_ownership=True)

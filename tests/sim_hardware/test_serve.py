@@ -19,6 +19,7 @@ import pytest
 from nidaqmx.system import System
 
 from sim_hardware.serve import main
+from tests.processes import last_words
 
 POSIX = os.name == "posix"
 
@@ -66,7 +67,7 @@ def serve() -> Iterator[Callable[..., Served]]:
 def _kill(process: Any) -> None:
     if process.poll() is None:
         process.kill()
-        process.communicate()
+        last_words(process)
 
 
 @pytest.mark.slow

@@ -20,6 +20,7 @@ from labrig.batch.run import one_by_one, run_batch
 from labrig.batch.workers import local_workers
 from tests.labrig.batch.a_batch import do_batch, planned
 from tests.labrig.batch.costless import Costless
+from tests.processes import ended
 
 pytestmark = pytest.mark.slow  # processes are started
 ROOT = Path(__file__).parents[3]
@@ -82,7 +83,7 @@ def test_a_killed_program_goes_on_where_it_was_and_does_nothing_twice(folder):
         if process.poll() is None:
             process.kill()
             kills += 1
-        process.wait()
+        ended(process)
     assert kills == 2
     plan = do_batch(folder, Costless(count=60, wait_s=0.01))
     assert 0 < len(plan.todo) < 120

@@ -6,7 +6,7 @@ import os
 import signal
 import subprocess
 import sys
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import pytest
@@ -20,6 +20,7 @@ from tests.end_to_end.real_rig import children
 from tests.end_to_end.test_children_end import until
 from tests.labrig.batch.a_batch import planned
 from tests.labrig.batch.costless import Costless
+from tests.processes import ended
 
 pytestmark = pytest.mark.slow  # a cluster is started
 ROOT = Path(__file__).parents[3]
@@ -49,11 +50,8 @@ def cluster(folder):
     finally:
         process.stdin.close()
         process.stdout.close()
-        try:
-            process.wait(30)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+        with suppress(subprocess.TimeoutExpired):  # killed: it may hang with a worker that was
+            ended(process, 30)
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -122,7 +120,7 @@ def test_a_killed_batch_leaves_a_cluster_idle_and_a_killed_cluster_ends_the_batc
                 batch.wait(90)
         finally:
             batch.kill()
-            batch.wait()
+            ended(batch)
 
 
 def cluster_pids(address, distributed):

@@ -87,7 +87,7 @@ def test_workers_killed_at_any_moment_lose_nothing_and_double_nothing():
             ended = all_of(range(300), costless.slowly, pool, attempts=1000)
         finally:
             over.set()
-            killer.join()
+            killer.join(60)
     assert kills > 3
     assert sorted(one.task for one in ended) == list(range(300))
     assert all(one.result == one.task**2 for one in ended)

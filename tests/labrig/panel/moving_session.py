@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import pickle
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from tests.end_to_end.small_rig import make_rig, run_rig
 from tests.made_once import made_once
 
 FRAME_S = 0.04
+FOLLOWED = "followed.pickle"  # the search for curves takes seconds
 PROTOCOL = """
 moisten = false
 [pulse_train]
@@ -34,11 +34,15 @@ MOVING = Path(sim_hardware.world.__file__).with_name("moving.toml").read_text()
 Recorded = tuple[Any, Any, list[tuple[Any, Any, Any]]]
 
 
-@contextmanager
-def moving_session(factory: pytest.TempPathFactory) -> Iterator[Recorded]:
+def moving_session(factory: pytest.TempPathFactory) -> Recorded:
     """The plan, the camera, and (messages, strip, curve) of each 40 ms."""
-    folder = made_once(factory, "moving", lambda path: run_rig(make_rig(path, PROTOCOL, MOVING)))
-    recording = Recording(folder / "session.h5", "session.h5")
+    folder = made_once(factory, "moving", _record_and_follow)
+    recorded: Recorded = pickle.loads((folder / FOLLOWED).read_bytes())
+    return recorded
+
+
+def _record_and_follow(folder: Path) -> None:
+    recording = Recording(run_rig(make_rig(folder, PROTOCOL, MOVING)), "session.h5")
     finder = Finder()
     finder.setup(recording.setup)
     rows, before_s = [], -1.0
@@ -48,7 +52,7 @@ def moving_session(factory: pytest.TempPathFactory) -> Iterator[Recorded]:
         curve = None if picture is None else finder.curve(picture[0], image_of(*picture))
         rows.append((recording.between(before_s, at_s), strip, curve))
         before_s = at_s
-    yield recording.plan, recording.setup, rows
+    (folder / FOLLOWED).write_bytes(pickle.dumps((recording.plan, recording.setup, rows)))
     recording.close()
 
 

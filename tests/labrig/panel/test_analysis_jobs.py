@@ -141,6 +141,7 @@ def test_jobs_wait_for_each_other_and_the_same_one_is_not_queued_twice(session):
     assert ("fit", "running") not in heard.states
 
 
+@pytest.mark.slow
 def test_a_session_that_is_being_recorded_is_not_analysed(tmp_path):
     with (
         SessionWriter(tmp_path / "now.h5", **settings(small_schedule(2))),

@@ -15,6 +15,7 @@ from labrig.config.templates import write_templates
 from labrig.panel.job import Order
 from labrig.panel.job.process import LOG, JobProcesses
 from labrig.panel.job.registry import read_address
+from tests.processes import ended
 
 pytestmark = pytest.mark.slow
 
@@ -110,7 +111,7 @@ def test_the_process_that_waits_ends_with_a_panel_that_is_killed(folder):
     )
     pid = int(panel.stdout.readline())
     panel.send_signal(signal.SIGKILL)
-    panel.wait()
+    ended(panel)
     panel.stdout.close()
     end_s = time.monotonic() + 60
     while _lives(pid):

@@ -34,8 +34,7 @@ def until(holds):
 
 @pytest.fixture(scope="module")
 def recorded(tmp_path_factory):
-    with moving_session(tmp_path_factory) as found:
-        yield found
+    return moving_session(tmp_path_factory)
 
 
 def written(path, **changes):
@@ -190,8 +189,10 @@ def test_the_running_error_is_that_of_the_last_seconds():
 
 
 @pytest.fixture
-def panel_side(recorded, model_file):
+def panel_side(recorded, model_file, monkeypatch):
     """The panel's side on a stream, and what pages hear."""
+    # Its process leaves the processor to all others, and would wait here for other tests.
+    monkeypatch.setattr(live_model, "lower_priority", lambda _pid: None)
     plan, setup, rows = recorded
     stream, box = EventStream(), Mailbox(lambda: None)
     stream.join(box)

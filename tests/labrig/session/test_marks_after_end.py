@@ -35,6 +35,7 @@ from labrig.session.supplements.store import seal
 from protocols.execution import events as ev
 from tests.labrig.session.measured import measurements
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
+from tests.processes import ended
 
 SHORT = small_schedule(readings=1, positions_m=(0.005,))
 DATA = Path(__file__).parent / "data"
@@ -228,7 +229,7 @@ def test_a_kill_while_marking_leaves_a_whole_session(session, recorded):
         process.stdout.readline()
         threading.Event().wait(0.05 + 0.4 * dice.random())
         process.send_signal(signal.SIGKILL)
-        process.wait()
+        ended(process)
         process.stdout.close()
         assert failed(session) == {}
         with open_session(session) as opened:

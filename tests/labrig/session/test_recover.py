@@ -19,6 +19,7 @@ from labrig.session.recording.journal import journal_path
 from protocols.execution import events as ev
 from tests.labrig.session import session_recording
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
+from tests.processes import ended
 
 
 def until_reading(schedule, run, index):
@@ -176,6 +177,7 @@ def test_with_neither_file_nor_journal_the_error_says_so(cut):
         recover(cut)
 
 
+@pytest.mark.slow
 def test_a_session_that_is_still_alive_is_not_recovered(tmp_path):
     with (
         SessionWriter(tmp_path / "s.h5", **settings(small_schedule())),
@@ -324,6 +326,6 @@ def kill_a_recording(path: Path, after_readings: int) -> int:
         process.stdout.readline()
     process.send_signal(signal.SIGKILL)
     rest = process.stdout.read()
-    process.wait()
+    ended(process)
     process.stdout.close()
     return after_readings + rest.count("\n")

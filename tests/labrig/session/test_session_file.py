@@ -29,6 +29,7 @@ from tests.labrig.session.session_recording import (
     settings,
     small_schedule,
 )
+from tests.processes import last_words
 
 
 @pytest.fixture(scope="module")
@@ -232,7 +233,7 @@ def test_a_viewer_that_has_the_new_file_open_does_not_end_the_recording(tmp_path
         record(path, small_schedule())
     finally:
         for viewer in viewers:
-            viewer.communicate()
+            last_words(viewer)
     assert all(check.ok for check in verify(path))
 
 
@@ -265,4 +266,4 @@ def test_a_session_that_is_just_beginning_can_be_looked_at(tmp_path):
         with open_session(path, live=True) as session:
             assert session.runs
     finally:
-        begins.communicate()
+        last_words(begins)
