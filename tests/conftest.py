@@ -8,12 +8,12 @@ import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from hypothesis import settings
 
 from tests import compiled_code, system_packages
+from tests.fits_unchecked import fits_unchecked
 from tests.side_by_side import in_parts, in_turn, is_alone, step_back, watches
 
 # Workers are processes already: threads of linear algebra and of pictures only wait for each other,
@@ -114,13 +114,11 @@ def own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def data_unchecked() -> Iterator[None]:
-    """Fits and reports do not look for data stated wrongly, which takes most of their time.
+    """Fits, diagnoses and reports do not look for data stated wrongly: most of their time.
 
     For modules that test something else; tests/labrig/test_data_warnings.py has that check on.
     """
-    nothing = SimpleNamespace(suspicions=())
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("model.discrepancy.check_data", lambda _measurements: nothing)
+    with fits_unchecked():
         yield
 
 

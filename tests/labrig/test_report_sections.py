@@ -25,6 +25,8 @@ from labrig.report.sections.interface import SECTIONS, ReportSection, ordered
 from labrig.session import Mark, add_mark, open_session
 from tests.labrig.report_data import measure, session, stopped_session
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 DOCS = Path(__file__).parents[2] / "docs" / "howto" / "report.md"
 
 

@@ -18,6 +18,8 @@ from model import fit
 from model.sheet.beam_problem import ActiveEffect
 from tests.labrig.report_data import measure, session
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 
 @pytest.fixture(scope="module")
 def fitted(tmp_path_factory):

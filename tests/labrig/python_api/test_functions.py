@@ -19,6 +19,8 @@ from model import ModelError, SheetModel
 from model.sheet.misfit import CURVE, FORCE, FORCE_SIZE
 from tests.labrig.report_data import STIFFNESS, measure, session, truth
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
+
 FUNCTIONS = (
     "compare", "design", "diagnose", "fit", "fit_in_time", "map_of_elongation",
     "measurements_of_tables", "next_in_time", "next_measurement", "predict", "run", "sheet",
