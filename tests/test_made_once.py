@@ -32,7 +32,7 @@ def test_it_is_whole(folder, number):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", [0, 3])
+@pytest.mark.parametrize("workers", [0, 2])
 def test_it_is_made_once_and_whole_in_each_worker(tmp_path: Path, workers: int) -> None:
     (tmp_path / "test_some.py").write_text(TESTS)
     options = ["-q", "-c", str(ROOT / "pyproject.toml"), "--rootdir", str(ROOT), "-n", str(workers)]

@@ -26,6 +26,8 @@ positions_mm = [10]
 [extras]
 mode = "paper"
 """
+# For what need not be energised for long: each second takes a second of the processor.
+SHORT = PROTOCOL.replace("readings_per_voltage = 6", "readings_per_voltage = 1")
 Row = dict[str, str]
 
 
@@ -48,6 +50,10 @@ class ServedRig:
         self._began = 0  # where the last run begins in the record
         self._started: list[subprocess.Popen[bytes]] = []
         self.options: list[str] = []  # more of the command's
+
+    def be_short(self, protocol: str = SHORT) -> None:
+        """Of the runs from now on."""
+        (self.folder / "rig" / "protocol.toml").write_text(protocol)
 
     def start(self) -> subprocess.Popen[bytes]:
         """`labrig run`, in a process group of its own; what it says goes into `said`."""

@@ -9,7 +9,7 @@ import pytest
 
 from labrig.report.tables.overview import overview
 from labrig.session import open_session
-from tests.end_to_end.real_rig import serving
+from tests.end_to_end.real_rig import SHORT, serving
 from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig, run_rig
 
 pytestmark = pytest.mark.slow
@@ -58,8 +58,7 @@ def over_sockets(tmp_path_factory: pytest.TempPathFactory) -> Path:
     if sys.platform == "win32":
         pytest.skip("the simulated stage needs a pty")
     with serving(tmp_path_factory.mktemp("served")) as rig:
-        protocol = rig.folder / "rig" / "protocol.toml"
-        protocol.write_text(protocol.read_text().replace("moisten = false", "moisten = true"))
+        rig.be_short(SHORT.replace("moisten = false", "moisten = true"))
         return rig.completed()
 
 

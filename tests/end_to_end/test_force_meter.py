@@ -148,6 +148,7 @@ def test_it_is_read_over_a_serial_line_in_real_time(tmp_path: Path) -> None:
     with serving(tmp_path) as rig:
         with (rig.folder / "rig" / "rig.toml").open("a") as file:
             file.write(METER.replace("simulated", rig.addresses["meter"]))
+        rig.be_short()
         assert rig.start().wait(60) == 0, rig.said()
         with open_session(rig.session) as session:
             assert session.outcome is Outcome.COMPLETED

@@ -139,6 +139,7 @@ def test_parts_of_another_distribution_work_like_our_own(rig: ServedRig) -> None
     file = rig.folder / "rig" / "rig.toml"
     checked = command("check", file)
     assert checked.returncode == 0, checked.stdout + checked.stderr
+    rig.be_short()
     assert rig.start().wait(90) == 0, rig.said()
     with open_session(rig.session) as session:
         assert session.outcome is Outcome.COMPLETED

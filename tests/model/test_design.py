@@ -224,7 +224,7 @@ def test_a_controller_needs_a_mass(truth):
         controller(linear, -1.0, 20.0)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_simple_models_do_for_the_short_sheet_and_not_for_the_long_one(measure):
     rows = {(r.configuration, r.model): r for r in compare(measure(scatter=0.0))}
     assert len(rows) == 2 * (len(MODELS) + 1)

@@ -75,7 +75,9 @@ def made(measure) -> Measurements:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("error", [0.05, -0.05, 0.15])
+@pytest.mark.parametrize(
+    "error", [-0.05, *(pytest.param(e, marks=pytest.mark.thorough) for e in (0.05, 0.15))]
+)
 @pytest.mark.parametrize("seen", [pictured, along_the_sheet])
 def test_a_scale_is_what_it_is(made: Measurements, seen, error: float):
     value, half = interval(fitted(seen(made, larger(error)), "camera_scale", axis=0.0))

@@ -16,12 +16,14 @@ from tests.panel_browser.test_page_access import violations
 
 @pytest.fixture(scope="module", autouse=True)
 def about(shared_world):
-    """Who and what is stated of the sheets, while these tests run."""
-    file = shared_world.folder / "about.toml"
-    before = file.read_text()
-    file.write_text(FULL)
+    """Who and what is stated of the sheets, while these tests run; a run is short."""
+    files = [shared_world.folder / name for name in ("about.toml", "protocol.toml")]
+    before = [file.read_text() for file in files]
+    files[0].write_text(FULL)
+    files[1].write_text((shared_world.folder / "one.toml").read_text())
     yield
-    file.write_text(before)
+    for file, text in zip(files, before, strict=True):
+        file.write_text(text)
 
 
 def picture(page, name):

@@ -29,7 +29,8 @@ def test_the_true_model_is_nearer_than_one_with_its_mean_eibm():
 
 @pytest.mark.slow
 def test_compare_lists_a_model_file_with_the_fitted_ones(tmp_path, capsys):
-    path = session(tmp_path / "made.h5", measure("long"))
+    measurements = measure("long", positions_m=(0.0, 0.015, 0.03))
+    path = session(tmp_path / "made.h5", measurements)
     save_model(constant(truth("long")).with_effects(named_effect()), tmp_path / "model+.toml")
     assert run(["compare", str(path), "--model", str(tmp_path / "model+.toml"), "--json"]) == 0
     rows = {row["model"]: row for row in json.loads(capsys.readouterr().out)["static"]}

@@ -63,7 +63,14 @@ def test_a_wire_that_ends_in_the_image_is_followed_to_its_end(known, plain):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "most_px"),
-    [(950_396, 0.08), (990_058, 0.15), (950_299, 0.3), (700_219, 0.15), (700_374, 0.1)],
+    [
+        (950_396, 0.08),
+        (950_299, 0.3),
+        *(
+            pytest.param(*case, marks=pytest.mark.thorough)
+            for case in ((990_058, 0.15), (700_219, 0.15), (700_374, 0.1))
+        ),
+    ],
 )
 def test_a_sheet_is_measured_beside_a_wire_that_crosses_it_at_a_small_angle(
     scenes, known, seed, most_px
@@ -142,8 +149,13 @@ def test_what_begins_at_the_clamp_may_be_the_sheet_though_it_reaches_the_border(
     ("seed", "sheet", "said"),
     [
         (1_500_139, True, "a wire, or something else that is straight"),
-        (1_500_196, False, "no sheet was found at the clamp"),
-        (1_600_022, False, "the sheet leaves the image"),
+        *(
+            pytest.param(seed, False, said, marks=pytest.mark.thorough)
+            for seed, said in (
+                (1_500_196, "no sheet was found at the clamp"),
+                (1_600_022, "the sheet leaves the image"),
+            )
+        ),
     ],
 )
 def test_a_path_that_takes_a_line_of_the_clutter_for_the_sheet_is_refused(
@@ -187,6 +199,7 @@ def test_lines_that_cross_the_sheet_steeply_hide_no_more_than_their_crossings(
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.3
 
 
+@pytest.mark.slow
 def test_a_straight_sheet_is_none_where_the_joint_of_the_jaws_continues_behind_the_clamp(
     scenes, known
 ):

@@ -118,6 +118,7 @@ def test_clutter_without_a_sheet(scenes, known, seed):
     assert not neutral_curve(scene.image, *known(scene)).ok
 
 
+@pytest.mark.slow
 def test_two_sheets_at_one_clamp(scenes, known):
     one = scenes.make_scene(scenes.Recipe(seed=5, place=(100.0, 240.0), turn_rad=0.8, clamp=False))
     other = scenes.make_scene(
@@ -129,6 +130,7 @@ def test_two_sheets_at_one_clamp(scenes, known):
     refused(both, *known(one), "two sheets")
 
 
+@pytest.mark.slow
 def test_a_weak_reflection_beside_the_sheet_is_no_second_one(scenes, known):
     scene = scenes.make_scene(scenes.Recipe(seed=5, place=(100.0, 240.0), turn_rad=0.8))
     ground = np.median(scene.image)
@@ -160,7 +162,10 @@ def test_geometry_that_cannot_be():
     "factor",
     [0.95, 1.05, *(pytest.param(f, marks=pytest.mark.thorough) for f in (0.85, 0.92, 1.08, 1.15))],
 )
-@pytest.mark.parametrize("seed", [810_000, 810_018, 810_023])
+@pytest.mark.parametrize(
+    "seed",
+    [810_000, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (810_018, 810_023))],
+)
 def test_a_wrong_scale_is_seen_from_the_sheets_end(scenes, known, factor, seed):
     """Scenes whose true end lies far beyond the stated one, under a roll, or in much noise."""
     scene = scenes.make_scene(scenes.mixed(seed))

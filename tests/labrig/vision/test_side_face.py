@@ -20,7 +20,7 @@ def silhouette(scenes, tmp_path_factory):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("look", ["auto", "silhouette"])
+@pytest.mark.parametrize("look", ["silhouette", pytest.param("auto", marks=pytest.mark.thorough)])
 def test_the_look_is_an_option(silhouette, look, capsys):
     assert run(["curves", str(silhouette), "--look", look, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
@@ -72,7 +72,9 @@ def test_a_face_that_is_not_separated_from_the_edge_widens_the_credible_band(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "face"), [(960_024, 0.2), (960_057, 0.7)])
+@pytest.mark.parametrize(
+    ("seed", "face"), [(960_024, 0.2), pytest.param(960_057, 0.7, marks=pytest.mark.thorough)]
+)
 def test_a_faint_face_is_found_in_an_image_of_little_noise(scenes, known, seed, face):
     """Taken for blur, it pulled the curve by 0.18 and 0.48 pixels."""
     scene = scenes.make_scene(replace(scenes.mixed(seed), face=face))

@@ -20,7 +20,7 @@ print(_direction(maps, 1.0, 20.0, 60.0, 0.0, np.array([0.0]), 0.0, 60.0)[1])
 """
 
 
-@pytest.mark.slow
+@pytest.mark.thorough  # tests/test_jit_cache.py has the same for made-up kernels
 def test_a_change_of_the_ridge_score_reaches_the_kernel_that_calls_it(tmp_path):
     for name in COPIED:
         copy = tmp_path / "labrig" / "vision" / f"{name}.py"

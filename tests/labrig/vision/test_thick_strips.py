@@ -47,7 +47,10 @@ def parts(line, thickness_mm=15 / PX_PER_MM):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("thickness_mm", [1.2, 15 / PX_PER_MM, 2.0, None])
+@pytest.mark.parametrize(
+    "thickness_mm",
+    [None, 2.0, *(pytest.param(t, marks=pytest.mark.thorough) for t in (1.2, 15 / PX_PER_MM))],
+)
 def test_a_frayed_strip_is_found_however_thick_it_is_said_to_be(frayed, scenes, thickness_mm):
     image, line = frayed
     curve = neutral_curve(image, *parts(line, thickness_mm))

@@ -69,7 +69,11 @@ def test_nothing_is_suspicious_about_a_usual_session():
     [
         ("positions of one sheet in metres", "'short' (position_mm) reach 0.03 mm; multiplied by"),
         ("polarities exchanged in the curves", "unless the polarities (voltage_V) are exchanged"),
-        ("tare of 3 to 7 mN forgotten", "the load cell seems not to have been tared"),
+        pytest.param(
+            "tare of 3 to 7 mN forgotten",
+            "the load cell seems not to have been tared",
+            marks=pytest.mark.thorough,
+        ),
     ],
 )
 def test_a_wrong_datum_is_told_with_the_value_that_would_fit(name, said):
@@ -214,6 +218,7 @@ def test_a_check_that_suspects_good_data_does_not_conform():
     assert list(example_measurements().sheets) == ["example"]
 
 
+@pytest.mark.slow
 def test_sheets_of_unlike_moduli_are_told_with_the_thickness_that_would_fit():
     m = session()
     thin = replace(m.sheets["long"], thickness_m=m.sheets["long"].thickness_m / 2.0)
@@ -230,6 +235,7 @@ def test_forces_in_another_unit_give_a_modulus_that_no_sheet_has():
     assert all("check that forces are in mN" in one for one in said)
 
 
+@pytest.mark.slow
 def test_the_same_data_are_fitted_once(monkeypatch):
     fitted = []
     monkeypatch.setattr(

@@ -107,7 +107,7 @@ def test_variances_are_those_of_noise_and_scatter_together():
     np.testing.assert_allclose(variance(base), whole, rtol=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_an_effect_that_scatter_could_swallow_is_still_chosen_without_each_position():
     """Its size from set-up to set-up would be an EIBM that scatters, had it no name."""
     found = diagnosed(SYMMETRIC, Options(symmetric=True))
