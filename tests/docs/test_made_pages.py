@@ -33,6 +33,7 @@ def test_a_command_without_an_example_would_be_found():
     assert commands.examples(bare, "labrig bare") == []
 
 
+@pytest.mark.slow
 def test_the_page_of_commands_runs_each_example_that_is_quick():
     page = made("commands").page()
     for command in COMMANDS:
@@ -59,6 +60,7 @@ def test_every_public_name_is_documented_with_a_docstring():
         assert not callable(thing) or inspect.getdoc(thing), f"{name} has no docstring"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("file", ["rig", "sheet", "protocol", "load_cell", "about", "optics"])
 def test_every_key_of_a_configuration_file_is_on_its_page(file):
     from labrig.config.schema import schemas

@@ -260,6 +260,7 @@ def test_pixels_of_another_type_are_refused():
         opened(grey(1, np.float32))
 
 
+@pytest.mark.slow
 def test_a_frame_of_another_size_ends_the_delivery_with_its_reason():
     clock = RealClock()
     faults = CameraFaults(wrong_size=from_frame(20))

@@ -300,6 +300,7 @@ def test_an_ni_line_keeps_the_contract(simulated_ni):
     assert interlock_faults(line, simulated_ni.clock) == []
 
 
+@pytest.mark.slow
 def test_the_rescue_of_ni_boards_keeps_the_contract(tcp_ni):
     output = tcp_ni.output()
     output.open()

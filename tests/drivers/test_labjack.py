@@ -147,6 +147,7 @@ def test_an_output_that_another_program_drives_is_refused():
         boards.voltage_output(LIMIT_V).open()
 
 
+@pytest.mark.slow
 def test_a_program_that_wakes_after_the_output_was_made_safe_writes_no_voltage():
     with over_tcp() as rig:
         _, output, signals = opened(rig)

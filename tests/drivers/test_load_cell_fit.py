@@ -17,6 +17,7 @@ def test_weights_on_a_line_give_the_line():
     assert np.abs(fit.residuals_N).max() < 1e-12
 
 
+@pytest.mark.slow
 def test_uncertainties_cover_the_truth_as_often_as_they_say():
     rng = np.random.default_rng(4)
     hits = np.zeros(2)

@@ -200,6 +200,7 @@ def test_checksums_and_alerts_do_not_disturb():
     assert bench.stage.position() == pytest.approx(0.01, abs=STEP_M)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="pseudo-terminals are POSIX")
 def test_the_stage_moves_over_a_real_port():
     clock, arc = RealClock(), Arc()

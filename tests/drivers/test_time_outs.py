@@ -53,6 +53,7 @@ def test_a_guard_that_hangs_when_it_is_to_act_is_not_waited_for(place, monkeypat
     assert "gave no report" in report.text
 
 
+@pytest.mark.slow
 def test_a_camera_that_never_ends_its_frame_is_left_behind(monkeypatch):
     monkeypatch.setattr("drivers.cameras.capture_camera._JOIN_S", 0.1)
     never = threading.Event()

@@ -129,6 +129,7 @@ def test_a_program_that_finishes_leaves_the_boards_alone_and_the_next_one_is_wat
     assert sum("has finished" in text for text in scene.said) == 2
 
 
+@pytest.mark.slow
 def test_a_link_that_is_closed_before_0_V_was_confirmed_leaves_it_to_the_watch(scene):
     link = scene.link()
     link.energised(on=True)

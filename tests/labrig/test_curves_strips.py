@@ -76,6 +76,7 @@ def test_a_wrong_mask_strip_or_method_is_one_sentence(
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_several_strips_of_a_picture_have_a_curve_each(tmp_path: Path) -> None:
     photo = drawn_strips.write(tmp_path, drawn_strips.side_by_side())
     out = tmp_path / "out"
@@ -101,6 +102,7 @@ def test_several_strips_of_a_picture_have_a_curve_each(tmp_path: Path) -> None:
     assert photo.exists()
 
 
+@pytest.mark.slow
 def test_strips_stand_in_optics_json_and_take_their_tables_of_sheet_toml(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

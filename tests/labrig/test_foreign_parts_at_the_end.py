@@ -209,6 +209,7 @@ class Elsewhere:
     limits = SimpleNamespace(time_under_voltage_s=1.0)
 
 
+@pytest.mark.slow
 def test_boards_that_the_guard_cannot_be_told_of_are_not_ready(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -76,6 +76,7 @@ def test_a_note_during_a_run_waits_beside_the_file(tmp_path, capsys):
         assert [one.text for one in opened.notes] == ["it runs"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".jpg", ".png"])
 def test_a_photograph_is_kept_byte_by_byte_with_its_caption(path, tmp_path, suffix):
     file = photograph(tmp_path / f"clamp{suffix}")
@@ -129,6 +130,7 @@ def test_show_names_people_sample_and_notes(path, capsys):
     assert found["notes"][0]["text"] == "a bubble"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words", ["aged sheets", "Sheets 2026", "s-17", "ada", "nafion", "bubble clamp"]
 )
@@ -168,6 +170,7 @@ def test_export_writes_people_sample_and_notes_and_import_reads_them(path, tmp_p
     assert all(check.ok for check in verify(made))
 
 
+@pytest.mark.slow
 def test_export_that_would_overwrite_a_file_writes_nothing(path, tmp_path, capsys):
     out = tmp_path / "tables"
     out.mkdir()

@@ -28,6 +28,7 @@ def assert_told(result: subprocess.CompletedProcess[str], hiding: Path) -> None:
     assert len(result.stderr.splitlines()) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_module_in_the_folder_that_hides_a_package_is_named(tmp_path: Path, name: str) -> None:
     (tmp_path / f"{name}.py").write_text("x = 1\n")
@@ -35,6 +36,7 @@ def test_a_module_in_the_folder_that_hides_a_package_is_named(tmp_path: Path, na
     assert_told(result, tmp_path / f"{name}.py")
 
 
+@pytest.mark.slow
 def test_a_package_in_the_folder_that_hides_one_is_named(tmp_path: Path) -> None:
     (tmp_path / "model").mkdir()
     (tmp_path / "model" / "__init__.py").write_text("")
@@ -49,6 +51,7 @@ def test_a_folder_that_is_no_package_hides_nothing(tmp_path: Path) -> None:
     assert result.returncode == 0, result.stderr
 
 
+@pytest.mark.slow
 def test_the_script_names_a_module_on_the_path(tmp_path: Path) -> None:
     script = Path(sys.executable).with_name("labrig")
     if not script.is_file():

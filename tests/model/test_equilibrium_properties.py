@@ -46,6 +46,7 @@ def test_deflection_angle_and_mean_moment_satisfy_equation_2(values, length, pos
     )
 
 
+@pytest.mark.slow
 @quick
 @given(curvatures, lengths, positions)
 def test_mirrored_sheet_gives_mirrored_answer(values, length, position):
@@ -224,6 +225,7 @@ def test_extreme_problems_are_solved_from_cold(length):
     assert np.count_nonzero(found.status == SolverStatus.SOLVED) >= 399
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "low", "high"), [(0.0045, -70, 110), (0.05, -30, 60)])
 def test_the_branch_found_from_cold_is_the_one_followed_from_the_free_shape(length, low, high):
     random = np.random.default_rng(2)

@@ -109,6 +109,7 @@ def test_fewer_conditions_than_parameters(data):
         fit(replace(data, conditions=data.conditions[1:3]))
 
 
+@pytest.mark.slow
 def test_shapes_without_forces_do_not_give_a_stiffness(measure):
     data = measure(names=("long",), positions_mm=(), free=True)
     found = fit(data)
@@ -116,6 +117,7 @@ def test_shapes_without_forces_do_not_give_a_stiffness(measure):
     assert found.to_json()["configurations"]["long"]["B_Nm2"] is None
 
 
+@pytest.mark.slow
 def test_forces_of_the_wrong_sign(data):
     conditions = tuple(
         replace(c, readings=tuple(replace(r, force_N=-r.force_N) for r in c.readings))

@@ -98,6 +98,7 @@ def test_a_location_that_cannot_be_used_is_left_out_with_a_sentence(
         assert "humidity" not in locations()
 
 
+@pytest.mark.slow
 def test_a_location_of_another_distribution_is_predicted_and_looked_for(
     tmp_path, monkeypatch, truth
 ):

@@ -27,6 +27,7 @@ def test_samples_outside_the_window_have_no_say(centre, half_window):
     assert symmetric_mean(signal, centre, half_window).value == pytest.approx(1.0)
 
 
+@pytest.mark.slow
 def test_the_noise_factor_is_that_of_white_noise():
     samples = np.random.default_rng(1).normal(size=(20_000, 201))
     found = symmetric_mean(samples, 100.3, 80.0)

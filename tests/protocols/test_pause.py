@@ -50,6 +50,7 @@ def paused(wanted, confirmed=None):
     return rig, scheduler, calls
 
 
+@pytest.mark.slow
 def test_a_paused_session_is_safe_by_a_read_back_and_then_measures_the_rest():
     wanted = Wanted()
     rig, scheduler, calls = paused(wanted)
@@ -63,6 +64,7 @@ def test_a_paused_session_is_safe_by_a_read_back_and_then_measures_the_rest():
     assert (OutputState.SAFE, "0 V written and read back") in changes
 
 
+@pytest.mark.slow
 def test_the_log_holds_who_paused_the_session_and_where_it_continues():
     rig, scheduler, _ = paused(Wanted())
     scheduler.run(SCHEDULE)
@@ -72,6 +74,7 @@ def test_the_log_holds_who_paused_the_session_and_where_it_continues():
     ]
 
 
+@pytest.mark.slow
 def test_no_voltage_is_written_during_a_pause():
     rig, scheduler, _ = paused(Wanted())
     scheduler.run(SCHEDULE)

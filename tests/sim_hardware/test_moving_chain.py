@@ -215,6 +215,7 @@ def test_pulses_give_the_converged_force_shape_and_current(
     assert np.abs(found.current_A[at] - current).max() < 5e-5
 
 
+@pytest.mark.slow
 def test_the_force_converges_with_the_square_of_the_step_and_of_the_links() -> None:
     times = np.arange(0, 0.4, 1e-4)
     drive_V = 2.0 * np.sin(2 * np.pi * 3 * times) ** 2

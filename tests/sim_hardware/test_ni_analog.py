@@ -282,6 +282,7 @@ def test_all_available_of_a_continuous_acquisition_does_not_wait(ni: Any) -> Non
     assert task.in_stream.curr_read_pos == count
 
 
+@pytest.mark.slow
 def test_unread_samples_are_counted_and_then_overwritten(ni: Any) -> None:
     task = ni.input()
     task.timing.cfg_samp_clk_timing(10_000, sample_mode=CONTINUOUS)

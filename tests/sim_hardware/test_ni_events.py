@@ -123,6 +123,7 @@ def test_nothing_is_told_once_it_is_unregistered_or_stopped(ni: Any) -> None:
     assert listener.told == []
 
 
+@pytest.mark.slow
 def test_the_end_of_a_task_that_overflows_is_told_with_the_error(ni: Any) -> None:
     listener = Listener(ni)
     task = clocked(ni, CONTINUOUS)

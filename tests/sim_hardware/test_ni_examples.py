@@ -56,6 +56,7 @@ def test_voltages_without_end(ni: Any) -> None:
         assert total == 3000
 
 
+@pytest.mark.slow
 def test_voltages_without_end_that_are_read_in_a_callback(ni: Any) -> None:
     came = threading.Event()
     with nidaqmx.Task(grpc_options=ni.options()) as task:
@@ -175,6 +176,7 @@ def test_the_system_and_its_devices(ni: Any) -> None:
         assert device.name in text
 
 
+@pytest.mark.slow
 def test_a_reader_with_a_preallocated_array(ni: Any) -> None:
     with nidaqmx.Task("acquire", grpc_options=ni.options("acquire")) as task:
         for channel, terminals in itertools.product(

@@ -115,6 +115,7 @@ def test_with_strict_ownership_tasks_end_with_their_process(
     assert abs(ni.input().read()) < 2e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tcp", [False, True])
 def test_with_strict_ownership_names_belong_to_a_client(make_ni: Any, tcp: bool) -> None:
     ni = make_ni(tcp=tcp, strict_ownership=True)

@@ -121,6 +121,7 @@ def test_a_board_that_is_not_simulated_is_refused() -> None:
         NiDeviceServer(None, None, {"Dev1": "PCI-9999"})  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_the_servers_own_service_lists_and_resets(make_ni: Any) -> None:
     rig = make_ni(tcp=True)
     utilities = session_pb2_grpc.SessionUtilitiesStub(rig.channel)

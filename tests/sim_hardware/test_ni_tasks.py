@@ -90,6 +90,7 @@ def test_a_write_that_starts_the_task_ends_it_too(ni: Any) -> None:
     assert ni.input().read() == pytest.approx(2.0, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_a_second_client_attaches_without_a_word(ni: Any) -> None:
     first = ni.task("labrig-output")
     first.ao_channels.add_ao_voltage_chan("PCI6703/ao0")
@@ -167,6 +168,7 @@ def test_a_finite_acquisition_is_done_when_its_samples_have_come(ni: Any) -> Non
     task.stop()
 
 
+@pytest.mark.slow
 def test_waiting_for_the_end_of_a_continuous_acquisition_times_out(ni: Any) -> None:
     task = ni.input()
     task.timing.cfg_samp_clk_timing(1000, sample_mode=AcquisitionType.CONTINUOUS)

@@ -100,6 +100,7 @@ def test_a_position_out_of_reach_is_left_out() -> None:
     assert [c.position_m for c in session.conditions] == [0.0]
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_session_and_it_takes_milliseconds() -> None:
     settings = load_world()
     first = reduced_session(settings, 5)

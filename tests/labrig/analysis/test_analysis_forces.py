@@ -85,6 +85,7 @@ def test_a_zero_reading_is_timed_from_the_write_of_its_step(tmp_path):
         assert reading.sample_index == pytest.approx(EDGE + planned.delay_s * 1000, abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shift_s", [-4.3e-3, -0.2e-3, 0.3e-3, 2.7e-3])
 def test_an_edge_is_where_the_drive_shows_it_whatever_the_write_claims(tmp_path, shift_s):
     path = record_with(tmp_path / "s.h5", ONE_RUN, writes(shift_s))
@@ -155,6 +156,7 @@ def test_a_drive_that_is_too_low_spoils_its_readings(tmp_path):
             )
 
 
+@pytest.mark.slow
 def test_a_saturated_input_spoils_just_the_readings_whose_window_it_is_in(tmp_path):
     def clip(volts, index):
         volts[0, (index > 1290) & (index < 1310)] = 0.05
@@ -164,6 +166,7 @@ def test_a_saturated_input_spoils_just_the_readings_whose_window_it_is_in(tmp_pa
     assert found[1].why == "the force input is at the end of its range (±0.05 V)"
 
 
+@pytest.mark.slow
 def test_lost_samples_spoil_the_reading_and_keep_its_live_value(tmp_path):
     def lose(event):
         block = event.block
@@ -178,6 +181,7 @@ def test_lost_samples_spoil_the_reading_and_keep_its_live_value(tmp_path):
     assert np.isfinite(found[1].force_N)
 
 
+@pytest.mark.slow
 def test_reasons_noted_while_running_stay_and_none_is_said_twice(tmp_path):
     def spoil(event):
         if event.planned.index != 3:
@@ -194,6 +198,7 @@ def test_reasons_noted_while_running_stay_and_none_is_said_twice(tmp_path):
     assert len(reasons) == len(set(reasons))
 
 
+@pytest.mark.slow
 def test_a_person_s_mark_is_the_reason(tmp_path):
     def mark(event):
         if isinstance(event, ev.RunStopped):
@@ -205,6 +210,7 @@ def test_a_person_s_mark_is_the_reason(tmp_path):
     assert [(r.index, r.why) for r in found if not r.valid] == [(4, "stuck in the rolls")]
 
 
+@pytest.mark.slow
 def test_a_run_that_never_began_has_no_readings(tmp_path):
     path = tmp_path / "s.h5"
     record_with(path, ONE_RUN)

@@ -190,6 +190,7 @@ def test_next_wants_two_effects_of_the_catalogue(between, says, measured, tmp_pa
     assert says in told(capsys)
 
 
+@pytest.mark.slow
 def test_nan_in_a_table_is_a_sentence_about_its_line(measured, tmp_path, capsys):
     options = tables(tmp_path, measured)
     path = tmp_path / "forces.csv"

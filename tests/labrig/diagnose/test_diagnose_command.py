@@ -151,6 +151,7 @@ def test_json_has_the_class_the_closed_gap_and_the_separations(finding, recorded
     assert (proposed["separation_now"], proposed["separation_expected"]) == (1.8, 14.0)
 
 
+@pytest.mark.slow
 def test_values_of_one_configuration_say_whose_they_are(finding, recorded, capsys):
     one = made.found()
     first = one.effects[0]
@@ -352,6 +353,7 @@ EXTRAS = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("extra", EXTRAS)
 def test_next_writes_a_protocol_that_can_be_run(extra, proposing, recorded, tmp_path, capsys):
     proposing(extra)

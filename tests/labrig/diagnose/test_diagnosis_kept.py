@@ -74,6 +74,7 @@ def test_it_goes_with_the_measurements_it_was_made_from(recorded):
     assert kept_diagnosis(path) is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("content", [b"{", b"[]", b'{"verdict": 3}', b"\xff\xff"])
 def test_one_that_cannot_be_read_says_what_to_do(recorded, content):
     path = recorded

@@ -115,6 +115,7 @@ def test_a_channel_that_a_session_cannot_hold_is_refused(change, says):
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("unit", "found"), [("N", "N"), ("V", "V"), (None, "V")])
 def test_the_raw_force_has_the_unit_in_which_it_was_read(tmp_path, unit, found):
     resolved = {} if unit is None else {"force_channel_unit": unit}

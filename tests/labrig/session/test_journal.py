@@ -53,6 +53,7 @@ def test_all_that_was_written_is_read_again(tmp_path, setup, some_rows):
     assert journal.whole_bytes() == (tmp_path / "j").stat().st_size
 
 
+@pytest.mark.slow
 def test_reading_ends_before_the_first_damaged_byte(tmp_path, setup, some_rows):
     rows = some_rows[:40]
     write(tmp_path / "j", setup, rows)
@@ -170,6 +171,7 @@ def test_a_full_disk_stops_the_session_with_a_sentence_and_keeps_what_was_writte
     assert recover(path).readings >= kept
 
 
+@pytest.mark.slow
 def test_an_error_of_the_hdf5_library_is_put_in_words(tmp_path, monkeypatch):
     text = "Can't write data (file write failed: errno = 28, error message = 'No space left ...')"
     monkeypatch.setattr(

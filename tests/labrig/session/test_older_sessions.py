@@ -45,6 +45,7 @@ def of_each(test):
     )
 
 
+@pytest.mark.slow
 @of_each
 def test_an_older_session_passes_verify_and_a_changed_sample_is_found(old, version):
     assert all(check.ok for check in verify(old))
@@ -53,6 +54,7 @@ def test_an_older_session_passes_verify_and_a_changed_sample_is_found(old, versi
     assert [check.name for check in verify(old) if not check.ok] == ["checksums"]
 
 
+@pytest.mark.slow
 @of_each
 def test_measurements_are_kept_in_an_older_session_without_changing_its_recording(old, version):
     with open_session(old) as session:

@@ -177,6 +177,7 @@ def test_with_neither_file_nor_journal_the_error_says_so(cut):
         recover(cut)
 
 
+@pytest.mark.slow
 def test_a_session_that_is_still_alive_is_not_recovered(tmp_path):
     with (
         SessionWriter(tmp_path / "s.h5", **settings(small_schedule())),

@@ -54,6 +54,7 @@ def test_one_flipped_bit_in_a_frame_is_found(session):
     assert "/session/run_000/frames/images" in failed(session)["checksums"]
 
 
+@pytest.mark.slow
 def test_a_reading_that_is_missing_is_found(session):
     with h5py.File(session, "r+") as file:
         file["session/run_001/readings"].resize(5, axis=0)

@@ -56,6 +56,7 @@ long,5,0.005,2
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
 
+@pytest.mark.slow
 @given(finite)
 def test_numbers_survive_to_the_last_bit(value):
     assert from_plain(plain(value)) == value

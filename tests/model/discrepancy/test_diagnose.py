@@ -365,6 +365,7 @@ def test_data_without_curves_or_without_times_can_be_searched_and_say_what_they_
     assert any("has means alone" in note for note in prepare(single, Options()).notes)
 
 
+@pytest.mark.slow
 def test_identical_repeats_are_noted():
     m = means_of(session())
     same = tuple(
@@ -390,6 +391,7 @@ def test_no_conditions_are_refused():
         prepare(replace(session(), conditions=()), Options())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_a_number_that_is_not_finite_costs_its_sheet_and_is_told_with_its_place(value: float):
     m = session()
@@ -410,6 +412,7 @@ def test_a_sheet_that_was_not_measured_is_left_out():
     assert ready.problem.forward.names == ["short"]
 
 
+@pytest.mark.slow
 def test_a_sheet_that_cannot_be_used_is_left_out_with_a_note():
     m = session()
     broken = tuple(

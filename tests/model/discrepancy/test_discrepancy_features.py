@@ -153,6 +153,7 @@ def test_a_position_with_the_rig_turned_over_is_a_run_of_its_own():
     np.testing.assert_array_equal(seen[1].clock.pulse, seen[half + 1].clock.pulse)
 
 
+@pytest.mark.slow
 def test_a_free_shape_has_a_curve_and_no_force(measure):
     made_here = measure(names=("long",), free=True)
     every = look(made_here, "long").seen

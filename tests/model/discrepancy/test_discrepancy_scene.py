@@ -100,6 +100,7 @@ def test_base_conditions_are_those_of_predict(studies, truth, name: str):
     np.testing.assert_allclose(forces, solved.force_N, rtol=1e-12, atol=1e-14)  # of mN: rounding
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("effect_name", ["clamp_compliance", "nonlinear_stiffness", "gravity"])
 def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies, effect_name):
     forward = studies["long"][0]

@@ -34,6 +34,7 @@ def beating(m: Measurements, size_N: float, period_s: float, since: str) -> Meas
     return replace(m, conditions=tuple(conditions))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("since", "clock"), [("time_s", "run"), ("session_s", "session")])
 @pytest.mark.parametrize("period_s", [1.9, 3.3, 5.1])
 def test_a_wave_in_the_forces_is_found_with_its_period_and_size(since, clock, period_s):
@@ -44,6 +45,7 @@ def test_a_wave_in_the_forces_is_found_with_its_period_and_size(since, clock, pe
     assert np.hypot(*found.amplitudes) == pytest.approx(2e-4, rel=0.15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size_N", [1.5e-5, 6e-5])
 def test_what_is_no_more_than_a_load_cell_s_wander_is_not_told(size_N):
     """A wander may have one rate above all others, so that it explains most of what is left."""

@@ -16,6 +16,7 @@ ROLLS = ContactSetup(radius_m=R, position_m=0.005)
 TIMES = np.arange(0.0, 0.4, 2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("setup", [None, ROLLS], ids=["free", "on the rolls"])
 def test_what_was_held_for_long_is_where_a_long_motion_comes_to(setup):
     late = 40.0

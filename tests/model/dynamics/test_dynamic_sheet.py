@@ -53,6 +53,7 @@ def test_it_is_read_and_written_with_what_determined_it(truth, tmp_path):
     assert "short" not in again.dynamic
 
 
+@pytest.mark.slow
 def test_a_model_file_moves(truth):
     model = SheetModel.from_dict(file_with(truth))
     beam, setup = model.moving("long", 0.01)

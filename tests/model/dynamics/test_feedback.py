@@ -79,6 +79,7 @@ def test_a_step_of_1_mN_settles_within_the_limits_of_the_voltage(long_sheet, met
     assert force_N.max() < 1.15 * STEP_N
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["pi", "lqg"])
 def test_a_voltage_at_its_limit_for_long_winds_nothing_up(long_sheet, method):
     """Beyond reach for 5 s: back within reach the voltage leaves the limit at once."""
@@ -103,6 +104,7 @@ def test_a_sheet_that_pushes_the_other_way_gets_the_same_loop_with_the_other_sig
     assert controller.closed_loop(plant).is_stable
 
 
+@pytest.mark.slow
 def test_a_noisier_force_makes_lqg_gentler(long_sheet):
     plant = discretised(long_sheet, 0.005, 0.003)
     design = discretised(balanced(long_sheet, 8)[0], 0.005, 0.003)

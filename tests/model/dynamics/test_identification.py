@@ -130,6 +130,7 @@ def test_what_the_release_shows_is_determined(found):
     assert "90 % interval" in found["B"].text()
 
 
+@pytest.mark.slow
 def test_a_sheet_held_by_the_rolls_says_little_of_its_loss():
     told = {p.name: p for p in information(SHEET, [PUSH], NOISE, COARSE)}
     for name in ("mass_per_length", "share_1", "time_1", "share_2", "time_2"):
@@ -155,6 +156,7 @@ def test_free_shapes_alone_tell_ratios_to_the_stiffness_only():
     assert not told["mass_per_length"].determined
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "more", [{"zero": 1e-3}, {"drift_per_sqrt_s": 1e-3}, {"hum": 1e-2}], ids=str
 )

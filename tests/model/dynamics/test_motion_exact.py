@@ -168,6 +168,7 @@ def test_an_arm_that_is_spun_up_lags_as_the_converged_one():
     assert np.interp(6.763, times, along) == pytest.approx(-0.01890, abs=1.5e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("position_m", [None, 0.015])
 def test_the_work_of_the_moment_is_stored_or_lost(position_m):
     setup = None if position_m is None else ContactSetup(radius_m=R, position_m=position_m)
@@ -182,6 +183,7 @@ def test_the_work_of_the_moment_is_stored_or_lost(position_m):
     assert shares[1] < 1e-5
 
 
+@pytest.mark.slow
 def test_without_loss_the_energy_of_a_release_stays():
     kept = []
     for step_s in (1e-3, 2.5e-4):

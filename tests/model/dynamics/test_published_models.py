@@ -264,6 +264,7 @@ def test_gonzalez_is_the_exact_static_sheet_and_does_not_know_of_voltage():
     np.testing.assert_allclose(found.force_N, exact, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_an_axially_loaded_strip_has_the_stiffness_of_an_arc():
     """Small loads: d(chord)/d(P/B) = int y^2 ds over the arc."""
     k0, load = 20.0, 1.0

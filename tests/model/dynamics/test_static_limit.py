@@ -51,6 +51,7 @@ def test_the_force_is_the_static_one_with_the_break_at_the_contact():
     assert max(errors) < 1e-6
 
 
+@pytest.mark.slow
 def test_the_force_is_nearly_the_static_one_with_the_break_up_to_3_mm_away():
     errors = []
     for number, row in enumerate(rows()):

@@ -28,6 +28,7 @@ def test_of_a_single_session_nothing_can_be_said(name: str):
     assert effect("gravity").for_sessions(1) is effect("gravity")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EFFECTS)
 def test_for_ten_sessions_there_is_a_value_for_each(name: str):
     ten = effect(name).for_sessions(10)

@@ -90,6 +90,7 @@ def test_slot_and_parameters_are_those_agreed_on(name: str):
     )  # nobody refines them from nothing
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EFFECTS)
 def test_an_effect_conforms(name: str):
     assert faults(EFFECTS[name]) == []

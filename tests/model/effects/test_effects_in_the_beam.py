@@ -204,6 +204,7 @@ def test_a_stiffness_along_the_sheet_gives_the_force_of_the_unit_load_theorem():
 # -------------------------------------------------------------------------------------- nonlinear
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("at_mm", "bend", "change"), [(5.0, 25.0, 0.2), (20.0, 0.0, -0.1)])
 def test_a_nonlinear_sheet_settles_where_a_boundary_value_solver_does(at_mm, bend, change):
     one = bench((at_mm,), bend=bend, volts=(2.0,))
