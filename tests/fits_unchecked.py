@@ -1,8 +1,8 @@
 """Fits and diagnoses that do not look for data stated wrongly.
 
-That search fits the data once for each datum that could be wrong, which takes most of the time of a
-fit, and three quarters of that of a small diagnosis. tests/model/discrepancy/test_data_checks.py
-and tests/labrig/test_data_warnings.py test it.
+That search fits data that the base model does not fit once for each datum that could be wrong. It
+takes most of the time of a fit, and more than half of some diagnoses. Tests of it:
+tests/model/discrepancy/test_data_checks.py and tests/labrig/test_data_warnings.py.
 """
 
 from __future__ import annotations
