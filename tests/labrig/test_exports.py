@@ -60,6 +60,9 @@ def test_xarray_has_named_dimensions_units_and_the_values_of_the_session(session
     measured = [c for c in load_measurements(session).conditions if c.curve is not None]
     first = curves["x_m"].values[curves["reading_index"].values == -1][0]
     np.testing.assert_array_equal(first[: len(measured[0].curve.x_m)], measured[0].curve.x_m)
+    means = curves.to_dataset().isel(curve=curves["reading_index"].values == -1)
+    for key, wanted in {"again": "run", "mounting": "mounting", "approach": "approach"}.items():
+        assert [*means[key].values] == [getattr(c, wanted) for c in measured]
 
 
 def read_documents(path):

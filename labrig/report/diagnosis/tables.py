@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator
 
 import numpy as np
 
+from labrig.files import typed
 from labrig.report.diagnosis.parameters import percent
 from labrig.report.parts.table import Table, fixed, number, volts
 from model.discrepancy.data_checks import Suspicion
@@ -242,7 +242,7 @@ def next_sentences(found: Diagnosis, session: str | None = None) -> list[str]:
     said = [next_sentence(found.next_measurement)]
     pair = next((e for e in found.effects if e.confusable_with), None)
     if session is not None:
-        said.append(f"Its protocol: labrig next {shlex.quote(session)} -o protocol.toml")
+        said.append(f"Its protocol: labrig next {typed(session)} -o protocol.toml")
     elif pair is not None:
         said.append(
             "Its protocol: labrig next with the same files and "

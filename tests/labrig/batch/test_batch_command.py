@@ -147,6 +147,19 @@ def test_tables_are_fitted_as_one_by_one(cases, monkeypatch, capsys):
     assert "2 in all, 0 to do" in capsys.readouterr().out
 
 
+def test_a_stiffness_that_no_force_measured_is_in_no_row(cases, tmp_path):
+    case = shutil.copytree(cases / "CASES" / "case1", tmp_path / "case")
+    (case / "forces.csv").unlink()
+    (case / "signals.csv").unlink(missing_ok=True)
+    item = BatchItem(source=BatchInput(InputKind.TABLES, case / "sheet.toml", "case"))
+    columns = FitEach().work(item, tmp_path).columns
+    assert columns["without_force"] == ["long"]
+    assert not [name for name in columns if name.startswith(("B_Nm2", "EIBM_Nm"))]
+    stated = FitEach(stiffness_Nm2=1e-6).work(item, tmp_path).columns
+    assert stated["B_Nm2[long]"] == pytest.approx(1e-6)
+    assert "EIBM_Nm[long, +2 V]" in stated
+
+
 def test_tables_with_other_names_of_columns_are_read(cases, tmp_path):
     case = shutil.copytree(cases / "CASES" / "case1", tmp_path / "case")
     ours = (case / "forces.csv").read_text()
