@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import sys
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
 
+from drivers.plugins import Part
 from labrig.cli.main import run
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigError
 from labrig.exports.choice import FORMATS, export
 from labrig.session import load_measurements, open_session, store_measurements
 from tests.labrig.session.measured import measurements
@@ -159,6 +161,14 @@ def test_a_file_that_is_there_is_not_replaced(session, tmp_path, name):
     export(session, tmp_path, name)
     with pytest.raises(BadInputError, match="exists already"):
         export(session, tmp_path, name)
+
+
+def test_a_format_that_does_not_say_what_it_wrote_is_named(session, tmp_path, monkeypatch):
+    silent = SimpleNamespace(summary="Nothing.", extra="", write=lambda *_: None)
+    parts = {"silent": Part("silent", silent, "labrig-extra", "0.1")}
+    monkeypatch.setattr(type(FORMATS), "parts", lambda _: parts)
+    with pytest.raises(LabrigError, match=r"'silent' of labrig-extra 0\.1 returned NoneType"):
+        export(session, tmp_path, "silent")
 
 
 def test_every_format_says_what_it_writes():
