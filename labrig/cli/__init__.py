@@ -12,6 +12,6 @@ try:
     from labrig.cli.main import main
 except KeyboardInterrupt:  # Ctrl-C before there is a program that could tell of it
     sys.stderr.write("labrig: stopped.\n")
-    raise SystemExit(130) from None  # `ExitCode.STOPPED`
+    raise SystemExit(4) from None  # `ExitCode.STOPPED`
 
 __all__ = ["main"]

@@ -21,6 +21,7 @@ from labrig.cli.app import all_commands, app_for
 from labrig.cli.main import ignore_unraisable, run
 from labrig.cli.screen import print_table, say, time_left, warn
 from labrig.cli.sentences.compiling import TOLD, compiling_is_told
+from labrig.errors import ExitCode
 from labrig.files import typed
 from labrig.session.reading.opening import cut_short
 from labrig.version import NOT_INSTALLED, version
@@ -181,3 +182,12 @@ def test_a_ctrl_c_that_comes_while_an_object_is_discarded_is_not_lost(monkeypatc
 def test_a_command_that_is_proposed_can_be_typed(name):
     assert shlex.split(f"labrig recover {typed(name)}") == ["labrig", "recover", name]
     assert typed(name) in cut_short(Path(name))
+
+
+def test_a_command_that_is_stopped_says_so_and_ends_with_the_documented_code(monkeypatch, capsys):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("labrig.session.recover", stopped)
+    assert run(["recover", __file__]) == ExitCode.STOPPED
+    assert capsys.readouterr().err == "labrig: stopped.\n"
