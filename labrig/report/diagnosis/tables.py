@@ -139,7 +139,9 @@ def ranking_table(found: Diagnosis) -> Table:
     )  # fmt: skip
     note = (
         f"Threshold for a name: ln Bayes factor {fixed(found.threshold, 1)}"
-        f" ({found.threshold_from}). Relative size: most likely amplitude over its prior scale."
+        f" ({found.threshold_from}). The factors are those of each candidate alone, against the"
+        " base model; a further name needs the threshold beside the names before it. Relative size:"
+        " most likely amplitude over its prior scale."
         " Detectability: size of the effect at its prior scale, in standard uncertainties."
     )
     return Table(title="Candidates", columns=columns, rows=rows, note=note)
