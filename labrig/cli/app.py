@@ -8,7 +8,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -68,7 +68,7 @@ def _own_command(name: str) -> Command | None:
 class _Application(TyperGroup):
     """The group of all commands."""
 
-    def invoke(self, ctx: typer.Context) -> object:
+    def invoke(self, ctx: Any) -> Any:  # typer keeps the type to itself
         """Run a command; of a Ctrl-C typer would make another exit code, and no sentence."""
         try:
             return super().invoke(ctx)
