@@ -35,7 +35,7 @@ def kind_faults(
     fields of its settings.
     """
     if not isinstance(part, contract):
-        yield f"it is a {type(part).__name__} where a {contract.__name__} is needed"
+        yield f"it is of type {type(part).__name__}, not a {contract.__name__}"
         return
     kind, text, settings = (getattr(part, name, None) for name in ("kind", "help", "settings"))
     if not (isinstance(kind, str) and kind.isidentifier()):

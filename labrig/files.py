@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import errno
 import os
+import shlex
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
+from subprocess import list2cmdline
 from zipfile import ZIP_DEFLATED, ZipFile
 
 from labrig.errors import BadInputError, LabrigError
@@ -26,6 +28,11 @@ def check_free(path: Path, *, force: bool = False) -> None:
         raise BadInputError(f"{path}: is already there; give --force to overwrite it.")
     if not path.parent.is_dir():
         raise BadInputError(f"{path.parent}: there is no such folder.")
+
+
+def typed(path: Path | str) -> str:
+    """Return a path as it is typed into a shell: quoted where it has blanks."""
+    return list2cmdline([str(path)]) if os.name == "nt" else shlex.quote(str(path))
 
 
 def write_text(path: Path, text: str) -> None:

@@ -33,6 +33,9 @@ class PluginWarning(UserWarning):
 
 
 MOST_NAMED = 12  # parts that one sentence lists
+_MOST_FAULTS = 3  # of one part in its sentence; the conformance functions return all
+_ROOT = Path(__file__).parents[1]
+_OURS = frozenset({"labrig", "drivers", "protocols", "model", "sim_hardware"})
 
 
 class UnknownPartError(LookupError):
@@ -88,12 +91,26 @@ def first_faults(checks: Iterable[Callable[[], Iterable[str]]]) -> list[str]:
         try:
             found = list(check())
         except Exception as error:  # noqa: BLE001 - other people's code may raise anything
-            last = extract_tb(error.__traceback__)[-1]
-            place = f"{Path(last.filename).name}, line {last.lineno}"
-            return [f"its code raised {type(error).__name__}: {error} ({place})"]
+            return [f"its code raised {type(error).__name__}: {error}{_place(error)}"]
         if found:
             return found
     return []
+
+
+def _place(error: Exception) -> str:
+    """Return where a part raised it; nothing where the part could not even be called."""
+    last = extract_tb(error.__traceback__)[-1]
+    file = Path(last.filename)
+    if file.is_relative_to(_ROOT) and file.relative_to(_ROOT).parts[0] in _OURS:
+        return ""
+    return f" ({file.name}, line {last.lineno})"
+
+
+def _in_short(faults: list[str]) -> str:
+    """Return the first faults, each once, and how many there are besides."""
+    different = list(dict.fromkeys(faults))
+    more = len(different) - _MOST_FAULTS
+    return "; ".join(different[:_MOST_FAULTS]) + (f"; and {more} more" if more > 0 else "")
 
 
 def _choice(name: str, known: list[str]) -> str:
@@ -158,12 +175,12 @@ def _loaded(folder: PluginFolder[object], entry: EntryPoint) -> object | None:
     """Return the part an entry point leads to; None after a warning that says what is wrong."""
     try:
         part: object = entry.load()
-        said = "; ".join(folder.faults(part))
     except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
-        said = f"loading it failed with {type(error).__name__}: {error}"
-        part = None
-    if said:
-        _leave_out(folder, entry, said)
+        _leave_out(folder, entry, f"loading it failed with {type(error).__name__}: {error}")
+        return None
+    found = first_faults([lambda: folder.faults(part)])
+    if found:
+        _leave_out(folder, entry, _in_short(found))
         return None
     return part
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from drivers.plugins import PluginFolder, PluginWarning, UnknownPartError
+from drivers.plugins import PluginFolder, PluginWarning, UnknownPartError, first_faults
 
 ROOT = Path(__file__).parents[1]
 
@@ -72,6 +73,26 @@ def test_a_part_that_cannot_be_used_is_left_out_with_a_sentence(numbers, point, 
     assert said in str(caught[0].message)
     assert list(parts) == ["one"]
     sys.modules.pop("bad_numbers", None)
+
+
+@pytest.mark.parametrize(
+    ("faults", "said"),
+    [
+        (lambda _: ["a is wrong"] * 5 + list("bcdef"), "left out: a is wrong; b; c; and 3 more."),
+        (lambda part: part / 0, "left out: its code raised ZeroDivisionError: division by zero ("),
+    ],
+)
+def test_the_sentence_about_a_part_is_short_and_says_who_raised_what(numbers, faults, said):
+    install(numbers, "bad_numbers", "two = bad_numbers:TWO", "TWO = 2\n")
+    with pytest.warns(PluginWarning, match="is left out") as caught:
+        replace(folder(), faults=faults).parts()
+    assert said in str(caught[0].message)
+    sys.modules.pop("bad_numbers", None)
+
+
+def test_a_part_that_cannot_be_called_as_the_contract_says_names_no_line_of_ours():
+    (said,) = first_faults([len])
+    assert said == "its code raised TypeError: len() takes exactly one argument (0 given)"
 
 
 def test_a_module_that_ends_python_when_it_is_imported_ends_nothing_else(numbers):

@@ -41,7 +41,7 @@ MEANINGS = {
     "why": "why a reading is not valid",
     "mounting": "number of the placement, where a position was set anew",
     "approach": "up or down: from which side the load cell came to the position",
-    "run": "number of the run, where the same place was measured more than once",
+    "run": "how often the same place was measured before; empty: 0",
     "tilt_deg": "0, or 180 where the rig is turned over, so that weight pulls the other way",
     "point": "number of the point along the curve, from 0 at the clamp",
     "x_mm": "along the sheet where it leaves the clamp",

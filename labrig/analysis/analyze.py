@@ -18,6 +18,7 @@ from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
 from labrig.session import RecordedSession, open_session, store_measurements
+from labrig.session.supplements.store import check_can_be_added_to
 from model.measurements import Measurements, SheetGeometry, TimeSeries
 from protocols.planning.schedule import Purpose
 
@@ -40,6 +41,7 @@ def analyze(
     """
     path = Path(path)
     with open_session(path) as session:
+        check_can_be_added_to(path)
         measurements = measure(session, progress, workers=workers, extractor=extractor)
     store_measurements(path, measurements, curve_extractor=_record_of(extractor))
     return measurements

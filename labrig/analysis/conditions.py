@@ -108,6 +108,19 @@ def turns_of(session: RecordedSession) -> dict[int, int]:
     return turns
 
 
+def purposes_of(session: RecordedSession) -> dict[tuple[str, float | None, int, int], Purpose]:
+    """Return what the run of each condition is for, by what tells its conditions from others.
+
+    That is configuration, position, mounting and turn.
+    """
+    turns = turns_of(session)
+    plans = [run.planned for run in session.runs]
+    return {
+        (one.configuration, _position_m(one), one.mounting, turns[one.index]): one.purpose
+        for one in plans
+    }
+
+
 def _begin_s(session: RecordedSession) -> float:
     """Return clock time at which the session began."""
     return session.events[0].time_s if session.events else 0.0

@@ -83,6 +83,9 @@ def measure_curves(
     return found
 
 
+WITH_CURVES = (Purpose.MEASUREMENT, Purpose.FREE_SHAPE)  # of what runs curves are found
+
+
 def place_of(position_m: float | None) -> str:
     """Return a position for people."""
     return "free" if position_m is None else f"{position_m * 1000:g} mm"
@@ -97,7 +100,7 @@ def curve_jobs(
 ) -> Iterator[CurveJob]:
     """Return one job for each run (by default all) and voltage with frames, in their order."""
     for run in session.runs if runs is None else runs:
-        if run.planned.purpose not in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE):
+        if run.planned.purpose not in WITH_CURVES:
             continue
         sheet = sheets[run.planned.configuration]
         readings = run.readings[run.readings["frame"] != NO_FRAME]

@@ -66,7 +66,9 @@ def do(piece: Piece) -> PieceEnd:
 def _done(piece: Piece, row: Row) -> Row:
     source = piece.item.source
     before, content = stamp_of(source), content_of(source)
-    answer = piece.task.work(piece.item, piece.folder)
+    answer: object = piece.task.work(piece.item, piece.folder)
+    if not isinstance(answer, BatchAnswer):  # other people's task may return anything
+        raise TypeError(f"`work` returned {type(answer).__name__}, not a BatchAnswer")
     whole = finite(answer.whole)
     _write(piece.folder, answer, whole)
     after = stamp_of(source)

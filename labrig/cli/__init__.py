@@ -1,12 +1,17 @@
 """The command line: one thin command per job."""
 
 import os
+import sys
 
 # All matrices here are small: threads that share them only wait for one another, many times as long
 # where other programs want the cores. Must be set before numpy is first loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MKL_NUM_THREADS", "1")
 
-from labrig.cli.main import main
+try:
+    from labrig.cli.main import main
+except KeyboardInterrupt:  # Ctrl-C before there is a program that could tell of it
+    sys.stderr.write("labrig: stopped.\n")
+    raise SystemExit(4) from None  # `ExitCode.STOPPED`
 
 __all__ = ["main"]

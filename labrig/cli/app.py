@@ -8,13 +8,14 @@ import warnings
 from collections.abc import Iterable, Sequence
 from importlib import import_module
 from importlib.util import find_spec
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
 from labrig.cli.command import Command
 from labrig.cli.screen import say
+from labrig.errors import StoppedError
 from labrig.version import version
 
 PACKAGE = "labrig.cli.commands"
@@ -64,9 +65,21 @@ def _own_command(name: str) -> Command | None:
     return command if command is not None and command.name == name else None
 
 
+class _Application(TyperGroup):
+    """The group of all commands."""
+
+    def invoke(self, ctx: Any) -> Any:  # typer keeps the type to itself
+        """Run a command; of a Ctrl-C typer would make another exit code, and no sentence."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            raise StoppedError("stopped.") from None
+
+
 def _app(commands: Iterable[Command]) -> TyperGroup:
     app = typer.Typer(
         name="labrig",
+        cls=_Application,
         no_args_is_help=True,
         context_settings={"help_option_names": ["--help", "-h"]},
         pretty_exceptions_enable=False,

@@ -125,7 +125,8 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
         hub.add_required("the recording", director.follow)
         with _stopping(stop, None), _display(plan.schedule, stop, frozenset(), pace=False) as show:
             hub.add_best_effort("the progress display", show)
-            return run_session(rig, plan, path, stop, hub, check_first=False)
+            result = run_session(rig, plan, path, stop, hub, check_first=False)
+        return result if output else replace(result, path=session_path)  # the other file is gone
 
 
 def finish(result: Result) -> None:

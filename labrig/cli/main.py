@@ -5,8 +5,10 @@ from __future__ import annotations
 import codecs
 import io
 import os
+import signal
 import sys
 import tempfile
+import threading
 import traceback
 from pathlib import Path
 
@@ -30,7 +32,7 @@ def main() -> None:
     if hiding is not None:
         warn(f"labrig: {hiding}")
         sys.exit(ExitCode.NOT_READY)
-    sys.unraisablehook = _ignore_unraisable
+    sys.unraisablehook = ignore_unraisable
     code = run(sys.argv[1:])
     if "labrig.session.recording.disk" in sys.modules:
         sys.modules["labrig.session.recording.disk"].end_before_the_library_does(code)
@@ -63,8 +65,16 @@ def _plain_letters(error: UnicodeError) -> tuple[str, int]:
     return "".join(_PLAIN.get(letter, "?") for letter in lacking), error.end
 
 
-def _ignore_unraisable(_unraisable: object) -> None:
-    """Print nothing: the error that discards the object is reported itself."""
+def ignore_unraisable(unraisable: sys.UnraisableHookArgs) -> None:
+    """Print nothing: the error that discards the object is reported itself.
+
+    A Ctrl-C that came while an object was discarded, or a library's callback ran, would be lost: it
+    is sent again. Not from here: what is raised in here is ignored as well.
+    """
+    if issubclass(unraisable.exc_type, KeyboardInterrupt):
+        again = threading.Timer(0.05, signal.raise_signal, (signal.SIGINT,))
+        again.daemon = True
+        again.start()
 
 
 def run(arguments: list[str]) -> int:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.cli.screen import print_table, progress, say
+from labrig.files import typed
 
 if TYPE_CHECKING:
     from labrig.analysis.motion.dynamic_fit import DynamicFit
@@ -94,7 +95,10 @@ def _compare(fit: DynamicFit, session: Path) -> None:
     table = dynamic_comparison_table(compare_fitted(fit, names=COMPARED))
     print_table(table.title, table.columns, table.rows)
     say(table.note)
-    say(f"labrig compare {session} fits all nine models from the literature, in about a minute.")
+    say(
+        f"labrig compare {typed(session)} fits all nine models from the literature, "
+        "in about a minute."
+    )
 
 
 def parameter_rows(fit: DynamicFit, truth: Mapping[str, float]) -> Iterator[list[str]]:

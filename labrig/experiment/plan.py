@@ -33,6 +33,7 @@ from labrig.control.controller_file import (
 )
 from labrig.control.reference import CONTROLLER, REFERENCE, controlled_schedule
 from labrig.errors import BadInputError
+from labrig.files import typed
 from labrig.serialise import to_plain
 from labrig.vision import Optics
 from model.measurements import SheetGeometry
@@ -104,7 +105,8 @@ def load_plan(
     config = load_rig(rig)
     if isinstance(config, ReplayConfig):
         raise BadInputError(
-            f"{rig}: this rig is a recorded session; run it with `labrig replay {config.replay}`."
+            f"{rig}: this rig is a recorded session; run it with "
+            f"`labrig replay {typed(config.replay)}`."
         )
     paths = {"rig.toml": rig, "sheet.toml": sheet, "protocol.toml": protocol}
     paths["load_cell.toml"] = config.load_cell.calibration

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from drivers.plugins import PluginFolder, UnknownPartError
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigError
 from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
 from labrig.session import open_session
@@ -52,9 +52,16 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
     except OSError as error:
         raise BadInputError(f"{target}: cannot be made ({error.strerror}).") from None
     try:
-        return chosen.write(Path(session), target)
+        written: object = chosen.write(Path(session), target)
     except ModuleNotFoundError as error:
         raise BadInputError(
             f"--as {name} needs the package {error.name}; install it with: "
             f'pip install "labrig[{chosen.extra}]".'
         ) from None
+    if not isinstance(written, list) or not all(isinstance(one, Path) for one in written):
+        whose = FORMATS.origins().get(name, "labrig")
+        raise LabrigError(
+            f"the export format '{name}' of {whose} returned {type(written).__name__}, not a list "
+            f"of the files that it wrote; see {target}."
+        )
+    return written

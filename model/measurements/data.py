@@ -243,7 +243,9 @@ class Measurements(Displayed):
 
     def summary(self) -> Summary:
         """Return one row for each condition."""
-        names = ", ".join(self.sheets) or "no sheet"
+        measured = {one.configuration for one in self.conditions}
+        measured |= {one.configuration for one in self.series}
+        names = ", ".join(name for name in self.sheets if name in measured) or "no sheet"
         origin = f" of {self.source}" if self.source else ""
         return Summary(
             f"Measurements{origin}: {len(self.conditions)} conditions of {names}, "

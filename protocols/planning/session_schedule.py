@@ -90,6 +90,16 @@ def make_schedule(
     return Schedule(protocol.name, tuple(planner.runs), frame_rate_hz, planner.repeats())
 
 
+def _parts_of(protocol: ProtocolKind) -> StepsAndReadings:
+    found: object = protocol.steps_and_readings()  # of other people's protocols it may be anything
+    if not isinstance(found, tuple) or len(found) != 3:
+        raise ScheduleError(
+            f"{protocol.name}: its steps_and_readings returned {type(found).__name__}, not steps, "
+            "readings and duration; report it to its authors"
+        )
+    return found
+
+
 class _Planner:
     def __init__(self, protocol: ProtocolKind, extras: Extras, moisten: bool) -> None:
         self.runs: list[PlannedRun] = []
@@ -101,7 +111,7 @@ class _Planner:
         # promised to give the same numbers in every version of Python, so positions are sorted
         # by it instead of shuffled.
         self._random = random.Random(extras.random_order_seed)  # noqa: S311 - no secret
-        self._parts = protocol.steps_and_readings()
+        self._parts = _parts_of(protocol)
         self._load_cell_zero = _load_cell_zero(protocol)
 
     def weigh(self, configuration: str) -> None:

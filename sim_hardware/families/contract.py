@@ -65,7 +65,7 @@ def faults(part: object) -> list[str]:
 
 def _faults(part: object) -> Iterator[str]:
     if not isinstance(part, SimulatedFamily):
-        yield f"it is a {type(part).__name__} where a SimulatedFamily is needed"
+        yield f"it is of type {type(part).__name__}, not a SimulatedFamily"
         return
     if not part.kind.isidentifier() or not part.served_as.isidentifier():
         yield "kind and served_as must be names"

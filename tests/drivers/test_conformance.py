@@ -58,7 +58,7 @@ def test_every_part_of_a_folder_is_a_kind_of_its_own_name(folder):
 
 @pytest.mark.parametrize("folder", FOLDERS, ids=lambda folder: folder.what)
 def test_what_is_no_kind_is_said_so(folder):
-    assert "is needed" in folder.faults(object())[0]
+    assert "it is of type object, not a" in folder.faults(object())[0]
 
 
 # ---------------------------------------------------------------------------------------- cameras

@@ -57,6 +57,13 @@ def test_a_replayed_session_has_the_same_signals_readings_and_frames(
                 np.testing.assert_array_equal(run.frame(reading), again.frame(reading))
 
 
+def test_a_replay_that_nobody_keeps_names_the_session(
+    session: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert labrig("replay", session) == 0
+    assert capsys.readouterr().out.startswith(f"{session}: completed")
+
+
 def test_a_rig_that_is_a_recording_is_run_like_any_other(
     rig: Path, session: Path, tmp_path: Path
 ) -> None:

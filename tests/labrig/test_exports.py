@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import sys
+from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
 
+from drivers.plugins import Part
 from labrig.cli.main import run
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigError
 from labrig.exports.choice import FORMATS, export
 from labrig.session import load_measurements, open_session, store_measurements
 from tests.labrig.session.measured import measurements
@@ -60,6 +62,9 @@ def test_xarray_has_named_dimensions_units_and_the_values_of_the_session(session
     measured = [c for c in load_measurements(session).conditions if c.curve is not None]
     first = curves["x_m"].values[curves["reading_index"].values == -1][0]
     np.testing.assert_array_equal(first[: len(measured[0].curve.x_m)], measured[0].curve.x_m)
+    means = curves.to_dataset().isel(curve=curves["reading_index"].values == -1)
+    for key, wanted in {"again": "run", "mounting": "mounting", "approach": "approach"}.items():
+        assert [*means[key].values] == [getattr(c, wanted) for c in measured]
 
 
 def read_documents(path):
@@ -156,6 +161,14 @@ def test_a_file_that_is_there_is_not_replaced(session, tmp_path, name):
     export(session, tmp_path, name)
     with pytest.raises(BadInputError, match="exists already"):
         export(session, tmp_path, name)
+
+
+def test_a_format_that_does_not_say_what_it_wrote_is_named(session, tmp_path, monkeypatch):
+    silent = SimpleNamespace(summary="Nothing.", extra="", write=lambda *_: None)
+    parts = {"silent": Part("silent", silent, "labrig-extra", "0.1")}
+    monkeypatch.setattr(type(FORMATS), "parts", lambda _: parts)
+    with pytest.raises(LabrigError, match=r"'silent' of labrig-extra 0\.1 returned NoneType"):
+        export(session, tmp_path, "silent")
 
 
 def test_every_format_says_what_it_writes():

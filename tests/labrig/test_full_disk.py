@@ -45,6 +45,7 @@ def the_library_is_well(monkeypatch: pytest.MonkeyPatch) -> None:
     [
         ["init", "rig"],
         ["config", "schema", "schemas"],
+        ["calibrate", "board", "-o", "board.pdf"],
         pytest.param(["fit", "good.h5", "-o", "model.toml"], marks=pytest.mark.slow),
     ],
 )

@@ -10,6 +10,7 @@ from drivers.plugins import PluginWarning
 from labrig.cli.main import run
 from labrig.config import PROTOCOLS, parse_protocol
 from labrig.config.schema import schemas
+from labrig.errors import BadInputError
 from labrig.panel.core.configuration_files import kind_of
 from labrig.session.format.setup import present_versions
 
@@ -83,3 +84,13 @@ def test_an_installed_protocol_that_does_not_conform_is_left_out_with_a_sentence
     installed(FLASH.replace("return run.finish()", "return run.finish()[0][:1], (), 0.2"))
     with pytest.warns(PluginWarning, match="'flash' of flash-protocol .*leaves 1 V at the sheet"):
         assert "flash" not in PROTOCOLS.parts()
+
+
+def test_an_installed_protocol_that_returns_no_run_is_named(installed):
+    broken = FLASH.replace(
+        "return run.finish()", "return run.finish() if self.pulse_s < 1 else None"
+    )
+    installed(broken)
+    schedule = parse_protocol(TEXT.replace("1.5", "1.5\npulse_s = 2.0"), "protocol.toml")
+    with pytest.raises(BadInputError, match="flash: its steps_and_readings returned NoneType"):
+        schedule.schedule("protocol.toml")

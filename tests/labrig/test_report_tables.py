@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from labrig.report.data.fitted import fit_what_can_be
 from labrig.report.data.models import force_curve_N
-from labrig.report.data.quality import scatter_and_drift
+from labrig.report.data.quality import quality, scatter_and_drift
 from labrig.report.data.selection import force_line, mean_force, rest_position_m
 from labrig.report.parts.table import fixed, interval, number, with_sigma
 from labrig.report.tables.fit import residual_table, trust
@@ -17,6 +18,7 @@ from labrig.report.tables.measurements import measurements_as_dict, measurements
 from labrig.report.tables.observations import observations
 from labrig.report.tables.paper import compared_conditions, table_3, table_4, table_5, table_6
 from model import Condition, Measurements, Reading, predict
+from protocols.planning.schedule import Purpose
 from tests.labrig.report_data import STIFFNESS, invalid, measure, truth
 
 
@@ -252,3 +254,48 @@ def test_what_shapes_alone_leave_open_is_taken_and_their_ratio_is_told():
     ratio = value(cell(table, "constant EIBM/B at +2 V, 1/m", "long"))
     assert ratio == pytest.approx(found.configurations["long"].eibm_over_B[2.0].value, rel=1e-2)
     assert not any("(B)" in said for said in trust(found))
+
+
+def test_only_runs_that_should_have_a_curve_are_missed_for_it_and_each_place_is_said_once():
+    measured = measure("long")
+    touched = replace(measured.conditions[0], curve=None, run=0)
+    away = replace(
+        touched,
+        position_m=None,
+        voltage_V=0.0,
+        readings=tuple(replace(one, kind="no_contact") for one in touched.readings),
+    )
+    conditions = (touched, away, replace(away, run=1), replace(away, run=2))
+    purposes = [
+        (touched.position_m, Purpose.MEASUREMENT),
+        (0.002, Purpose.NO_TOUCH_ZERO),
+        (None, Purpose.FREE_SHAPE),
+        (None, Purpose.FREE_SHAPE),
+    ]
+    plans = [
+        SimpleNamespace(
+            index=i, configuration="long", position_m=at, mounting=touched.mounting, purpose=purpose
+        )
+        for i, (at, purpose) in enumerate(purposes)
+    ]
+    session = SimpleNamespace(
+        frame_shape=(1, 1), runs=[SimpleNamespace(planned=one, started=False) for one in plans]
+    )
+    found = quality(session, replace(measured, conditions=conditions))
+    (said,) = (one for one in found.remarks if "no curve" in one)
+    assert said.startswith("3 of 3 conditions have no curve: ")
+    assert "long, free, 0 V (2 times)." in said
+
+
+def test_a_place_that_was_measured_again_is_called_so():
+    measured = measure("long")
+    again = replace(measured.conditions[0], run=1)
+    table = measurements_tables(replace(measured, conditions=(again,)))[0]
+    assert "(again 1)" in table.rows[0][0]
+
+
+def test_measurements_name_the_sheets_that_were_measured():
+    measured = measure("long", "short")
+    long_alone = [one for one in measured.conditions if one.configuration == "long"]
+    some = replace(measured, conditions=tuple(long_alone), series=())
+    assert f"{len(long_alone)} conditions of long," in repr(some).splitlines()[0]

@@ -6,17 +6,24 @@ import importlib.metadata
 import logging
 import os
 import re
+import shlex
+import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import typer
 
 from labrig.cli.app import all_commands, app_for
-from labrig.cli.main import run
+from labrig.cli.main import ignore_unraisable, run
 from labrig.cli.screen import print_table, say, time_left, warn
 from labrig.cli.sentences.compiling import TOLD, compiling_is_told
+from labrig.errors import ExitCode
+from labrig.files import typed
+from labrig.session.reading.opening import cut_short
 from labrig.version import NOT_INSTALLED, version
 
 COMMANDS = {command.name: command for command in all_commands()}
@@ -156,3 +163,31 @@ def test_a_line_is_printed_where_nothing_compiled_was_kept_and_only_there(tmp_pa
 )
 def test_how_long_a_job_takes_is_estimated_once_it_can_be(taken_s, fraction, said):
     assert time_left(taken_s, fraction) == said
+
+
+def test_a_ctrl_c_that_comes_while_an_object_is_discarded_is_not_lost(monkeypatch):
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        ignore_unraisable(SimpleNamespace(exc_type=KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            threading.Event().wait(5)
+        ignore_unraisable(SimpleNamespace(exc_type=ValueError))
+        threading.Event().wait(0.1)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="words of a POSIX shell")
+@pytest.mark.parametrize("name", ["plain.h5", "my session.h5", "Größe 'a' $b.h5"])
+def test_a_command_that_is_proposed_can_be_typed(name):
+    assert shlex.split(f"labrig recover {typed(name)}") == ["labrig", "recover", name]
+    assert typed(name) in cut_short(Path(name))
+
+
+def test_a_command_that_is_stopped_says_so_and_ends_with_the_documented_code(monkeypatch, capsys):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("labrig.session.recover", stopped)
+    assert run(["recover", __file__]) == ExitCode.STOPPED
+    assert capsys.readouterr().err == "labrig: stopped.\n"

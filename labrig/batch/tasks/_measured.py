@@ -64,13 +64,24 @@ def columns_about(source: BatchInput) -> dict[str, Any]:
         return {"started": session.started or None, "sample": sample.identity if sample else None}
 
 
-def columns_of(model: SheetModel) -> dict[str, float | None]:
+def columns_of(
+    model: SheetModel, measurements: Measurements, stiffness_Nm2: float | None
+) -> dict[str, Any]:
     """Return the columns of B and EIBM, with sigma, by configuration and voltage.
 
     The EIBM of one that varies along the sheet is its mean, whose sigma a model does not hold.
+    Without a force only EIBM/B is measured: such a configuration has none of these columns unless
+    `stiffness_Nm2` states its B. `without_force` names it.
     """
-    found: dict[str, float | None] = {}
+    weighed = {
+        c.configuration
+        for c in measurements.conditions
+        if c.position_m is not None and c.used()
+    }  # fmt: skip
+    found: dict[str, Any] = {"without_force": sorted(model.sheets.keys() - weighed)}
     for name, one in model.sheets.items():
+        if name not in weighed and stiffness_Nm2 is None:
+            continue
         found[f"B_Nm2[{name}]"], found[f"B_sigma_Nm2[{name}]"] = one.B.value, one.B.sigma
         for volts, along in sorted(one.eibm.items()):
             where = f"{name}, {volts:+g} V"

@@ -97,7 +97,12 @@ class DiagnoseEach(BatchTask):
         )
         found = diagnose(measurements, options)
         files = {"toml": model_text(found.model)} if found.searched else {}
-        columns = {**columns_about(item.source), **_columns(found)}
+        columns = {
+            **columns_about(item.source),
+            **_columns(found),
+            **columns_of(found.model, measurements, self.stiffness_Nm2),
+            "sentence": found.sentence,
+        }
         return BatchAnswer(columns=columns, whole=found.to_json(), files=files)
 
 
@@ -111,8 +116,6 @@ def _columns(found: Diagnosis) -> dict[str, Any]:
         "gap_closed": found.closed,
         "chi2_per_dof": found.fitted.before.chi2_per_dof,
         "suspicions": len(found.data_checks),
-        **columns_of(found.model),
-        "sentence": found.sentence,
     }
 
 

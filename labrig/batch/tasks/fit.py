@@ -65,7 +65,8 @@ class FitEach(BatchTask):
             weight_exponent=self.q,
             stiffness_Nm2=self.stiffness_Nm2,
         )
-        fitted = fit_what_can_be(measurements_of(item.source, self.columns, self.values), options)
+        measurements = measurements_of(item.source, self.columns, self.values)
+        fitted = fit_what_can_be(measurements, options)
         if fitted.fit is None:
             why = "; ".join(dict.fromkeys(fitted.missing.values())) or "nothing was measured"
             raise BadInputError(f"{item.source.path}: no configuration can be fitted: {why}.")
@@ -77,7 +78,7 @@ class FitEach(BatchTask):
                 errors[f"rmse_curve_m[{name}, {kind}]"] = rmse.curve_m
         columns = {
             **columns_about(item.source),
-            **columns_of(found.model),
+            **columns_of(found.model, measurements, self.stiffness_Nm2),
             **errors,
             "not_fitted": sorted(fitted.missing),
         }

@@ -121,7 +121,8 @@ def camera(
         )
     _report(found, output)
     write_calibration_image(drawing, photographs[0], found.optics)
-    say(f"wrote {drawing}: check that its lines run along the board's")
+    fits = "run along the board's" if ruler_px is None else "are 10 mm apart on the ruler"
+    say(f"wrote {drawing}: check that its lines {fits}")
 
 
 def board(

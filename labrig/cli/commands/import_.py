@@ -14,6 +14,7 @@ from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Columns, Values
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
+from labrig.files import typed
 
 if TYPE_CHECKING:
     from labrig.session.tables.csv_rows import TextTable
@@ -98,11 +99,12 @@ def _write_examples(folder: Path) -> None:
 
     for path in write_examples(folder):
         say(f"wrote {path}")
-    with_sheet = f"labrig import --sheet {folder / SHEET} --forces"
-    say(f"Try: {with_sheet} {folder / FORCES} --curves {folder / CURVES} -o old.h5")
+    with_sheet = f"labrig import --sheet {typed(folder / SHEET)} --forces"
+    say(f"Try: {with_sheet} {typed(folder / FORCES)} --curves {typed(folder / CURVES)} -o old.h5")
     say(
-        f"Try: {with_sheet} {folder / LABVIEW} --value configuration=long --columns position_mm=p "
-        "--columns voltage_V=U --columns force_mN=F --columns sd_mN=std --columns mean_of=n"
+        f"Try: {with_sheet} {typed(folder / LABVIEW)} --value configuration=long "
+        "--columns position_mm=p --columns voltage_V=U "
+        "--columns force_mN=F --columns sd_mN=std --columns mean_of=n"
     )
 
 

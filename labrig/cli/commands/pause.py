@@ -10,6 +10,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 from labrig.errors import BadInputError
+from labrig.files import typed
 
 
 def pause(
@@ -32,7 +33,8 @@ def pause(
         say(f"{session}: continues.")
     else:
         file.ask(_operator())
-        say(f"{session}: pauses after this position; labrig pause --end {session} continues it.")
+        again = f"labrig pause --end {typed(session)}"
+        say(f"{session}: pauses after this position; {again} continues it.")
 
 
 def _require_running(path: Path) -> None:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from labrig.config.base import parse_json
 from labrig.errors import BadInputError
+from labrig.files import typed
 from labrig.serialise import from_plain, to_json
 from labrig.session import load_finding, store_finding
 from model.discrepancy.verdict.result import Diagnosis
@@ -28,6 +29,6 @@ def kept_diagnosis(session: Path) -> Diagnosis | None:
         return from_plain(Diagnosis, plain, lenient=True)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise BadInputError(
-            f"{session}: its diagnosis cannot be read ({error!r}); run labrig diagnose {session} "
-            "again."
+            f"{session}: its diagnosis cannot be read ({error!r}); run "
+            f"labrig diagnose {typed(session)} again."
         ) from None

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from labrig.analysis.conditions import purposes_of
+from labrig.analysis.curves import WITH_CURVES
 from labrig.report.data.selection import configurations, place, voltages
 from labrig.report.parts.table import Table, fixed, number, volts
 from labrig.session import RecordedSession, RunRecord
 from model import Condition, Measurements
 from model.measurements import FloatArray
+from protocols.planning.schedule import Purpose
 
 _RAIL = 0.999  # of the range: a sample there may have been cut off
 _LATE_S = 5e-3
@@ -138,17 +141,28 @@ def _invalid(measurements: Measurements) -> Quality:
 def _missing_curves(session: RecordedSession, measurements: Measurements) -> Quality:
     if session.frame_shape is None:
         return Quality((), ())  # the measurements' own warning says so
-    lost = [c for c in measurements.conditions if c.curve is None and c.readings]
+    purposes = purposes_of(session)
+    wanted = [c for c in measurements.conditions if _purpose(c, purposes) in WITH_CURVES]
+    lost = Counter(_name(c) for c in wanted if c.curve is None and c.readings)
     if not lost:
         return Quality((), ())
-    names = ", ".join(_name(c) for c in lost[:4]) + (" ..." if len(lost) > 4 else "")
-    said = f"{len(lost)} of {len(measurements.conditions)} conditions have no curve: {names}."
+    names = [name + (f" ({count} times)" if count > 1 else "") for name, count in lost.items()]
+    listed = "; ".join(names[:4]) + (" ..." if len(names) > 4 else "")
+    said = f"{lost.total()} of {len(wanted)} conditions have no curve: {listed}."
     return Quality((), (said,))
 
 
+def _purpose(
+    condition: Condition, purposes: dict[tuple[str, float | None, int, int], Purpose]
+) -> Purpose:
+    """Return what the run of a condition is for; one of another session counts as a measurement."""
+    key = (condition.configuration, condition.position_m, condition.mounting, condition.run)
+    return purposes.get(key, Purpose.MEASUREMENT)
+
+
 def _name(condition: Condition) -> str:
-    at = f"{place(condition.position_m)} and {volts(condition.voltage_V)}"
-    return f"{condition.configuration} at {at}"
+    at = f"{place(condition.position_m)}, {volts(condition.voltage_V)}"
+    return f"{condition.configuration}, {at}"
 
 
 def _noise(measurements: Measurements) -> Table:

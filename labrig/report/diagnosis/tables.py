@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator
 
 import numpy as np
 
+from labrig.files import typed
 from labrig.report.diagnosis.parameters import percent
 from labrig.report.parts.table import Table, fixed, number, volts
 from model.discrepancy.data_checks import Suspicion
@@ -139,7 +139,9 @@ def ranking_table(found: Diagnosis) -> Table:
     )  # fmt: skip
     note = (
         f"Threshold for a name: ln Bayes factor {fixed(found.threshold, 1)}"
-        f" ({found.threshold_from}). Relative size: most likely amplitude over its prior scale."
+        f" ({found.threshold_from}). The factors are those of each candidate alone, against the"
+        " base model; a further name needs the threshold beside the names before it. Relative size:"
+        " most likely amplitude over its prior scale."
         " Detectability: size of the effect at its prior scale, in standard uncertainties."
     )
     return Table(title="Candidates", columns=columns, rows=rows, note=note)
@@ -242,7 +244,7 @@ def next_sentences(found: Diagnosis, session: str | None = None) -> list[str]:
     said = [next_sentence(found.next_measurement)]
     pair = next((e for e in found.effects if e.confusable_with), None)
     if session is not None:
-        said.append(f"Its protocol: labrig next {shlex.quote(session)} -o protocol.toml")
+        said.append(f"Its protocol: labrig next {typed(session)} -o protocol.toml")
     elif pair is not None:
         said.append(
             "Its protocol: labrig next with the same files and "

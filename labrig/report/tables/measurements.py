@@ -61,7 +61,7 @@ def _row(condition: Condition) -> tuple[str, ...]:
 def _again(condition: Condition) -> str:
     """Return what tells apart a condition that was measured more than once."""
     details = [f"mounting {condition.mounting}"] if condition.mounting else []
-    details += [f"run {condition.run}"] if condition.run else []
+    details += [f"again {condition.run}"] if condition.run else []
     details += [condition.approach] if condition.approach == "down" else []
     details += [f"rig at {np.degrees(condition.tilt_rad):.4g}°"] if condition.tilt_rad else []
     return f" ({', '.join(details)})" if details else ""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from labrig.errors import BadInputError
+from labrig.files import typed
 from labrig.session.derived.arrays import (
     COLUMNS,
     UNITS,
@@ -47,7 +48,8 @@ def load_measurements(path: Path | str) -> Measurements:
     with open_file(path) as file:
         if layout.DERIVED not in file:
             raise BadInputError(
-                f"{path}: the session holds no measurements yet; run labrig analyze {path} first."
+                f"{path}: the session holds no measurements yet; run "
+                f"labrig analyze {typed(path)} first."
             )
         group = file[layout.DERIVED]
         tables = {
@@ -60,8 +62,8 @@ def load_measurements(path: Path | str) -> Measurements:
             found = measurements_from_tables(tables)
         except (KeyError, TypeError, ValueError, IndexError) as error:
             raise BadInputError(
-                f"{path}: its measurements cannot be read ({error!r}); run labrig analyze {path} "
-                "again."
+                f"{path}: its measurements cannot be read ({error!r}); run "
+                f"labrig analyze {typed(path)} again."
             ) from None
     return replace(found, warnings=(*found.warnings, outdated)) if outdated else found
 

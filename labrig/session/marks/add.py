@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from labrig.errors import BadInputError
+from labrig.files import typed
 from labrig.session.marks.mark import Mark, named
 from labrig.session.marks.stored import append_mark
 from labrig.session.reading.session import RecordedSession
@@ -21,7 +22,9 @@ def add_mark(path: Path, mark: Mark) -> None:
     with replaced(path) as file:
         session = RecordedSession(file, path)
         if not session.was_closed:
-            raise BadInputError(f"{path}: this session was not closed; run labrig recover {path}.")
+            raise BadInputError(
+                f"{path}: this session was not closed; run labrig recover {typed(path)}."
+            )
         _check(session, mark)
         append_mark(file, mark, session.checksum)
 
@@ -32,7 +35,7 @@ def _check(session: RecordedSession, mark: Mark) -> None:
         raise BadInputError(f"{path}: there is no run {mark.run + 1}; it has {len(session.runs)}.")
     run = session.runs[mark.run]
     if mark.reading is not None and mark.reading not in run.readings_as_taken["index"]:
-        raise BadInputError(f"{path}: {what} was not acquired; see labrig show {path}.")
+        raise BadInputError(f"{path}: {what} was not acquired; see labrig show {typed(path)}.")
     marked = run.standing_marks.get(mark.place)
     if mark.invalid and marked is not None:
         raise BadInputError(

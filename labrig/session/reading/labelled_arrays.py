@@ -117,7 +117,19 @@ def _curves(measurements: Measurements) -> Any:
         "reading_index": ("curve", [reading for _, reading, _ in found], {}),
     }
     coords["reading_index"][2]["comment"] = "-1: the curve of the mean image"
+    for name, column in _of_conditions(conditions).items():
+        coords[name] = ("curve", column, {})
+    coords["again"][2]["comment"] = "how often the same place was measured before"
     return xarray.Dataset(values, coords=coords)
+
+
+def _of_conditions(conditions: Sequence[Condition]) -> dict[str, Any]:
+    """Return what tells apart conditions of the same place and voltage."""
+    return {
+        "again": [c.run for c in conditions],
+        "mounting": [c.mounting for c in conditions],
+        "approach": np.array([c.approach for c in conditions], dtype=str),
+    }
 
 
 def _all_curves(measurements: Measurements) -> Iterator[tuple[Condition, int, Curve]]:

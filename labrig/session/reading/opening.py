@@ -15,6 +15,7 @@ from h5py import h5d, h5g, h5l, h5o
 from drivers.interfaces import RealClock
 from labrig.config.file_kinds import SESSION, kind_of_file, other_kind
 from labrig.errors import BadInputError
+from labrig.files import typed
 from labrig.session.format import layout
 from labrig.session.reading.guard_report import read_guard_report
 from labrig.session.reading.values import damage_told
@@ -88,7 +89,7 @@ def check_is_hdf5(path: Path) -> None:
         if kind:
             raise other_kind(path, kind, SESSION)
         said = "is empty" if not begin else "is not an HDF5 file"
-        hint = f"; run labrig recover {path}" if has_journal else ""
+        hint = f"; run labrig recover {typed(path)}" if has_journal else ""
         raise BadInputError(f"{path}: {said}, so it is no session{hint}.")
 
 
@@ -99,21 +100,21 @@ def _why_not(path: Path, error: OSError) -> str:
     if "truncated" in text:
         return (
             f"{path}: the file is truncated; fetch it again, or, where its journal still lies "
-            f"beside it, run labrig recover {path}."
+            f"beside it, run labrig recover {typed(path)}."
         )
     if "unable to lock" in text:
         return f"{path}: another program has the file open for writing; close it and try again."
-    return f"{path}: the file is damaged ({text}); try labrig recover {path}."
+    return f"{path}: the file is damaged ({text}); try labrig recover {typed(path)}."
 
 
 def cut_short(path: Path) -> str:
     """Return the sentence about a session without an end."""
     guard = read_guard_report(path)
     if guard is not None:
-        return f"{path}: {guard.text}; run labrig recover {path}."
+        return f"{path}: {guard.text}; run labrig recover {typed(path)}."
     return (
         f"{path}: this session is being recorded right now, or its recording was cut short; in "
-        f"that case run labrig recover {path}."
+        f"that case run labrig recover {typed(path)}."
     )
 
 
@@ -125,7 +126,7 @@ def check_format(file: Any, path: Path) -> None:
     if int(found) not in layout.READABLE:
         raise BadInputError(
             f"{path}: the session has format {int(found)} and this labrig reads formats "
-            f"{' and '.join(map(str, layout.READABLE))}; use a labrig that fits."
+            f"{layout.READABLE[0]} to {layout.READABLE[-1]}; use a newer labrig."
         )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from labrig.config import parse_json
 from labrig.config.load_cell import raw_force_unit
 from labrig.errors import BadInputError
+from labrig.files import typed
 from labrig.serialise import from_plain
 from labrig.session.format import layout
 from labrig.session.format.channels import channels_of
@@ -35,7 +36,7 @@ def damage_told(path: Path, what: str = "the file") -> Iterator[None]:
             raise
         raise BadInputError(
             f"{path}: {what} is damaged ({error}); where its journal still lies beside the file, "
-            f"run labrig recover {path}."
+            f"run labrig recover {typed(path)}."
         ) from None
 
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from drivers.interfaces import Frame, SignalBlock
 from labrig.errors import BadInputError, LabrigError
+from labrig.files import typed
 from labrig.session.format import layout
 from labrig.session.format.channels import as_recorded
 from labrig.session.format.devices import RecordedDevice
@@ -166,7 +167,7 @@ class SessionWriter:
     def _sentence(self, error: Exception) -> WriterError:
         return WriterError(
             f"The session can no longer be recorded in {self.path}: {cause(error)}. What came "
-            f"before is in the file and its journal; run: labrig recover {self.path}"
+            f"before is in the file and its journal; run: labrig recover {typed(self.path)}"
         )
 
     # ----------------------------------------------------------------------- the writer's thread
@@ -242,8 +243,8 @@ def _begin(path: Path, setup: SessionSetup) -> Journal:
         journal = Journal(journal_path(path), setup)
     except FileExistsError:
         raise BadInputError(
-            f"{journal_path(path)} is left from an earlier session; run labrig recover {path}, or "
-            "choose another name with -o."
+            f"{journal_path(path)} is left from an earlier session; run labrig recover "
+            f"{typed(path)}, or choose another name with -o."
         ) from None
     except OSError as error:
         raise BadInputError(f"{path} cannot be written: {cause(error)}.") from None

@@ -120,7 +120,7 @@ def _is_whole(path: Path) -> bool:
 
 
 def _nothing_to_do(path: Path, journal: Path, in_place: bool) -> RecoverReport:
-    notes = [f"{path} is a whole session; there is nothing to recover."]
+    notes = []
     if in_place and journal.exists():
         journal.unlink()
         notes.append("Its journal, which it does not need any more, was removed.")

@@ -40,6 +40,12 @@ def replaced(path: Path, *, without: str = "") -> Iterator[Any]:
         yield new
 
 
+def check_can_be_added_to(path: Path) -> None:
+    """Raise BadInputError where a session cannot be replaced: before the work that it is for."""
+    with only_writer(path):
+        pass
+
+
 def store_supplement(path: Path, name: str, write: Callable[[Any], None]) -> None:
     """Put a supplement in place of the one that the session has, if any.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.errors import BadInputError
+from labrig.files import write_bytes
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -92,4 +94,6 @@ def write_board_pdf(path: Path, board: CalibrationBoard) -> None:
     )
     page.text(15, 8, note, fontsize=7)
     page.set(xlim=(0, page_w), ylim=(0, page_h), aspect="auto")
-    FigureCanvasPdf(figure).print_pdf(path)
+    page_file = io.BytesIO()  # the library's own error of a full disk is none of the disk's
+    FigureCanvasPdf(figure).print_pdf(page_file)
+    write_bytes(path, page_file.getvalue())

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from typing import cast
 
+import numpy as np
+
 from drivers.plugins import OWN, Part, PluginFolder
 from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
 from labrig.vision.checks.seen_curve import SeenCurve
@@ -64,9 +66,21 @@ def _asked(part: Part[CurveCheck], seen: SeenCurve) -> CurveFinding | None:
     if part.distribution == OWN:
         return part.part.finding(seen)
     try:
-        return part.part.finding(seen)
+        found = part.part.finding(seen)
+        if found is not None:
+            _require_finding(found, len(seen.fit.shape.x))
     except Exception as error:  # noqa: BLE001 - other people's code may raise anything
         return CurveFinding(
             warning=f"the curve check '{part.name}' of {part.distribution} {part.version} failed "
             f"with {type(error).__name__}: {error}; the curve was not checked by it"
         )
+    return found
+
+
+def _require_finding(found: object, nodes: int) -> None:
+    """Raise TypeError or ValueError where another distribution's finding cannot be used."""
+    if not isinstance(found, CurveFinding):
+        raise TypeError(f"it returned {type(found).__name__}, not a CurveFinding")
+    wide = found.widening_px
+    if wide is not None and (np.shape(wide) != (nodes,) or not np.isfinite(wide).all()):
+        raise ValueError(f"widening_px must be {nodes} finite numbers, one for each node")

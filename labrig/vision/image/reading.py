@@ -144,6 +144,8 @@ def _flags() -> int:
 def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
     import cv2
 
+    # what is wrong with a file is said below, in a sentence
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     image = cv2.imdecode(data, _flags()) if data.size else None
     if image is None:
         raise BadInputError(f"{path}: not an image, or damaged.")

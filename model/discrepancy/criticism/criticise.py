@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from model.discrepancy.criticism.catalogue import verdict_checks
+from model.discrepancy.criticism.catalogue import origins, verdict_checks
 from model.discrepancy.criticism.check_result import CheckResult, Consequence, Failure
 from model.discrepancy.criticism.named_model import NamedModel
+from model.discrepancy.foreign_checks import answers_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,8 +74,17 @@ def criticise(named: NamedModel) -> Criticism:
     if not named.named:
         return Criticism()
     results, failures = list[CheckResult](), list[Failure]()
-    for check in verdict_checks().values():
-        found = list(check.failures(named))
+    foreign = origins()
+    for name, check in verdict_checks().items():
+        found: list[Failure] | None
+        if name in foreign:
+            whose = f"the verdict check '{name}' of {foreign[name]}"
+            ask = partial(check.failures, named)
+            found = answers_of(whose, Failure, ask, "the verdict was checked")
+            if found is None:
+                continue
+        else:
+            found = list(check.failures(named))
         failures += found
         results.append(
             CheckResult(

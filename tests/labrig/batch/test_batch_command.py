@@ -15,6 +15,7 @@ import pytest
 from labrig.batch.conformance import faults
 from labrig.batch.contract import BatchInput, BatchItem, BatchTask, InputKind
 from labrig.batch.tasks.fit import FitEach
+from labrig.batch.worker import Piece, do
 from labrig.cli.main import run
 from labrig.config import load_sheet
 from labrig.errors import BadInputError
@@ -145,6 +146,31 @@ def test_tables_are_fitted_as_one_by_one(cases, monkeypatch, capsys):
         assert kept == json.loads(json.dumps(alone.to_json()))
     assert run(["batch", "fit", "CASES", "-o", "out"]) == 0  # a folder: the same two
     assert "2 in all, 0 to do" in capsys.readouterr().out
+
+
+def test_a_stiffness_that_no_force_measured_is_in_no_row(cases, tmp_path):
+    case = shutil.copytree(cases / "CASES" / "case1", tmp_path / "case")
+    (case / "forces.csv").unlink()
+    (case / "signals.csv").unlink(missing_ok=True)
+    item = BatchItem(source=BatchInput(InputKind.TABLES, case / "sheet.toml", "case"))
+    columns = FitEach().work(item, tmp_path).columns
+    assert columns["without_force"] == ["long"]
+    assert not [name for name in columns if name.startswith(("B_Nm2", "EIBM_Nm"))]
+    stated = FitEach(stiffness_Nm2=1e-6).work(item, tmp_path).columns
+    assert stated["B_Nm2[long]"] == pytest.approx(1e-6)
+    assert "EIBM_Nm[long, +2 V]" in stated
+
+
+def test_a_task_that_returns_something_else_is_an_error_that_says_so(cases, tmp_path):
+    class Wordy(Costless):
+        """Return a word."""
+
+        def work(self, item, folder):
+            return "done"
+
+    item = BatchItem(source=BatchInput(InputKind.TABLES, cases / "CASES/case1/sheet.toml", "case"))
+    end = do(Piece(task=Wordy(), item=item, key="k", folder=tmp_path))
+    assert "`work` returned str, not a BatchAnswer" in end.row.sentence
 
 
 def test_tables_with_other_names_of_columns_are_read(cases, tmp_path):

@@ -24,6 +24,10 @@ class Always(CurveCheck):
         """See `CurveCheck.finding`."""
         if self.name == "broken":
             raise KeyError("no such thing")
+        if self.name == "wordy":
+            return "bad"
+        if self.name == "short":
+            return CurveFinding(warning="never said", widening_px=np.ones(3))
         wide = np.full(len(seen.fit.shape.x), 1.0)
         return CurveFinding(refusal=self.refusal, warning=self.warning, widening_px=wide)
 
@@ -108,8 +112,9 @@ def test_a_check_of_another_distribution_refuses(plain, known, with_check, stage
 
 
 @pytest.mark.slow
-def test_a_check_of_another_distribution_that_raises_costs_no_curve(plain, known, with_check):
-    with_check("broken", CheckStage.CHOSEN, warning="never said")
+@pytest.mark.parametrize("name", ["broken", "wordy", "short"])
+def test_a_check_of_another_distribution_that_fails_costs_no_curve(plain, known, with_check, name):
+    with_check(name, CheckStage.CHOSEN, warning="never said")
     curve = neutral_curve(plain.image, *known(plain))
     assert curve.ok
-    assert [w for w in curve.warnings if "'broken' of labrig-extra 0.1 failed" in w]
+    assert [w for w in curve.warnings if f"'{name}' of labrig-extra 0.1 failed" in w]

@@ -323,3 +323,12 @@ def test_tables_are_whole_or_not_there(folder):
     (folder / "out" / "summary.csv").mkdir(parents=True)
     with pytest.raises(BadInputError, match=r"summary\.csv: cannot be written"):
         extract_curves([folder], folder / "out", BatchOptions(find=answer))
+
+
+def test_of_an_image_that_was_cut_short_there_is_our_sentence_alone(tmp_path, capfd):
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_WARNING)
+    whole = cv2.imencode(".png", np.arange(4096, dtype=np.uint8).reshape(64, 64))[1].tobytes()
+    (tmp_path / "cut.png").write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(BadInputError, match="not an image, or damaged"):
+        read_image(tmp_path / "cut.png")
+    assert capfd.readouterr().err == ""

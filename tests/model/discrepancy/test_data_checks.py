@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,11 +12,13 @@ import pytest
 from benchmarks.data_mistakes.mistakes import MISTAKES
 from model import ModelError, predict
 from model.discrepancy import DiagnoseOptions, check_data, diagnose, next_measurement
+from model.discrepancy.data_checks import catalogue
 from model.discrepancy.data_checks.catalogue import data_checks
 from model.discrepancy.data_checks.changed_data import of_one
 from model.discrepancy.data_checks.conformance import example_measurements, faults
 from model.discrepancy.data_checks.contract import DataCheck, Suspicion
 from model.identification.data.outlier_readings import without_outliers
+from model.plugins import Part, PluginWarning
 from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
 from tests.model.discrepancy.sessions import session
 
@@ -56,6 +59,30 @@ def test_each_data_check_conforms(name):
 
 
 @pytest.mark.slow
+class Broken(DataCheck):
+    """A check of another distribution that fails on real data."""
+
+    def suspicions(self, measurements):
+        """See `DataCheck.suspicions`."""
+        raise KeyError("no such thing")
+
+    def of_stiffness(self, measurements, B_Nm2):
+        """See `DataCheck.of_stiffness`."""
+        yield "soft"
+
+
+def test_a_check_of_another_distribution_that_fails_costs_no_fit(monkeypatch):
+    part = Part("broken", Broken(name="broken", meaning="x", order=1), "labrig-extra", "0.1")
+    monkeypatch.setattr(catalogue, "FOLDER", SimpleNamespace(parts=lambda: {"broken": part}))
+    check = data_checks()["broken"]
+    assert check is data_checks()["broken"]  # what it said of the same data is kept by it
+    data = example_measurements()
+    with pytest.warns(PluginWarning, match=r"the data check 'broken' of labrig-extra 0\.1 failed"):
+        assert [*check.suspicions(data)] == []
+    with pytest.warns(PluginWarning, match="it yielded str, not a Suspicion"):
+        assert [*check.of_stiffness(data, {})] == []
+
+
 def test_nothing_is_suspicious_about_a_usual_session():
     found = check_data(session())
     assert found.suspicions == ()

@@ -13,10 +13,13 @@ import pytest
 
 from benchmarks.hidden_effects import case, hidden_session
 from model.discrepancy import DiagnoseOptions, diagnose
+from model.discrepancy.criticism import Failure, VerdictCheck, catalogue
 from model.discrepancy.criticism.catalogue import verdict_checks
 from model.discrepancy.criticism.conformance import faults
+from model.discrepancy.criticism.criticise import criticise
 from model.effects import effect
 from model.identification.likelihood.model_state import Found
+from model.plugins import Part, PluginWarning
 from tests.fits_unchecked import fits_unchecked
 from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
 from tests.model.discrepancy.sessions import FALLING, diagnosed
@@ -56,6 +59,44 @@ def test_the_check_on_the_page_about_extending_conforms():
 
 
 @pytest.mark.slow
+class Broken(VerdictCheck):
+    """A check of another distribution that fails."""
+
+    def failures(self, named):
+        """See `VerdictCheck.failures`."""
+        if named.named == ("raises",):
+            raise KeyError("no such thing")
+        yield named.named[0]
+
+
+class Sound(VerdictCheck):
+    """One that does not."""
+
+    def failures(self, named):
+        """See `VerdictCheck.failures`."""
+        yield Failure(consequence="noticed", sentence="it is seen", effects=named.named)
+
+
+@pytest.mark.parametrize(
+    ("named", "said"),
+    [("raises", "KeyError: 'no such thing'"), ("word", "TypeError: it yielded str, not a Failure")],
+)
+def test_a_check_of_another_distribution_that_fails_costs_no_verdict(monkeypatch, named, said):
+    checks = [kind(name=name, meaning="a mark", order=1) for name, kind in KINDS.items()]
+    parts = {one.name: Part(one.name, one, "labrig-extra", "0.1") for one in checks}
+    there = SimpleNamespace(
+        parts=lambda: parts, origins=lambda: dict.fromkeys(parts, "labrig-extra 0.1")
+    )
+    monkeypatch.setattr(catalogue, "FOLDER", there)
+    with pytest.warns(PluginWarning, match=r"'broken' of labrig-extra 0\.1 failed") as told:
+        found = criticise(SimpleNamespace(named=(named,)))
+    assert said in str(told[0].message)
+    assert [one.name for one in found.results] == ["sound"]
+
+
+KINDS = {"broken": Broken, "sound": Sound}
+
+
 def test_a_right_name_passes_every_check():
     found = diagnosed(FALLING)
     assert [n.name for n in found.effects] == ["nonuniform_eibm"]
