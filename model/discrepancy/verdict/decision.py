@@ -25,7 +25,6 @@ from model.discrepancy.thresholds import (
     MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
     PROBABLE_ALL_THE_SAME,
-    PROBABLE_BESIDE_ANOTHER,
     PROBABLY_NOTHING,
     UNEXPLAINED_SHARE,
 )
@@ -152,10 +151,9 @@ class Judgement:
         names = [one.effect.name for one in found.named]
         asked = dict(zip(names, answers, strict=False))
         wrong = {name for name, one in asked.items() if improbable(one)}
-        least = PROBABLE_ALL_THE_SAME if len(names) == 1 else PROBABLE_BESIDE_ANOTHER
         wrong |= {
             name for name in criticism.doubted(names)
-            if asked[name].probabilities.get(name, 0.0) < least
+            if asked[name].probabilities.get(name, 0.0) < PROBABLE_ALL_THE_SAME
         }  # fmt: skip
         # whichever name it is, not which one
         wrong |= {
