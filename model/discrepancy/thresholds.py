@@ -110,9 +110,6 @@ PROBABLY_NOTHING = 0.1
 # data, beside 'unknown'. On open worlds six wrong names with a failed check of structure had 0.83
 # at most, right ones 0.89 and more.
 PROBABLE_ALL_THE_SAME = 0.85
-# The same of a name beside another one, whose form it may have to make up for: as many odds less as
-# the answers count for that.
-PROBABLE_BESIDE_ANOTHER = 0.65
 # Share of the probability of a name that it keeps beside another one of its location. On an open
 # world two changes in time imitated a third one with 0.94 and 0.95.
 KEPT_BESIDE_SAME_LOCATION = 0.85

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 from model.discrepancy.answers.calibrated_answers import Judged, is_name
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
 from model.discrepancy.thresholds import KEPT_BESIDE_SAME_LOCATION, MANY_NAMES, OVERLOOKED_TOLD
-from model.discrepancy.verdict.decision import Decision, pieces
+from model.discrepancy.verdict.decision import Decision
+from model.discrepancy.verdict.probable_names import pieces
 from model.discrepancy.verdict.result import Unknown
 
 NO_ANSWER = Judged({}, ())

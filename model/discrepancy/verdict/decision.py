@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from model.discrepancy.answers.calibrated_answers import Judged, calibrated, is_name
-from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, ChoiceSet
+from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
@@ -21,12 +20,9 @@ from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     FEWEST_POSITIONS,
-    LEAST_PROBABILITY,
     MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
     PROBABLE_ALL_THE_SAME,
-    PROBABLE_BESIDE_ANOTHER,
-    PROBABLY_NOTHING,
     UNEXPLAINED_SHARE,
 )
 from model.discrepancy.verdict.fitted_model import sheet_model
@@ -40,6 +36,7 @@ from model.discrepancy.verdict.posterior import (
     leftover,
     with_shapes,
 )
+from model.discrepancy.verdict.probable_names import improbable, of_others, pieces
 from model.discrepancy.verdict.result import Unknown
 from model.discrepancy.verdict.stated_errors import with_stated_errors
 from model.discrepancy.verdict.written_form import written
@@ -152,10 +149,9 @@ class Judgement:
         names = [one.effect.name for one in found.named]
         asked = dict(zip(names, answers, strict=False))
         wrong = {name for name, one in asked.items() if improbable(one)}
-        least = PROBABLE_ALL_THE_SAME if len(names) == 1 else PROBABLE_BESIDE_ANOTHER
         wrong |= {
             name for name in criticism.doubted(names)
-            if asked[name].probabilities.get(name, 0.0) < least
+            if asked[name].probabilities.get(name, 0.0) < PROBABLE_ALL_THE_SAME
         }  # fmt: skip
         # whichever name it is, not which one
         wrong |= {
@@ -283,33 +279,6 @@ class Judgement:
         if rest is None or rest.share < UNEXPLAINED_SHARE:
             return False
         return rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN
-
-
-def improbable(judged: Judged) -> bool:
-    """Return whether a name is rather nothing, or something unknown.
-
-    Where something is there for sure a name of less than one half may still be the likeliest.
-    """
-    names, unknown, nothing = (
-        judged.of_names, judged.probabilities.get(UNKNOWN, 0.0),
-        judged.probabilities.get(NOTHING, 0.0),
-    )  # fmt: skip
-    return names < LEAST_PROBABILITY and (names <= unknown or nothing >= PROBABLY_NOTHING)
-
-
-def of_others(judged: Judged, taken: Collection[str]) -> float:
-    """Return the probability that it is some effect of the catalogue besides these."""
-    chances = judged.probabilities.items()
-    return sum(p for name, p in chances if is_name(name) and name not in taken)
-
-
-def pieces(named: Sequence[Choice]) -> list[str]:
-    """Return names that share their location with another one.
-
-    Several effects of one place may together imitate something that acts there.
-    """
-    count = Counter(one.effect.location for one in named)
-    return [one.effect.name for one in named if count[one.effect.location] > 1]
 
 
 def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit, single: float) -> bool:

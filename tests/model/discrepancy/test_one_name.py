@@ -11,7 +11,7 @@ from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.criticism.kinds import one_name
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.search import one_name as search
-from model.discrepancy.verdict.decision import improbable
+from model.discrepancy.verdict.probable_names import improbable
 
 
 def ranked(name: str, gain: float, *, known: bool = True) -> SimpleNamespace:

@@ -13,7 +13,7 @@ from model.discrepancy.criticism.check_result import Failure
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.wordings import evidence, without_contact, wordings
 from model.discrepancy.search.evidence import candidates
-from model.discrepancy.verdict.decision import of_others
+from model.discrepancy.verdict.probable_names import of_others
 from model.effects import effect
 from tests.model.discrepancy.sessions import Case, Extras, base_fit
 
