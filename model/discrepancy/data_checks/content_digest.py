@@ -61,11 +61,11 @@ def _add(value: Any, to: list[bytes]) -> None:
 def _attributes(value: Any) -> dict[str, Any] | str:
     """Return what an object holds; of a dataclass its fields, without what it keeps besides."""
     if is_dataclass(value):
-        return {name: getattr(value, name) for name in _names(type(value))}
+        return {name: getattr(value, name) for name in _names(value.__class__)}
     return dict(vars(value)) if hasattr(value, "__dict__") else repr(value)
 
 
 @cache
-def _names(kind: type) -> tuple[str, ...]:
+def _names(kind: Any) -> tuple[str, ...]:
     """Return the names of a dataclass's fields."""
     return tuple(one.name for one in fields(kind))

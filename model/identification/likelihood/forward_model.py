@@ -252,7 +252,8 @@ class ForwardModel:
 
     def rows_of(self, c: int, state: ModelState, step: Perturbation) -> FloatArray:
         """Return a step in all rows (N,); what is as in `no_step` costs nothing."""
-        return self.rows_of_each(c, state, [step])[0]
+        rows: FloatArray = self.rows_of_each(c, state, [step])[0]
+        return rows
 
     def rows_of_each(self, c: int, state: ModelState, steps: Sequence[Perturbation]) -> FloatArray:
         """Return several steps in all rows (m, N)."""
@@ -282,7 +283,7 @@ class ForwardModel:
         y[:, part.mode_rows[has]] = modes[:, has]
         within = some.of("bin_eibm"), some.of("bin_stiffness")
         if any(one is not None for one in within):
-            b, (eibm, stiffness) = part.bin_of, (0.0 if one is None else one for one in within)
+            b, (eibm, stiffness) = part.bin_of, (np.zeros(1) if w is None else w for w in within)
             y[:, part.bin_rows] = state.by_eibm[b] * eibm + state.by_stiffness[b] * stiffness
         if self.in_motion and beam is not None:
             y += np.stack([self._moved(c, one) for one in beam])

@@ -205,7 +205,8 @@ class _DeviancePoint:
         rest = np.diagonal(W, axis1=1, axis2=2) - known - We**2
         both = np.concatenate([slopes @ self.stack.of, np.tensordot(rest, D, axes=2)])
         away = 2.0 * (log_sigma - self.guess) / np.square(self.data.width)
-        return 2.0 * np.exp(2.0 * log_sigma) * both + away
+        gradient: FloatArray = 2.0 * np.exp(2.0 * log_sigma) * both + away
+        return gradient
 
     @cached_property
     def curvature(self) -> FloatArray:
