@@ -26,7 +26,7 @@ from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import COMPARABLE_RATIO, Located, candidates
 from labrig.vision.search.stated_places import locate_through
 from labrig.vision.search.straightened import resampled
-from labrig.vision.search.work import Work, WorkDoneError
+from labrig.vision.search.work import OutlineWork, WorkDoneError
 
 FloatArray = npt.NDArray[np.float64]
 MaskArray = npt.NDArray[np.uint8]
@@ -99,7 +99,7 @@ def outline_curve(
     mask = roll_mask(optics, images[0].grey.shape)
     if mask.any():
         images = [image.without(mask) for image in images]
-    work = Work()
+    work = OutlineWork()
     if start is not None:
         followed = _tried(images, optics, strip, _from_before(start), work)
         if followed is not None and not followed.why:
@@ -171,7 +171,7 @@ def _likeliest_first(
     optics: Optics,
     strip: StripGeometry,
     mask: MaskArray,
-    work: Work,
+    work: OutlineWork,
 ) -> list[Located]:
     """Return what the channels show, without what is far less clear than the clearest."""
     found: list[Located] = []
@@ -220,7 +220,7 @@ def _tried(
     optics: Optics,
     strip: StripGeometry,
     located: Located,
-    work: Work,
+    work: OutlineWork,
 ) -> _Tried | None:
     outline = fitted_outline(images, optics, strip, located, work)
     if outline is None:
@@ -237,7 +237,7 @@ def _located(
     optics: Optics,
     strip: StripGeometry,
     mask: MaskArray,
-    work: Work,
+    work: OutlineWork,
     clearest: float,
 ) -> list[Located]:
     signs = {"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[optics.polarity]

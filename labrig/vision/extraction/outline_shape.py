@@ -18,7 +18,7 @@ from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located
-from labrig.vision.search.work import Work
+from labrig.vision.search.work import OutlineWork
 from labrig.vision.thresholds import FULL_RESOLUTION_THICKNESS_MAX_PX
 
 FloatArray = npt.NDArray[np.float64]
@@ -62,7 +62,7 @@ class _Fitter:
     optics: Optics
     width_px: float
     places: StatedPlaces
-    work: Work
+    work: OutlineWork
 
     def fit(
         self, shape: CurveShape, *, rounds: int = ROUNDS, whole: bool = False
@@ -144,7 +144,7 @@ def fitted_outline(
     optics: Optics,
     strip: StripGeometry,
     located: Located,
-    work: Work,
+    work: OutlineWork,
 ) -> Outline | None:
     """Return the curve between the edges up to the strip's end, or to where it is stated to be."""
     plane = optics.pixel_to_world(located.path_px) * optics.px_per_m

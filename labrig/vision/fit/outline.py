@@ -29,7 +29,7 @@ from labrig.vision.fit.outline_blocks import (
 from labrig.vision.fit.outline_profiles import running_middle
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
-from labrig.vision.search.work import Work
+from labrig.vision.search.work import OutlineWork
 from labrig.vision.thresholds import (
     OUTLINE_END_SIGMA_MAX_PX,
     OUTLINE_END_SIGMA_RATIO,
@@ -44,8 +44,7 @@ from labrig.vision.thresholds import (
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 
-ROUNDS = 5  # at most
-CONVERGED_PX, CONVERGED_TAPER = 0.05, 0.005  # a curve that moves less, and its width, are known
+ROUNDS = 5
 UNSEEN_TURN_MIN_RAD = 0.3  # that a straight strip may make along its length, unseen
 GAP_WIDTHS = 1.5  # of a gap that a smooth curve leads over; in a longer one it may bend
 MISFIT_HALF_BLOCKS = 1
@@ -179,7 +178,7 @@ def fit_outline(
     *,
     width_px: float,
     prior: FloatArray,
-    work: Work,
+    work: OutlineWork,
     rounds: int = ROUNDS,
     completed: Callable[[CurveShape, FloatArray, Blocks], Blocks] | None = None,
     tapers: bool = False,
@@ -209,12 +208,9 @@ def fit_outline(
         if blocks.by_edges.sum() < 4:
             return None
         fit = _fitted(shape, blocks, prior, taper, places)
-        moved = float(np.hypot(fit.shape.x - shape.x, fit.shape.y - shape.y).max())
-        shape, before = fit.shape, taper
+        shape = fit.shape
         if tapers:
             taper = fitted_taper(blocks, width_px, len(shape.x))
-        if moved < CONVERGED_PX and np.abs(taper - before).max() < CONVERGED_TAPER:
-            break  # the next round would measure the same
     return fit
 
 

@@ -22,7 +22,7 @@ from labrig.vision.search.straightened import (
     smoothed,
     straightened,
 )
-from labrig.vision.search.work import Work
+from labrig.vision.search.work import OutlineWork
 from labrig.vision.thresholds import END_PRESENT_RATIO
 
 FloatArray = npt.NDArray[np.float64]
@@ -109,7 +109,7 @@ def candidates(
     signs: tuple[float, ...],
     length_px: float | None,
     thickness_px: float | None,
-    work: Work,
+    work: OutlineWork,
     clearest_before: float = 0.0,
 ) -> list[Located]:
     """Return what may be the strip that begins near a place, the clearest first.
@@ -188,7 +188,7 @@ def _path(
     ridges: RidgeMaps,
     sign: float,
     *,
-    work: Work,
+    work: OutlineWork,
     width: float,
     clamp: Point,
     reach: float,

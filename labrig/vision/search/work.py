@@ -12,7 +12,7 @@ class WorkDoneError(Exception):
 
 
 @dataclass
-class Work:
+class OutlineWork:
     """What was tried of one image: searches of one of its channels, and rounds of all fits."""
 
     searches: int = 0

@@ -15,7 +15,7 @@ from labrig.vision.curve.shape import make_basis, make_shape
 from labrig.vision.fit.outline import fit_outline
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import read_grey_image
-from labrig.vision.search.work import Work
+from labrig.vision.search.work import OutlineWork
 
 SIZE = (150, 220)  # rows, columns
 CLAMP = (30.0, 110.0)
@@ -125,7 +125,7 @@ def test_a_path_of_which_both_edges_are_nowhere_measured_is_no_strip():
             stated(),
             width_px=10,
             prior=np.array([3.0, 0.2]),
-            work=Work(),
+            work=OutlineWork(),
             completed=completed,
         )
 
@@ -148,7 +148,7 @@ def test_where_the_begin_is_hidden_the_clamp_leads_unless_it_is_stated_roughly()
         )
         prior = np.array([3.0, 0.2])
         fit = fit_outline(
-            shape, [image], stated(), width_px=10, prior=prior, work=Work(), places=clamp
+            shape, [image], stated(), width_px=10, prior=prior, work=OutlineWork(), places=clamp
         )
         return fit.shape.y[0]
 
