@@ -21,7 +21,7 @@ from benchmarks.worlds.methods._contract import Foretell
 from model import predict
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.evidence import Candidate, Projected, score, unit_values
-from model.discrepancy.verdict.fitted_model import sheet_model
+from model.discrepancy.verdict.written_model.fitted_model import sheet_model
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.identification.likelihood.model_state import Found
 from model.measurements import FloatArray, Measurements, ModelError

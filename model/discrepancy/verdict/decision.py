@@ -25,9 +25,7 @@ from model.discrepancy.thresholds import (
     PROBABLE_ALL_THE_SAME,
     UNEXPLAINED_SHARE,
 )
-from model.discrepancy.verdict.fitted_model import sheet_model
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
-from model.discrepancy.verdict.left_out_gain import predicts_better
 from model.discrepancy.verdict.posterior import (
     Choice,
     Leftover,
@@ -39,7 +37,9 @@ from model.discrepancy.verdict.posterior import (
 from model.discrepancy.verdict.probable_names import improbable, of_others, pieces
 from model.discrepancy.verdict.result import Unknown
 from model.discrepancy.verdict.stated_errors import with_stated_errors
-from model.discrepancy.verdict.written_form import written
+from model.discrepancy.verdict.written_model.fitted_model import sheet_model
+from model.discrepancy.verdict.written_model.left_out_gain import predicts_better
+from model.discrepancy.verdict.written_model.written_form import written
 from model.effects import Effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.measurements import Measurements, ModelError

@@ -38,7 +38,6 @@ from model.discrepancy.thresholds import (
 from model.discrepancy.verdict import prediction_error as gaps
 from model.discrepancy.verdict.data_checks import remarks
 from model.discrepancy.verdict.decision import Decision, Judgement
-from model.discrepancy.verdict.fitted_model import base_parameters, parameters_of
 from model.discrepancy.verdict.inferred_form import form_of
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
@@ -72,6 +71,7 @@ from model.discrepancy.verdict.result import (
     Unknown,
     Verdict,
 )
+from model.discrepancy.verdict.written_model.fitted_model import base_parameters, parameters_of
 from model.effects import Effect, catalogue
 from model.effects import origins as origins_of_effects
 from model.identification.likelihood.mixed_model import weigh

@@ -10,7 +10,6 @@ import pytest
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.cross_validation import left_out, position_groups, predictive_gains
 from model.discrepancy.search.nonparametric_terms import shapes
-from model.discrepancy.verdict.left_out_gain import columns_asked_for, forms_asked_for
 from model.discrepancy.verdict.prediction_error import (
     cells,
     closed_share,
@@ -20,6 +19,7 @@ from model.discrepancy.verdict.prediction_error import (
 )
 from model.discrepancy.verdict.prediction_error import gap as gap_of
 from model.discrepancy.verdict.result import BeforeAfter, Gap
+from model.discrepancy.verdict.written_model.left_out_gain import columns_asked_for, forms_asked_for
 from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import inverse_symmetric
 from model.identification.likelihood.mixed_model_fit import MixedModelFit

@@ -10,8 +10,8 @@ import pytest
 
 from model.discrepancy import diagnose
 from model.discrepancy.verdict import decision
-from model.discrepancy.verdict.left_out_gain import predicts_better
 from model.discrepancy.verdict.messages import not_written
+from model.discrepancy.verdict.written_model.left_out_gain import predicts_better
 from tests.model.discrepancy.sessions import FALLING, base_fit, session
 
 

@@ -15,7 +15,7 @@ from model.discrepancy import DiagnoseOptions, diagnose
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.nonparametric_terms import all_shapes
 from model.discrepancy.verdict.inferred_form import form_of
-from model.discrepancy.verdict.written_form import terms_of
+from model.discrepancy.verdict.written_model.written_form import terms_of
 from model.effects import catalogue
 from model.effects.conformance import plausible
 from model.identification.likelihood.form_error import effect_columns, formed

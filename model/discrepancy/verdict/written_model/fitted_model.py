@@ -8,8 +8,8 @@ import numpy as np
 
 from model.discrepancy.prepare import Options
 from model.discrepancy.thresholds import INTERVAL_FREEDOM
-from model.discrepancy.verdict.written_deviations import deviations
-from model.discrepancy.verdict.written_form import with_bands
+from model.discrepancy.verdict.written_model.written_deviations import deviations
+from model.discrepancy.verdict.written_model.written_form import with_bands
 from model.effects.interface import EffectParameter
 from model.identification.base_model import weighs
 from model.identification.likelihood.mixed_model_fit import MixedModelFit

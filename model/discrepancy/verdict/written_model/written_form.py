@@ -16,7 +16,7 @@ import numpy as np
 
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.verdict.left_out_gain import columns_asked_for, forms_asked_for
+from model.discrepancy.verdict.written_model.left_out_gain import columns_asked_for, forms_asked_for
 from model.identification.likelihood.form_error import formed
 from model.identification.likelihood.form_ways import sampled
 from model.identification.likelihood.forward_model import ForwardModel

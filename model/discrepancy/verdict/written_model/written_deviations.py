@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from model.discrepancy.thresholds import INTERVAL_FREEDOM
-from model.discrepancy.verdict.written_form import by_ways
+from model.discrepancy.verdict.written_model.written_form import by_ways
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import Found
 from model.sheet.deviations import (
