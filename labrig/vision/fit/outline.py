@@ -52,6 +52,7 @@ TAPER_FROM = 0.08  # of the usual width: a smaller difference may be the light's
 TAPER_RATIOS = (0.3, 1.25)  # wider is more often a shadow
 TAPER_MIN_PX = 4.0  # a thinner part is looked at as one of that width
 CLAMP_WIDTHS = 0.5  # along a strip: what lies beside its clamp
+CLAMP_APART_SIGMAS = 1.5  # further from the stated clamp no edges are pulled
 CLAMP_SIGMA_MIN_PX = 3.0  # of a clamp that is clicked, across the strip
 INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
 
@@ -285,12 +286,14 @@ def _towards_clamp_px(
     s = shape.basis.s[blocks.node]
     begin = blocks.seen & (s < CLAMP_WIDTHS * width_px)
     offset = places.clamp_offset_px(shape)
-    if offset is None or not begin.any():
-        return np.zeros(len(s))
+    if places or offset is None or not begin.any():
+        return np.zeros(len(s))  # places on the strip say more
     pull = _end_pull_px(s, width_px)
     known = max(places.clamp_sigma_px, CLAMP_SIGMA_MIN_PX)
     share = pull[0] ** 2 / (pull[0] ** 2 + known**2)
     apart = offset - float(np.median(blocks.middle_px[begin]))
+    if abs(apart) > CLAMP_APART_SIGMAS * math.hypot(pull[0], known):
+        return np.zeros(len(s))  # these edges are another thing's
     return np.asarray(share * apart * pull / pull[0])
 
 
