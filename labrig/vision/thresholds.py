@@ -235,6 +235,9 @@ END_PRESENT_RATIO: Final = 0.5  # of the weaker edge to the usual one: nearer th
 
 # The strip's end: where the profile along its course ceases to be the strip's. By trial on the
 # photographs of benchmarks/photographs/traces.json; benchmark: the same.
+LED_ON_MIN_WIDTHS: Final = 1.5  # beyond a curve's end, that it is worth to be led on
+LED_ON_SAID_MIN: Final = 12.0  # log odds of a way on beyond a curve's end, in all
+LED_ON_OTHER_RATIO: Final = 1.5  # of them to those of any other way, or of the opposite profile
 END_GAP_WIDTHS: Final = 3.0  # a gap longer than this
 END_GAP_SHARE: Final = 0.12  # and than this share of the way: what lies beyond is another thing
 COURSE_ALIKE_MIN: Final = 0.5  # of the correlation of a profile with those shortly before

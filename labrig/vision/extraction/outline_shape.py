@@ -12,6 +12,7 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry
 from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
 from labrig.vision.fit.course import StripCourse, completed, course_along
+from labrig.vision.fit.leading_on import LedOn, led_on_by_profile
 from labrig.vision.fit.outline import ROUNDS, OutlineFit, fit_outline
 from labrig.vision.fit.outline_blocks import Blocks
 from labrig.vision.fit.rival_edges import rival_px
@@ -19,7 +20,7 @@ from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.locate import Located
 from labrig.vision.search.work import OutlineWork
-from labrig.vision.thresholds import FULL_RESOLUTION_THICKNESS_MAX_PX
+from labrig.vision.thresholds import LED_ON_MIN_WIDTHS
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -36,7 +37,7 @@ LONGEST_CELL_PX = 1.0
 COEFFICIENTS = (6, 41)
 WIDTH_CHANGES = (0.8, 1.25)  # from a located width to the fitted one, at most
 BEGIN_SHARE = 1 / 16  # of the length, in which a clamp may hide where the strip begins
-TRIED_ASIDE_WIDTHS = (-1.2, -0.6, 0.6, 1.2)  # beside the curve, as far beyond its end as is looked
+LED_ON_RATIO = 1.5  # of what is led on by the profile, to how far the strip is looked for
 TIP_SIGMA_PX, TIP_ROOM_WIDTHS = 3.0, 0.5  # how well a tip is stated; how far off it may be seen
 OWN_EDGE_WIDTHS = 0.4  # at the clamp and the tip, where these have edges of their own
 
@@ -107,6 +108,7 @@ class _Fitter:
     def followed(self, fit: OutlineFit) -> tuple[OutlineFit, StripCourse]:
         """Return a fit that reaches beyond the strip's end or to the image's border."""
         course = self.course(fit.shape)
+        farthest = 0.0
         for _ in range(FURTHER_ROUNDS):
             if course.leaves_image:
                 break
@@ -114,8 +116,10 @@ class _Fitter:
             more = max(BEYOND_WIDTHS * self.width_px, BEYOND_MIN_PX, BEYOND_SHARE * end)
             further: CurveShape | None = fit.shape
             if fit.shape.basis.total_px > end + 0.75 * more:
-                # nothing there: a faint strip may lead a little aside of where the curve does
-                further = self._aside(fit.shape, end, more)
+                # nothing there: the strip may lead aside of where the curve does
+                stuck = end < farthest + 0.5 * self.width_px  # the fit does not follow it there
+                further = None if stuck else self._aside(fit.shape, end, more)
+                farthest = max(farthest, end)
             if further is None:
                 break
             longer = self.fit(_cut(further, end + more, self.width_px), rounds=2)
@@ -125,18 +129,15 @@ class _Fitter:
         return fit, course
 
     def _aside(self, shape: CurveShape, end: float, more: float) -> CurveShape | None:
-        """Return the curve turned at its end so that more of the strip shows, if any does."""
-        best, most = None, end + 0.5 * more
-        if self.width_px > FULL_RESOLUTION_THICKNESS_MAX_PX:
-            return None  # a thick one shows as far aside as it may lie
+        """Return the curve led on along the strip's profile, where more of the strip shows so."""
         whole = _cut(shape, end, self.width_px)
-        for widths in TRIED_ASIDE_WIDTHS:
-            turn = widths * self.width_px / more
-            turned = _cut(whole, end + more, self.width_px, turn_rad=turn)
-            seen = self.course(turned).end[0]
-            if seen > most:
-                best, most = turned, seen
-        return best
+        on = _cut(whole, end + LED_ON_RATIO * more, self.width_px)
+        way = led_on_by_profile(on, end, self.images, self.optics, self.width_px)
+        if way is None:
+            return None
+        turned = _cut(whole, end + more, self.width_px, way=way)
+        least = end + LED_ON_MIN_WIDTHS * self.width_px
+        return turned if self.course(turned).end[0] > least else None
 
 
 def fitted_outline(
@@ -283,28 +284,29 @@ def _cut(
     width: float,
     *,
     begin_px: float = 0,
-    turn_rad: float = 0,
+    way: LedOn | None = None,
 ) -> CurveShape:
-    """Return the first part of a curve without its begin, or all of it led on with a turn."""
+    """Return the first part of a curve without its begin, or all of it led on along a way."""
     if begin_px > 0:
         return _cut_begin(shape, begin_px, length_px - begin_px, width)
     basis = make_basis(
         round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
     )
     turn = float(shape.parameters[1])
-    wanted = _led_on(shape, basis.s, width, turn_rad) - shape.heading - turn
+    wanted = _led_on(shape, basis.s, width, way) - shape.heading - turn
     c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
     return make_shape(basis, shape.start, shape.heading, np.concatenate([shape.parameters[:2], c]))
 
 
-def _led_on(shape: CurveShape, s: FloatArray, width: float, turn_rad: float) -> FloatArray:
+def _led_on(shape: CurveShape, s: FloatArray, width: float, way: LedOn | None) -> FloatArray:
     """Return the direction along a curve; beyond its end it bends as it did shortly before."""
     along = shape.basis.s
     last = float(along[-1])
     few = min(BEYOND_WIDTHS * width, 0.25 * last)
     bend = float(shape.phi[-1] - np.interp(last - few, along, shape.phi)) / few
     further = np.clip(bend * np.maximum(s - last, 0), -BEYOND_TURN_MAX_RAD, BEYOND_TURN_MAX_RAD)
-    return np.asarray(np.interp(s, along, shape.phi) + further + turn_rad * (s > last))
+    aside = 0.0 if way is None else np.arctan(np.interp(s, way.s, way.slope, left=0.0))
+    return np.asarray(np.interp(s, along, shape.phi) + further + aside)
 
 
 def _cut_begin(shape: CurveShape, begin_px: float, length_px: float, width: float) -> CurveShape:

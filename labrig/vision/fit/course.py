@@ -141,7 +141,7 @@ def course_along(
     unit = max(UNIT_MIN_PX, UNIT_RATIO * width_px)
     places = math.ceil(REACH_WIDTHS * width_px / unit)
     across = np.asarray(np.arange(-places, places + 1) * unit, dtype=np.float64)
-    size, inside = _signed_sizes(shape, images, optics, across, many, width_px, taper)
+    size, inside = signed_sizes(shape, images, optics, across, many, width_px, taper)
     # a clamp may lie at the border
     first_out = next((at for at in range(len(inside) // 4, len(inside)) if not inside[at]), None)
     said = _said(size[:first_out], across, width_px, many * step)
@@ -181,7 +181,7 @@ def completed(course: StripCourse, blocks: Blocks, step_px: float) -> Blocks:
     )
 
 
-def _signed_sizes(
+def signed_sizes(
     shape: CurveShape,
     images: Sequence[GreyImage],
     optics: Optics,

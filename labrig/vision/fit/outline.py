@@ -52,6 +52,9 @@ TAPER_DEGREE = 4  # of the polynomial that a strip's width follows along it
 TAPER_FROM = 0.08  # of the usual width: a smaller difference may be the light's
 TAPER_RATIOS = (0.3, 1.25)  # wider is more often a shadow
 TAPER_MIN_PX = 4.0  # a thinner part is looked at as one of that width
+CLAMP_WIDTHS = 0.5  # along a strip: what lies beside its clamp
+CLAMP_APART_SIGMAS = 1.5  # further from the stated clamp no edges are pulled
+CLAMP_SIGMA_MIN_PX = 3.0  # of a clamp that is clicked, across the strip
 INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
 
 
@@ -147,10 +150,8 @@ class OutlineFit:
     @property
     def end_px(self) -> FloatArray:
         """(nodes,) what the clamp's and the tip's own edges may pull, near both ends."""
-        s, width = self.shape.basis.s, self.width_px
-        near = np.minimum(s, s[-1] - s) / width
-        most = min(OUTLINE_END_SIGMA_RATIO * width, OUTLINE_END_SIGMA_MAX_PX)
-        return np.asarray(most * np.exp(-near))
+        s = self.shape.basis.s
+        return _end_pull_px(np.minimum(s, s[-1] - s), self.width_px)
 
     @property
     def unseen_px(self) -> FloatArray:
@@ -239,9 +240,12 @@ def _fitted(
 ) -> OutlineFit:
     """Return the smooth curve through the middles of the blocks and what is stated."""
     seen = blocks.seen
-    offset = np.where(seen, blocks.middle_px, 0.0)
     rough = roughness(blocks.middle_px[seen])
     width = float(np.median(blocks.width_px[blocks.by_edges]))
+    middle = blocks.middle_px
+    if places is not None:
+        middle = middle + _towards_clamp_px(shape, blocks, width, places)
+    offset = np.where(seen, middle, 0.0)
     sigma = max(rough, 0.005 * width, 0.03) * math.sqrt(INDEPENDENT_BLOCKS)
     modes = shape.normal_modes()[blocks.node]
     weight = np.where(seen, 1 / sigma**2, 0.0)
@@ -266,6 +270,34 @@ def _fitted(
         misfit_px=np.where(seen, left, 0.0),
         width_scatter_px=roughness(blocks.width_px[blocks.by_edges]),
     )
+
+
+def _end_pull_px(away_px: FloatArray, width_px: float) -> FloatArray:
+    """Return what a clamp's or a tip's own edges may pull, so far away from it."""
+    most = min(OUTLINE_END_SIGMA_RATIO * width_px, OUTLINE_END_SIGMA_MAX_PX)
+    return np.asarray(most * np.exp(-away_px / width_px))
+
+
+def _towards_clamp_px(
+    shape: CurveShape, blocks: Blocks, width_px: float, places: StatedPlaces
+) -> FloatArray:
+    """Return (blocks,) how far the middles beside a stated clamp lie too far to the right.
+
+    The clamp's own edges pull them all alike, the less the further away. The likeliest pull
+    follows from where the clamp is stated to be, and from how well that is known.
+    """
+    s = shape.basis.s[blocks.node]
+    begin = blocks.seen & (s < CLAMP_WIDTHS * width_px)
+    offset = places.clamp_offset_px(shape)
+    if places or offset is None or not begin.any():
+        return np.zeros(len(s))  # places on the strip say more
+    pull = _end_pull_px(s, width_px)
+    known = max(places.clamp_sigma_px, CLAMP_SIGMA_MIN_PX)
+    share = pull[0] ** 2 / (pull[0] ** 2 + known**2)
+    apart = offset - float(np.median(blocks.middle_px[begin]))
+    if abs(apart) > CLAMP_APART_SIGMAS * math.hypot(pull[0], known):
+        return np.zeros(len(s))  # these edges are another thing's
+    return np.asarray(share * apart * pull / pull[0])
 
 
 def _wander(widths: FloatArray) -> float:

@@ -37,6 +37,9 @@ BLOCK_RATIO = 0.3  # length of a block in widths
 BLOCK_MIN_PX = 3.0
 SHIFT_COST = 6.0  # of a shift by one width from block to block, squared
 FRAY_HALF_BLOCKS = 4
+# a strip of a few pixels may become thinner by this, though by no more than to this share, where
+# its edges are as clear as this
+THINNER_PX, THINNER_RATIO, THINNER_MIN_SIGMAS = 2.4, 0.4, 10.0
 FRAY_WIDTH_RATIO, FRAY_WIDTH_PX = 0.12, 1.0  # by which a block's width may leave its neighbours'
 FRAY_SIGMAS = 4.0  # or so many of their scatter
 LONELY_HALF_BLOCKS, LONELY_SHARE = 5, 0.5  # around a block, seen
@@ -91,7 +94,10 @@ def measure_blocks(
     least, most = OUTLINE_WIDTH_RATIOS
     clear = strength > OUTLINE_STRENGTH_MIN_RATIO * usual
     clear &= strength > OUTLINE_STRENGTH_MIN_SIGMAS
-    seen = clear & (wide > least * width_px) & (wide < most * width_px)
+    thinner = wide > max(THINNER_RATIO * width_px, width_px - THINNER_PX)
+    thinner &= strength > THINNER_MIN_SIGMAS
+    wide_enough = (wide > least * width_px) | thinner
+    seen = clear & wide_enough & (wide < most * width_px)
     # a fitting or a fray shows on one side of few blocks only
     around = running_middle(wide, FRAY_HALF_BLOCKS)
     frayed = max(FRAY_WIDTH_RATIO * width_px + FRAY_WIDTH_PX, FRAY_SIGMAS * roughness(wide))

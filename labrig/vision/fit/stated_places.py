@@ -56,16 +56,22 @@ class StatedPlaces:
 
     def information(self, shape: CurveShape) -> tuple[FloatArray, FloatArray]:
         """Return what all places add to the normal matrix and the right-hand side of a fit."""
-        few = max(1, round(CLAMP_SHARE * len(shape.x)))
         clamp = self.clamp_px[None]
-        node = np.concatenate([_nearest(shape, clamp, few), self.nodes(shape)])
+        node = np.concatenate([self._clamp_node(shape), self.nodes(shape)])
         offset = _offset(shape, node, np.concatenate([clamp, self.on_strip_px]))
         weight = np.full(len(node), 1 / self.sigma_px)
-        used = abs(offset[0]) < CLAMP_SIGMAS_MAX * self.clamp_sigma_px
-        weight[0] = used / self.clamp_sigma_px
+        weight[0] = (self.clamp_offset_px(shape) is not None) / self.clamp_sigma_px
         modes = shape.normal_modes()[node] * weight[:, None]
         normal = modes.T @ modes
         return normal, modes.T @ (weight * offset) + normal @ shape.parameters
+
+    def clamp_offset_px(self, shape: CurveShape) -> float | None:
+        """Return how far to the left of a curve the clamp lies; None where it says nothing."""
+        offset = float(_offset(shape, self._clamp_node(shape), self.clamp_px[None])[0])
+        return offset if abs(offset) < CLAMP_SIGMAS_MAX * self.clamp_sigma_px else None
+
+    def _clamp_node(self, shape: CurveShape) -> IntArray:
+        return _nearest(shape, self.clamp_px[None], max(1, round(CLAMP_SHARE * len(shape.x))))
 
     def contradicted(
         self, shape: CurveShape, node: IntArray, middle_px: FloatArray, width_px: float

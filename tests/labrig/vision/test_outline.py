@@ -13,6 +13,7 @@ from labrig.vision.checks import catalogue
 from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
 from labrig.vision.curve.shape import make_basis, make_shape
 from labrig.vision.fit.outline import fit_outline
+from labrig.vision.fit.outline_blocks import measure_blocks
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import read_grey_image
 from labrig.vision.search.work import OutlineWork
@@ -345,3 +346,38 @@ def test_checks_of_other_distributions_are_asked_for_a_curve_between_edges(monke
     refused = with_check(refusal="check of the day failed: it is Tuesday.")
     assert not refused.ok
     assert refused.why == "check of the day failed: it is Tuesday."
+
+
+def test_a_thin_strip_that_is_thinner_further_on_shows_both_edges_there():
+    line = arc(150, 0.0, heading_rad=0.0)
+    across, share = beside(line)
+    thick = np.where(share < 0.5, 4.6, 2.4)
+    light = 140.0 * np.clip(thick / 2 - np.abs(across) + 0.5, 0, 1)
+    grey = 60 + light + np.random.default_rng(5).normal(0, 2, SIZE)
+    image = read_grey_image(np.clip(np.round(grey), 0, 255).astype(np.uint8), stated())
+    basis = make_basis(150.0, 150.0, 6, 1.0)
+    shape = make_shape(basis, np.zeros(2), 0.0, np.zeros(basis.size))
+    blocks = measure_blocks(shape, [image], stated(), 4.6, np.ones(len(shape.x)))
+    assert blocks.by_edges.mean() > 0.9
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_where_a_clamp_has_edges_of_its_own_its_stated_place_counts(side):
+    line = arc(150, 0.0, heading_rad=0.0)
+    across, share = beside(line)
+    image = drawn(line, 12).astype(float)
+    jaw = (share < 0.05) & (side * across > 0) & (side * across < 10)
+    image[jaw] = 200.0  # it looks four pixels thicker there, to one side
+    image = read_grey_image(image.astype(np.uint8), stated())
+    basis = make_basis(150.0, 150.0, 8, 1.0)
+    shape = make_shape(basis, np.zeros(2), 0.0, np.zeros(basis.size))
+    places = StatedPlaces.of(stated(clamp_sigma_px=3.0), 12.0)
+    fit, without = (
+        fit_outline(
+            shape, [image], stated(), width_px=12.0, prior=np.array([6.0, 0.4]), places=each
+        )
+        for each in (places, None)
+    )
+    assert abs(without.shape.y[0]) > 0.8
+    assert abs(fit.shape.y[0]) < 0.7 * abs(without.shape.y[0])
+    assert np.abs(fit.shape.y[40:]).max() < 0.3
