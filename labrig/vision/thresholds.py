@@ -244,4 +244,5 @@ COURSE_ALIKE_MIN: Final = 0.5  # of the correlation of a profile with those shor
 COURSE_WIDE_RATIO: Final = 0.6  # of edges further apart to the strip's: may be another thing
 COURSE_EDGE_RATIO: Final = 0.3  # of the weaker edge to what it was: less is none
 COURSE_PROFILE_SIGMA_MIN: Final = 0.12  # of a profile's size, against the strip's
+COURSE_STRIP_SPREAD: Final = 0.35  # of a profile's size, in that of the strip shortly before
 COURSE_SEEN_MIN: Final = 1.0  # log odds of a block whose edges are too faint, to be used

@@ -212,12 +212,12 @@ def signed_sizes(
 
 def _said(size: FloatArray, across: FloatArray, width: float, block_px: float) -> FloatArray:
     """Return (5, blocks) log odds of all, of profile, of edges, the profile's shift, unlike."""
+    from labrig.vision.fit.course_odds import SHIFT, log_odds  # numba is slow to import
+
     unit, count = float(across[1] - across[0]), len(size)
     half, few, far = (
         round(widths * width / unit) for widths in (HALF_WIDTHS, SHIFT_WIDTHS, ASIDE_WIDTHS)
     )
-    from labrig.vision.fit.course_odds import SHIFT, log_odds
-
     edges, ground, wider = _edges(size, across, width, block_px)
     memory = max(
         MEMORY_MIN_BLOCKS, max(MEMORY_WIDTHS * width, MEMORY_SHARE * count * block_px) / block_px

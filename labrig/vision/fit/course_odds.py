@@ -15,12 +15,12 @@ from labrig.vision.thresholds import (
     COURSE_ALIKE_MIN,
     COURSE_EDGE_RATIO,
     COURSE_PROFILE_SIGMA_MIN,
+    COURSE_STRIP_SPREAD,
     COURSE_WIDE_RATIO,
 )
 
 FloatArray = npt.NDArray[np.float64]
 
-STRIP_SPREAD = 0.35  # of a profile's size, in that of the strip shortly before
 EDGE_SPREAD = 0.4  # of the logarithm of an edge's size
 SAID_MAX = 2.0  # by one block
 SAID_UNLIKE = -0.1  # by edges of what does not look like the strip shortly before
@@ -99,7 +99,7 @@ def _middle_and_scatter(ordered: FloatArray, many: int) -> tuple[float, float]:
 def _of_profile(strength: float, alike: float, usual: float, scatter: float) -> float:
     """Return the log odds of a profile's size against what the same search finds beside."""
     spread = max(1.48 * scatter, COURSE_PROFILE_SIGMA_MIN)
-    strip = max(STRIP_SPREAD, spread)
+    strip = max(COURSE_STRIP_SPREAD, spread)
     odds = math.log(spread / strip) - 0.5 * ((min(strength, 1.0) - 1) / strip) ** 2
     odds += 0.5 * (max(strength - usual, 0.0) / spread) ** 2
     if alike < COURSE_ALIKE_MIN:

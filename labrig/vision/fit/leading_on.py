@@ -21,7 +21,6 @@ from labrig.vision.fit.course import (
     BLOCK_MIN_PX,
     BLOCK_RATIO,
     HALF_WIDTHS,
-    STRIP_SPREAD,
     UNIT_MIN_PX,
     UNIT_RATIO,
     signed_sizes,
@@ -29,6 +28,7 @@ from labrig.vision.fit.course import (
 from labrig.vision.image.image import GreyImage
 from labrig.vision.thresholds import (
     COURSE_PROFILE_SIGMA_MIN,
+    COURSE_STRIP_SPREAD,
     LED_ON_MIN_WIDTHS,
     LED_ON_OTHER_RATIO,
     LED_ON_SAID_MIN,
@@ -125,7 +125,7 @@ def _from_node(shape: CurveShape, node: int) -> CurveShape:
 
 def _said(strength: FloatArray, spread: float) -> FloatArray:
     """Return (blocks, shifts) the log odds that the strip is there."""
-    strip = max(STRIP_SPREAD, spread)
+    strip = max(COURSE_STRIP_SPREAD, spread)
     odds = math.log(spread / strip) - 0.5 * ((np.minimum(strength, 1.0) - 1) / strip) ** 2
     odds += 0.5 * (np.maximum(strength, 0.0) / spread) ** 2
     # where all is sure, the middle of what shows it is

@@ -374,7 +374,13 @@ def test_where_a_clamp_has_edges_of_its_own_its_stated_place_counts(side):
     places = StatedPlaces.of(stated(clamp_sigma_px=3.0), 12.0)
     fit, without = (
         fit_outline(
-            shape, [image], stated(), width_px=12.0, prior=np.array([6.0, 0.4]), places=each
+            shape,
+            [image],
+            stated(),
+            width_px=12.0,
+            prior=np.array([6.0, 0.4]),
+            work=OutlineWork(),
+            places=each,
         )
         for each in (places, None)
     )
