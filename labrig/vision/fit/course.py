@@ -24,6 +24,7 @@ from labrig.vision.fit.outline_profiles import (
     BLUR_RATIO,
     greys_beside,
     running_middle,
+    running_sum,
 )
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.straightened import slopes
@@ -167,7 +168,7 @@ def completed(course: StripCourse, blocks: Blocks, step_px: float) -> Blocks:
     at = np.minimum(at, len(course.said) - 1)
     # of one edge alone it is not known which one it is
     few = max(1, round(course.width_px / course.block_px))
-    faint = np.convolve(course.edges_said, np.ones(2 * few + 1) / (2 * few + 1), mode="same") > 0
+    faint = running_sum(course.edges_said, few) > 0
     added = there & ~blocks.seen & faint[at] & (course.profile_said[at] >= COURSE_SEEN_MIN)
     if not added.any() or not blocks.seen.any():
         return blocks

@@ -21,6 +21,7 @@ from labrig.vision.fit.outline_profiles import (
     across_px,
     edge_sizes,
     running_middle,
+    running_sum,
 )
 from labrig.vision.image.image import GreyImage
 from labrig.vision.thresholds import (
@@ -118,9 +119,8 @@ def without_lonely(blocks: Blocks) -> Blocks:
 
     Dirt shows two edges here and there: a path that cuts off a bend is no better known for it.
     """
-    around = np.ones(2 * LONELY_HALF_BLOCKS + 1)
-    many = np.convolve(blocks.seen, around, mode="same")
-    there = np.convolve(np.ones(len(blocks.seen)), around, mode="same")
+    many = running_sum(blocks.seen, LONELY_HALF_BLOCKS)
+    there = running_sum(np.ones(len(blocks.seen)), LONELY_HALF_BLOCKS)
     kept = many >= LONELY_SHARE * there
     return replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
 

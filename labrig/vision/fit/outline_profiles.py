@@ -14,6 +14,7 @@ from labrig.vision.image.image import GreyImage
 from labrig.vision.search.straightened import slopes
 
 FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
 UNIT_RATIO = 0.04  # step across, in widths
 UNIT_MAX_PX = 0.5
@@ -102,6 +103,15 @@ def edge_sizes(
         pixels = 1.5 * image.noise / math.sqrt(many * shape.basis.step_px * blur)
         total += (slope / max(texture, pixels)) ** 2
     return np.asarray(np.sqrt(total / len(images)))
+
+
+def running_sum(values: FloatArray | BoolArray, half: int) -> FloatArray:
+    """Return (n,) the sum over `half` values to each side; beyond the ends there is nothing.
+
+    As many as there are values, however few: `numpy.convolve` has no fewer than the window.
+    """
+    padded = np.pad(np.asarray(values, dtype=np.float64), half)
+    return np.convolve(padded, np.ones(2 * half + 1), mode="valid")
 
 
 def running_middle(values: FloatArray, half: int) -> FloatArray:

@@ -13,7 +13,7 @@ from labrig.vision.checks import catalogue
 from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
 from labrig.vision.curve.shape import make_basis, make_shape
 from labrig.vision.fit.outline import fit_outline
-from labrig.vision.fit.outline_blocks import measure_blocks
+from labrig.vision.fit.outline_blocks import measure_blocks, without_lonely
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import read_grey_image
 from labrig.vision.search.work import OutlineWork
@@ -359,6 +359,16 @@ def test_a_thin_strip_that_is_thinner_further_on_shows_both_edges_there():
     shape = make_shape(basis, np.zeros(2), 0.0, np.zeros(basis.size))
     blocks = measure_blocks(shape, [image], stated(), 4.6, np.ones(len(shape.x)))
     assert blocks.by_edges.mean() > 0.9
+
+
+def test_a_strip_of_few_blocks_is_as_long_as_before_where_lonely_ones_are_left_out():
+    line = arc(60, 0.0, heading_rad=0.0)
+    image = read_grey_image(drawn(line, 24), stated())
+    basis = make_basis(60.0, 60.0, 4, 1.0)
+    shape = make_shape(basis, np.zeros(2), 0.0, np.zeros(basis.size))
+    blocks = measure_blocks(shape, [image], stated(), 24.0, np.ones(len(shape.x)))
+    assert len(blocks.seen) < 11  # fewer than the neighbours that are asked
+    np.testing.assert_array_equal(without_lonely(blocks).seen, blocks.seen)
 
 
 @pytest.mark.parametrize("side", [1, -1])
