@@ -174,7 +174,8 @@ def asked(
     if clicks is not None:
         at = np.linspace(0, len(trace) - 1, clicks + 2)[1:].round().astype(int)
         aside = np.random.default_rng(len(trace)).uniform(-CLICK_PX, CLICK_PX, (len(at), 2))
-        *through, tip = map(tuple, np.round(trace[at] + aside, 1))
+        inside = np.clip(trace[at] + aside, 0, (columns - 1, rows - 1))  # as a click is
+        *through, tip = map(tuple, np.round(inside, 1))
         optics |= {"through_px": tuple(through) or None, "tip_px": tip}
     return Optics(**optics), StripGeometry(
         free_length_m=RULER_MM / 1000, length_known=False, thickness_known=False
