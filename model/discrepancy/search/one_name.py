@@ -38,9 +38,9 @@ def single_names(outcome: SearchResult, names: list[str], final: MixedModelFit) 
 
     `final` is the model with the names.
     """
-    base = outcome.base
     if len(names) < 2:
         return []
+    base = outcome.base
     explained = 0.5 * (base.deviance - final.deviance) - _paid(outcome, names)
     least = LEAST_SHARE_OF_SINGLE_NAME * explained
     some = [c for c in outcome.turns[0].ranking if c.known and c.name not in names]

@@ -128,7 +128,15 @@ def test_answers_that_are_sure_of_a_name_outweigh_a_doubt_but_no_impossible_ampl
     monkeypatch.setattr(decisions, "calibrated", lambda: SimpleNamespace(judged=lambda _: judged))
     monkeypatch.setattr(Judgement, "_without", lambda _self, found, _: replace(found, named=[]))
     choice = SimpleNamespace(effect=effect("gravity"), ranking=())
-    found = Decision(named=[choice], known=None, unknown=None, final=None, written=None, model=None)  # type: ignore[arg-type]
+    found = Decision(
+        named=[choice],
+        known=None,
+        unknown=None,
+        final=None,
+        written=None,
+        model=None,
+        predicting=None,
+    )  # type: ignore[arg-type]
     whole = Judgement(
         measurements=None, options=None, outcome=None, effects=(), threshold=6.0, enough=True
     )  # type: ignore[arg-type]
@@ -159,7 +167,13 @@ def test_a_name_gives_way_to_a_likelier_one_of_its_question(monkeypatch, likelie
         measurements=None, options=None, outcome=None, effects=(), threshold=6.0, enough=True
     )  # type: ignore[arg-type]
     found = Decision(
-        named=[one], known=fits["gravity"], unknown=unknown, final=None, written=None, model=None
+        named=[one],
+        known=fits["gravity"],
+        unknown=unknown,
+        final=None,
+        written=None,
+        model=None,
+        predicting=None,
     )  # type: ignore[arg-type]
     other = whole._with_likelier(found, (judged,))
     if likelier < 0.4 or unknown:
