@@ -9,6 +9,7 @@ clamp's place and a ruler, and with nothing else; `--direction` states a second 
 curve (each up to 2 pixels off the reading).
 Right: within 2 pixels of the hand reading at each of its 13 places, and ended within 3 % of the
 length (and 3 pixels) of its last one; where the strip leaves the picture, anywhere beyond it.
+"End doubted": it ended elsewhere, and a warning says that the strip may go on there.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from typing import Any
 import numpy as np
 
 from labrig.vision import NeutralCurve, Optics, StripGeometry, neutral_curve, write_overlay
+from labrig.vision.checks.kinds.strip_goes_on import CHECK as STRIP_GOES_ON
 from labrig.vision.image.reading import read_image
 
 TRACES = Path(__file__).parent / "photographs" / "traces.json"
@@ -136,7 +138,10 @@ def _length(points: np.ndarray) -> float:
 
 
 def verdict(curve: NeutralCurve, photograph: Photograph) -> tuple[str, str]:
-    """Return right, wrong, silent or refused, and the figures."""
+    """Return right, wrong, silent or refused, and the figures.
+
+    What is wrong and ended elsewhere, with a warning of that, is as wrong, but its end is doubted.
+    """
     if not curve.ok:
         return "refused", curve.why
     error, sigma, end = errors_px(curve, photograph.trace_px)
@@ -148,7 +153,14 @@ def verdict(curve: NeutralCurve, photograph: Photograph) -> tuple[str, str]:
     if error[worst] <= RIGHT_PX and ended:
         return "right", text
     silent = (error > RIGHT_PX) & (sigma < SIGMA_SHARE_MIN * error)
-    return ("silent" if silent.any() else "wrong"), text
+    doubted = ", end doubted" if not ended and end_doubted(curve) else ""
+    return ("silent" if silent.any() else "wrong") + doubted, text
+
+
+def end_doubted(curve: NeutralCurve) -> bool:
+    """Return whether a warning of the curve says that the strip may go on beyond its end."""
+    begin = STRIP_GOES_ON.warning.split("{")[0]
+    return any(text.startswith(begin) for text in curve.warnings)
 
 
 def asked(

@@ -15,6 +15,7 @@ also widen the credible band. The checks run in this order; the first refusal is
 - `candidate`: runs on each fitted curve, to choose between them
 - `chosen`: runs on the chosen curve
 - `uncertainty`: runs on the chosen curve with its whole uncertainty
+- `outline`: runs on a curve that was found between two edges, in place of all of these
 
 [How to add a check](../../howto/extending.md#a-check-of-a-curve)
 

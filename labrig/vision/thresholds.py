@@ -246,3 +246,7 @@ COURSE_EDGE_RATIO: Final = 0.3  # of the weaker edge to what it was: less is non
 COURSE_PROFILE_SIGMA_MIN: Final = 0.12  # of a profile's size, against the strip's
 COURSE_STRIP_SPREAD: Final = 0.35  # of a profile's size, in that of the strip shortly before
 COURSE_SEEN_MIN: Final = 1.0  # log odds of a block whose edges are too faint, to be used
+# Of the strip's profile, shown on a way beyond a measured end: more is a strip that may go on. The
+# middle of the gap between right and wrong ends on half of the photographs, by their repositories.
+STRIP_GOES_ON_MIN: Final = 0.23
+STRIP_GOES_ON_GROUND_RATIO: Final = 1.8  # and at least so much of what the ground beside shows

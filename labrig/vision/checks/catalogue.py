@@ -47,14 +47,19 @@ def findings(seen: SeenCurve, stage: CheckStage) -> list[CurveFinding]:
     return [finding for finding in said if finding is not None]
 
 
-def foreign_findings(seen: SeenOutline) -> list[CurveFinding]:
-    """Return what other distributions' checks of all stages say of a curve between two edges.
+def outline_findings(seen: SeenOutline) -> list[CurveFinding]:
+    """Return what the checks say of a curve between two edges.
 
-    labrig's own look at a fit of intensities; such a curve has others (`outline_report`).
+    Those of its own stage, and other distributions' of any; labrig's own of other stages look at a
+    fit of intensities, which `outline_report` replaces.
     """
     shared = cast("SeenCurve", seen)  # what both have is the contract; see `contract`
-    said = (_asked(part, shared) for part in _in_order() if part.distribution != OWN)
+    said = (_asked(part, shared) for part in _in_order() if _looks_at_outlines(part))
     return [finding for finding in said if finding is not None]
+
+
+def _looks_at_outlines(part: Part[CurveCheck]) -> bool:
+    return part.distribution != OWN or part.part.stage == CheckStage.OUTLINE
 
 
 def _in_order() -> list[Part[CurveCheck]]:

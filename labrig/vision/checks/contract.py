@@ -4,8 +4,9 @@ A check is asked about a fitted curve and returns a `CurveFinding`, or None wher
 The refusal of the check with the lowest order is the one that the user reads. A check must not
 block, keeps no state, and changes none of its arguments.
 
-A thick strip, or one of which little is stated, is found between its edges. The checks of other
-distributions are then asked once, with a `SeenOutline`, which has what both kinds share.
+A thick strip, or one of which little is stated, is found between its edges. The checks of the stage
+`OUTLINE`, and those of other distributions, are then asked once, with a `SeenOutline`, which has
+what both kinds share and more.
 """
 
 # ruff: noqa: ARG002 - the method that a check overrides does nothing with what it is given
@@ -29,6 +30,7 @@ class CheckStage(StrEnum):
     CANDIDATE = "candidate"  # each fitted curve, to choose between them
     CHOSEN = "chosen"  # the chosen curve, once what lies along and beside it was measured
     UNCERTAINTY = "uncertainty"  # the same with its whole uncertainty, after all widening
+    OUTLINE = "outline"  # a curve between two edges, in place of all of these
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

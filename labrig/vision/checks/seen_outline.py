@@ -1,10 +1,11 @@
-"""The input of another distribution's check for a curve that was found between two edges.
+"""The input of a check for a curve that was found between two edges.
 
 It has the parts of a `SeenCurve` that such a curve has, under the same names.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,7 @@ class OutlineContext:
     """The image of a curve between two edges, and where it is in it."""
 
     image: GreyImage
+    channels: Sequence[GreyImage]  # the image in all channels in which edges were looked for
     optics: Optics
     sign: float  # +1: the strip is brighter than its ground
 
@@ -39,6 +41,7 @@ class SeenOutline:
     fit: OutlineFit
     context: OutlineContext
     sigma_px: FloatArray
+    end_measured: bool  # inside of the image; neither the length nor the tip is stated
 
     @property
     def covered(self) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.checks.catalogue import findings, foreign_findings
+from labrig.vision.checks.catalogue import findings, outline_findings
 from labrig.vision.checks.contract import CheckStage, CurveFinding
 from labrig.vision.checks.gap_continuity import GapJoin
 from labrig.vision.checks.seen_curve import SeenCurve
@@ -72,8 +72,8 @@ def judge(seen: SeenCurve, stage: CheckStage) -> StageVerdict:
 
 
 def judge_outline(seen: SeenOutline) -> StageVerdict:
-    """Return what other distributions' checks say of a curve between two edges."""
-    return _together(foreign_findings(seen), len(seen.fit.shape.x))
+    """Return what the checks say of a curve between two edges."""
+    return _together(outline_findings(seen), len(seen.fit.shape.x))
 
 
 def _together(found: list[CurveFinding], nodes: int) -> StageVerdict:

@@ -103,7 +103,7 @@ def outline_curve(
     if start is not None:
         followed = _tried(images, optics, strip, _from_before(start), work)
         if followed is not None and not followed.why:
-            found = outline_in_metres(followed.outline, images[0], optics, strip)
+            found = outline_in_metres(followed.outline, images, optics, strip)
             if found.ok:
                 return found
     likeliest = _likeliest_first(images, optics, strip, mask, work)
@@ -122,7 +122,7 @@ def outline_curve(
     if not tried:
         return _refused(UNSEEN_THROUGH if optics.stated_places_px else UNSEEN)
     why, best = _chosen(tried)
-    return _refused(why) if why else outline_in_metres(best.outline, images[0], optics, strip)
+    return _refused(why) if why else outline_in_metres(best.outline, images, optics, strip)
 
 
 def _chosen(tried: list[_Tried]) -> tuple[str, _Tried]:

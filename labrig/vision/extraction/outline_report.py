@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -166,9 +167,9 @@ def _place_fault(outline: Outline, optics: Optics) -> str:
 
 
 def outline_in_metres(
-    outline: Outline, image: GreyImage, optics: Optics, strip: StripGeometry
+    outline: Outline, images: Sequence[GreyImage], optics: Optics, strip: StripGeometry
 ) -> NeutralCurve:
-    """Return the curve in metres, or why another distribution's check refuses it."""
+    """Return the curve in metres, or why a check refuses it."""
     fit, shape, ppm = outline.fit, outline.fit.shape, optics.px_per_m
     covariance = fit.covariance
     unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
@@ -183,15 +184,21 @@ def outline_in_metres(
     said = judge_outline(
         SeenOutline(
             fit=fit,
-            context=OutlineContext(image=image, optics=outline.optics, sign=outline.located.sign),
+            context=OutlineContext(
+                image=images[0],
+                channels=images,
+                optics=outline.optics,
+                sign=outline.located.sign,
+            ),
             sigma_px=sigma_m * ppm,
+            end_measured=not (strip.length_known or optics.tip_px or outline.leaves_image),
         )
     )
     if said.why:
         return NeutralCurve(ok=False, why=said.why)
     return NeutralCurve(
         ok=True,
-        warnings=(*image.warnings, *_assumed(outline, optics, strip), *said.warnings),
+        warnings=(*images[0].warnings, *_assumed(outline, optics, strip), *said.warnings),
         s_m=shape.basis.s / ppm,
         x_m=shape.x / ppm,
         y_m=shape.y / ppm,
