@@ -204,6 +204,7 @@ def main() -> None:
     parser.add_argument("--overlays", type=Path)
     options = parser.parse_args()
     counts: dict[str, int] = {}
+    right_doubted = 0
     print("| photograph | kind | result | error, px | CPU s |\n|---|---|---|---|---|")
     for photograph in load(options.folder):
         if (options.tuned and not photograph.tuned_on) or (
@@ -216,12 +217,14 @@ def main() -> None:
         spent = time.process_time() - began
         result, text = verdict(curve, photograph)
         counts[result] = counts.get(result, 0) + 1
+        right_doubted += result == "right" and end_doubted(curve)
         print(f"| {photograph.name} | {photograph.kind} | {result} | {text} | {spent:.2f} |")
         if options.overlays is not None:
             options.overlays.mkdir(parents=True, exist_ok=True)
             name = photograph.name.replace(" ", "_")
             write_overlay(options.overlays / f"{name}.png", photograph.image, curve)
-    print(", ".join(f"{count} {result}" for result, count in counts.items()))
+    print("; ".join(f"{count} {result}" for result, count in counts.items()))
+    print(f"{right_doubted} of the right ones have the warning that the strip may go on")
 
 
 if __name__ == "__main__":
