@@ -232,7 +232,16 @@ def test_pages_hear_the_prediction_and_the_estimates(panel_side, recorded):
     tell(200, 400)
     until(lambda: hear()["estimates"] and hear()["strips"])
     assert hear()["strips"][-1].keys == ("force_mN", "current_mA")
-    until(lambda: any(m.get("shape") is not None for m in hear()["motion"]))
+    # A slow model skips images, and pages hear its newest answer only: images until one is drawn.
+    more = iter(range(400, len(recorded[2])))
+
+    def a_shape_is_heard():
+        first = next(more, None)
+        if first is not None:
+            tell(first, first + 1)
+        return any(m.get("shape") is not None for m in hear()["motion"])
+
+    until(a_shape_is_heard)
 
 
 @pytest.mark.slow
