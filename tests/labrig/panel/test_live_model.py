@@ -239,6 +239,7 @@ def test_pages_hear_the_prediction_and_the_estimates(panel_side, recorded):
         first = next(more, None)
         if first is not None:
             tell(first, first + 1)
+            threading.Event().wait(0.2)  # five times as long as it lasted
         return any(m.get("shape") is not None for m in hear()["motion"])
 
     until(a_shape_is_heard)
