@@ -14,25 +14,11 @@ from labrig.panel.replay.recording import Recording
 from labrig.session import open_session, recover, verify
 from protocols.execution.operator import REPEAT
 from sim_hardware.operator import SimulatedOperator
+from tests.end_to_end.small_rig import PROTOCOL as TWO_PLACES
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
 
 pytestmark = pytest.mark.slow
-PROTOCOL = """
-[pulse_train]
-zero_readings = 3
-readings_per_voltage = 3
-
-[[places]]
-configuration = "long"
-positions_mm = [10]
-
-[[places]]
-configuration = "short"
-positions_mm = [10]
-
-[extras]
-mode = "paper"
-"""
+PROTOCOL = TWO_PLACES.replace("[10, 20]", "[10]")
 SATURATED = """
 [[faults]]
 what = "current_saturated"

@@ -61,7 +61,7 @@ def _remember(ordered: FloatArray, latest: FloatArray, many: int, value: float) 
     slot = many % keep
     if many >= keep:
         at = 0
-        while ordered[at] != latest[slot]:
+        while at < count and ordered[at] != latest[slot]:  # NaN equals nothing
             at += 1
         count -= 1
         while at < count:

@@ -38,10 +38,7 @@ class CandidateMeasurement:
 
 
 def _minutes(runs: float) -> Callable[[DataVector], float]:
-    def always(one: DataVector) -> float:  # noqa: ARG001
-        return runs * RUN_MINUTES
-
-    return always
+    return lambda _one: runs * RUN_MINUTES
 
 
 def _runs(one: DataVector) -> float:

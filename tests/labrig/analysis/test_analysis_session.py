@@ -199,7 +199,10 @@ def test_the_analysis_is_kept_in_the_session_and_can_be_made_again(pictured, tmp
 def test_a_session_that_cannot_be_added_to_is_refused_before_the_work(tmp_path, monkeypatch):
     path = record_with(tmp_path / "s.h5", make_schedule(TRAIN, [Place("long", (0.0,))]))
     (tmp_path / "s.h5.lock").mkdir()  # in place of the file that says who writes
-    not_reached = lambda *_, **__: pytest.fail("measured")  # noqa: E731
+
+    def not_reached(*_, **__):
+        pytest.fail("measured")
+
     monkeypatch.setitem(analyze.__globals__, "measure", not_reached)
     with pytest.raises(BadInputError, match=r"s\.h5\.lock cannot be written"):
         analyze(path)
