@@ -19,13 +19,23 @@ from labrig.session.derived.arrays import (
 from labrig.session.format import layout
 from labrig.session.reading.opening import open_file
 from labrig.session.reading.session import RecordedSession
-from labrig.session.reading.values import read_array, read_dataset, text_attribute
+from labrig.session.reading.values import (
+    damage_told,
+    read_array,
+    read_dataset,
+    text_attribute,
+)
 from labrig.session.recording.hdf5 import put_text_list, set_attributes, unit_of
-from labrig.session.supplements.store import replaced, seal
+from labrig.session.supplements.store import is_sealed, replaced, seal
 from model.measurements import Measurements
 
 # What was made of the measurements: texts beside them, gone with them.
 FINDINGS = frozenset({"diagnosis", "dynamic_comparison"})
+
+CHANGED = (
+    "The measurements kept in the session were changed by another program after they were stored; "
+    "labrig analyze makes them again where the session was recorded."
+)
 
 
 def store_measurements(
@@ -57,7 +67,7 @@ def load_measurements(path: Path | str) -> Measurements:
             for name in group
             if name not in FINDINGS
         }
-        outdated = RecordedSession(file, path).outdated if layout.MARKS in file else ""
+        warnings = _warnings(file, path)
         try:
             found = measurements_from_tables(tables)
         except (KeyError, TypeError, ValueError, IndexError) as error:
@@ -65,7 +75,7 @@ def load_measurements(path: Path | str) -> Measurements:
                 f"{path}: its measurements cannot be read ({error!r}); run "
                 f"labrig analyze {typed(path)} again."
             ) from None
-    return replace(found, warnings=(*found.warnings, outdated)) if outdated else found
+    return replace(found, warnings=(*found.warnings, *warnings)) if warnings else found
 
 
 def stored_curve_extractor(path: Path) -> str:
@@ -121,6 +131,14 @@ def write_derived(file: Any, measurements: Measurements, *, curve_extractor: str
         made = group.create_dataset(name, data=table, **(packed if table.shape else {}))
         _describe(made, name)
     seal(group)
+
+
+def _warnings(file: Any, path: Path) -> list[str]:
+    """Return why the kept measurements may not be those of the recording, a sentence each."""
+    outdated = RecordedSession(file, path).outdated if layout.MARKS in file else ""
+    with damage_told(path, layout.DERIVED):
+        whole = is_sealed(file[layout.DERIVED])
+    return [one for one in (outdated, "" if whole else CHANGED) if one]
 
 
 def _describe(dataset: Any, name: str) -> None:

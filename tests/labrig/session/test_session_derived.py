@@ -50,6 +50,14 @@ def test_nothing_measured_comes_back_too(session):
     assert same(load_measurements(session), Measurements(sheets={}, conditions=()))
 
 
+def test_measurements_changed_by_hand_are_read_with_a_warning(session):
+    store_measurements(session, measurements())
+    assert not any("another program" in one for one in load_measurements(session).warnings)
+    with h5py.File(session, "r+") as file:
+        file["/session/derived/points"][0] = file["/session/derived/points"][1]
+    assert any("another program" in one for one in load_measurements(session).warnings)
+
+
 @pytest.mark.slow
 def test_raw_data_are_the_same_before_and_after(session, recorded):
     store_measurements(session, measurements())
