@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from labrig.analysis.analyze import shunt_ohm
-from labrig.analysis.motion.beginning import StatedValues
+from labrig.analysis.analyze import inputs_of, shunt_ohm
+from labrig.analysis.motion.beginning import ELONGATION_UNKNOWN, StatedValues
 from labrig.analysis.motion.dynamic_fit import DynamicFit, dynamic_fit
 from labrig.analysis.motion.record import MotionRecord, motion_record, moving_configurations
 from labrig.api.data import AnyPath, Progress, paths_of, several, silent, tell
@@ -55,9 +55,13 @@ def request_of(
 
 
 def fits_of(request: MotionRequest, progress: Progress | None) -> list[DynamicFit]:
-    """Read the sessions and fit each configuration that moved in them."""
+    """Read the sessions and fit each configuration that moved in them.
+
+    One whose elongation's mass is not stated is left out, in words; it is refused where it was
+    asked for or is the only one.
+    """
     with open_session(request.sessions[0]) as session:
-        found = request.configurations or tuple(moving_configurations(session))
+        found = _determinable(request, session)
         source_ohm = shunt_ohm(session) or 1.0
     end = request.elongation_g_per_m
     stated = StatedValues(
@@ -69,9 +73,25 @@ def fits_of(request: MotionRequest, progress: Progress | None) -> list[DynamicFi
     for name in names:
         records = records_of(request, name, progress)
         for text in dict.fromkeys(text for one in records for text in one.missing):
-            tell(text)
+            tell(f"{name}: {text}" if len(names) > 1 else text)
         fits.append(dynamic_fit(records, stated))
     return fits
+
+
+def _determinable(request: MotionRequest, session: RecordedSession) -> tuple[str, ...]:
+    """Return the configurations to fit; told before minutes are spent on reading images."""
+    moved = tuple(moving_configurations(session))
+    found = request.configurations or moved
+    if request.elongation_g_per_m is not None or not moved:
+        return found
+    sheets = inputs_of(session).sheets
+    unknown = [name for name in found if name in moved and sheets[name].elongation_m > 0.0]
+    rest = tuple(name for name in found if name not in unknown)
+    if unknown and (request.configurations or not rest):
+        raise BadInputError(ELONGATION_UNKNOWN.format(unknown[0]))
+    for name in unknown:
+        tell(f"'{name}' is left out: {ELONGATION_UNKNOWN.format(name)}")
+    return rest
 
 
 def records_of(

@@ -193,6 +193,19 @@ def test_a_session_without_a_current_is_refused(tmp_path, capsys):
     assert "no current of the sheet was recorded" in refusal(capsys, "fit", silent, "--dynamic")
 
 
+def test_a_sheet_whose_elongation_is_not_stated_is_left_out_before_anything_is_read(
+    tmp_path, capsys
+):
+    both = session(tmp_path / "both.h5", measure("long", "short"))
+    asked = refusal(capsys, "fit", both, "--dynamic", "--configuration", "short")
+    assert "'short' has an elongation" in asked
+    assert "--elongation-g-per-m" in asked
+    assert run(["fit", str(both), "--dynamic"]) == 2
+    told = capsys.readouterr().err
+    assert "'short' is left out" in told
+    assert "no current of the sheet was recorded" in told.strip().splitlines()[-1]  # the long one
+
+
 def test_what_only_the_user_knows_is_asked_for(path):
     from dataclasses import replace
 

@@ -32,6 +32,10 @@ COARSE = Resolution(
 )  # fmt: skip
 FIRST_MODE = 1.8751040687119612
 FORCE_EVERY = 5  # samples
+ELONGATION_UNKNOWN = (
+    "the sheet '{}' has an elongation whose mass no recording tells apart: state it with"
+    " --elongation-g-per-m."
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,10 +67,7 @@ def beginning(
 def _usual(sheet: SheetGeometry, stated: StatedValues) -> DynamicBeam:
     name = sheet.configuration
     if sheet.elongation_m > 0.0 and stated.elongation_kg_per_m is None:
-        raise BadInputError(
-            f"the sheet '{name}' has an elongation whose mass no recording tells apart: state it"
-            " with --elongation-g-per-m."
-        )
+        raise BadInputError(ELONGATION_UNKNOWN.format(name))
     B = USUAL_E_PA * sheet.width_m * sheet.thickness_m**3 / 12.0
     fluid = fluid_around(stated.fluid, sheet.width_m)
     return DynamicBeam(
