@@ -76,6 +76,8 @@ PARTS = [
             shown("howto/extending.md", "An extra")),
     Example("column_means", "labrig/extractors", "extractors", "EXTRACTOR",
             shown("howto/curve_extractor.md", "Add a curve extractor")),
+    Example("wall_px", "labrig/vision/facts/kinds", "strip_facts", "FACT",
+            shown("howto/extending.md", "A fact of a strip")),
     Example("largest_force", "labrig/exports", "exports", "FORMAT",
             shown("howto/extending.md", "An export format")),
     Example("every_force", "labrig/report/sections", "report_sections", "SECTION",
