@@ -152,6 +152,10 @@ def test_an_effect_is_in_the_catalogue(path, tmp_path):
     assert "tanh" in labrig(path, tmp_path, "effects", "show", "cable_pickup")
 
 
+def test_a_fact_of_a_strip_has_its_option(path, tmp_path):
+    assert "--wall" in labrig(path, tmp_path, "curves", "--help")
+
+
 @BY_EACH_WAY
 def test_an_effect_of_a_recorded_channel_is_found_where_it_was_recorded(path, tmp_path):
     script = """
