@@ -14,6 +14,8 @@ from labrig.errors import BadInputError
 from labrig.vision.facts.catalogue import origin_of, strip_facts
 from labrig.vision.facts.contract import FactOf, FactShape, StripFact
 
+PARAMETER = "fact_"  # before a fact's name: what the command has is called otherwise
+
 
 def with_facts(command: Callable[..., None], before: str) -> Callable[..., None]:
     """Return a command with an option for each fact in place of its `**facts`.
@@ -37,12 +39,12 @@ def with_facts(command: Callable[..., None], before: str) -> Callable[..., None]
 
 
 def stated_facts(options: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of the facts that are stated, by name. Raises BadInputError."""
+    """Return the values of the facts that these options state, by name. Raises BadInputError."""
     from labrig.vision.facts.stated import joined, read
 
     found: dict[str, Any] = {}
     for name, fact in strip_facts().items():
-        texts = options.get(name)
+        texts = options.get(PARAMETER + name)
         if not texts and texts != "":
             continue
         if fact.shape == FactShape.FLAG:
@@ -101,7 +103,7 @@ def _option(fact: StripFact) -> inspect.Parameter:
     elif fact.option.repeated:
         kind = list[str] | None
     return inspect.Parameter(
-        fact.name,
+        PARAMETER + fact.name,
         inspect.Parameter.POSITIONAL_OR_KEYWORD,
         default=default,
         annotation=Annotated[kind, info],

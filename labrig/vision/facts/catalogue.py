@@ -6,7 +6,11 @@ A file adds one by its constant `FACT`; another distribution by an entry point o
 
 from __future__ import annotations
 
-from drivers.plugins import OWN, Part, PluginFolder
+import sys
+import warnings
+from functools import lru_cache
+
+from drivers.plugins import OWN, Part, PluginFolder, PluginWarning
 from labrig.vision.facts.contract import StripFact
 
 
@@ -26,14 +30,31 @@ FOLDER: PluginFolder[StripFact] = PluginFolder(
 
 
 def strip_facts() -> dict[str, StripFact]:
-    """Return all facts by name, in their order; of two of one name or option the first."""
+    """Return all facts by name, in their order."""
+    return dict(_in_order(tuple(sys.path)))
+
+
+@lru_cache(maxsize=8)
+def _in_order(path: tuple[str, ...]) -> dict[str, StripFact]:
+    """Return the facts as seen from these places; of two with one name or option the first."""
+    del path
     found: dict[str, StripFact] = {}
-    flags: set[str] = set()
     for part in sorted(FOLDER.parts().values(), key=_place):
         fact = part.part
-        if fact.name not in found and fact.option.flag not in flags:
+        before = [
+            one
+            for one in found.values()
+            if fact.name == one.name or fact.option.flag == one.option.flag
+        ]
+        if before:
+            warnings.warn(
+                f"the strip fact '{fact.name}' of {part.distribution} is left out: there is one "
+                f"'{before[0].name}' with the option {before[0].option.flag} already.",
+                PluginWarning,
+                stacklevel=2,
+            )
+        else:
             found[fact.name] = fact
-            flags.add(fact.option.flag)
     return dict(sorted(found.items(), key=lambda item: item[1].order))
 
 

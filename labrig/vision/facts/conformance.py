@@ -9,6 +9,39 @@ from collections.abc import Iterator
 from labrig.vision.facts.contract import FactOf, FactShape, StripFact, Told
 
 _FLAG = re.compile(r"--[a-z][a-z0-9]*(-[a-z0-9]+)*")
+# keys of optics.json that are no facts; a test holds them equal to those of its model
+KEYS_OF_OPTICS = frozenset(
+    {
+        "bits",
+        "camera_matrix",
+        "channel",
+        "clamp_angle_known",
+        "clamp_angle_rad",
+        "clamp_angle_sigma_rad",
+        "clamp_px",
+        "clamp_sigma_px",
+        "date",
+        "distortion",
+        "facts",
+        "homography",
+        "image_size",
+        "look",
+        "method",
+        "note",
+        "origin_px",
+        "origin_sigma_px",
+        "polarity",
+        "px_per_mm",
+        "px_per_mm_sigma",
+        "residual_px",
+        "residual_um",
+        "roll_rad",
+        "roll_sigma_rad",
+        "rolls_px",
+        "strips",
+        "views",
+    }
+)
 _CLICKED = {FactShape.POINT, FactShape.POINTS, FactShape.POLYGONS}
 
 
@@ -22,6 +55,8 @@ def faults(fact: object) -> list[str]:
 def _faults(fact: StripFact) -> Iterator[str]:
     if not (isinstance(fact.name, str) and fact.name.isidentifier()):
         yield f"its name {fact.name!r} must be one word of letters, digits and underscores"
+    if fact.name in KEYS_OF_OPTICS:
+        yield f"its name {fact.name!r} is a key of optics.json already"
     if not fact.meaning.strip():
         yield "its meaning is empty"
     if fact.shape not in set(FactShape):

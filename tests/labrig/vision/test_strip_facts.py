@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from labrig.errors import BadInputError
 from labrig.vision import Optics
 from labrig.vision.calibration.optics import StripPlace
 from labrig.vision.facts.catalogue import strip_facts
-from labrig.vision.facts.conformance import faults
+from labrig.vision.facts.conformance import KEYS_OF_OPTICS, faults
 from labrig.vision.facts.contract import FactOf, FactOption, FactShape, FactTool, StripFact, Told
 from tests.labrig.vision import drawn_strips
 
@@ -111,6 +112,13 @@ def test_a_faulty_fact_is_told_what_is_wrong():
         order=1,
     )
     assert faults(silent) == ["it has neither `tells` nor `directed`: it says nothing"]
+
+
+def test_no_fact_has_the_name_of_another_key_of_optics_json():
+    fields = Optics.model_fields.keys() | StripPlace.model_fields.keys()
+    assert fields - {"along_px"} == KEYS_OF_OPTICS
+    channel = replace(strip_facts()["tip_px"], name="channel")
+    assert faults(channel) == ["its name 'channel' is a key of optics.json already"]
 
 
 def test_what_facts_tell_is_put_together():
@@ -236,6 +244,12 @@ def test_a_fact_whose_option_is_taken_is_left_out(install, photograph, capsys):
     assert run(["curves", "--help"]) == 0
     said = " ".join(capsys.readouterr().err.split())
     assert "the strip fact 'taken_px' of labrig-strange 0.3 is left out: labrig curves" in said
+
+
+def test_of_two_facts_of_one_name_the_second_is_left_out_with_a_sentence(install):
+    install(FOREIGN.replace('name="course_px"', 'name="tip_px"'), another="FACT")
+    with pytest.warns(UserWarning, match="'tip_px' of labrig-strange is left out: there is one"):
+        assert strip_facts()["tip_px"].option.flag == "--tip-px"
 
 
 def test_places_follow_a_picture_that_is_reduced():
