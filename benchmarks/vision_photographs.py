@@ -84,7 +84,7 @@ def _picture(path: Path, entry: dict[str, Any]) -> np.ndarray:
 
         with h5py.File(path) as file:
             return np.asarray(file["video"][entry["frame"]])
-    image = _frame(path, entry["frame"]) if path.suffix == ".avi" else read_image(path)
+    image = _frame(path, entry["frame"]) if "frame" in entry else read_image(path)
     if "crop_px" in entry:
         u, v, width, height = entry["crop_px"]
         image = image[v : v + height, u : u + width]

@@ -33,6 +33,7 @@ PLUGIN_FOLDERS = {
     "labrig/panel/pages",
     "labrig/report/sections",
     "labrig/vision/checks/kinds",
+    "labrig/vision/facts/kinds",
     "drivers/cameras",
     "drivers/positioners",
     "drivers/force_sensors",

@@ -30,6 +30,7 @@ FOLDERS = {
     "protocols": "labrig.config.protocol:PROTOCOLS",
     "extras": "labrig.config.protocol:EXTRAS",
     "extractors": "labrig.extractors.choice:EXTRACTORS",
+    "strip_facts": "labrig.vision.facts.catalogue:FOLDER",
     "curve_checks": "labrig.vision.checks.catalogue:FOLDER",
     "exports": "labrig.exports.choice:FORMATS",
     "report_sections": "labrig.report.sections.interface:SECTIONS",

@@ -32,6 +32,11 @@ class ClosedModel(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
+    @classmethod
+    def keys(cls) -> list[str]:
+        """Return the keys that the table may have."""
+        return list(cls.model_fields)
+
     @field_validator("*", mode="before")
     @classmethod
     def _is_of_its_kind(cls, value: Any, info: ValidationInfo) -> Any:
@@ -270,9 +275,7 @@ def _is_branch(part: Any) -> bool:
 
 def _suggestion(model: type[BaseModel], location: tuple[Any, ...]) -> str:
     wrong = _cut(str(location[-1]))
-    own = list(
-        dict.fromkeys(key for table in _tables(model, location) for key in table.model_fields)
-    )
+    own = list(dict.fromkeys(key for table in _tables(model, location) for key in _keys_of(table)))
     elsewhere = sorted(_known_keys(model) - {wrong})  # known elsewhere is not known here
     for keys, likeness in ((own, 0.6), (elsewhere, 0.75)):
         if close := difflib.get_close_matches(wrong, keys, n=1, cutoff=likeness):
@@ -292,12 +295,15 @@ def _tables(model: type[BaseModel], location: tuple[Any, ...]) -> list[type[Base
 
 
 def _known_keys(model: type[BaseModel]) -> set[str]:
-    keys: set[str] = set()
-    for key, field in model.model_fields.items():
-        keys.add(key)
+    keys = set(_keys_of(model))
+    for field in model.model_fields.values():
         for kind in _models(field):
             keys |= _known_keys(kind)
     return keys
+
+
+def _keys_of(model: type[BaseModel]) -> list[str]:
+    return model.keys() if issubclass(model, ClosedModel) else list(model.model_fields)
 
 
 def _models(field: FieldInfo) -> list[type[BaseModel]]:

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import (
         simulated_serial_device_faults as simulated_serial_device_faults,
     )
+    from labrig.testing.conformance import strip_fact_faults as strip_fact_faults
     from labrig.testing.conformance import timed_output_faults as timed_output_faults
     from labrig.testing.conformance import verdict_check_faults as verdict_check_faults
     from labrig.testing.fake_rig import FakeRig as FakeRig
@@ -80,6 +81,7 @@ _HOMES = {
         "protocol_faults",
         "read_back_faults",
         "rescue_faults",
+        "strip_fact_faults",
         "timed_output_faults",
         "section_content_faults",
         "section_faults",

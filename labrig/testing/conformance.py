@@ -32,6 +32,7 @@ from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
 from labrig.report.sections.conformance import faults as section_faults
 from labrig.vision.checks.conformance import faults as curve_check_faults
+from labrig.vision.facts.conformance import faults as strip_fact_faults
 from model.discrepancy.criticism.conformance import faults as verdict_check_faults
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
 from model.dynamics.models.conformance import faults as dynamic_model_faults
@@ -76,6 +77,7 @@ __all__ = [
     "simulated_board_faults",
     "simulated_family_faults",
     "simulated_serial_device_faults",
+    "strip_fact_faults",
     "timed_output_faults",
     "verdict_check_faults",
 ]

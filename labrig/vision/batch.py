@@ -5,23 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from labrig.errors import BadInputError
 from labrig.vision.calibration.drawing import is_drawing
 from labrig.vision.calibration.optics import (
     ColourChannel,
     Optics,
-    Point,
     SheetAppearance,
     StripPlace,
     load_optics,
 )
+from labrig.vision.checks.objections import heeding
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extraction.extract import neutral_curve
+from labrig.vision.facts.catalogue import strip_facts
+from labrig.vision.facts.contract import FactOf
+from labrig.vision.facts.stated import joined
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, missing, own_file
 from labrig.vision.image.files import load_strip, write_json
 from labrig.vision.image.image import in_levels
-from labrig.vision.image.mask import Polygons
 from labrig.vision.image.overlay import write_overlay
 from labrig.vision.image.reading import (
     IMAGE_SUFFIXES,
@@ -44,7 +47,6 @@ PictureCurve = tuple[PictureLabel, Pixels | None, NeutralCurve]
 Find = Callable[[Pixels], NeutralCurve]
 
 UNSTATED_LENGTH_M = 0.05  # stands for a length that is measured
-ALONG_SIGMA_RAD = 0.1  # of a direction that is read from a photograph
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,12 +59,8 @@ class BatchOptions:
     overlays: bool = True
     look: SheetAppearance | None = None  # in place of that in optics.json
     find: FindCurve = neutral_curve
-    mask: Polygons = ()  # of raw pixels that are not used, beside those in optics.json
     strips: Mapping[str, StripPlace] | None = None  # in place of those in optics.json
-    along_px: Point | None = None  # a second pixel on the strip: its direction at the clamp
-    through_px: tuple[Point, ...] = ()  # places on the strip, in place of those in optics.json
-    tip_px: Point | None = None  # where it ends, in place of that in optics.json
-    to_end: bool = False  # whatever length is stated, follow the strip to its end
+    facts: Mapping[str, Any] = field(default_factory=dict)  # by name, beside those in optics.json
     channel: ColourChannel | None = None  # of colour images, in place of that in optics.json
     every: int = 1  # of a video's frames and a TIFF's pages the first of each so many
 
@@ -203,7 +201,7 @@ def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
 
 def _needs_sheet(path: Path, options: BatchOptions) -> bool:
     try:
-        return not _measures_length(options, optics_of(path, options))
+        return not _measures_length(optics_of(path, options))
     except BadInputError:
         return False  # a fault of that image's own file costs that image only
 
@@ -242,6 +240,8 @@ def _curves_of(
 
 def _finder(optics: Optics, strip: StripGeometry, find: FindCurve, *, follow: bool) -> Find:
     """Return what finds the curve of one picture; with `follow` from that of the one before."""
+    if optics.told.objections:
+        find = heeding(find)
     if follow:
         tracker = Tracker(optics, strip, find)
         return lambda image: tracker.curve(in_levels(image, optics))
@@ -262,22 +262,24 @@ def _known(path: Path, options: BatchOptions) -> dict[str, tuple[Optics, StripGe
     found = optics_of(path, options)
     sheet = sheet_of(path, options, found)
     return {
-        name: (optics, _strip(sheet, options, name)) for name, optics in found.by_strip().items()
+        name: (optics, _strip(sheet, options, name, optics))
+        for name, optics in found.by_strip().items()
     }
 
 
-def _strip(sheet: Path | None, options: BatchOptions, name: str) -> StripGeometry:
+def _strip(sheet: Path | None, options: BatchOptions, name: str, optics: Optics) -> StripGeometry:
     if sheet is None:  # nothing is stated: all is measured
         return StripGeometry(
             free_length_m=UNSTATED_LENGTH_M, thickness_known=False, length_known=False
         )
     strip = load_strip(sheet, options.configuration, name)
-    return replace(strip, length_known=False, elongation_m=0.0) if options.to_end else strip
+    measured = optics.told.length_measured
+    return replace(strip, length_known=False, elongation_m=0.0) if measured else strip
 
 
-def _measures_length(options: BatchOptions, optics: Optics) -> bool:
+def _measures_length(optics: Optics) -> bool:
     """Return whether the length of each strip is measured, so that none need be stated."""
-    return options.to_end or all(each.tip_px for each in optics.by_strip().values())
+    return all(each.told.length_measured for each in optics.by_strip().values())
 
 
 def optics_of(path: Path, options: BatchOptions) -> Optics:
@@ -289,25 +291,31 @@ def optics_of(path: Path, options: BatchOptions) -> Optics:
     changed: dict[str, object] = {}
     if options.look is not None:
         changed["look"] = options.look
-    if options.mask:
-        changed["mask_px"] = (known.mask_px or ()) + options.mask
     if options.strips is not None:
-        changed |= {"strips": dict(options.strips), "through_px": None, "tip_px": None}
-    if options.through_px:
-        changed["through_px"] = options.through_px
-    if options.tip_px is not None:
-        changed["tip_px"] = options.tip_px
+        kept = known.facts_that_are(FactOf.PICTURE)
+        changed |= {"strips": dict(options.strips), "facts": kept}
     if options.channel is not None:
         changed["channel"] = options.channel
-    known = known.model_copy(update=changed)
-    if options.along_px is None:
-        return known
-    return known.leading_to(options.along_px, ALONG_SIGMA_RAD)
+    return _with_facts(known.model_copy(update=changed), options.facts)
+
+
+def _with_facts(known: Optics, stated: Mapping[str, Any]) -> Optics:
+    """Return what is known with the facts that are stated on the command line."""
+    kinds = strip_facts()
+    for name, value in stated.items():
+        fact = kinds[name]
+        there = fact.directed(known, value)
+        if isinstance(there, Optics):
+            known = there
+        else:
+            both = joined(fact, known.facts.get(name), value)
+            known = known.model_copy(update={name: both})
+    return known
 
 
 def sheet_of(path: Path, options: BatchOptions, optics: Optics) -> Path | None:
     """Return the sheet.toml that an image uses; None where it needs none."""
     sheet = beside(path, SHEET_FILE, options.sheet)
-    if sheet is None and not _measures_length(options, optics):
+    if sheet is None and not _measures_length(optics):
         raise BadInputError(missing(path, SHEET_FILE))
     return sheet

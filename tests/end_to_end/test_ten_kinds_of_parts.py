@@ -76,6 +76,8 @@ PARTS = [
             shown("howto/extending.md", "An extra")),
     Example("column_means", "labrig/extractors", "extractors", "EXTRACTOR",
             shown("howto/curve_extractor.md", "Add a curve extractor")),
+    Example("wall_px", "labrig/vision/facts/kinds", "strip_facts", "FACT",
+            shown("howto/extending.md", "A fact of a strip")),
     Example("largest_force", "labrig/exports", "exports", "FORMAT",
             shown("howto/extending.md", "An export format")),
     Example("every_force", "labrig/report/sections", "report_sections", "SECTION",
@@ -148,6 +150,10 @@ def labrig(path: str, folder: Path, *arguments: object) -> str:
 def test_an_effect_is_in_the_catalogue(path, tmp_path):
     assert "cable_pickup" in labrig(path, tmp_path, "effects")
     assert "tanh" in labrig(path, tmp_path, "effects", "show", "cable_pickup")
+
+
+def test_a_fact_of_a_strip_has_its_option(path, tmp_path):
+    assert "--wall" in labrig(path, tmp_path, "curves", "--help")
 
 
 @BY_EACH_WAY

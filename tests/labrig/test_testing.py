@@ -37,6 +37,7 @@ KINDS = [
     "simulated_board_faults",
     "simulated_family_faults",
     "simulated_serial_device_faults",
+    "strip_fact_faults",
     "verdict_check_faults",
 ]
 

@@ -8,6 +8,12 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from labrig.cli.command import Command, CommandExample
+from labrig.cli.curves.facts import (
+    flags_of_facts,
+    refuse_for_several_strips,
+    stated_facts,
+    with_facts,
+)
 from labrig.cli.curves.page import serve_page
 from labrig.cli.curves.session import session_curves
 from labrig.cli.screen import print_json_line, say, warn
@@ -59,36 +65,6 @@ def curves(
             "`--method list` lists all"
         ),
     ] = None,
-    mask: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="what is not used: a JSON file of polygons, or one polygon 'U,V U,V U,V'; "
-            "may be repeated"
-        ),
-    ] = None,
-    along_px: Annotated[
-        str | None,
-        typer.Option(
-            "--along-px", help="U,V: a second pixel on the strip near the clamp: its direction"
-        ),
-    ] = None,
-    through: Annotated[
-        str | None,
-        typer.Option(
-            help="'U,V U,V ...': pixels on the strip's middle, from the clamp on; the curve passes "
-            "them"
-        ),
-    ] = None,
-    tip_px: Annotated[
-        str | None,
-        typer.Option("--tip-px", help="U,V: where the strip ends; no length need be stated"),
-    ] = None,
-    to_end: Annotated[
-        bool,
-        typer.Option(
-            "--to-end", help="follow the strip to its visible end; no length need be stated"
-        ),
-    ] = False,
     channel: Annotated[
         Literal["auto", "grey", "red", "green", "blue", "red-green", "red-blue", "green-blue"]
         | None,
@@ -107,6 +83,7 @@ def curves(
     ] = None,
     port: Annotated[int, typer.Option(min=0, max=65535, help="of the page; 0: any")] = 8730,
     open_it: Annotated[bool, typer.Option("--open", help="open the page in the browser")] = False,
+    **facts: object,
 ) -> None:
     """Find the neutral curve of a clamped strip in images.
 
@@ -128,14 +105,15 @@ def curves(
     are kept beside the photographs.
     """
     if page is not None:
-        if any((sources, optics, sheet, batch, output, summary, overlay, method, mask, strip)):
+        others = (sources, optics, sheet, batch, output, summary, overlay, method, strip)
+        if any((*others, *facts.values())):
             raise BadInputError(
                 "--page FOLDER takes no images and no other files: what is known of the "
                 "photographs lies beside them, or is clicked on the page."
             )
         serve_page(page, port, open_it=open_it)
         return
-    from labrig.cli.curves.options import masks_of, point_of, points_of, strips_of
+    from labrig.cli.curves.options import strips_of
     from labrig.extractors.choice import BUILT_IN, chosen_extractor
     from labrig.vision import BatchOptions, SheetAppearance
     from labrig.vision.calibration.optics import ColourChannel
@@ -147,19 +125,13 @@ def curves(
         configuration=configuration,
         look=None if look is None else SheetAppearance(look),
         find=chosen_extractor(name).curve,
-        mask=masks_of(mask),
         strips=strips_of(strip),
-        along_px=point_of(along_px, "--along-px"),
-        through_px=points_of(through, "--through"),
-        tip_px=point_of(tip_px, "--tip-px"),
-        to_end=to_end,
+        facts=stated_facts(facts),
         channel=None if channel is None else ColourChannel(channel),
         every=every,
     )
-    if strip and (through or tip_px):
-        raise BadInputError(
-            "--through and --tip-px are for one strip; of several, state them in optics.json."
-        )
+    if strip:
+        refuse_for_several_strips(options.facts)
     if method:
         _compare(sources, method, options, output, extra=(batch, summary, overlay, extractor))
         return
@@ -173,12 +145,12 @@ def curves(
     if not sources:
         raise BadInputError("no image was given; give files, a folder, or --batch FOLDER.")
     if [path.suffix.lower() for path in sources] == [".h5"]:
-        of_images = (optics, sheet, configuration, look, summary, overlay, mask, strip)
-        if any((*of_images, along_px, through, tip_px, to_end, channel, every > 1)):
+        of_images = (optics, sheet, configuration, look, summary, overlay, strip, channel)
+        if any((*of_images, *facts.values(), every > 1)):
             raise BadInputError(
                 "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
-                "--look, --summary, --overlay, --mask, --strip, --along-px, --through, --tip-px, "
-                "--to-end, --channel and --every are for images."
+                f"--look, --summary, --overlay, --strip, {', '.join(flags_of_facts())}, --channel "
+                "and --every are for images."
             )
         session_curves(sources[0], output, name, as_json=as_json)
         return
@@ -269,7 +241,7 @@ def _batch(folder: Path, output: Path, options: BatchOptions) -> None:
 
 COMMAND = Command(
     "curves",
-    curves,
+    with_facts(curves, before="channel"),
     order=210,
     examples=(CommandExample(line="labrig curves strip.png -o strip.csv"),),
 )

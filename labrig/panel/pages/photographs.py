@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from fastapi.responses import Response
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from labrig.errors import BadInputError
 from labrig.panel.core.panel import Panel
@@ -16,8 +16,10 @@ from labrig.panel.core.requests import Here, Name, RequestModel
 from labrig.panel.errors import NotNowError
 from labrig.panel.pages.interface import PanelPage, own_script
 from labrig.panel.photographs.folder import Choice, PhotographFolder
-from labrig.panel.photographs.known import Clicked
-from labrig.vision.calibration.optics import Polygon, StripName, StripPlace
+from labrig.panel.photographs.known import Clicked, clicked_facts
+from labrig.vision.calibration.optics import StripName, StripPlace
+from labrig.vision.facts.contract import FactOf
+from labrig.vision.facts.stated import Facts, checked
 from labrig.vision.image.overlay import jpeg_bytes, picture_with
 
 router = APIRouter(prefix="/api/photographs")
@@ -27,17 +29,32 @@ Which = Annotated[str, Query(min_length=1, max_length=400)]
 Millimetres = Annotated[float, Field(gt=0, le=10_000)]
 
 
-class PlaceBody(RequestModel):
-    """A strip's clamp, a second place on the clamped strip, and places further along it."""
+class FactsBody(RequestModel):
+    """What was clicked, and among it facts by their names."""
+
+    model_config = ConfigDict(extra="allow", allow_inf_nan=False)
+
+    def facts(self, of: FactOf) -> Facts:
+        """Return the facts that were clicked. Raises BadInputError."""
+        stated = self.model_extra or {}
+        kinds = {fact.name: fact for fact in clicked_facts(of)}
+        try:
+            for name in stated.keys() - kinds.keys():
+                raise ValueError(f"{name} is nothing that can be clicked")
+            return {key: checked(kinds[key], value, key) for key, value in stated.items() if value}
+        except ValueError as error:
+            raise BadInputError(f"{error}.") from None
+
+
+class PlaceBody(FactsBody):
+    """A strip's clamp, a second place on the clamped strip, and facts such as its tip."""
 
     clamp_px: Pixel
     along_px: Pixel | None = None
-    through_px: list[Pixel] = Field([], max_length=100)
-    tip_px: Pixel | None = None
 
 
-class KnownBody(RequestModel):
-    """What was clicked on a photograph; for it, or for all."""
+class KnownBody(FactsBody):
+    """What was clicked on a photograph; for it, or for all. Facts of the pictures, too."""
 
     name: Name
     for_all: bool = False
@@ -45,7 +62,6 @@ class KnownBody(RequestModel):
     strips: dict[StripName, PlaceBody] = Field({}, max_length=40)  # of several ones
     ruler_px: tuple[Pixel, Pixel] | None = None
     ruler_mm: Millimetres | None = None
-    mask_px: list[Polygon] = Field([], max_length=200)
     free_length_mm: Millimetres | None = None
     elongation_mm: Annotated[float, Field(ge=0, le=10_000)] = 0.0
     thickness_mm: Millimetres | None = None
@@ -59,7 +75,7 @@ class KnownBody(RequestModel):
             strips={name: _place(place) for name, place in places.items()},
             ruler_px=self.ruler_px,
             ruler_mm=self.ruler_mm,
-            mask_px=tuple(self.mask_px),
+            facts=self.facts(FactOf.PICTURE),
             lengths_mm=self._lengths_mm(),
         )
 
@@ -107,15 +123,12 @@ def _folder(panel: Panel) -> PhotographFolder:
 
 
 def _place(place: PlaceBody) -> StripPlace:
+    facts = place.facts(FactOf.STRIP)
     try:
-        return StripPlace(
-            clamp_px=place.clamp_px,
-            along_px=place.along_px,
-            through_px=tuple(place.through_px) or None,
-            tip_px=place.tip_px,
-        )
+        there = StripPlace(clamp_px=place.clamp_px, along_px=place.along_px)
     except ValueError:
         raise BadInputError("the direction is the clamp itself; click another place.") from None
+    return there.model_copy(update={"facts": facts})
 
 
 @router.get("")

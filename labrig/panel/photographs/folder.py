@@ -17,12 +17,15 @@ from labrig.panel.photographs.known import (
     Clicked,
     along_px,
     changed_optics,
+    clicked_facts,
     digest_of,
     known_optics,
     write_known,
 )
 from labrig.panel.photographs.photograph import Found, Photograph
 from labrig.vision.calibration.drawing import is_drawing
+from labrig.vision.facts.contract import FactOf, FactShape
+from labrig.vision.facts.stated import Facts
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
 from labrig.vision.image.files import load_strip
 from labrig.vision.image.reading import (
@@ -88,7 +91,7 @@ class PhotographFolder:
         size = list(self._size_of(one))
         with self._lock:
             message = one.message() | {"curves": one.curve_messages()}
-        return message | {"size": size} | self._known(one)
+        return message | {"size": size, "tools": tools()} | self._known(one)
 
     def _size_of(self, one: Photograph) -> tuple[int, int]:
         """Return columns and rows, also before it was measured: clicks are counted in these."""
@@ -125,8 +128,7 @@ class PhotographFolder:
             name: {
                 "clamp_px": of.clamp_px,
                 "along_px": along_px(of),
-                "through_px": of.through_px or (),
-                "tip_px": of.tip_px,
+                **_shown(of.facts, FactOf.STRIP),
             }
             for name, of in places.items()
         }
@@ -136,7 +138,7 @@ class PhotographFolder:
             known = {
                 "px_per_mm": optics.px_per_mm,
                 "strips": strips,
-                "mask_px": optics.mask_px or (),
+                **_shown(optics.facts, FactOf.PICTURE),
                 "method": optics.method or "",
             }
         return {"known": known, "known_fault": "", "sheet": _sheet_words(sheet)}
@@ -149,7 +151,9 @@ class PhotographFolder:
         size = self._size_of(one)
         base = known_optics(one.path, common=for_all) or known_optics(one.path)
         optics = changed_optics(base, size, clicked)
-        measured = not for_all and all(place.tip_px for place in clicked.strips.values())
+        measured = not for_all and all(
+            place.told.length_measured for place in clicked.strips.values()
+        )
         if beside(one.path, SHEET_FILE, None) is None and not (clicked.lengths_mm or measured):
             raise BadInputError(
                 "the strip's free length is missing: state it in mm, or click the tip of each."
@@ -267,6 +271,33 @@ class PhotographFolder:
     def _changed(self, one: Photograph) -> None:
         self._revision += 1
         one.revision = self._revision
+
+
+def tools() -> list[Message]:
+    """Return the tools with which facts are clicked: those of a strip, then those of the pictures.
+
+    What is clicked with each is sent and shown under its `key`.
+    """
+    return [
+        {
+            "key": fact.name,
+            "of": fact.of,
+            "shape": fact.shape,
+            "label": fact.tool.label,
+            "hint": fact.tool.hint,
+        }
+        for of in FactOf
+        for fact in clicked_facts(of)
+        if fact.tool is not None
+    ]
+
+
+def _shown(facts: Facts, of: FactOf) -> Facts:
+    """Return the value of each fact that is clicked; an empty one where it is not known."""
+    empty = {FactShape.POINT: None}
+    return {
+        fact.name: facts.get(fact.name, empty.get(fact.shape, ())) for fact in clicked_facts(of)
+    }
 
 
 class _Measured:

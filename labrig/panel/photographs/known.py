@@ -5,30 +5,34 @@ from __future__ import annotations
 import datetime as dt
 import hashlib
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from labrig.errors import BadInputError
 from labrig.files import write_text
 from labrig.vision import Optics, calibrate_ruler, load_optics
-from labrig.vision.calibration.optics import Point, StripPlace
+from labrig.vision.calibration.optics import StripPlace
+from labrig.vision.facts.catalogue import strip_facts
+from labrig.vision.facts.contract import FactOf, StripFact
+from labrig.vision.facts.stated import places_of
+from labrig.vision.facts.values import Point
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
 
 CLICK_SIGMA_PX = 2.0  # of a place that was clicked
 UNMOVED_PX = 0.05  # nearer to the known place than that it was not clicked anew
 ALONG_M = 0.005  # from the clamp to the place that shows its direction
 METHOD = "clicked on the page"
-Polygon = tuple[Point, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Clicked:
     """What was clicked and typed; None: as it was."""
 
-    strips: dict[str, StripPlace]  # one without a name where there is one only
+    strips: dict[str, StripPlace]  # one without a name where there is one only, with its facts
     ruler_px: tuple[Point, Point] | None = None
     ruler_mm: float | None = None
-    mask_px: tuple[Polygon, ...] = ()
+    facts: dict[str, Any] = field(default_factory=dict)  # of the pictures, such as a mask
     lengths_mm: dict[str, float] | None = None  # free_length_mm, elongation_mm, thickness_mm
 
 
@@ -43,7 +47,8 @@ def changed_optics(base: Optics | None, size: tuple[int, int], clicked: Clicked)
     for place in clicked.strips.values():
         _check_inside(place, size)
     optics = _scaled(base, size, clicked, first)
-    changed: dict[str, object] = {"image_size": size, "mask_px": clicked.mask_px or None}
+    changed: dict[str, object] = {"image_size": size}
+    changed |= {fact.name: clicked.facts.get(fact.name) for fact in clicked_facts(FactOf.PICTURE)}
     if base is not None and _as_before(base, clicked.strips):
         return _with_places(optics, clicked.strips).model_copy(update=changed)
     sigma = CLICK_SIGMA_PX / _apart_px(first) if first.along_px else optics.clamp_angle_sigma_rad
@@ -52,19 +57,27 @@ def changed_optics(base: Optics | None, size: tuple[int, int], clicked: Clicked)
         "clamp_angle_sigma_rad": max(optics.clamp_angle_sigma_rad, math.sqrt(2) * sigma),
         "strips": clicked.strips if "" not in clicked.strips else None,
     }
-    return optics.at(first).model_copy(update=changed)
+    there = optics.at(first)
+    if "" not in clicked.strips:  # each has its own facts
+        there = there.model_copy(update={"facts": there.facts_that_are(FactOf.PICTURE)})
+    return there.model_copy(update=changed)
 
 
 def _with_places(optics: Optics, strips: dict[str, StripPlace]) -> Optics:
     """Return optics with the places that were clicked on each strip, and its clamp as it was."""
-
-    def places(name: str) -> dict[str, object]:
-        return {"through_px": strips[name].through_px, "tip_px": strips[name].tip_px}
-
     if not optics.strips:
-        return optics.model_copy(update=places(""))
-    changed = {name: old.model_copy(update=places(name)) for name, old in optics.strips.items()}
+        kept = optics.facts_that_are(FactOf.PICTURE)
+        return optics.model_copy(update={"facts": kept | strips[""].facts})
+    changed = {
+        name: old.model_copy(update={"facts": strips[name].facts})
+        for name, old in optics.strips.items()
+    }
     return optics.model_copy(update={"strips": changed})
+
+
+def clicked_facts(of: FactOf) -> list[StripFact]:
+    """Return the facts that have a tool on the page."""
+    return [fact for fact in strip_facts().values() if fact.tool is not None and fact.of == of]
 
 
 def _as_before(base: Optics, strips: dict[str, StripPlace]) -> bool:
@@ -113,8 +126,11 @@ def _scaled(
 
 
 def _check_inside(place: StripPlace, size: tuple[int, int]) -> None:
-    places = [("clamp", place.clamp_px), ("direction", place.along_px), ("tip", place.tip_px)]
-    places += [("place on the strip", point) for point in place.through_px or ()]
+    places = [("clamp", place.clamp_px), ("direction", place.along_px)]
+    for fact in clicked_facts(FactOf.STRIP):
+        if fact.tool is not None and fact.name in place.facts:
+            found = places_of(fact, place.facts[fact.name])
+            places += [(fact.tool.noun, point) for point in found]
     for name, point in places:
         if point is not None and not (0 <= point[0] < size[0] and 0 <= point[1] < size[1]):
             raise BadInputError(f"the {name} lies outside of the picture; click it again.")

@@ -20,7 +20,8 @@ from labrig.errors import BadInputError
 from labrig.vision.calibration.board import CalibrationBoard
 from labrig.vision.calibration.corners import find_corners
 from labrig.vision.calibration.lens import distort, undistort
-from labrig.vision.calibration.optics import Optics, Point
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.facts.values import Point
 from labrig.vision.thresholds import (
     CALIBRATION_RESIDUAL_MAX_PX,
     CALIBRATION_RESIDUAL_WARNED_PX,

@@ -11,42 +11,35 @@ import json
 import math
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
-from labrig.config.base import ClosedModel, parse_json, read_text, validate
+from labrig.config.base import parse_json, read_text, validate
 from labrig.config.file_kinds import OPTICS, refuse_other_kind
 from labrig.errors import BadInputError
 from labrig.vision.calibration.lens import distort, undistort
+from labrig.vision.facts.catalogue import strip_facts
+from labrig.vision.facts.contract import FactOf
+from labrig.vision.facts.stated import StatesFacts
+from labrig.vision.facts.values import Point, Polygon
 
 FloatArray = npt.NDArray[np.float64]
-Point = tuple[float, float]
 Row = tuple[float, float, float]
-Polygon = Annotated[tuple[Point, ...], Field(min_length=3)]
 StripName = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,39}$")]
 
 
-THROUGH = (
-    "raw pixels on the strip's middle between clamp and tip, in this order: the curve passes them"
-)
-TIP = "the raw pixel where the strip ends; its length is measured up to there"
+class StripPlace(StatesFacts):
+    """Where one of several strips of a picture is clamped, and the facts of it."""
 
-
-class StripPlace(ClosedModel):
-    """Where one of several strips of a picture is clamped."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    facts_of: ClassVar[frozenset[FactOf]] = frozenset({FactOf.STRIP})
 
     clamp_px: Point = Field(description="where the strip leaves the clamp, a raw pixel")
     along_px: Point | None = Field(
         None, description="a raw pixel further along the clamped strip's line; states its direction"
     )
-
-    through_px: tuple[Point, ...] | None = Field(None, max_length=100, description=THROUGH)
-    tip_px: Point | None = Field(None, description=TIP)
 
     @model_validator(mode="after")
     def _states_a_direction(self) -> Self:
@@ -76,10 +69,8 @@ class ColourChannel(StrEnum):
     GREEN_BLUE = "green-blue"
 
 
-class Optics(ClosedModel):
+class Optics(StatesFacts):
     """optics.json. Only `px_per_mm` and `clamp_px` are required."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     px_per_mm: float = Field(gt=0, le=1e4, description="scale in the sheet's plane")
     clamp_px: Point = Field(description="where the sheet leaves the clamp, a raw pixel")
@@ -122,11 +113,6 @@ class Optics(ClosedModel):
     )
     bits: int = Field(8, ge=8, le=16)
     rolls_px: tuple[Row, ...] | None = Field(None, description="u, v, radius of each roll")
-    mask_px: tuple[Polygon, ...] | None = Field(
-        None, description="polygons of raw pixels; what is inside of them is not used"
-    )
-    through_px: tuple[Point, ...] | None = Field(None, max_length=100, description=THROUGH)
-    tip_px: Point | None = Field(None, description=TIP)
     strips: dict[StripName, StripPlace] | None = Field(
         None, min_length=1, description="several strips in one picture, each with its clamp"
     )
@@ -148,8 +134,9 @@ class Optics(ClosedModel):
 
     @model_validator(mode="after")
     def _places_belong_to_one_strip(self) -> Self:
-        if self.strips and self.stated_places_px:
-            raise ValueError("with several strips, each states its own through_px and tip_px")
+        if self.strips and self.facts_that_are(FactOf.STRIP):
+            names = [fact.name for fact in strip_facts().values() if fact.of == FactOf.STRIP]
+            raise ValueError(f"with several strips, each states its own {listed(names)}")
         return self
 
     @classmethod
@@ -179,8 +166,7 @@ class Optics(ClosedModel):
         """Return what is known for a strip that is clamped at this place."""
         changed: dict[str, object] = {
             "clamp_px": place.clamp_px,
-            "through_px": place.through_px,
-            "tip_px": place.tip_px,
+            "facts": self.facts_that_are(FactOf.PICTURE) | place.facts,
             "strips": None,
         }
         if self.homography is None:
@@ -208,12 +194,28 @@ class Optics(ClosedModel):
         return self.model_copy(update=changed)
 
     def without_places(self) -> Self:
-        """Return the same without the places on strips, which belong to one picture."""
-        none: dict[str, object] = {"through_px": None, "tip_px": None}
+        """Return the same without the facts of strips, which belong to one picture."""
         strips = {
-            name: place.model_copy(update=none) for name, place in (self.strips or {}).items()
+            name: place.model_copy(update={"facts": {}})
+            for name, place in (self.strips or {}).items()
         }
-        return self.model_copy(update=none | {"strips": strips or None})
+        kept = self.facts_that_are(FactOf.PICTURE)
+        return self.model_copy(update={"facts": kept, "strips": strips or None})
+
+    @property
+    def through_px(self) -> tuple[Point, ...] | None:
+        """Places on the strip's middle that are known, from the clamp on."""
+        return self.told.through_px or None
+
+    @property
+    def tip_px(self) -> Point | None:
+        """Where the strip is known to end."""
+        return self.told.tip_px
+
+    @property
+    def mask_px(self) -> tuple[Polygon, ...] | None:
+        """Polygons in which pixels are not used."""
+        return self.told.hidden_px or None
 
     @property
     def stated_places_px(self) -> tuple[Point, ...]:
@@ -296,6 +298,11 @@ class Optics(ClosedModel):
     def _rotation(self) -> FloatArray:
         c, s = math.cos(self.roll_rad), math.sin(self.roll_rad)
         return np.array([[c, -s], [s, c]])
+
+
+def listed(names: list[str]) -> str:
+    """Return names as a text: "a, b and c"."""
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _project(homography: FloatArray, points: FloatArray) -> FloatArray:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.curve.background_lines import BackgroundLine
+from labrig.vision.facts.stated import moved
 from labrig.vision.image.image import GreyImage, pixel_noise
 from labrig.vision.thresholds import DOWNSCALED_THICKNESS_PX, FULL_RESOLUTION_THICKNESS_MAX_PX
 
@@ -65,12 +66,7 @@ def downscaled_optics(optics: Optics, by: int) -> Optics:
             changed[name] = tuple(tuple(row) for row in (small @ np.array(matrix)).tolist())
     if optics.rolls_px is not None:
         changed["rolls_px"] = tuple((*point((u, v)), r / by) for u, v, r in optics.rolls_px)
-    if optics.through_px is not None:
-        changed["through_px"] = tuple(map(point, optics.through_px))
-    if optics.tip_px is not None:
-        changed["tip_px"] = point(optics.tip_px)
-    if optics.mask_px is not None:
-        changed["mask_px"] = tuple(tuple(map(point, polygon)) for polygon in optics.mask_px)
+    changed["facts"] = moved(optics.facts, point)
     return optics.model_copy(update=changed)
 
 

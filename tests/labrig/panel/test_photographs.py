@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from pathlib import Path
 
@@ -13,9 +14,10 @@ import pytest
 from labrig.cli.main import run
 from labrig.errors import BadInputError
 from labrig.panel.errors import MissingError
+from labrig.panel.pages.photographs import KnownBody
 from labrig.panel.photographs.folder import PhotographFolder
 from labrig.panel.photographs.known import Clicked, changed_optics
-from labrig.vision import NeutralCurve, write_overlay
+from labrig.vision import NeutralCurve, load_optics, write_overlay
 from labrig.vision.calibration.optics import StripPlace
 from labrig.vision.image.overlay import LONG_SIDE_PX
 from tests.labrig.vision import drawn_strips
@@ -80,7 +82,7 @@ def test_a_correction_of_one_photograph_is_its_own_and_leaves_the_others(photogr
     photographs.set_known("a", clicked(), for_all=True)
     before = measured(photographs)
     mask = ((100.0, 100.0), (150.0, 100.0), (150.0, 140.0))
-    only = Clicked(strips={"": PLACE}, mask_px=(mask,))
+    only = Clicked(strips={"": PLACE}, facts={"mask_px": (mask,)})
     assert photographs.set_known("a", only, for_all=False)["written"] == ["a.optics.json"]
     after = measured(photographs)
     assert after["a"]["own"]
@@ -157,7 +159,7 @@ def test_a_file_of_the_users_own_is_kept_and_only_changed_where_something_was_cl
     opened = PhotographFolder(tmp_path)
     place = opened.details("a")["known"]["strips"][""]
     mask = ((1.0, 1.0), (9.0, 1.0), (9.0, 9.0))
-    same = Clicked(strips={"": StripPlace(**place)}, mask_px=(mask,))
+    same = Clicked(strips={"": StripPlace(**place)}, facts={"mask_px": (mask,)})
     opened.set_known("a", same, for_all=True)
     known = json.loads((tmp_path / "optics.json").read_text())
     assert (known["polarity"], known["px_per_mm_sigma"]) == ("bright", 0.01)
@@ -244,3 +246,38 @@ def test_a_damaged_review_is_told_at_the_start(tmp_path, capsys):
     (tmp_path / "curves_review.json").write_text('{"pictures": {"a": {"decision": "maybe"}}}')
     assert run(["curves", "--page", str(tmp_path)]) == 2
     assert "curves_review.json" in capsys.readouterr().err
+
+
+def test_of_several_strips_each_keeps_its_own_tip(tmp_path):
+    cv2.imwrite(str(tmp_path / "both.png"), drawn_strips.side_by_side())
+    opened = PhotographFolder(tmp_path)
+    left = PLACE.model_copy(update={"tip_px": (200.0, 90.0)})
+    right = StripPlace(clamp_px=(CLAMP[0] + 200, CLAMP[1]), tip_px=(390.0, 130.0))
+    opened.set_known("both", clicked(strips={"left": left, "right": right}), for_all=False)
+    opened.close()
+    known = load_optics(tmp_path / "both.optics.json").by_strip()
+    assert {name: of.tip_px for name, of in known.items()} == {
+        "left": (200.0, 90.0), "right": (390.0, 130.0),
+    }  # fmt: skip
+    shown = opened.details("both")
+    assert shown["known"]["strips"]["left"]["tip_px"] == (200.0, 90.0)
+    assert shown["known"]["strips"]["right"]["through_px"] == ()
+    assert [(tool["key"], tool["of"], tool["shape"]) for tool in shown["tools"]] == [
+        ("through_px", "strip", "points"),
+        ("tip_px", "strip", "point"),
+        ("mask_px", "picture", "polygons"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"nonsense": 1}, "nonsense is nothing that can be clicked."),
+        ({"mask_px": [[[1, 2]]]}, "mask_px: give polygons, each a list of at least three"),
+        ({"clamp": {"clamp_px": [1, 2], "tip_px": [3]}}, "tip_px: give a pixel as"),
+        ({"clamp": {"clamp_px": [1, 2], "mask_px": [[[1, 2]]]}}, "mask_px is nothing that can be"),
+    ],
+)
+def test_what_is_sent_and_no_fact_is_named(more, said):
+    with pytest.raises(BadInputError, match=re.escape(said)):
+        KnownBody(name="a", **more).clicked()

@@ -8,7 +8,7 @@ export class PhotographCanvas {
   /** `chosen(px)`: a raw pixel [u, v] was clicked. */
   constructor(canvas, chosen) {
     Object.assign(this, { canvas, chosen, bitmap: null, size: null, view: null, cross: null, drag: null });
-    this.shown = { curves: [], strips: {}, ruler: [], masks: [], open: [] };
+    this.shown = { curves: [], strips: {}, pictures: {}, facts: [], ruler: [], open: [] };
     canvas.tabIndex = 0;
     canvas.setAttribute("role", "application");
     canvas.setAttribute("aria-label", "photograph: arrow keys move the cross, Enter chooses, plus and minus zoom");
@@ -153,15 +153,19 @@ export class PhotographCanvas {
     context.imageSmoothingEnabled = scale < 2;
     context.drawImage(this.bitmap, x, y, this.size[0] * scale, this.size[1] * scale);
     const ratio = devicePixelRatio || 1;
-    const { curves, strips, ruler, masks, open } = this.shown;
-    for (const mask of masks) this.polygon(context, mask, true);
+    const { curves, strips, pictures, facts, ruler, open } = this.shown;
+    const areas = facts.filter(({ shape }) => shape === "polygons");
+    for (const { key, of } of areas)
+      for (const holder of of === "strip" ? Object.values(strips) : [pictures])
+        for (const polygon of holder[key] ?? []) this.polygon(context, polygon, true);
     if (open.length) this.polygon(context, open, false);
     for (const curve of curves) if (curve.ok) this.curve(context, curve, ratio);
     if (ruler.length) this.line(context, ruler, ratio, COLOURS.mark);
     for (const [name, place] of Object.entries(strips)) {
       if (place.clamp_px) this.clamp(context, name, place.clamp_px, place.along_px, ratio);
-      this.places(context, place, ratio);
+      this.places(context, facts.filter(({ of }) => of === "strip"), place, ratio);
     }
+    this.places(context, facts.filter(({ of }) => of === "picture"), pictures, ratio);
     if (this.cross) this.crosshair(context, ratio);
   }
 
@@ -230,18 +234,22 @@ export class PhotographCanvas {
     context.fillText(name, x + 12 * ratio, y - 10 * ratio);
   }
 
-  /** A dot for each place on the strip, a square where it ends. */
-  places(context, { through_px: through, tip_px: tip }, ratio) {
+  /** A dot for each of several places of a fact, a square for one by itself. */
+  places(context, facts, holder, ratio) {
     for (const [fill, wide] of [["rgba(0,0,0,0.7)", 5], [COLOURS.mark, 3]]) {
       context.fillStyle = fill;
-      for (const place of through ?? []) {
-        context.beginPath();
-        context.arc(...this.toScreen(place), wide * ratio, 0, 2 * Math.PI);
-        context.fill();
+      for (const { key, shape } of facts) {
+        if (shape === "points")
+          for (const place of holder[key] ?? []) {
+            context.beginPath();
+            context.arc(...this.toScreen(place), wide * ratio, 0, 2 * Math.PI);
+            context.fill();
+          }
+        else if (shape === "point" && holder[key]) {
+          const [x, y] = this.toScreen(holder[key]);
+          context.fillRect(x - wide * ratio, y - wide * ratio, 2 * wide * ratio, 2 * wide * ratio);
+        }
       }
-      if (!tip) continue;
-      const [x, y] = this.toScreen(tip);
-      context.fillRect(x - wide * ratio, y - wide * ratio, 2 * wide * ratio, 2 * wide * ratio);
     }
   }
 

@@ -1,4 +1,5 @@
-// What is clicked and typed about a photograph: clamp, direction, ruler, mask, lengths, strips.
+// What is clicked and typed about a photograph: clamp, direction, ruler, lengths, strips, and facts:
+// the server names these, each with what it is of ("strip" or "picture") and the shape of its value.
 
 import { h, newId, put, setText } from "../dom.js";
 import { parseNumber } from "../form/limits.js";
@@ -7,22 +8,19 @@ const TOOLS = {
   clamp: "Clamp: click where the strip leaves it.",
   along: "Direction: click a place further along the clamped strip.",
   ruler: "Ruler: click both ends of a known length, and state it in mm.",
-  through: "On the strip: where a curve leaves it, click places on its middle, from the clamp on. For this photograph alone.",
-  tip: "Tip: click where the strip ends; no length need be stated then. For this photograph alone.",
-  mask: "Mask: click the corners around what confuses; then close the polygon.",
 };
 
-const NAMES = { clamp: "Clamp", along: "Direction", ruler: "Ruler", through: "On the strip", tip: "Tip", mask: "Mask" };
+const NAMES = { clamp: "Clamp", along: "Direction", ruler: "Ruler" };
+
+const toolOf = (fact) => fact.key.replace(/_px$/, "");
 
 export class KnownForm {
   /** `changed()`: something is to be drawn anew; `send(body, forAll)`: it is to be measured. */
   constructor(changed, send) {
-    Object.assign(this, { changed, send, tool: "clamp", strip: "" });
+    Object.assign(this, { changed, send, tool: "clamp", strip: "", facts: [] });
     this.clear();
-    this.tools = Object.keys(TOOLS).map((name) =>
-      h("button", { type: "button", class: "small", "data-tool": name, onclick: () => this.choose(name) },
-        NAMES[name]),
-    );
+    this.toolbar = h("div", { class: "inline", role: "toolbar", "aria-label": "what is clicked" });
+    this.showTools();
     this.hint = h("p", { class: "muted", role: "status" });
     this.ruler = this.field("ruler, mm");
     this.free = this.field("free length, mm");
@@ -31,14 +29,14 @@ export class KnownForm {
     this.unmask = h("button", { type: "button", class: "small", onclick: () => this.removeMask() }, "Remove the last mask");
     this.unplace = h("button", { type: "button", class: "small", onclick: () => this.removePlace() }, "Remove the last place");
     this.strips = h("select", { id: newId("strip"), onchange: () => this.chooseStrip(this.strips.value) });
-    this.add = h("button", { type: "button", class: "small", onclick: () => this.addStrip() }, "Another strip");
+    this.another = h("button", { type: "button", class: "small", onclick: () => this.addStrip() }, "Another strip");
     this.known = h("p", { class: "muted" });
     this.one = h("button", { type: "button", onclick: () => this.submit(false) }, "Measure this photograph");
     this.all = h("button", { type: "button", class: "main", onclick: () => this.submit(true) }, "Measure all");
     this.element = h("div", { class: "photograph-known" },
       h("div", { class: "inline" },
-        h("div", { class: "inline", role: "toolbar", "aria-label": "what is clicked" }, this.tools),
-        this.close, this.unmask, this.unplace, h("label", { for: this.strips.id }, "strip"), this.strips, this.add),
+        this.toolbar,
+        this.close, this.unmask, this.unplace, h("label", { for: this.strips.id }, "strip"), this.strips, this.another),
       this.hint,
       h("div", { class: "photograph-fields" },
         [this.ruler, this.free, this.thickness].map(({ input, name }) =>
@@ -55,15 +53,36 @@ export class KnownForm {
   }
 
   clear() {
-    Object.assign(this, { places: { "": {} }, rulerPx: [], masks: [], open: [], dirty: false });
+    Object.assign(this, { places: { "": {} }, pictures: {}, rulerPx: [], open: [], dirty: false });
+  }
+
+  /** A button for each tool: ours, and one for each fact that can be clicked. */
+  showTools() {
+    const names = [...Object.entries(NAMES), ...this.facts.map((fact) => [toolOf(fact), fact.label])];
+    this.tools = names.map(([tool, label]) =>
+      h("button", { type: "button", class: "small", "data-tool": tool, onclick: () => this.choose(tool) }, label),
+    );
+    put(this.toolbar, this.tools);
+  }
+
+  /** The fact that is clicked with the tool in use, if it is one. */
+  get fact() {
+    return this.facts.find((fact) => toolOf(fact) === this.tool);
+  }
+
+  /** Where the values of a fact are: with the strip, or with the pictures. */
+  holder(fact) {
+    return fact.of === "strip" ? (this.places[this.strip] ??= {}) : this.pictures;
   }
 
   /** Take what the server knows of a photograph; what was typed stays. */
-  take({ known, known_fault: fault, sheet }) {
+  take({ known, known_fault: fault, sheet, tools }) {
     this.clear();
+    this.facts = tools;
+    this.showTools();
     if (known) {
       this.places = Object.fromEntries(Object.entries(known.strips).map(([name, place]) => [name, { ...place }]));
-      this.masks = known.mask_px.map((polygon) => polygon.map((corner) => [...corner]));
+      for (const { key, of } of tools) if (of === "picture") this.pictures[key] = known[key];
     }
     if (!(this.strip in this.places)) this.strip = Object.keys(this.places)[0];
     const scale = known ? `${known.px_per_mm.toPrecision(4)} pixels a mm (${known.method || "optics.json"})` : "no scale yet: click a ruler";
@@ -73,20 +92,22 @@ export class KnownForm {
   }
 
   get drawn() {
-    return { strips: this.places, ruler: this.rulerPx, masks: this.masks, open: this.open };
+    return { strips: this.places, pictures: this.pictures, facts: this.facts, ruler: this.rulerPx, open: this.open };
   }
 
   choose(tool) {
     this.tool = tool;
-    for (const button of this.tools ?? []) button.setAttribute("aria-pressed", button.dataset.tool === tool);
-    setText(this.hint, TOOLS[tool]);
-    this.close.hidden = this.unmask.hidden = tool !== "mask";
-    this.unplace.hidden = tool !== "through" && tool !== "tip";
+    for (const button of this.tools) button.setAttribute("aria-pressed", button.dataset.tool === tool);
+    setText(this.hint, TOOLS[tool] ?? this.fact.hint);
+    this.close.hidden = this.unmask.hidden = this.fact?.shape !== "polygons";
+    this.unplace.hidden = !this.fact || this.fact.shape === "polygons";
+    if (this.close.hidden) this.open = [];
   }
 
   clicked(px) {
     this.dirty = true; // what was clicked is kept until it is sent, or another photograph is opened
     const place = (this.places[this.strip] ??= {});
+    const fact = this.fact;
     if (this.tool === "clamp") {
       place.clamp_px = px;
       place.along_px = null; // it belonged to the other place
@@ -94,33 +115,37 @@ export class KnownForm {
     } else if (this.tool === "along") {
       place.along_px = px;
       if (!this.known.textContent.includes("a mm")) this.choose("ruler");
-    } else if (this.tool === "through") place.through_px = [...(place.through_px ?? []), px];
-    else if (this.tool === "tip") place.tip_px = px;
-    else if (this.tool === "ruler") this.rulerPx = this.rulerPx.length === 1 ? [this.rulerPx[0], px] : [px];
-    else this.open.push(px);
+    } else if (this.tool === "ruler") this.rulerPx = this.rulerPx.length === 1 ? [this.rulerPx[0], px] : [px];
+    else if (fact.shape === "polygons") this.open.push(px);
+    else if (fact.shape === "points") this.add(fact, px);
+    else this.holder(fact)[fact.key] = px;
     this.changed();
   }
 
+  add(fact, value) {
+    const holder = this.holder(fact);
+    holder[fact.key] = [...(holder[fact.key] ?? []), value];
+  }
+
   closeMask() {
-    if (this.open.length < 3) return setText(this.hint, "A mask needs at least three corners.");
+    if (this.open.length < 3) return setText(this.hint, "A polygon needs at least three corners.");
     this.dirty = true;
-    this.masks.push(this.open);
+    this.add(this.fact, this.open);
     this.open = [];
     this.changed();
   }
 
   removeMask() {
-    this.dirty = true;
     if (this.open.length) this.open = [];
-    else this.masks.pop();
+    else this.removePlace();
     this.changed();
   }
 
   removePlace() {
     this.dirty = true;
-    const place = this.places[this.strip] ?? {};
-    if (this.tool === "tip") place.tip_px = null;
-    else place.through_px = (place.through_px ?? []).slice(0, -1);
+    const { fact } = this;
+    const holder = this.holder(fact);
+    holder[fact.key] = fact.shape === "point" ? null : (holder[fact.key] ?? []).slice(0, -1);
     this.changed();
   }
 
@@ -153,7 +178,7 @@ export class KnownForm {
   body() {
     const placed = Object.entries(this.places).filter(([, place]) => place.clamp_px);
     const single = placed.length === 1 && placed[0][0] === "";
-    const body = { mask_px: this.masks };
+    const body = { ...this.pictures };
     if (single) body.clamp = placed[0][1];
     else if (placed.length) body.strips = Object.fromEntries(placed);
     if (this.rulerPx.length === 2) body.ruler_px = this.rulerPx;

@@ -1,0 +1,42 @@
+"""Whether a found curve can be what somebody knows of the strip."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy.typing as npt
+
+from labrig.vision.calibration.optics import Optics
+from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
+
+
+def heeding(find: FindCurve) -> FindCurve:
+    """Return an extractor that refuses a curve to which a fact objects."""
+
+    def found(
+        image: npt.NDArray[Any],
+        optics: Optics,
+        strip: StripGeometry,
+        *,
+        start: NeutralCurve | None = None,
+    ) -> NeutralCurve:
+        curve = find(image, optics, strip, start=start)
+        return _heeded(curve, optics) if curve.ok else curve
+
+    return found
+
+
+def _heeded(curve: NeutralCurve, optics: Optics) -> NeutralCurve:
+    for objects in optics.told.objections:
+        try:
+            why = objects(curve.points_px)
+        except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+            text = (
+                "what is known of the strip was not compared with the curve: "
+                f"{type(error).__name__}: {error}"
+            )
+            return replace(curve, warnings=(*curve.warnings, text))
+        if why:
+            return NeutralCurve(ok=False, why=f"check of what is known failed: {why}")
+    return curve

@@ -1,0 +1,89 @@
+"""Conformance of a fact: `faults` returns what is wrong with it."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+
+from labrig.vision.facts.contract import FactOf, FactShape, StripFact, Told
+
+_FLAG = re.compile(r"--[a-z][a-z0-9]*(-[a-z0-9]+)*")
+# keys of optics.json that are no facts; a test holds them equal to those of its model
+KEYS_OF_OPTICS = frozenset(
+    {
+        "bits",
+        "camera_matrix",
+        "channel",
+        "clamp_angle_known",
+        "clamp_angle_rad",
+        "clamp_angle_sigma_rad",
+        "clamp_px",
+        "clamp_sigma_px",
+        "date",
+        "distortion",
+        "facts",
+        "homography",
+        "image_size",
+        "look",
+        "method",
+        "note",
+        "origin_px",
+        "origin_sigma_px",
+        "polarity",
+        "px_per_mm",
+        "px_per_mm_sigma",
+        "residual_px",
+        "residual_um",
+        "roll_rad",
+        "roll_sigma_rad",
+        "rolls_px",
+        "strips",
+        "views",
+    }
+)
+_CLICKED = {FactShape.POINT, FactShape.POINTS, FactShape.POLYGONS}
+
+
+def faults(fact: object) -> list[str]:
+    """Return what is wrong with a fact, a sentence each without its full stop."""
+    if not isinstance(fact, StripFact):
+        return [f"it is of type {type(fact).__name__}, not a StripFact"]
+    return list(_faults(fact)) or list(_faults_of_value(fact))
+
+
+def _faults(fact: StripFact) -> Iterator[str]:
+    if not (isinstance(fact.name, str) and fact.name.isidentifier()):
+        yield f"its name {fact.name!r} must be one word of letters, digits and underscores"
+    if fact.name in KEYS_OF_OPTICS:
+        yield f"its name {fact.name!r} is a key of optics.json already"
+    if not fact.meaning.strip():
+        yield "its meaning is empty"
+    if fact.shape not in set(FactShape):
+        yield f"its shape must be one of {', '.join(FactShape)}"
+    if fact.of not in set(FactOf):
+        yield f"`of` must be one of {', '.join(FactOf)}"
+    if not isinstance(fact.order, int):  # other people's may be anything
+        yield "its order must be a whole number"  # type: ignore[unreachable]
+    if not _FLAG.fullmatch(fact.option.flag):
+        yield f"its option {fact.option.flag!r} must be lower-case words, as --such-an-option"
+    if not fact.option.help.strip():
+        yield "its option has no help"
+    if fact.tool is not None and fact.shape not in _CLICKED:
+        yield f"a value of the shape {fact.shape} cannot be clicked: leave its tool out"
+    if fact.shape != FactShape.FLAG and not fact.example.strip():
+        yield "it has no example of what its option takes"
+
+
+def _faults_of_value(fact: StripFact) -> Iterator[str]:
+    value = True if fact.shape == FactShape.FLAG else fact.read(fact.example)
+    kept = fact.checked(json.loads(json.dumps(value)))
+    if kept != value:
+        yield f"its example is {kept!r} when it comes from a file, and {value!r} as stated"
+    if fact.moved(value, lambda place: place) != value:
+        yield "its value changes where no pixel moves"
+    told = fact.tells(value)
+    if not isinstance(told, Told):  # other people's may be anything
+        yield f"`tells` returned {type(told).__name__}, not Told"  # type: ignore[unreachable]
+    if type(fact).tells is StripFact.tells and type(fact).directed is StripFact.directed:
+        yield "it has neither `tells` nor `directed`: it says nothing"

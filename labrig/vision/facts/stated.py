@@ -1,0 +1,152 @@
+"""Facts as optics.json holds them: each under its name beside what is known of the camera."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, ClassVar, Self, TypeVar
+
+from pydantic import (
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
+
+from labrig.config.base import ClosedModel
+from labrig.errors import BadInputError, LabrigError
+from labrig.vision.facts.catalogue import origin_of, strip_facts
+from labrig.vision.facts.contract import FactOf, Point, StripFact, Told
+
+T = TypeVar("T")
+Facts = dict[str, Any]  # values by the facts' names
+
+
+class StatesFacts(ClosedModel):
+    """A table of optics.json in which facts may be stated, each as a key."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    facts_of: ClassVar[frozenset[FactOf]] = frozenset(FactOf)
+
+    facts: Facts = Field(default_factory=dict, description="what is known of the strip, by name")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_facts(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or not set(data) - (set(cls.model_fields) - {"facts"}):
+            return data
+        rest = {key: value for key, value in data.items() if key in cls.model_fields}
+        if "facts" in rest:
+            raise ValueError("facts is not a known key")
+        facts: Facts = {}
+        for key in (key for key in data if key not in cls.model_fields):
+            fact = strip_facts().get(key)
+            if fact is None or fact.is_direction or fact.of not in cls.facts_of:
+                rest[key] = data[key]  # which is refused, with the keys that there are
+            elif data[key] is not None:
+                facts[key] = checked(fact, data[key], key)
+        return rest | {"facts": facts}
+
+    @classmethod
+    def keys(cls) -> list[str]:
+        """See `ClosedModel.keys`."""
+        facts = (fact for fact in strip_facts().values() if not fact.is_direction)
+        own = [key for key in cls.model_fields if key != "facts"]
+        return [*own, *(fact.name for fact in facts if fact.of in cls.facts_of)]
+
+    @model_serializer(mode="wrap")
+    def _with_facts_as_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        data: dict[str, Any] = handler(self)
+        facts: Facts = data.pop("facts", {})
+        return data | facts
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy with other values; a fact is named as in the file, and None removes it."""
+        changed = dict(update or {})
+        fields = type(self).model_fields
+        stated = {key: changed.pop(key) for key in [*changed] if key not in fields}
+        if stated:
+            facts = self.facts | stated
+            changed["facts"] = {key: value for key, value in facts.items() if value is not None}
+        return super().model_copy(update=changed, deep=deep)
+
+    def __hash__(self) -> int:
+        """Return a hash. A fact may be a list or a table: it counts by its name."""
+        rest = (value for key, value in self.__dict__.items() if key != "facts")
+        return hash((type(self), *rest, *sorted(self.facts)))
+
+    @property
+    def told(self) -> Told:
+        """What the facts tell the search, in their order."""
+        if not self.facts:
+            return Told()
+        return Told.together(
+            _of_fact(fact, name, partial(fact.tells, self.facts[name]))
+            for name, fact in strip_facts().items()
+            if name in self.facts
+        )
+
+    def facts_that_are(self, of: FactOf) -> Facts:
+        """Return the facts that are known of a strip, or of the pictures."""
+        known = strip_facts()
+        return {name: value for name, value in self.facts.items() if known[name].of == of}
+
+
+def checked(fact: StripFact, value: object, where: str) -> Any:
+    """Return a fact's value from a file or from clicks. Raises ValueError with a sentence."""
+    try:
+        return _of_fact(fact, where, lambda: fact.checked(value))
+    except BadInputError as error:  # pydantic tells the file's name with it
+        raise ValueError(str(error).rstrip(".")) from None
+
+
+def read(fact: StripFact, stated: str) -> Any:
+    """Return a fact's value from its option's text. Raises BadInputError."""
+    return _of_fact(fact, f"{fact.option.flag} '{stated}'", lambda: fact.read(stated))
+
+
+def joined(fact: StripFact, before: Any, stated: Any) -> Any:
+    """Return a fact's value where one is known and another is stated. Raises BadInputError."""
+    if before is None:
+        return stated
+    return _of_fact(fact, fact.option.flag, lambda: fact.joined(before, stated))
+
+
+def moved(facts: Mapping[str, Any], to: Callable[[Point], Point]) -> Facts:
+    """Return the facts in another picture of the same."""
+    known = strip_facts()
+    return {
+        name: _of_fact(known[name], name, partial(known[name].moved, value, to))
+        for name, value in facts.items()
+    }
+
+
+def places_of(fact: StripFact, value: Any) -> list[Point]:
+    """Return each place of a fact's value."""
+    found: list[Point] = []
+
+    def keep(place: Point) -> Point:
+        found.append(place)
+        return place
+
+    moved({fact.name: value}, keep)
+    return found
+
+
+def _of_fact(fact: StripFact, where: str, ask: Callable[[], T]) -> T:
+    """Return what a fact answers. Raises BadInputError, also for what other people's raises."""
+    try:
+        return ask()
+    except LabrigError:
+        raise
+    except ValueError as error:
+        raise BadInputError(f"{where}: {str(error).rstrip('.')}.") from None
+    except Exception as error:
+        origin = origin_of(fact.name)
+        if not origin:  # a fault of ours is none of the user's
+            raise
+        raise BadInputError(
+            f"{where}: the strip fact '{fact.name}'{origin} failed with "
+            f"{type(error).__name__}: {error}."
+        ) from None
