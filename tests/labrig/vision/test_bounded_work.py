@@ -77,6 +77,21 @@ def test_nothing_is_fitted_beyond_the_bound_and_the_sentence_says_what_would_hel
 
 
 @pytest.mark.slow
+def test_a_path_beside_a_curve_that_was_refused_is_not_fitted_again(counted, monkeypatch):
+    picture = np.full((ROWS, COLUMNS, 3), 60, np.uint8)
+    picture[77:84, 30:170] = (40, 120, 200)  # it shows in all channels
+    found = []
+    real = outline_curve.likeliest_first
+    monkeypatch.setattr(
+        outline_curve, "likeliest_first", lambda *known: found.extend(real(*known)) or found
+    )
+    monkeypatch.setattr(outline_curve, "outline_fault", lambda *_: "refused")
+    assert neutral_curve(picture, OPTICS, UNKNOWN).why == "refused"
+    assert len(found) > 1
+    assert counted["fits"] == 1
+
+
+@pytest.mark.slow
 def test_a_path_that_could_not_be_comparable_is_not_measured(monkeypatch):
     picture = np.full((ROWS, COLUMNS), 40, np.uint8)
     picture[78:83, 30:170] = 200
