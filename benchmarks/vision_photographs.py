@@ -10,6 +10,8 @@ curve (each up to 2 pixels off the reading).
 Right: within 2 pixels of the hand reading at each of its 13 places, and ended within 3 % of the
 length (and 3 pixels) of its last one; where the strip leaves the picture, anywhere beyond it.
 "End doubted": it ended elsewhere, and a warning says that the strip may go on there.
+What each takes is counted in cold searches, too: on mixed drawn scenes, as `vision_extraction
+refusals` does, and on an easy drawn picture of its size, both in the same run.
 """
 
 from __future__ import annotations
@@ -25,10 +27,12 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks._cold_search import ColdSearches, summary
 from labrig.vision import NeutralCurve, Optics, StripGeometry, neutral_curve, write_overlay
 from labrig.vision.checks.kinds.strip_goes_on import CHECK as STRIP_GOES_ON
 from labrig.vision.image.reading import read_image
 
+SEARCH_EVERY = 15  # photographs: cold searches on mixed scenes, in turns
 TRACES = Path(__file__).parent / "photographs" / "traces.json"
 RIGHT_PX = 2.0
 END_SHARE_MAX, END_MIN_PX = 0.03, 3.0  # of the length: where the end may be seen along the strip
@@ -203,18 +207,27 @@ def main() -> None:
     parser.add_argument("--clicks", type=int, help="state the tip, and so many places before it")
     parser.add_argument("--overlays", type=Path)
     options = parser.parse_args()
+    import cv2
+
+    cv2.setNumThreads(1)
     counts: dict[str, int] = {}
     right_doubted = 0
+    searches, taken = ColdSearches(), list[tuple[float, float, bool]]()
     print("| photograph | kind | result | error, px | CPU s |\n|---|---|---|---|---|")
     for photograph in load(options.folder):
         if (options.tuned and not photograph.tuned_on) or (
             options.untouched and photograph.tuned_on
         ):
             continue
-        began = time.process_time()
         known = asked(photograph, direction=options.direction, clicks=options.clicks)
+        if not taken:  # what is compiled or loaded once costs no search
+            neutral_curve(photograph.image, *known)
+        began = time.process_time()
         curve = neutral_curve(photograph.image, *known)
         spent = time.process_time() - began
+        if len(taken) % SEARCH_EVERY == 0:
+            searches.search_mixed()
+        taken.append((spent, searches.easy_s(*photograph.image.shape[:2]), not curve.ok))
         result, text = verdict(curve, photograph)
         counts[result] = counts.get(result, 0) + 1
         right_doubted += result == "right" and end_doubted(curve)
@@ -225,6 +238,8 @@ def main() -> None:
             write_overlay(options.overlays / f"{name}.png", photograph.image, curve)
     print("; ".join(f"{count} {result}" for result, count in counts.items()))
     print(f"{right_doubted} of the right ones have the warning that the strip may go on")
+    if taken:
+        print(summary(searches, taken))
 
 
 if __name__ == "__main__":

@@ -226,10 +226,11 @@ OUTLINE_WIDTH_SCATTER_MAX_RATIO: Final = 0.15  # of the width from block to bloc
 OUTLINE_RESIDUAL_MAX_RATIO: Final = 0.15  # of the middles about the curve, to the width
 OUTLINE_SIGMA_MAX_RATIO: Final = 0.25  # of sigma to the thickness, where that is more than 2 px
 OUTLINE_SIGMA_MAX_PX: Final = 5.0  # and at most
-# What is tried on one image by its edges, however much in it looks like a strip. The most that a
-# photograph took is 46 searches; four fits of at most 49 rounds each are 196.
-OUTLINE_SEARCHES_MAX: Final = 64  # of paths in one channel: widths, polarities, places to begin
-OUTLINE_ROUNDS_MAX: Final = 200  # of all fits together, each over the whole of a curve
+# What is tried on one image by its edges, however much in it looks like a strip. The most
+# rounds that a photograph took are 133.
+OUTLINE_ROUGH_MAX: Final = 40  # of few states in one channel: widths, polarities, places to begin
+OUTLINE_BROAD_MAX: Final = 8  # of many states, of the likeliest of all channels
+OUTLINE_ROUNDS_MAX: Final = 150  # of all fits together, each over the whole of a curve
 STATED_PLACE_MAX_PX: Final = 6.0  # from a stated place to the curve, or half a thickness
 END_PRESENT_RATIO: Final = 0.5  # of the weaker edge to the usual one: nearer than that is the end
 

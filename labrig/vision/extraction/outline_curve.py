@@ -6,7 +6,6 @@ between its edges (`fit.outline`), its end is measured, and both are judged.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,17 +14,22 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve, StripGeometry
+from labrig.vision.extraction.likeliest_paths import (
+    SAME_MIN_PX,
+    SAME_THICKNESS,
+    SAME_WIDTHS,
+    likeliest_first,
+)
 from labrig.vision.extraction.outline_report import (
     RIVAL_STEP,
     outline_fault,
     outline_in_metres,
 )
-from labrig.vision.extraction.outline_shape import CLAMP_REACH_PX, Outline, fitted_outline
+from labrig.vision.extraction.outline_shape import Outline, fitted_outline
 from labrig.vision.fit.context import roll_mask
 from labrig.vision.image.image import GreyImage
-from labrig.vision.search.locate import COMPARABLE_RATIO, Located, candidates
-from labrig.vision.search.stated_places import locate_through
-from labrig.vision.search.straightened import resampled
+from labrig.vision.search.located import Located
+from labrig.vision.search.straightened import distances, resampled
 from labrig.vision.search.work import OutlineWork, WorkDoneError
 
 FloatArray = npt.NDArray[np.float64]
@@ -51,9 +55,6 @@ TOO_MUCH = (
     "search failed: too much in the image looks like the edges of a strip; mask what confuses "
     "(--mask), state length, thickness and direction (--along-px), or crop the image."
 )
-OF_A_CHANNEL_MAX, FITTED_MAX = 2, 4  # candidates: each costs a fit
-SAME_WIDTHS, SAME_MIN_PX = 0.5, 2.0  # beside another path everywhere: the same course
-SAME_THICKNESS = 1.35  # of one path's thickness to another's, at most
 BEYOND_SHARE = 0.1  # of a path that may lie beyond another's end
 LEAVES_WIDTHS, LEAVES_MIN_PX = 1.5, 6.0  # beside another curve: it goes elsewhere
 BOTH_SHARE_OF_MORE = 0.7  # of what a longer curve must show of both edges, to be preferred
@@ -106,12 +107,12 @@ def outline_curve(
             found = outline_in_metres(followed.outline, images, optics, strip)
             if found.ok:
                 return found
-    likeliest = _likeliest_first(images, optics, strip, mask, work)
+    likeliest = likeliest_first(images, optics, strip, mask, work)
     if not likeliest:
         return _refused(NOTHING_THROUGH if optics.stated_places_px else NOTHING_FOUND)
     tried: list[_Tried] = []
     for located in likeliest:
-        if not any(not each.why and _same_course(located, each) for each in tried):
+        if not any(_same_course(located, each) for each in tried):
             try:
                 fitted = _tried(images, optics, strip, located, work)
             except WorkDoneError:
@@ -148,8 +149,8 @@ def _leaves(one: _Tried, other: _Tried) -> bool:
     """Return whether one curve goes elsewhere than another, not just further."""
     aside = max(LEAVES_WIDTHS * other.outline.fit.width_px, LEAVES_MIN_PX)
     path, along = resampled(one.path_px, 2.0), resampled(other.path_px, 2.0)
-    near = _distances(path, along).argmin(axis=1) < len(along) - 1
-    return bool((_distances(path, along).min(axis=1)[near] > aside).any())
+    near = distances(path, along).argmin(axis=1) < len(along) - 1
+    return bool((distances(path, along).min(axis=1)[near] > aside).any())
 
 
 def _same_course(located: Located, other: _Tried) -> bool:
@@ -158,46 +159,8 @@ def _same_course(located: Located, other: _Tried) -> bool:
     if not 1 / SAME_THICKNESS < located.thickness_px / width < SAME_THICKNESS:
         return False
     path = resampled(located.path_px, 2.0)
-    aside = _distances(path, resampled(other.path_px, 2.0)).min(axis=1)
+    aside = distances(path, resampled(other.path_px, 2.0)).min(axis=1)
     return bool((aside > max(SAME_WIDTHS * width, SAME_MIN_PX)).mean() < BEYOND_SHARE)
-
-
-def _distances(one: FloatArray, other: FloatArray) -> FloatArray:
-    return np.asarray(np.hypot(*(one[:, None] - other[None]).transpose(2, 0, 1)))
-
-
-def _likeliest_first(
-    images: Sequence[GreyImage],
-    optics: Optics,
-    strip: StripGeometry,
-    mask: MaskArray,
-    work: OutlineWork,
-) -> list[Located]:
-    """Return what the channels show, without what is far less clear than the clearest."""
-    found: list[Located] = []
-    for image in images:
-        kept: list[Located] = []
-        work.next_channel()
-        clearest = max((each.evidence for each in found), default=0.0)
-        for located in _located(image, optics, strip, mask, work, clearest):
-            if not any(_alike(located, each) for each in kept):
-                kept.append(located)
-            if len(kept) == OF_A_CHANNEL_MAX:
-                break
-        found += kept
-    found.sort(key=lambda each: -each.evidence)
-    return [each for each in found if each.evidence > COMPARABLE_RATIO * found[0].evidence][
-        :FITTED_MAX
-    ]
-
-
-def _alike(one: Located, other: Located) -> bool:
-    """Return whether two paths are the same one, to a part of its thickness."""
-    if not 1 / SAME_THICKNESS < one.thickness_px / other.thickness_px < SAME_THICKNESS:
-        return False
-    apart = _distances(resampled(one.path_px, 3.0), resampled(other.path_px, 3.0))
-    most = max(apart.min(axis=0).max(), apart.min(axis=1).max())
-    return bool(most < max(SAME_WIDTHS * other.thickness_px, SAME_MIN_PX))
 
 
 def _from_before(start: NeutralCurve) -> Located:
@@ -230,44 +193,3 @@ def _tried(
 
 def _refused(why: str) -> NeutralCurve:
     return NeutralCurve(ok=False, why=why)
-
-
-def _located(
-    image: GreyImage,
-    optics: Optics,
-    strip: StripGeometry,
-    mask: MaskArray,
-    work: OutlineWork,
-    clearest: float,
-) -> list[Located]:
-    signs = {"bright": (1.0,), "dark": (-1.0,), "auto": (1.0, -1.0)}[optics.polarity]
-    thickness_px = strip.thickness_m * optics.px_per_m if strip.thickness_known else None
-    if optics.stated_places_px:
-        places = (optics.clamp_px, *optics.stated_places_px)
-        found = locate_through(image, places, mask=mask, signs=signs, thickness_px=thickness_px)
-        return [] if found is None else [found]
-    stated = optics.clamp_angle_known
-    all_stated = stated and strip.length_known
-    return candidates(
-        image,
-        optics.clamp_px,
-        mask=mask,
-        clamp_reach_px=3 * optics.clamp_sigma_px
-        if all_stated
-        else max(CLAMP_REACH_PX, 3 * optics.clamp_sigma_px),
-        heading_rad=_heading_rad(optics) if stated else None,
-        heading_sigma_rad=max(0.05, optics.clamp_angle_sigma_rad),
-        signs=signs,
-        length_px=strip.length_m * optics.px_per_m if strip.length_known else None,
-        thickness_px=thickness_px,
-        work=work,
-        clearest_before=clearest,
-    )
-
-
-def _heading_rad(optics: Optics) -> float:
-    """Return direction of the clamped sheet in the image: u right, v down."""
-    start, angle = optics.clamp_m(), optics.clamp_angle_rad
-    step = 10 / optics.px_per_m * np.array([math.cos(angle), math.sin(angle)])
-    (u0, v0), (u1, v1) = optics.world_to_pixel([start, start + step])
-    return math.atan2(v1 - v0, u1 - u0)

@@ -11,6 +11,7 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry
 from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
+from labrig.vision.extraction.likeliest_paths import CLAMP_REACH_PX
 from labrig.vision.fit.course import StripCourse, completed, course_along
 from labrig.vision.fit.leading_on import LedOn, led_on_by_profile
 from labrig.vision.fit.outline import ROUNDS, OutlineFit, fit_outline
@@ -18,13 +19,12 @@ from labrig.vision.fit.outline_blocks import Blocks
 from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
-from labrig.vision.search.locate import Located
+from labrig.vision.search.located import Located
 from labrig.vision.search.work import OutlineWork
 from labrig.vision.thresholds import LED_ON_MIN_WIDTHS
 
 FloatArray = npt.NDArray[np.float64]
 
-CLAMP_REACH_PX = 20.0  # how far from the stated place an unknown strip may begin
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
 FURTHER_ROUNDS = 20  # in which a strip is followed beyond its located end, at most
 # how far beyond an end it is looked for: in widths, at least, and of the length

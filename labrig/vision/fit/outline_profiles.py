@@ -117,7 +117,9 @@ def running_sum(values: FloatArray | BoolArray, half: int) -> FloatArray:
 def running_middle(values: FloatArray, half: int) -> FloatArray:
     """Return (n,) the median over `half` values to each side."""
     half = min(half, len(values) - 1)
-    windows = np.lib.stride_tricks.sliding_window_view
-    return np.asarray(
-        np.median(windows(np.pad(values, half, mode="reflect"), 2 * half + 1), axis=1)
-    )
+    padded = np.pad(values, half, mode="reflect")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, 2 * half + 1)
+    if np.isnan(padded).any():
+        return np.asarray(np.median(windows, axis=1))
+    # the same of an odd number, several times as fast
+    return np.asarray(np.partition(windows, half, axis=1)[:, half])

@@ -13,7 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.jit import jit
+from labrig.vision.jit import jit, jit_inside
+from labrig.vision.search.beam_selection import (
+    ANGLE,
+    FIRST,
+    GAIN,
+    KINDS,
+    SCORE,
+    U,
+    V,
+    select,
+)
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
@@ -21,10 +31,9 @@ IntArray = npt.NDArray[np.int64]
 
 BEND_QUANTUM_RAD = 0.012  # rad: bends come in this quantum a step
 SAMPLES_PER_STEP = 2  # samples of the maps a step
-U, V, ANGLE, SCORE, FIRST, GAIN = 0, 1, 2, 3, 4, 5  # columns of a state
 
 
-@jit
+@jit_inside
 def ridge_score(
     maps: MapArray,
     sign: float,
@@ -55,7 +64,7 @@ def ridge_score(
     return best / (best + half)
 
 
-@jit
+@jit_inside
 def _step_along(
     maps: MapArray,
     sign: float,
@@ -161,55 +170,6 @@ def _expand(
     return count
 
 
-@jit
-def _sink(heap: IntArray, size: int, child: FloatArray, at: int) -> None:
-    """Let a child sink in a heap whose first is the best one."""
-    moved = heap[at]
-    below = 2 * at + 1
-    while below < size:
-        if below + 1 < size and child[heap[below + 1], SCORE] > child[heap[below], SCORE]:
-            below += 1
-        if child[heap[below], SCORE] <= child[moved, SCORE]:
-            break
-        heap[at] = heap[below]
-        at, below = below, 2 * below + 1
-    heap[at] = moved
-
-
-@jit
-def select(
-    child: FloatArray, child_bend: IntArray, count: int, width: int, fine: float, chosen: IntArray
-) -> int:
-    """Choose the best children, at most two of one place, direction and bend; return how many.
-
-    So the beam stays broad. A heap hands them out, the best one first: few of all are needed.
-    """
-    heap = np.empty(count, dtype=np.int64)
-    for t in range(count):
-        heap[t] = t
-    for at in range(count // 2 - 1, -1, -1):
-        _sink(heap, count, child, at)
-    taken = np.zeros(8192, dtype=np.int8)
-    kept = 0
-    for size in range(count, 0, -1):
-        t = heap[0]
-        key = (
-            math.floor(child[t, U] / 2.0) * 73856093
-            ^ math.floor(child[t, V] / 2.0) * 19349663
-            ^ math.floor(child[t, ANGLE] / fine) * 83492791
-            ^ int(child_bend[t] // 3) * 49979687
-        ) & 8191
-        if taken[key] < 2:
-            taken[key] += 1
-            chosen[kept] = t
-            kept += 1
-            if kept == width:
-                break
-        heap[0] = heap[size - 1]
-        _sink(heap, size - 1, child, 0)
-    return kept
-
-
 @dataclass(frozen=True, eq=False)
 class Beam:
     """The states that were kept after each step, the best one first."""
@@ -304,6 +264,7 @@ def _grow(
     child_of = np.zeros(5 * capacity, dtype=np.int64)
     parent = np.zeros((steps, width), dtype=np.int64)
     log, chosen = np.empty((steps, width, 3)), np.empty(width, dtype=np.int64)
+    best_two = np.full((KINDS, 2), -1, dtype=np.int64)
     alive = _start(state, bend, u0, v0, heading, spread, most_bend)
     start = np.empty((alive, 2))
     for i in range(alive):
@@ -334,7 +295,7 @@ def _grow(
             return start, log[:0], parent[:0]
         # a straight rest differs in little but its angle
         fine = 0.006 if straight else 0.1
-        alive = select(child, child_bend, count, width, fine, chosen)
+        alive = select(child, child_bend, count, width, fine, chosen, best_two)
         for i in range(alive):
             t = chosen[i]
             for q in range(5):

@@ -10,16 +10,17 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.jit import jit
+from labrig.vision.jit import jit, jit_inside
 
 MapArray = npt.NDArray[np.float32]
 IntArray = npt.NDArray[np.int64]
 FloatArray = npt.NDArray[np.float64]
 
 NEIGHBOURS = 8
+DIAGONAL = math.sqrt(2.0)  # a step's length
 
 
-@jit
+@jit_inside
 def _push(keys: FloatArray, items: IntArray, size: int, key: float, item: int) -> int:
     """Put an item into a heap whose first has the least key; return its new size."""
     at = size
@@ -30,7 +31,7 @@ def _push(keys: FloatArray, items: IntArray, size: int, key: float, item: int) -
     return size + 1
 
 
-@jit
+@jit_inside
 def _pop(keys: FloatArray, items: IntArray, size: int) -> int:
     """Take the first item out of a heap; return its new size."""
     size -= 1
@@ -73,7 +74,7 @@ def shortest_path(cost: MapArray, first: int, last: int) -> IntArray:
         row, column = at // columns, at % columns
         for i in range(max(0, row - 1), min(rows, row + 2)):
             for j in range(max(0, column - 1), min(columns, column + 2)):
-                length = math.sqrt(float((i - row) ** 2 + (j - column) ** 2))
+                length = 1.0 if i == row or j == column else DIAGONAL
                 total = key + 0.5 * length * (cost[row, column] + cost[i, j])
                 there = i * columns + j
                 if total < so_far[there]:

@@ -15,7 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.image.image import GreyImage
-from labrig.vision.search.locate import Located, measured_along, widths_tried
+from labrig.vision.search.edge_width import measured_along
+from labrig.vision.search.locate import widths_tried
+from labrig.vision.search.located import Located
 from labrig.vision.search.ridge_tracing import RidgeMaps, ridge_maps
 from labrig.vision.search.straightened import resampled, smoothed
 

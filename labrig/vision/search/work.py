@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from labrig.vision.thresholds import OUTLINE_ROUNDS_MAX, OUTLINE_SEARCHES_MAX
+from labrig.vision.thresholds import (
+    OUTLINE_BROAD_MAX,
+    OUTLINE_ROUGH_MAX,
+    OUTLINE_ROUNDS_MAX,
+)
 
 
 class WorkDoneError(Exception):
@@ -13,19 +17,25 @@ class WorkDoneError(Exception):
 
 @dataclass
 class OutlineWork:
-    """What was tried of one image: searches of one of its channels, and rounds of all fits."""
+    """What was tried of one image: searches of few and of many states, and rounds of all fits."""
 
-    searches: int = 0
+    rough: int = 0  # in one of its channels
+    broad: int = 0
     rounds: int = 0
 
     def next_channel(self) -> None:
         """Search anew: each channel may show the strip."""
-        self.searches = 0
+        self.rough = 0
 
-    def may_search(self) -> bool:
-        """Return whether one more search may be done, and count it."""
-        self.searches += 1
-        return self.searches <= OUTLINE_SEARCHES_MAX
+    def may_search_roughly(self) -> bool:
+        """Return whether one more search of few states may be done, and count it."""
+        self.rough += 1
+        return self.rough <= OUTLINE_ROUGH_MAX
+
+    def may_search_broadly(self) -> bool:
+        """Return whether one more search of many states may be done, and count it."""
+        self.broad += 1
+        return self.broad <= OUTLINE_BROAD_MAX
 
     def count_round(self) -> None:
         """Count one round of a fit; raise where there were enough."""

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from labrig.vision import Optics, StripGeometry, neutral_curve
-from labrig.vision.extraction import outline_curve
+from labrig.vision.extraction import likeliest_paths, outline_curve
 from labrig.vision.fit import outline
-from labrig.vision.search import locate, path_search, work
-from labrig.vision.thresholds import OUTLINE_ROUNDS_MAX, OUTLINE_SEARCHES_MAX
+from labrig.vision.search import locate, located, path_search, work
+from labrig.vision.search.beam_paths import BEAM_STATES, ROUGH_STATES
+from labrig.vision.thresholds import OUTLINE_BROAD_MAX, OUTLINE_ROUGH_MAX, OUTLINE_ROUNDS_MAX
 
 CHANNELS = 3
 ROWS, COLUMNS = 160, 200
@@ -33,18 +34,18 @@ def hard_picture():
 @pytest.fixture
 def counted(monkeypatch):
     """Count what is really called, whatever the budget says."""
-    calls = {"searches": 0, "rounds": 0, "fits": 0}
+    calls = {ROUGH_STATES: 0, BEAM_STATES: 0, "rounds": 0, "fits": 0}
 
     def counting(module, name, what):
         real = getattr(module, name)
 
         def call(*args, **kwargs):
-            calls[what] += 1
+            calls[what or kwargs["width"]] += 1
             return real(*args, **kwargs)
 
         monkeypatch.setattr(module, name, call)
 
-    counting(path_search, "search", "searches")
+    counting(path_search, "search", None)
     counting(outline, "measure_blocks", "rounds")
     counting(outline_curve, "fitted_outline", "fits")
     return calls
@@ -54,22 +55,40 @@ def counted(monkeypatch):
 def test_a_picture_full_of_paths_takes_no_more_searches_and_rounds_than_stated(counted):
     found = neutral_curve(hard_picture(), OPTICS, UNKNOWN)
     assert not found.ok
-    assert counted["searches"] > 2 * CHANNELS * 4  # it is hard: several widths, more than once
-    assert counted["searches"] <= CHANNELS * OUTLINE_SEARCHES_MAX
+    assert counted[ROUGH_STATES] > 2 * CHANNELS * 4  # it is hard: several widths, more than once
+    assert counted[ROUGH_STATES] <= CHANNELS * OUTLINE_ROUGH_MAX
+    assert 0 < counted[BEAM_STATES] <= 2 * OUTLINE_BROAD_MAX  # the further half by itself
     assert 0 < counted["rounds"] <= OUTLINE_ROUNDS_MAX
-    assert counted["fits"] <= outline_curve.FITTED_MAX
+    assert counted["fits"] <= likeliest_paths.FITTED_MAX
 
 
 @pytest.mark.slow
 def test_nothing_is_fitted_beyond_the_bound_and_the_sentence_says_what_would_help(
     counted, monkeypatch
 ):
-    monkeypatch.setattr(work, "OUTLINE_SEARCHES_MAX", 9)
-    monkeypatch.setattr(work, "OUTLINE_ROUNDS_MAX", 3)
+    monkeypatch.setattr(work, "OUTLINE_ROUGH_MAX", 9)
+    monkeypatch.setattr(work, "OUTLINE_BROAD_MAX", 2)
+    monkeypatch.setattr(work, "OUTLINE_ROUNDS_MAX", 1)
     found = neutral_curve(hard_picture(), OPTICS, UNKNOWN)
     assert found.why == outline_curve.TOO_MUCH
-    assert counted["searches"] <= CHANNELS * 9
-    assert counted["rounds"] == 3
+    assert counted[ROUGH_STATES] <= CHANNELS * 9
+    assert counted[BEAM_STATES] <= 2 * 2
+    assert counted["rounds"] == 1
+
+
+@pytest.mark.slow
+def test_a_path_beside_a_curve_that_was_refused_is_not_fitted_again(counted, monkeypatch):
+    picture = np.full((ROWS, COLUMNS, 3), 60, np.uint8)
+    picture[77:84, 30:170] = (40, 120, 200)  # it shows in all channels
+    found = []
+    real = outline_curve.likeliest_first
+    monkeypatch.setattr(
+        outline_curve, "likeliest_first", lambda *known: found.extend(real(*known)) or found
+    )
+    monkeypatch.setattr(outline_curve, "outline_fault", lambda *_: "refused")
+    assert neutral_curve(picture, OPTICS, UNKNOWN).why == "refused"
+    assert len(found) > 1
+    assert counted["fits"] == 1
 
 
 @pytest.mark.slow
@@ -81,9 +100,9 @@ def test_a_path_that_could_not_be_comparable_is_not_measured(monkeypatch):
     real = locate.measured_along
 
     def one(image, path, *rest, **known):
-        measured.append(locate._aside_px(path, OPTICS.clamp_px))
+        measured.append(located.aside_px(path, OPTICS.clamp_px))
         return real(image, path, *rest, **known)
 
     monkeypatch.setattr(locate, "measured_along", one)
     assert neutral_curve(picture, OPTICS, UNKNOWN).ok
-    assert max(measured) < 3 * locate.ASIDE_USUAL_PX
+    assert max(measured) < 3 * located.ASIDE_USUAL_PX
