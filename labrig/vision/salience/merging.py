@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
+from labrig.vision.extraction.outline_report import ASSUMED
 from labrig.vision.salience.middle_line import MiddleLine, distances, left_of, lengths
 
 FloatArray = npt.NDArray[np.float64]
@@ -41,6 +42,7 @@ CUT = (
     "the curve ends where the strip ceases to stand out in the picture; the edges were followed "
     "further, and the uncertainty of the end holds both"
 )
+GOES_ON = "the strip may go on"  # so a warning begins of an end that was looked at again
 ALONE = "the edges gave no curve; this one is the middle of what stands out in the picture"
 
 
@@ -134,6 +136,17 @@ def _drawn_towards(
     return _Middle(path_px=path, sigma_px=np.sqrt(variance), end_sigma_px=own.end_sigma_px)
 
 
+def _warnings(first: NeutralCurve, note: str, curve: NeutralCurve) -> tuple[str, ...]:
+    """Return the first curve's warnings, without what is no longer so of its end."""
+    no_longer = (ASSUMED, GOES_ON) if note else (ASSUMED,)
+    kept = [text for text in first.warnings if not text.startswith(no_longer)]
+    found = (
+        f"thickness {1e3 * curve.thickness_m:.2f} mm, length {1e3 * curve.s_m[-1]:.1f} mm "
+        f"(to its end, ±{1e3 * curve.end_sigma_m:.1f} mm)"
+    )
+    return (*kept, ASSUMED + found, *([note] if note else []))
+
+
 def halfway(path: FloatArray, other: FloatArray) -> FloatArray:
     """Return a path moved across itself, halfway to another one beside it."""
     evenly = np.ones(len(other))
@@ -179,9 +192,8 @@ def _curve(
     sigma_m = np.interp(at, s, sigma_px) / px_per_m
     resolution = s[-1] / pieces
     many = len(at)
-    return NeutralCurve(
+    curve = NeutralCurve(
         ok=True,
-        warnings=(*first.warnings, note) if note else first.warnings,
         s_m=lengths(np.stack([x, y], axis=1)),
         x_m=x,
         y_m=y,
@@ -201,3 +213,4 @@ def _curve(
         lateral_bias_px=np.zeros(many),
         side_face_px=np.zeros(many),
     )
+    return replace(curve, warnings=_warnings(first, note, curve))

@@ -10,7 +10,10 @@ import numpy as np
 import pytest
 
 from labrig.vision import NeutralCurve, Optics, StripGeometry
+from labrig.vision.checks.kinds.strip_goes_on import CHECK as STRIP_GOES_ON
+from labrig.vision.extraction.outline_report import ASSUMED
 from labrig.vision.salience import network, second_look
+from labrig.vision.salience.merging import GOES_ON
 from labrig.vision.salience.middle_line import distances, lengths
 from tests.labrig.vision.salient_strips import CLAMP, SIZE, arc, strip_map
 
@@ -66,10 +69,20 @@ def test_a_curve_that_ends_early_is_led_on_to_the_tip(shows):
     seen_by_edges, led_on = (found.sigma_m[round(at * len(found.s_m))] for at in (0.3, 0.75))
     assert led_on > seen_by_edges  # what stands out is coarser
     assert found.warnings[0] == "as before"
-    assert "led on" in found.warnings[1]
+    assert "thickness 3.00 mm, length 39.8 mm" in found.warnings[1]
+    assert "led on" in found.warnings[2]
     assert found.curvature_per_m[len(found.s_m) // 2] == pytest.approx(
         OPTICS.px_per_m * 1.2 / 160 * (-1 if found.y_m[-1] < 0 else 1), rel=0.3
     )
+
+
+def test_what_was_said_of_the_end_that_is_no_longer_so_is_left_out(shows):
+    assert STRIP_GOES_ON.warning.startswith(GOES_ON)
+    shows(strip_map(arc()))
+    said = (STRIP_GOES_ON.warning.format(u=1, v=2), f"{ASSUMED}length 20.0 mm", "in colour")
+    found = shows.then(replace(curve_along(arc()[:200]), warnings=said))
+    assert found.warnings[0] == "in colour"
+    assert not any(text.startswith(GOES_ON) or "20.0" in text for text in found.warnings)
 
 
 def test_a_curve_that_goes_on_is_cut_and_its_end_holds_both(shows):
@@ -77,7 +90,7 @@ def test_a_curve_that_goes_on_is_cut_and_its_end_holds_both(shows):
     found = shows.then(curve_along(arc()))
     assert lengths(found.points_px)[-1] == pytest.approx(120, abs=2)
     assert found.end_sigma_m * OPTICS.px_per_m == pytest.approx(40, abs=4)
-    assert "ceases to stand out" in found.warnings[1]
+    assert "ceases to stand out" in found.warnings[2]
 
 
 def test_where_both_end_alike_the_better_known_one_weighs_more(shows):
@@ -87,7 +100,7 @@ def test_where_both_end_alike_the_better_known_one_weighs_more(shows):
     middle = slice(40, 120)  # of some 160 points
     assert distances(good.points_px[middle], aside).max() < 0.3
     assert distances(poor.points_px[middle], arc()).max() < 0.4
-    assert good.warnings == ("as before",)
+    assert [text[:9] for text in good.warnings] == ["as before", "measured "]
 
 
 @pytest.mark.parametrize(
@@ -108,7 +121,7 @@ def test_what_stands_out_is_the_curve_where_the_edges_gave_none(shows):
     found = shows.then(REFUSED)
     assert found.ok
     assert distances(arc()[20:-20], found.points_px).max() < 0.6
-    assert "the edges gave no curve" in found.warnings[0]
+    assert "the edges gave no curve" in found.warnings[-1]
     assert found.thickness_m == pytest.approx(12 / OPTICS.px_per_m, rel=0.05)
 
 
