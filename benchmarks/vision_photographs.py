@@ -1,6 +1,7 @@
 """`labrig curves` on photographs that nobody here took, against readings by hand.
 
     python -m benchmarks.vision_photographs FOLDER [--tuned | --untouched] [--clicks N] ...
+    python -m benchmarks.vision_photographs FOLDER --direction --extractor salient --half 1
 
 The photographs are in public repositories, named in benchmarks/photographs/traces.json with their
 licences; they are not copied here. FOLDER holds them as OWNER+NAME/PATH. Each is measured with the
@@ -9,6 +10,8 @@ clamp's place and a ruler, and with nothing else; `--direction` states a second 
 curve (each up to 2 pixels off the reading).
 Right: within 2 pixels of the hand reading at each of its 13 places, and ended within 3 % of the
 length (and 3 pixels) of its last one; where the strip leaves the picture, anywhere beyond it.
+`--half` takes the photographs of half of the repositories, by the hash of their names: 0 to choose
+by, 1 to judge by.
 "End doubted": it ended elsewhere, and a warning says that the strip may go on there.
 What each takes is counted in cold searches, too: on mixed drawn scenes, as `vision_extraction
 refusals` does, and on an easy drawn picture of its size, both in the same run.
@@ -28,7 +31,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks._cold_search import ColdSearches, summary
-from labrig.vision import NeutralCurve, Optics, StripGeometry, neutral_curve, write_overlay
+from labrig.extractors.choice import BUILT_IN, chosen_extractor
+from labrig.vision import NeutralCurve, Optics, StripGeometry, write_overlay
 from labrig.vision.checks.kinds.strip_goes_on import CHECK as STRIP_GOES_ON
 from labrig.vision.image.reading import read_image
 
@@ -47,6 +51,7 @@ class Photograph:
 
     name: str
     kind: str
+    half: int  # 0 or 1, by its repository
     tuned_on: bool
     image: np.ndarray
     trace_px: np.ndarray  # (places, 2) from the clamp on
@@ -71,6 +76,7 @@ def load(folder: Path) -> list[Photograph]:
                 Photograph(
                     name=entry["name"],
                     kind=entry["kind"],
+                    half=_half(entry["repository"]),
                     tuned_on=entry["tuned_on"],
                     image=_picture(path, entry),
                     trace_px=np.array(entry["trace_px"]),
@@ -78,6 +84,10 @@ def load(folder: Path) -> list[Photograph]:
                 )
             )
     return found
+
+
+def _half(repository: str) -> int:
+    return int(hashlib.sha256(repository.encode()).hexdigest(), 16) % 2
 
 
 def _picture(path: Path, entry: dict[str, Any]) -> np.ndarray:
@@ -205,11 +215,14 @@ def main() -> None:
     parser.add_argument("--untouched", action="store_true", help="only what was not")
     parser.add_argument("--direction", action="store_true", help="state the direction, too")
     parser.add_argument("--clicks", type=int, help="state the tip, and so many places before it")
+    parser.add_argument("--half", type=int, choices=(0, 1), help="of the repositories")
+    parser.add_argument("--extractor", default=BUILT_IN, help="which finds the curves")
     parser.add_argument("--overlays", type=Path)
     options = parser.parse_args()
     import cv2
 
     cv2.setNumThreads(1)
+    chosen = chosen_extractor(options.extractor)
     counts: dict[str, int] = {}
     right_doubted = 0
     searches, taken = ColdSearches(), list[tuple[float, float, bool]]()
@@ -219,11 +232,13 @@ def main() -> None:
             options.untouched and photograph.tuned_on
         ):
             continue
+        if options.half is not None and photograph.half != options.half:
+            continue
         known = asked(photograph, direction=options.direction, clicks=options.clicks)
         if not taken:  # what is compiled or loaded once costs no search
-            neutral_curve(photograph.image, *known)
+            chosen.curve(photograph.image, *known)
         began = time.process_time()
-        curve = neutral_curve(photograph.image, *known)
+        curve = chosen.curve(photograph.image, *known)
         spent = time.process_time() - began
         if len(taken) % SEARCH_EVERY == 0:
             searches.search_mixed()

@@ -35,6 +35,7 @@ from labrig.vision.thresholds import (
 from labrig.vision.uncertainty.parts import calibration_m
 
 START_SHARE = 1 / 12  # of a curve, that shows its direction at the clamp
+ASSUMED = "measured in the image, not stated: "  # so the warning begins that lists it
 RIVAL_STEP = "check of the edges failed"  # the step that a refusal for rival edges names
 
 
@@ -244,4 +245,4 @@ def _assumed(outline: Outline, optics: Optics, strip: StripGeometry) -> list[str
     if not optics.clamp_angle_known:
         degrees = math.degrees(outline.fit.shape.phi[0])
         found.append(f"direction at the clamp {degrees:+.1f} degrees from the image's rows")
-    return [f"measured in the image, not stated: {', '.join(found)}"] if found else []
+    return [f"{ASSUMED}{', '.join(found)}"] if found else []
