@@ -145,9 +145,26 @@ def labrig(path: str, folder: Path, *arguments: object) -> str:
     return python(path, folder, "-m", "labrig", *arguments)
 
 
+# Several commands in one process: to start one takes longer than what most of them do.
+COMMANDS = """
+import json, sys
+from labrig.cli.main import run
+for arguments in json.loads(sys.argv[1]):
+    assert run(arguments) == 0, arguments
+    print("-- done", flush=True)
+"""
+
+
+def each_of(path: str, folder: Path, *commands: list[object]) -> list[str]:
+    """What commands print that one process runs one after the other."""
+    asked = json.dumps([[str(word) for word in one] for one in commands])
+    return python(path, folder, "-c", COMMANDS, asked).split("-- done\n")[:-1]
+
+
 def test_an_effect_is_in_the_catalogue(path, tmp_path):
-    assert "cable_pickup" in labrig(path, tmp_path, "effects")
-    assert "tanh" in labrig(path, tmp_path, "effects", "show", "cable_pickup")
+    every, one = each_of(path, tmp_path, ["effects"], ["effects", "show", "cable_pickup"])
+    assert "cable_pickup" in every
+    assert "tanh" in one
 
 
 @BY_EACH_WAY
@@ -258,10 +275,13 @@ def test_a_protocol_and_an_extra_are_planned_and_run_and_recorded(path, tmp_path
     protocol = re.sub(r"(zero_readings|readings_per_voltage) = \d+\n", "", protocol)
     extras = "free_shapes = false\nno_touch_zero = false\nslow_ramp = true\n"
     rig = make_rig(tmp_path / "rig", protocol + extras)
-    assert "1.5" in labrig(path, tmp_path, "plan", rig / "protocol.toml")
     files = [rig / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
-    labrig(path, tmp_path, "run", *files, "-o", "session.h5", "--yes")
-    found = json.loads(labrig(path, tmp_path, "show", "session.h5", "--json"))
+    planned, _, shown = each_of(
+        path, tmp_path, ["plan", rig / "protocol.toml"],
+        ["run", *files, "-o", "session.h5", "--yes"], ["show", "session.h5", "--json"],
+    )  # fmt: skip
+    assert "1.5" in planned
+    found = json.loads(shown)
     assert found["session"]["outcome"] == "completed"
     assert "slow ramp" in [run["purpose"] for run in found["runs"]]
 
@@ -278,8 +298,8 @@ def test_an_extractor_finds_a_curve(path, tmp_path):
     assert "strip: 30.0 mm" in said
 
 
-# Commands in one process, without drawing figures and the search for data stated wrongly.
-COMMANDS = """
+# `labrig report`, without drawing its figures and the search for data stated wrongly, and others.
+REPORT = """
 import labrig.report.parts.figures as figures
 from labrig.cli.main import run
 from tests.fits_unchecked import fits_unchecked
@@ -298,7 +318,7 @@ assert run(["--help"]) == 0
 def test_a_section_a_command_and_a_batch_task_use_an_analysed_session(path, tmp_path):
     session(tmp_path / "made.h5", measure("long", curves=False))
     tree = os.pathsep.join([path, str(ROOT)])  # for the tests' own parts
-    _, counted, helped = python(tree, tmp_path, "-c", COMMANDS).split("--\n")
+    _, counted, helped = python(tree, tmp_path, "-c", REPORT).split("--\n")
     assert "Every force" in next((tmp_path / "report").glob("*.html")).read_text("utf-8")
     assert int(counted) > 0
     assert "count-readings" in helped
