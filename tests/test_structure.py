@@ -15,6 +15,7 @@ pytestmark = pytest.mark.slow  # every module is read
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("labrig", "drivers", "protocols", "model", "sim_hardware")
+KINDS = (ast.Import, ast.ImportFrom, ast.Call, ast.ClassDef)
 MOST_MODULES = 15
 MOST_POSITIONAL = 7
 # (folder, most direct children, most imports between them)
@@ -66,6 +67,16 @@ def tree(path: Path) -> ast.Module:
 
 
 @cache
+def nodes(path: Path) -> dict[type[ast.AST], list[ast.AST]]:
+    """What the tests look for in a module, by kind: it is walked through once."""
+    found: dict[type[ast.AST], list[ast.AST]] = {kind: [] for kind in KINDS}
+    for node in ast.walk(tree(path)):
+        if type(node) in found:
+            found[type(node)].append(node)
+    return found
+
+
+@cache
 def imports() -> dict[str, frozenset[str]]:
     """The modules that each module imports by name, for types too.
 
@@ -75,16 +86,16 @@ def imports() -> dict[str, frozenset[str]]:
 
 
 def _imported(name: str) -> Iterator[str]:
-    for node in ast.walk(tree(modules()[name])):
-        if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names if alias.name in modules())
-        elif isinstance(node, ast.ImportFrom) and node.module:
-            for alias in node.names:
-                inner = f"{node.module}.{alias.name}"
-                if inner in modules():
-                    yield inner
-                elif node.module in modules():
-                    yield node.module
+    found = nodes(modules()[name])
+    for node in found[ast.Import]:
+        yield from (alias.name for alias in node.names if alias.name in modules())
+    for node in found[ast.ImportFrom]:
+        for alias in node.names if node.module else ():
+            inner = f"{node.module}.{alias.name}"
+            if inner in modules():
+                yield inner
+            elif node.module in modules():
+                yield node.module
 
 
 def test_no_modules_import_each_other_in_a_circle():
@@ -146,8 +157,8 @@ def test_no_call_passes_many_arguments_by_position():
     many = [
         f"{path.relative_to(ROOT)}:{node.lineno}"
         for path in modules().values()
-        for node in ast.walk(tree(path))
-        if isinstance(node, ast.Call) and _positional(node) > MOST_POSITIONAL
+        for node in nodes(path)[ast.Call]
+        if _positional(node) > MOST_POSITIONAL
     ]
     assert many == []
 
@@ -160,8 +171,8 @@ def test_data_classes_with_more_than_four_fields_are_keyword_only():
     loose = [
         f"{path.relative_to(ROOT)}:{node.lineno} {node.name}"
         for path in modules().values()
-        for node in ast.walk(tree(path))
-        if isinstance(node, ast.ClassDef) and _is_loose(node)
+        for node in nodes(path)[ast.ClassDef]
+        if _is_loose(node)
     ]
     assert loose == []
 

@@ -57,7 +57,7 @@ class ServedRig:
 
     def start(self) -> subprocess.Popen[bytes]:
         """`labrig run`, in a process group of its own; what it says goes into `said`."""
-        self._began = self._record.read_bytes().rfind(b"\n") + 1
+        self.forget()
         self.session = self.folder / "rig" / f"session-{len(self._started)}.h5"
         names = ("rig.toml", "protocol.toml", "sheet.toml")
         files = [str(self.folder / "rig" / name) for name in names]
@@ -69,6 +69,10 @@ class ServedRig:
             )
         self._started.append(process)
         return process
+
+    def forget(self) -> None:
+        """Of the world's record, what has been written until now."""
+        self._began = self._record.read_bytes().rfind(b"\n") + 1
 
     def energised(self) -> subprocess.Popen[bytes]:
         """`labrig run`, once there is a voltage on the sheet; started again where it was refused
@@ -101,7 +105,7 @@ class ServedRig:
         return (self.folder / "said.txt").read_text()
 
     def rows(self) -> list[Row]:
-        """The world's record since the last start; a line that is being written is left out."""
+        """The world's record since `forget`; a line that is being written is left out."""
         with self._record.open("rb") as file:
             header = file.readline()
             file.seek(max(self._began, len(header)))

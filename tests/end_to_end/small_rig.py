@@ -43,7 +43,7 @@ mode = "paper"
 ONE_POSITION = """
 [pulse_train]
 zero_readings = 2
-readings_per_voltage = 2
+readings_per_voltage = 1
 
 [[places]]
 configuration = "long"

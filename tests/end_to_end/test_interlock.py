@@ -29,6 +29,7 @@ def sheet_V(world: World, clock: VirtualClock, after_s: float) -> float:
     return float(np.mean(world.read("", "ai2", clock.now() + np.linspace(0, 1e-3, 5))))
 
 
+@pytest.mark.slow
 def test_the_relay_opens_0_3_s_after_the_last_edge_and_closes_with_the_next(
     tmp_path: Path,
 ) -> None:

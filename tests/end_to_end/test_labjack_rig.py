@@ -31,7 +31,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("data_unchecked")]
 PAPER = """
 [pulse_train]
 zero_readings = 2
-readings_per_voltage = 4
+readings_per_voltage = 2
 
 [[places]]
 configuration = "long"

@@ -147,9 +147,26 @@ def labrig(path: str, folder: Path, *arguments: object) -> str:
     return python(path, folder, "-m", "labrig", *arguments)
 
 
+# Several commands in one process: to start one takes longer than what most of them do.
+COMMANDS = """
+import json, sys
+from labrig.cli.main import run
+for arguments in json.loads(sys.argv[1]):
+    assert run(arguments) == 0, arguments
+    print("-- done", flush=True)
+"""
+
+
+def each_of(path: str, folder: Path, *commands: list[object]) -> list[str]:
+    """What commands print that one process runs one after the other."""
+    asked = json.dumps([[str(word) for word in one] for one in commands])
+    return python(path, folder, "-c", COMMANDS, asked).split("-- done\n")[:-1]
+
+
 def test_an_effect_is_in_the_catalogue(path, tmp_path):
-    assert "cable_pickup" in labrig(path, tmp_path, "effects")
-    assert "tanh" in labrig(path, tmp_path, "effects", "show", "cable_pickup")
+    every, one = each_of(path, tmp_path, ["effects"], ["effects", "show", "cable_pickup"])
+    assert "cable_pickup" in every
+    assert "tanh" in one
 
 
 def test_a_fact_of_a_strip_has_its_option(path, tmp_path):
@@ -264,10 +281,13 @@ def test_a_protocol_and_an_extra_are_planned_and_run_and_recorded(path, tmp_path
     protocol = re.sub(r"(zero_readings|readings_per_voltage) = \d+\n", "", protocol)
     extras = "free_shapes = false\nno_touch_zero = false\nslow_ramp = true\n"
     rig = make_rig(tmp_path / "rig", protocol + extras)
-    assert "1.5" in labrig(path, tmp_path, "plan", rig / "protocol.toml")
     files = [rig / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
-    labrig(path, tmp_path, "run", *files, "-o", "session.h5", "--yes")
-    found = json.loads(labrig(path, tmp_path, "show", "session.h5", "--json"))
+    planned, _, shown = each_of(
+        path, tmp_path, ["plan", rig / "protocol.toml"],
+        ["run", *files, "-o", "session.h5", "--yes"], ["show", "session.h5", "--json"],
+    )  # fmt: skip
+    assert "1.5" in planned
+    found = json.loads(shown)
     assert found["session"]["outcome"] == "completed"
     assert "slow ramp" in [run["purpose"] for run in found["runs"]]
 
@@ -284,7 +304,7 @@ def test_an_extractor_finds_a_curve(path, tmp_path):
     assert "strip: 30.0 mm" in said
 
 
-# `labrig report`, without drawing its figures and the search for data stated wrongly.
+# `labrig report`, without drawing its figures and the search for data stated wrongly, and others.
 REPORT = """
 import labrig.report.parts.figures as figures
 from labrig.cli.main import run
@@ -292,7 +312,11 @@ from tests.fits_unchecked import fits_unchecked
 figures.svg_text = lambda fig: "<?xml version='1.0'?><svg width='9pt' viewBox='0 0 9 9'></svg>"
 figures.save_all = lambda *_: []
 with fits_unchecked():
-    raise SystemExit(run(["report", "made.h5", "-o", "report"]))
+    assert run(["report", "made.h5", "-o", "report"]) == 0
+print("--", flush=True)
+assert run(["count-readings", "made.h5"]) == 0
+print("--", flush=True)
+assert run(["--help"]) == 0
 """
 
 
@@ -300,10 +324,10 @@ with fits_unchecked():
 def test_a_section_a_command_and_a_batch_task_use_an_analysed_session(path, tmp_path):
     session(tmp_path / "made.h5", measure("long", curves=False))
     tree = os.pathsep.join([path, str(ROOT)])  # for the tests' own parts
-    python(tree, tmp_path, "-c", REPORT)
+    _, counted, helped = python(tree, tmp_path, "-c", REPORT).split("--\n")
     assert "Every force" in next((tmp_path / "report").glob("*.html")).read_text("utf-8")
-    assert int(labrig(path, tmp_path, "count-readings", "made.h5")) > 0
-    assert "count-readings" in labrig(path, tmp_path, "--help")
+    assert int(counted) > 0
+    assert "count-readings" in helped
     assert "1 done" in labrig(path, tmp_path, "batch", "readings_of_each", "made.h5")
 
 

@@ -80,9 +80,15 @@ def test_a_watch_that_dies_stops_the_run_at_0_V(tmp_path: Path) -> None:
     ],
 )
 def test_a_run_without_its_watch_is_refused_before_the_first_voltage(
-    served: WatchedRig, tmp_path: Path, change: str, said: str
+    served: WatchedRig,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    change: str,
+    said: str,
 ) -> None:
-    file = served.rig.folder / "rig" / "rig.toml"
+    folder = served.rig.folder / "rig"
+    file = folder / "rig.toml"
+    files = [folder / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
     text = file.read_text()
     other = tmp_path / "other.token"
     other.write_text("f" * 64)
@@ -92,11 +98,12 @@ def test_a_run_without_its_watch_is_refused_before_the_first_voltage(
         "absent": (str(served.networks[1].port), "9"),
     }[change]
     file.write_text(text.replace(old, new))
+    served.rig.forget()
     try:
-        assert served.rig.start().wait(60) == 3
+        assert labrig("run", *files, "-o", tmp_path / "refused.h5", "--yes") == 3
     finally:
         file.write_text(text)
-    assert said in served.rig.said()
+    assert said in capsys.readouterr().err
     assert not any(abs(float(row["drive_V"])) > 0.02 for row in served.rig.rows())
 
 

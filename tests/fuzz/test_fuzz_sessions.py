@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import random
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +31,16 @@ JOURNALS = 15
 def thorough(case: Any) -> Any:
     """A further case of the same kind."""
     return pytest.param(case, marks=pytest.mark.thorough)
+
+
+def at_places(kinds: Sequence[Any], places: Sequence[str]) -> list[Any]:
+    """Each kind at one of the places in turn; at the others it is thorough."""
+    found = []
+    for k, kind in enumerate(kinds):
+        for place in places:
+            chosen = place == places[k % len(places)]
+            found.append(pytest.param(kind, place, marks=() if chosen else pytest.mark.thorough))
+    return found
 
 
 MORE = tuple(map(thorough, range(1, 6)))
@@ -120,13 +130,13 @@ def _links(file: Any) -> dict[str, Any]:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "kind",
-    ["soft", "soft into nothing", "soft to itself", "external", "external session", "to the root",
-     "to a run"],
+    ("kind", "where"),
+    at_places(
+        ["soft", "soft into nothing", "soft to itself", "external", "external session",
+         "to the root", "to a run"],
+        ["/session/extra", f"{RUN}/signals/force", "/session/setup/texts/x"],
+    ),
 )  # fmt: skip
-@pytest.mark.parametrize(
-    "where", ["/session/extra", f"{RUN}/signals/force", "/session/setup/texts/x"]
-)
 def test_links_are_refused(sound: Path, tmp_path: Path, kind: str, where: str) -> None:
     path = Path(shutil.copy(sound, tmp_path / "s.h5"))
     with h5py.File(path, "r+") as file:
@@ -194,8 +204,10 @@ FOREIGN = (_vlen, _outside, _virtual, _endless, _reference, _type, _object_array
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("make", FOREIGN)
-@pytest.mark.parametrize("name", ["/session/extra", "/session/outcome", f"{RUN}/readings"])
+@pytest.mark.parametrize(
+    ("make", "name"),
+    at_places(FOREIGN, ["/session/extra", "/session/outcome", f"{RUN}/readings"]),
+)
 def test_what_a_session_never_holds_is_refused(
     sound: Path, tmp_path: Path, make: Callable[[Any, str], None], name: str
 ) -> None:

@@ -65,7 +65,7 @@ def rig_world(folder: Path, *options: str, lean: bool = False) -> Iterator[RigWo
     """
     write_templates(folder, simulated=True)
     kinds = {
-        "one": ("true", 3, "10"), "short": ("true", 3, "5, 10"), "long": ("false", 20, "10"),
+        "one": ("true", 1, "10"), "short": ("true", 3, "5, 10"), "long": ("false", 20, "10"),
         "protocol": ("true", 2, "0, 10, 20, 30"),
     }  # fmt: skip
     for name, (moisten, readings, positions) in kinds.items():

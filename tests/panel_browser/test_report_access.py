@@ -14,13 +14,14 @@ from tests.labrig.report_data import measure, session
 from tests.panel_browser.test_page_access import FOCUS, violations
 
 pytestmark = pytest.mark.slow
+POSITIONS_M = (0.0, 0.015, 0.03)  # more of them are more of the same elements
 
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory, data_unchecked):
     """The report of a session with a diagnosis in it, and the diagnosis's own page."""
     folder = tmp_path_factory.mktemp("reports")
-    path = session(folder / "made.h5", measure("long"))
+    path = session(folder / "made.h5", measure("long", positions_m=POSITIONS_M))
     keep_diagnosis(path, made.found())
     return {
         "report": write_report(path, folder / "report").as_uri(),

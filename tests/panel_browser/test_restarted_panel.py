@@ -85,7 +85,7 @@ def test_a_new_token_lets_no_earlier_page_in(world, visit):
     page = enter(visit, world)
     world.server.end(signal.SIGKILL)
     port = str(urlsplit(world.server.origin).port)
-    server = Server(world.folder / "rig.toml", "--port", port, "--new-token")
+    server = Server(world.folder / "rig.toml", "--port", port, "--new-token", lean=True)
     try:
         page.wait_for_selector("#net-said:has-text('open the address')")
     finally:

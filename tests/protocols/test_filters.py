@@ -10,6 +10,7 @@ from protocols.execution.filters import symmetric_mean, window
 INDEX = np.arange(1000.0)
 
 
+@pytest.mark.slow
 @given(
     centre=st.floats(400.0, 600.0),
     half_window=st.floats(0.0, 300.0),

@@ -105,7 +105,8 @@ def make_ni() -> Iterator[Callable[..., NiRig]]:
         yield make
 
 
-@pytest.fixture(params=["in process", "tcp"])
+# Over TCP each takes twice as long; what the tests ask is the same.
+@pytest.fixture(params=["in process", pytest.param("tcp", marks=pytest.mark.slow)])
 def ni(request: pytest.FixtureRequest, make_ni: Callable[..., NiRig]) -> NiRig:
     """The same server, both ways."""
     return make_ni(tcp=request.param == "tcp")

@@ -99,6 +99,7 @@ def test_an_edge_is_where_the_drive_shows_it_whatever_the_write_claims(tmp_path,
             assert edges[step].why == ""
 
 
+@pytest.mark.slow
 def test_between_two_samples_the_write_says_when(tmp_path):
     early = record_with(tmp_path / "s.h5", ONE_RUN, writes(-0.3e-3))
     with open_session(early) as session:
@@ -108,6 +109,7 @@ def test_between_two_samples_the_write_says_when(tmp_path):
         assert edges[1].index == pytest.approx(EDGE - 0.3 + planned.time_s * 1000, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_slow_rise_begins_where_it_begins(tmp_path):
     """An amplifier's lag of 4 ms does not move the edge to the middle of the rise."""
 
@@ -130,6 +132,7 @@ def test_a_slow_rise_begins_where_it_begins(tmp_path):
             assert edges[step].index == pytest.approx(EDGE + planned.time_s * 1000, abs=1.0)
 
 
+@pytest.mark.slow
 def test_a_drive_that_stays_at_zero_spoils_its_readings(tmp_path):
     def dead(volts, index):
         volts[2] = 0.0
@@ -143,6 +146,7 @@ def test_a_drive_that_stays_at_zero_spoils_its_readings(tmp_path):
             assert reading.valid
 
 
+@pytest.mark.slow
 def test_a_drive_that_is_too_low_spoils_its_readings(tmp_path):
     def low(volts, index):
         volts[2] *= 0.8
@@ -220,6 +224,7 @@ def test_a_run_that_never_began_has_no_readings(tmp_path):
         assert measure_forces(run, CALIBRATION) == ()
 
 
+@pytest.mark.slow
 def test_series_are_block_means_at_the_blocks_middles(tmp_path):
     with open_session(record_with(tmp_path / "s.h5", ONE_RUN)) as session:
         run = session.runs[0]

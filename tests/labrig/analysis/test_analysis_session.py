@@ -196,6 +196,7 @@ def test_the_analysis_is_kept_in_the_session_and_can_be_made_again(pictured, tmp
     assert same(analyze(path), made)
 
 
+@pytest.mark.slow
 def test_a_session_that_cannot_be_added_to_is_refused_before_the_work(tmp_path, monkeypatch):
     path = record_with(tmp_path / "s.h5", make_schedule(TRAIN, [Place("long", (0.0,))]))
     (tmp_path / "s.h5.lock").mkdir()  # in place of the file that says who writes
@@ -208,6 +209,7 @@ def test_a_session_that_cannot_be_added_to_is_refused_before_the_work(tmp_path, 
         analyze(path)
 
 
+@pytest.mark.slow
 def test_frames_without_a_sheet_are_reported_once_for_each_condition(tmp_path):
     path = record_with(tmp_path / "s.h5", make_schedule(TRAIN, [Place("long", (0.0,))]))
     with open_session(path) as session:

@@ -63,6 +63,7 @@ def test_nothing_is_measured_where_the_verdict_is_no_class(make):
     assert rig.measured == []
 
 
+@pytest.mark.slow
 def test_it_ends_when_nothing_on_the_menu_helps():
     rig = Pretended(replace(made.indistinguishable(), next_measurement=None))
     assert "nothing on the menu" in closed_loop(FIRST, rig, lambda _: None).why

@@ -16,6 +16,7 @@ from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.serialise import finite
 from labrig.session import load_measurements
 from tests.end_to_end.small_rig import TWO_POSITIONS, labrig, make_rig, two_positions
+from tests.fits_unchecked import fits_unchecked
 from tests.labrig.panel.page import Page, panel
 
 pytestmark = pytest.mark.slow  # processes that analyse images
@@ -95,7 +96,8 @@ def test_a_session_is_analysed_fitted_diagnosed_and_reported_as_by_the_command_l
     assert first["result"]["files"] == {"model": "session.model.toml"}
     assert "not analysed yet" in first["result"]["notes"][0]
     assert "long: B " in first["message"]
-    assert labrig("fit", folder / "session.h5", "-o", tmp_path / "cli.toml") == 0
+    with fits_unchecked():  # which adds words, not numbers
+        assert labrig("fit", folder / "session.h5", "-o", tmp_path / "cli.toml") == 0
     assert (folder / "session.model.toml").read_text() == (tmp_path / "cli.toml").read_text()
     found = done(page, "next")["result"]  # which diagnoses first, as there is no diagnosis yet
     kept = kept_diagnosis(folder / "session.h5")

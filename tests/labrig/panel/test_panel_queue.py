@@ -20,8 +20,8 @@ from tests.labrig.test_hooks import KEEP, told
 pytestmark = pytest.mark.slow
 PROTOCOL = """
 [pulse_train]
-zero_readings = 2
-readings_per_voltage = 2
+zero_readings = 1
+readings_per_voltage = 1
 [[places]]
 configuration = "long"
 positions_mm = [{positions}]

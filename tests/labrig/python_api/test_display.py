@@ -115,6 +115,7 @@ def test_conditions_hold_the_mean_of_the_readings_in_use(measured):
     assert set(frame.position_m) == set(POSITIONS_M)
 
 
+@pytest.mark.slow
 def test_curves_and_signals_become_rows(measured):
     curves = measured.to_dataframe("curves")
     assert len(curves) == sum(len(c.curve.s_m) for c in measured.conditions)

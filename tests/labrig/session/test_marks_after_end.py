@@ -114,6 +114,7 @@ def test_a_mark_of_the_session_itself_can_be_taken_back_after_its_end(tmp_path):
     assert failed(path) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("version", [1, 2])
 def test_sessions_of_older_versions_can_be_marked(version, tmp_path):
     path = Path(shutil.copy(DATA / f"version_{version}.hdf5", tmp_path / "old.h5"))

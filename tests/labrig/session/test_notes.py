@@ -282,7 +282,9 @@ def test_notes_of_a_session_of_an_older_format_have_a_checksum_too(tmp_path):
     assert failed(path) == ["notes"]
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    "seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(6, 20))]
+)
 def test_damage_of_what_waits_costs_no_note_before_it_and_raises_nothing(closed, seed):
     with open_session(closed) as session:
         identifier = session.identifier

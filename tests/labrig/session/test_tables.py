@@ -62,6 +62,7 @@ def test_numbers_survive_to_the_last_bit(value):
     assert from_plain(plain(value)) == value
 
 
+@pytest.mark.slow
 @given(finite.filter(lambda v: abs(v) < 1e300))
 def test_thousandths_survive_to_the_last_bit(value):
     assert from_milli(milli(value)) == value

@@ -13,8 +13,8 @@ PROTOCOL = """
 moisten = false
 
 [pulse_train]
-zero_readings = 3
-readings_per_voltage = 2
+zero_readings = 2
+readings_per_voltage = 1
 
 [[places]]
 configuration = "long"

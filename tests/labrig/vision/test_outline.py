@@ -263,7 +263,9 @@ def test_transparent_ground_is_white():
     assert curve.polarity == "dark"
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize(
+    "seed", [1, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (2, 3))]
+)
 def test_noise_is_no_strip_and_the_refusal_says_what_to_do(seed):
     noise = np.random.default_rng(seed).normal(90, 6, SIZE).astype(np.uint8)
     curve = neutral_curve(noise, stated(), UNKNOWN)

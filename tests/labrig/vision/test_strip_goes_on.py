@@ -40,6 +40,7 @@ def beyond(pixels, line=TO_BEND):
     return shown_beyond([read_grey_image(pixels, OPTICS)], line, THICK)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn_deg", [0, 60, 110, 150])
 def test_a_strip_that_goes_on_shows_beyond_the_end_of_its_curve(turn_deg):
     assert beyond(picture(hooked(turn_deg))) > 0.8

@@ -6,6 +6,7 @@ follows is the answer.
 
 from __future__ import annotations
 
+import os
 import shlex
 from pathlib import Path
 
@@ -30,8 +31,20 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def state(folder: Path) -> dict[Path, int]:
-    return {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path.is_file()}
+@pytest.fixture(scope="module")
+def before(files: Path) -> dict[str, int]:
+    """The files as they are before the first request: none may change them."""
+    return state(files)
+
+
+def state(folder: Path) -> dict[str, int]:
+    """When each file was written."""
+    return {
+        file.path: file.stat().st_mtime_ns
+        for place, _, _ in os.walk(folder)
+        for file in os.scandir(place)
+        if file.is_file()
+    }
 
 
 def test_the_requests_are_of_all_commands_and_many() -> None:
@@ -42,13 +55,13 @@ def test_the_requests_are_of_all_commands_and_many() -> None:
 @pytest.mark.parametrize(("asked", "told"), CASES, ids=[asked for asked, _ in CASES])
 def test_a_request_is_answered_in_one_sentence(
     files: Path,
+    before: dict[str, int],
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
     asked: str,
     told: str,
 ) -> None:
     monkeypatch.chdir(files)
-    before = state(files)
     assert run(shlex.split(asked)) == 2
     assert capsys.readouterr().err.removeprefix("labrig: ").strip() == told.strip()
     for line in told.strip().splitlines():

@@ -83,6 +83,7 @@ def test_a_check_of_another_distribution_that_fails_costs_no_fit(monkeypatch):
         assert [*check.of_stiffness(data, {})] == []
 
 
+@pytest.mark.slow
 def test_nothing_is_suspicious_about_a_usual_session():
     found = check_data(session())
     assert found.suspicions == ()

@@ -100,6 +100,7 @@ def test_a_name_that_acts_otherwise_in_a_part_of_the_data_may_be_something_unkno
     assert one.probabilities == {"gravity": 0.95, "unknown": 0.04}
 
 
+@pytest.mark.slow
 def test_what_people_notice_is_less_probable_and_may_be_something_unknown(reported):
     one = reported({"gravity": 0.95, "unknown": 0.04}, ("gravity",), overlooked=0.4)
     assert one.or_else == ("unknown",)

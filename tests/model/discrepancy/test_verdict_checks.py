@@ -58,7 +58,6 @@ def test_the_check_on_the_page_about_extending_conforms():
     assert faults(there["CHECK"]) == []
 
 
-@pytest.mark.slow
 class Broken(VerdictCheck):
     """A check of another distribution that fails."""
 
@@ -97,6 +96,7 @@ def test_a_check_of_another_distribution_that_fails_costs_no_verdict(monkeypatch
 KINDS = {"broken": Broken, "sound": Sound}
 
 
+@pytest.mark.slow
 def test_a_right_name_passes_every_check():
     found = diagnosed(FALLING)
     assert [n.name for n in found.effects] == ["nonuniform_eibm"]

@@ -231,6 +231,7 @@ def test_worse_residuals_than_the_noise_explains_widen_the_intervals():
         assert q.log_sigma == pytest.approx(p.log_sigma, rel=0.15), p.name
 
 
+@pytest.mark.slow
 def test_a_load_cell_follows_in_long_runs_of_equal_steps_as_step_by_step():
     steps_s = np.concatenate([np.full(80, 1e-3), [3e-4, 7e-4], np.full(60, 5e-4)])
     force = np.random.default_rng(2).standard_normal(len(steps_s) + 1)
