@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache, partial
+from itertools import islice
 
 import numpy as np
 
@@ -24,13 +25,18 @@ from model.discrepancy.thresholds import (
     REFINED_EVIDENCE_SHARE,
 )
 from model.effects.interface import Effect
-from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
+from model.identification.likelihood.fit_place import Place
+from model.identification.likelihood.mixed_model_fit import (
+    MixedModelFit,
+    approach,
+    fit_mixed_model,
+)
 from model.identification.likelihood.model_state import Found
 from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import FloatArray, ModelError
 
-SAME = 0.5  # of the deviance within which two fits ended at the same place
 STRICT = 0.1  # of the tolerance of a form, where its size is looked for first
+ROUGH_STEPS = 2  # of a fit that only says where to begin
 VAGUE_M = 1.0  # of numbers that are not to count
 INSIDE = 0.9  # of its bounds that a size may have to begin with
 
@@ -66,24 +72,27 @@ def refined(
     result = contender
     for one in shapes:
         found = (*fitted.found, _found(fitted, one, one.amplitude))
-        result = _better(fitted, result, one, _settled(fitted, fitted.theta, found, known))
+        result = _better(fitted, result, one, settled(fitted, fitted.theta, found, known))
     return result
 
 
 def by_forces(fitted: MixedModelFit) -> FloatArray:
-    """Return the base parameters fitted to forces and to the curves at 0 V.
+    """Return the base parameters fitted to forces and to the curves at 0 V, roughly.
 
-    Curves under voltage may contain the effect that is to be explained.
+    Curves under voltage may contain the effect that is to be explained. Fits begin there: two steps
+    bring them as near as they need to be.
     """
     problem, forward = fitted.problem, fitted.problem.forward
     vague = np.zeros(forward.layout.size)
     for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
         vague[part.mode_rows[scene.voltage_V != 0.0].ravel()] = VAGUE_M**2
     noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
-    try:
-        return fit_mixed_model(replace(problem, noise=noise), fitted.theta, fitted.found).theta
-    except (ModelError, np.linalg.LinAlgError):
-        return fitted.theta
+    theta = fitted.theta
+    with suppress(ModelError, np.linalg.LinAlgError):
+        steps = approach(replace(problem, noise=noise), fitted.theta, fitted.found)
+        for there in islice(steps, ROUGH_STEPS):
+            theta = there.theta
+    return theta
 
 
 def _refined_again(
@@ -101,17 +110,38 @@ def _refined_again(
     size = 1.0 if usual is None else usual.amplitude
     first = _found(fitted, one, float(np.copysign(max(1.0, abs(size)), size)))
     found = (*fitted.found, first)
-    places: list[float] = []
+    places: list[Place] = []
     for begin in begins:
-        strict = _settled(fitted, begin(), found, None, STRICT)
-        if strict is None or any(abs(strict.deviance - p) < SAME for p in places):
+        strict = _approached(fitted, begin(), found, places)
+        if strict is None:
             continue
-        places.append(strict.deviance)
-        freed = _settled(fitted, strict.theta, strict.found, strict.solution.log_sigma)
+        places.append(strict)
+        freed = settled(fitted, strict.theta, strict.found, strict.log_sigma)
         contender = _better(fitted, contender, one, freed)
         if not _doubtful(contender):
             break
     return contender
+
+
+def _approached(
+    fitted: MixedModelFit, theta: FloatArray, found: tuple[Found, ...], known: Sequence[Place]
+) -> Place | None:
+    """Return where a fit leads whose forms may hardly differ; None: nowhere, or to a known place.
+
+    As in `settled`, it is made once from the same beginning.
+    """
+    kept, key = fitted.linear.at_states, ("approached", *_beginning(fitted, theta, found, None))
+    sigma = np.sqrt(np.maximum(np.diag(fitted.solution.covariance), 0.0))
+    if key not in kept:
+        try:
+            for there in approach(fitted.problem, theta, found, None, STRICT):
+                if any(there.near(one, sigma) for one in known):
+                    return None
+            kept[key] = there
+        except (ModelError, np.linalg.LinAlgError):
+            kept[key] = None
+    result: Place | None = kept[key]
+    return result
 
 
 def _better(
@@ -179,29 +209,38 @@ def _strained(fitted: MixedModelFit) -> bool:
     return bool(np.max(times[: len(ASSUMED)]) > np.log(DOUBTFUL_SCATTER_RATIO))
 
 
-def _settled(
+def settled(
     fitted: MixedModelFit,
     theta: FloatArray,
     found: tuple[Found, ...],
     log_sigma: FloatArray | None,
-    form: float = 1.0,
 ) -> MixedModelFit | None:
     """Return a model with these effects, from there on; None where it does not settle.
 
-    `form` is how much of the tolerance of the effects' forms there is. A fit from the same place
-    is made once: the search may come back to a model with fewer candidates.
+    A fit from the same place is made once: the search may come back to a model with fewer
+    candidates.
     """
     kept = fitted.linear.at_states
-    key = (
-        "settled", id(fitted.problem), theta.tobytes(), repr([(f.effect.name, f) for f in found]),
-        None if log_sigma is None else log_sigma.tobytes(), form,
-    )  # fmt: skip
+    key = ("settled", *_beginning(fitted, theta, found, log_sigma))
     if key not in kept:
         kept[key] = None
         with suppress(ModelError, np.linalg.LinAlgError):
-            kept[key] = fit_mixed_model(fitted.problem, theta, found, log_sigma, form)
+            kept[key] = fit_mixed_model(fitted.problem, theta, found, log_sigma)
     result: MixedModelFit | None = kept[key]
     return result
+
+
+def _beginning(
+    fitted: MixedModelFit,
+    theta: FloatArray,
+    found: tuple[Found, ...],
+    log_sigma: FloatArray | None,
+) -> tuple[Hashable, ...]:
+    """Return what the end of a fit depends on."""
+    return (
+        id(fitted.problem), theta.tobytes(), repr([(f.effect.name, f) for f in found]),
+        None if log_sigma is None else log_sigma.tobytes(),
+    )  # fmt: skip
 
 
 def _promising(fitted: MixedModelFit, done: list[RankedCandidate]) -> set[str]:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.identification.likelihood.fit_place import Place
 from model.identification.likelihood.form_error import effect_columns
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import (
@@ -28,10 +30,13 @@ from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
 
 ROUNDS = 12
+FEWEST = 1  # rounds before the one that may be the last
+MANY, EASED = 4, 4.0  # rounds from which on so many times larger moves are small
 WORSE = 0.5  # of the deviance; less may be rounding
 SHORTEST = 0.2  # share of a step; where not even that helps there is nowhere to go
-# of a standard uncertainty: moves at which a fit has settled, the second one where each set-up is
-SMALL, QUIET = 0.05, 0.01
+# of a standard uncertainty: moves of base parameters, of effects, at which a fit has settled; the
+# third one where each set-up is
+SMALL, SMALL_OF_EFFECT, QUIET = 0.05, 0.1, 0.01
 LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
 ROUGH, FINE = 0.1, 1e-3  # of the deviance
 
@@ -88,6 +93,23 @@ def fit_mixed_model(
 
     `form` is how much of the tolerance of the effects' forms there is.
     """
+    *_, there = approach(problem, theta, found, log_sigma, form)
+    return _finished(
+        _LinearisationPoint(
+            problem=problem, theta=there.theta, found=there.found, added=None, form=form
+        ),
+        there.log_sigma,
+    )
+
+
+def approach(
+    problem: FitProblem,
+    theta: FloatArray,
+    found: tuple[Found, ...] = (),
+    log_sigma: FloatArray | None = None,
+    form: float = 1.0,
+) -> Iterator[Place]:
+    """Yield the places after the steps of a fit, one at least, until it has settled."""
     last: _Iteration | None = None
     for turn in range(ROUNDS):
         # the noise is estimated from the first: a model far off must not be taken at its word
@@ -104,17 +126,18 @@ def fit_mixed_model(
             theta, found, _ = last.end()
             if last.share > 0.0:
                 continue
-            break
+            yield Place(theta=theta, found=found, log_sigma=last.log_sigma)
+            return
         last = here
-        theta, found, quiet = here.end()
-        if here.moves < SMALL and quiet and turn >= 2:
-            break
+        theta, found, effects_move = here.end()
+        yield Place(theta=theta, found=found, log_sigma=here.log_sigma)
+        # a form with kinks, as of friction, may never come to rest
+        much = EASED if turn >= MANY else 1.0
+        if here.moves < much * SMALL and effects_move < much * SMALL_OF_EFFECT and turn >= FEWEST:
+            return
     if last is None:
-        raise _unsettled()
-    return _finished(
-        _LinearisationPoint(problem=problem, theta=theta, found=found, added=None, form=form),
-        last.log_sigma,
-    )
+        raise unsettled()
+    yield Place(theta=theta, found=found, log_sigma=last.log_sigma)
 
 
 def fit_at_set_ups(
@@ -169,7 +192,7 @@ class _LinearisationPoint:
 def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
     """Return the fit at a linearisation point, with its noise."""
     if not np.all(np.isfinite(at.theta)):
-        raise _unsettled()
+        raise unsettled()
     linear, spans = at.linearised()
     problem = at.problem
     solution = estimate(linear.data, problem.guess, log_sigma, FINE)
@@ -185,7 +208,8 @@ def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
     )
 
 
-def _unsettled() -> ModelError:
+def unsettled() -> ModelError:
+    """Return the error of a fit that leads nowhere."""
     return ModelError("the fit did not settle: the data contradict the model too much")
 
 
@@ -240,12 +264,15 @@ class _Iteration:
         step, inner = solution.beta[moving], solution.covariance[np.ix_(moving, moving)]
         return promised + float(step @ inverse_symmetric(inner) @ step)
 
-    def end(self) -> tuple[FloatArray, tuple[Found, ...], bool]:
-        """Return base parameters and effects after the step, and whether effects moved little."""
+    def end(self) -> tuple[FloatArray, tuple[Found, ...], float]:
+        """Return base parameters and effects after the step, and how far effects move at most.
+
+        That is in standard uncertainties.
+        """
         beta = self.share * self.solution.beta
-        found, quiet = moved(self.at.found, beta, self.sigma, self.spans)
+        found, largest = moved(self.at.found, beta, self.sigma, self.spans)
         step = _bounded(self.at.problem, self.solution.beta[: self.at.problem.bases.size])
-        return self.at.theta + self.share * step, found, quiet
+        return self.at.theta + self.share * step, found, largest
 
 
 def _added(problem: FitProblem, linear: Linearisation, solution: Solution) -> Added:

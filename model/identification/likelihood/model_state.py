@@ -148,15 +148,15 @@ def prior_of(parameter: EffectParameter, value: float, one: Found) -> tuple[floa
 
 def moved(
     found: tuple[Found, ...], beta: FloatArray, sigma: FloatArray, spans: list[slice]
-) -> tuple[tuple[Found, ...], bool]:
-    """Return the effects after a step, and whether the step was small."""
-    result, quiet = [], True
+) -> tuple[tuple[Found, ...], float]:
+    """Return the effects after a step, and the largest change of a parameter in its sigmas."""
+    result, largest = [], 0.0
     for one, span in zip(found, spans, strict=True):
         values = {name: dict(v) for name, v in one.values.items()}
         unsure = {name: dict(one.sigma.get(name, {})) for name in values}
         for place, (parameter, names) in enumerate(one.parameters(), span.start):
             step, doubt = float(beta[place]), float(sigma[place])
-            quiet = quiet and abs(step) < 0.1 * doubt
+            largest = max(largest, abs(step) / max(doubt, 1e-300))
             for name in names:
                 old = values[name][parameter.name]
                 if parameter.log:
@@ -173,4 +173,4 @@ def moved(
             replace(way, size=way.size + step) for way, step in zip(one.ways, steps, strict=True)
         )
         result.append(replace(one, values=values, sigma=unsure, ways=ways))
-    return tuple(result), quiet
+    return tuple(result), largest

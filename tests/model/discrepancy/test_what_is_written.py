@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from model.discrepancy import diagnose
-from model.discrepancy.verdict import decision
 from model.discrepancy.verdict.messages import not_written
+from model.discrepancy.verdict.written_model import chosen
 from model.discrepancy.verdict.written_model.left_out_gain import predicts_better
 from tests.model.discrepancy.sessions import FALLING, base_fit, session
 
@@ -34,7 +34,7 @@ def test_what_spoils_the_prediction_of_left_out_positions_is_not_written():
 
 @pytest.mark.slow
 def test_where_the_base_model_predicts_better_the_file_has_it_and_a_note_says_so(monkeypatch):
-    monkeypatch.setattr(decision, "predicts_better", lambda *_: False)
+    monkeypatch.setattr(chosen, "predicts_better", lambda *_: False)
     found = diagnose(session(FALLING))
     assert [one.name for one in found.effects] == ["nonuniform_eibm"]
     assert found.effects[0].parameters["decay_length_mm"].value > 0.0
