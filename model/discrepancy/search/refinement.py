@@ -26,10 +26,13 @@ from model.discrepancy.thresholds import (
 )
 from model.effects.interface import Effect
 from model.identification.likelihood.fit_place import Place
+from model.identification.likelihood.linearisation import with_columns
+from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import (
     MixedModelFit,
     approach,
     fit_mixed_model,
+    stepped,
 )
 from model.identification.likelihood.model_state import Found
 from model.identification.likelihood.random_effects import ASSUMED
@@ -41,8 +44,13 @@ VAGUE_M = 1.0  # of numbers that are not to count
 INSIDE = 0.9  # of its bounds that a size may have to begin with
 
 
-def refine_best(fitted: MixedModelFit, ranking: list[RankedCandidate]) -> list[RankedCandidate]:
-    """Return the effects of the catalogue that are close to the best one, refined; best first."""
+def refine_best(
+    fitted: MixedModelFit, ranking: list[RankedCandidate], there: MixedModelFit | None = None
+) -> list[RankedCandidate]:
+    """Return the effects of the catalogue that are close to the best one, refined; best first.
+
+    `there` is a fit with one effect more, where the fit of that one begins.
+    """
     known = [c for c in ranking if c.known]
     if not known:
         return ranking
@@ -51,29 +59,65 @@ def refine_best(fitted: MixedModelFit, ranking: list[RankedCandidate]) -> list[R
     chosen = [c for c in known if c.gain >= least][:REFINED_CANDIDATES]
     plain = _plain(fitted, known)
     chosen += [c for c in known if c.name in plain and c not in chosen]
-    done = {c.name: refined(fitted, c, (c.score,)) for c in chosen}
+    done = {c.name: refined(fitted, c, (c.score,), there) for c in chosen}
     promising = _promising(fitted, list(done.values()))
-    done |= {name: refined(fitted, done[name], done[name].shapes) for name in promising}
+    done |= {name: refined(fitted, done[name], done[name].shapes, there) for name in promising}
     forces = cache(partial(by_forces, fitted))  # a fit of its own, which few need
-    for name in [name for name in promising if _doubtful(done[name])]:
+    inside = set() if there is None else {one.effect.name for one in there.found}
+    for name in [name for name in promising if name not in inside and _doubtful(done[name])]:
         done[name] = _refined_again(fitted, done[name], (lambda: fitted.theta, forces))
     rest = [c for c in ranking if c.name not in done]
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
 
 
 def refined(
-    fitted: MixedModelFit, contender: RankedCandidate, shapes: Sequence[Score]
+    fitted: MixedModelFit,
+    contender: RankedCandidate,
+    shapes: Sequence[Score],
+    there: MixedModelFit | None = None,
 ) -> RankedCandidate:
     """Fit the model with the effect in it, linearised at the fitted values.
 
-    The fits decide between several shapes: linearised at zero they are indistinguishable.
+    The fits decide between several shapes: linearised at zero they are indistinguishable. `there`
+    is as in `refine_best`.
     """
     known = None if contender.solution is None else contender.solution.log_sigma
     result = contender
     for one in shapes:
-        found = (*fitted.found, _found(fitted, one, one.amplitude))
-        result = _better(fitted, result, one, settled(fitted, fitted.theta, found, known))
+        own = None if there is None else _same_shape(there, one)
+        if there is not None and own is not None:
+            theta, noise = there.theta, there.solution.log_sigma
+            found = (*(f for f in there.found if f is not own), own)
+        else:
+            theta, before = _beside(fitted, one, known)
+            found, noise = (*before, _found(fitted, one, one.amplitude)), known
+        other = settled(fitted, theta, found, noise, fitted.deviance)
+        result = _better(fitted, result, one, other)
     return result
+
+
+def _same_shape(there: MixedModelFit, one: Score) -> Found | None:
+    """Return the effect of a fit that is a candidate in the same shape; None: it has none."""
+    for found in there.found:
+        if found.effect.name == one.candidate.name:
+            values = next(iter(found.values.values()))
+            stay = (k.name for k in found.effect.parameters[1:] if not (k.log or k.estimated))
+            return found if all(values[n] == one.candidate.values[n] for n in stay) else None
+    return None
+
+
+def _beside(
+    fitted: MixedModelFit, one: Score, log_sigma: FloatArray | None
+) -> tuple[FloatArray, tuple[Found, ...]]:
+    """Return base parameters and effects of a fit where a straight line from it has them.
+
+    That is beside a candidate that begins with its own size; it saves a step of the fit with it.
+    """
+    linear = with_columns(
+        fitted.problem.forward, fitted.linear, one.candidate.columns, one.scale**-2.0
+    )
+    noise = fitted.solution.log_sigma if log_sigma is None else log_sigma
+    return stepped(fitted, weigh(linear.data, noise))
 
 
 def by_forces(fitted: MixedModelFit) -> FloatArray:
@@ -214,18 +258,21 @@ def settled(
     theta: FloatArray,
     found: tuple[Found, ...],
     log_sigma: FloatArray | None,
+    worthless: float = np.inf,
 ) -> MixedModelFit | None:
     """Return a model with these effects, from there on; None where it does not settle.
 
     A fit from the same place is made once: the search may come back to a model with fewer
-    candidates.
+    candidates. `worthless` is as in `fit_mixed_model`.
     """
     kept = fitted.linear.at_states
     key = ("settled", *_beginning(fitted, theta, found, log_sigma))
     if key not in kept:
         kept[key] = None
         with suppress(ModelError, np.linalg.LinAlgError):
-            kept[key] = fit_mixed_model(fitted.problem, theta, found, log_sigma)
+            kept[key] = fit_mixed_model(
+                fitted.problem, theta, found, log_sigma, worthless=worthless
+            )
     result: MixedModelFit | None = kept[key]
     return result
 

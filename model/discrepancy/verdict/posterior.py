@@ -138,7 +138,7 @@ def choices(
             result.append(choice(turn.chosen, turn.ranking, turn.before))
             continue
         without = _without(final, first + i)
-        ranking = refine_best(without, rank(without, effects, locations=False))
+        ranking = refine_best(without, rank(without, effects, locations=False), final)
         own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
         gain = 0.5 * (without.deviance - final.deviance)
         if min(gain, apart(without, own)) < threshold + FURTHER_EFFECT_LN:

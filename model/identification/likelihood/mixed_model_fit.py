@@ -30,8 +30,9 @@ from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
 
 ROUNDS = 12
-FEWEST = 1  # rounds before the one that may be the last
-MANY, EASED = 4, 4.0  # rounds from which on so many times larger moves are small
+# rounds after which a fit ends that gains no more than so much of the deviance, and moves less
+# than so many standard uncertainties
+MANY, LITTLE, NEARLY = 4, 1.0, 1.0
 WORSE = 0.5  # of the deviance; less may be rounding
 SHORTEST = 0.2  # share of a step; where not even that helps there is nowhere to go
 # of a standard uncertainty: moves of base parameters, of effects, at which a fit has settled; the
@@ -88,12 +89,14 @@ def fit_mixed_model(
     found: tuple[Found, ...] = (),
     log_sigma: FloatArray | None = None,
     form: float = 1.0,
+    worthless: float = np.inf,
 ) -> MixedModelFit:
     """Gauss-Newton with REML; a `ModelError` where it does not settle.
 
-    `form` is how much of the tolerance of the effects' forms there is.
+    `form` is how much of the tolerance of the effects' forms there is. A fit whose deviance is
+    still above `worthless` when it should be near its end is given up there.
     """
-    *_, there = approach(problem, theta, found, log_sigma, form)
+    *_, there = approach(problem, theta, found, log_sigma, form, worthless)
     return _finished(
         _LinearisationPoint(
             problem=problem, theta=there.theta, found=there.found, added=None, form=form
@@ -108,6 +111,7 @@ def approach(
     found: tuple[Found, ...] = (),
     log_sigma: FloatArray | None = None,
     form: float = 1.0,
+    worthless: float = np.inf,
 ) -> Iterator[Place]:
     """Yield the places after the steps of a fit, one at least, until it has settled."""
     last: _Iteration | None = None
@@ -128,16 +132,29 @@ def approach(
                 continue
             yield Place(theta=theta, found=found, log_sigma=last.log_sigma)
             return
+        gained = np.inf if last is None else last.value - here.value
         last = here
         theta, found, effects_move = here.end()
         yield Place(theta=theta, found=found, log_sigma=here.log_sigma)
-        # a form with kinks, as of friction, may never come to rest
-        much = EASED if turn >= MANY else 1.0
-        if here.moves < much * SMALL and effects_move < much * SMALL_OF_EFFECT and turn >= FEWEST:
+        if here.moves < SMALL and effects_move < SMALL_OF_EFFECT:
+            return
+        # a form with kinks, as of friction, may go to and fro
+        if turn >= MANY and (here.value > worthless or (gained < LITTLE and here.moves < NEARLY)):
             return
     if last is None:
         raise unsettled()
     yield Place(theta=theta, found=found, log_sigma=last.log_sigma)
+
+
+def stepped(fitted: MixedModelFit, solution: Solution) -> tuple[FloatArray, tuple[Found, ...]]:
+    """Return base parameters and effects after the step that a solution asks for.
+
+    The solution may have further columns behind those of the fit.
+    """
+    sigma = np.sqrt(np.maximum(np.diag(solution.covariance), 1e-300))
+    found, _ = moved(fitted.found, solution.beta, sigma, list(fitted.spans))
+    step = _bounded(fitted.problem, solution.beta[: fitted.problem.bases.size])
+    return fitted.theta + step, found
 
 
 def fit_at_set_ups(
@@ -229,6 +246,11 @@ class _Iteration:
         linear, spans = at.linearised()
         solution = estimate(linear.data, at.problem.guess, start, ROUGH)
         return _Iteration(at=at, linear=linear, spans=spans, solution=solution)
+
+    @property
+    def value(self) -> float:
+        """The deviance at the end of its step, as far as a straight line goes."""
+        return self.solution.deviance + prior_terms(self.linear, self.at.problem.bases.size)
 
     @property
     def log_sigma(self) -> FloatArray:
