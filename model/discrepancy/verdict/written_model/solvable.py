@@ -22,8 +22,9 @@ Place = tuple[float, float]  # position in m, voltage
 def unsolved_at(model: SheetModel, forward: ForwardModel) -> str:
     """Return the first place, in words, at which a model has no solution; empty: there is none.
 
-    Asked for are the session's positions and those half-way between, at its voltages and at half
-    of them, in each session. What is not reachable without the model's effects does not count.
+    Asked for are half the session's voltages at the outer positions and half-way between all of
+    them, in each session: what was measured itself is asked for by `stated_errors`. What is not
+    reachable without the model's effects does not count.
     """
     for name, look in zip(forward.names, forward.looks, strict=True):
         places = list(dict.fromkeys(_places(look)))
@@ -39,9 +40,9 @@ def _places(look: DataVector) -> Iterator[Place]:
     touching = [one for one in look.seen if not (one.free or one.zero or one.tilt_rad)]
     positions = sorted({float(one.position_m) for one in touching})
     between = [0.5 * (a + b) for a, b in pairwise(positions)]
-    voltages = {float(one.voltage_V) for one in touching}
-    for at_m in sorted([*positions, *between]):
-        for volts in sorted({*voltages, *(HALF * v for v in voltages)}):
+    voltages = sorted({HALF * float(one.voltage_V) for one in touching})
+    for at_m in sorted({*positions[:1], *between, *positions[-1:]}):
+        for volts in voltages:
             yield at_m, volts
 
 
