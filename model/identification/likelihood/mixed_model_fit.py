@@ -39,7 +39,7 @@ SHORTEST = 0.2  # share of a step; where not even that helps there is nowhere to
 # third one where each set-up is
 SMALL, SMALL_OF_EFFECT, QUIET = 0.05, 0.1, 0.01
 LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
-ROUGH, FINE = 0.1, 1e-3  # of the deviance
+ROUGH, FINE = 0.5, 1e-3  # of the deviance
 
 
 @dataclass(frozen=True)
