@@ -33,7 +33,7 @@ def deceives_load_cell(effects: Sequence[ActiveEffect], configuration: str) -> b
 
 
 @dataclass(frozen=True)
-class LoadCell:
+class LoadCellReadings:
     """What the load cell is given in solved conditions, and the effects that it adds."""
 
     acting: Sequence[Acting]
@@ -44,14 +44,14 @@ class LoadCell:
     @staticmethod
     def of(
         effects: Sequence[ActiveEffect], found: SolvedProblems, positions_m: Sequence[float]
-    ) -> LoadCell | None:
+    ) -> LoadCellReadings | None:
         """Return that of a solution; None: it reads what is there."""
         configuration = found.setups[0].sheet.configuration
         if not deceives_load_cell(effects, configuration):
             return None
         beam = beam_problem(found.setups, positions_m)
         inner = acting(effects, configuration)
-        return LoadCell(inner, positions_m, beam, contact_solution(found, beam))
+        return LoadCellReadings(inner, positions_m, beam, contact_solution(found, beam))
 
     def added_N(self, rows: Mapping[float, int], voltage_V: float) -> float:
         """Return its contribution to the mean of a condition's readings, N.
@@ -75,8 +75,8 @@ def load_cell_N(
     rows: Mapping[float, int],
     voltage_V: float,
 ) -> float:
-    """Return the load cell's contribution to the mean of a single condition, as `LoadCell`."""
-    cell = LoadCell.of(effects, found, positions_m)
+    """Return the load cell's contribution to the mean of a condition, N: see `LoadCellReadings`."""
+    cell = LoadCellReadings.of(effects, found, positions_m)
     return 0.0 if cell is None else cell.added_N(rows, voltage_V)
 
 

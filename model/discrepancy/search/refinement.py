@@ -25,7 +25,6 @@ from model.discrepancy.thresholds import (
     REFINED_EVIDENCE_SHARE,
 )
 from model.effects.interface import Effect
-from model.identification.likelihood.fit_place import Place
 from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import (
@@ -34,7 +33,7 @@ from model.identification.likelihood.mixed_model_fit import (
     fit_mixed_model,
     stepped,
 )
-from model.identification.likelihood.model_state import Found
+from model.identification.likelihood.model_state import FitPlace, Found
 from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import FloatArray, ModelError
 
@@ -154,7 +153,7 @@ def _refined_again(
     size = 1.0 if usual is None else usual.amplitude
     first = _found(fitted, one, float(np.copysign(max(1.0, abs(size)), size)))
     found = (*fitted.found, first)
-    places: list[Place] = []
+    places: list[FitPlace] = []
     for begin in begins:
         strict = _approached(fitted, begin(), found, places)
         if strict is None:
@@ -168,8 +167,8 @@ def _refined_again(
 
 
 def _approached(
-    fitted: MixedModelFit, theta: FloatArray, found: tuple[Found, ...], known: Sequence[Place]
-) -> Place | None:
+    fitted: MixedModelFit, theta: FloatArray, found: tuple[Found, ...], known: Sequence[FitPlace]
+) -> FitPlace | None:
     """Return where a fit leads whose forms may hardly differ; None: nowhere, or to a known place.
 
     As in `settled`, it is made once from the same beginning.
@@ -184,7 +183,7 @@ def _approached(
             kept[key] = there
         except (ModelError, np.linalg.LinAlgError):
             kept[key] = None
-    result: Place | None = kept[key]
+    result: FitPlace | None = kept[key]
     return result
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.measurements import FloatArray, ModelError
-from model.sheet.instruments import LoadCell, as_pictured, camera_m
+from model.sheet.instruments import LoadCellReadings, as_pictured, camera_m
 from model.sheet.prediction import Predictable
 from model.sheet.solution import sampled_s, solved
 
@@ -40,7 +40,7 @@ def seen_at(
     positions_m = [at_m for at_m, _ in rows]
     s_m = sampled_s(found.setups[0])
     shapes, result = found.shapes(s_m), list[Seen]()
-    cell = LoadCell.of(model.effects, found, positions_m)
+    cell = LoadCellReadings.of(model.effects, found, positions_m)
     for at_m, volts in places:
         k = rows[at_m, volts]
         own = {v: row for (other_m, v), row in rows.items() if other_m == at_m}

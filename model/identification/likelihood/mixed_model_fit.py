@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.identification.likelihood.fit_place import Place
 from model.identification.likelihood.form_error import effect_columns
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import (
@@ -24,7 +23,7 @@ from model.identification.likelihood.mixed_model import (
     inverse_symmetric,
     weigh,
 )
-from model.identification.likelihood.model_state import AppliedEffect, Found, moved
+from model.identification.likelihood.model_state import AppliedEffect, FitPlace, Found, moved
 from model.identification.likelihood.random_effects import Added
 from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
@@ -112,7 +111,7 @@ def approach(
     log_sigma: FloatArray | None = None,
     form: float = 1.0,
     worthless: float = np.inf,
-) -> Iterator[Place]:
+) -> Iterator[FitPlace]:
     """Yield the places after the steps of a fit, one at least, until it has settled."""
     last: _Iteration | None = None
     for turn in range(ROUNDS):
@@ -130,12 +129,12 @@ def approach(
             theta, found, _ = last.end()
             if last.share > 0.0:
                 continue
-            yield Place(theta=theta, found=found, log_sigma=last.log_sigma)
+            yield FitPlace(theta=theta, found=found, log_sigma=last.log_sigma)
             return
         gained = np.inf if last is None else last.value - here.value
         last = here
         theta, found, effects_move = here.end()
-        yield Place(theta=theta, found=found, log_sigma=here.log_sigma)
+        yield FitPlace(theta=theta, found=found, log_sigma=here.log_sigma)
         if here.moves < SMALL and effects_move < SMALL_OF_EFFECT:
             return
         # a form with kinks, as of friction, may go to and fro
@@ -143,7 +142,7 @@ def approach(
             return
     if last is None:
         raise unsettled()
-    yield Place(theta=theta, found=found, log_sigma=last.log_sigma)
+    yield FitPlace(theta=theta, found=found, log_sigma=last.log_sigma)
 
 
 def stepped(fitted: MixedModelFit, solution: Solution) -> tuple[FloatArray, tuple[Found, ...]]:

@@ -12,9 +12,8 @@ from model.discrepancy.search.refinement import preferred, refine_best, refined
 from model.effects import effect
 from model.effects.conformance import plausible
 from model.identification.likelihood import mixed_model_fit
-from model.identification.likelihood.fit_place import NEAR, Place
 from model.identification.likelihood.mixed_model_fit import approach
-from model.identification.likelihood.model_state import Found
+from model.identification.likelihood.model_state import NEAR, FitPlace, Found
 from tests.model.discrepancy.sessions import FALLING, base_fit
 
 GOOD, BETTER, BEST = 103.0, 100.0, 80.0  # deviances: the first two are about as good
@@ -34,11 +33,11 @@ def test_of_shapes_that_explain_as_much_the_one_nearest_to_its_form_is_taken(one
     assert not preferred(other, one)
 
 
-def place(theta: float, value: float, sigma: float) -> Place:
+def place(theta: float, value: float, sigma: float) -> FitPlace:
     one = effect("roll_friction")
     values = {"long": {**plausible(one), "coefficient": value}}
     found = Found(effect=one, values=values, sigma={"long": {"coefficient": sigma}})
-    return Place(theta=np.array([theta]), found=(found,), log_sigma=np.zeros(1))
+    return FitPlace(theta=np.array([theta]), found=(found,), log_sigma=np.zeros(1))
 
 
 def test_places_are_the_same_within_a_part_of_their_uncertainty():

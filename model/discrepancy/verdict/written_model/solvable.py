@@ -6,14 +6,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
-import numpy as np
-
 from model.identification.data.data_vector import DataVector
 from model.identification.likelihood.forward_model import ForwardModel
 from model.measurements import ModelError
-from model.mechanics.equilibrium import check_softness
 from model.sheet.sheet_model import SheetModel
-from model.sheet.solution import solved
+from model.sheet.solution import all_solved
 
 HALF = 0.5  # of the voltages of a session
 Place = tuple[float, float]  # position in m, voltage
@@ -60,13 +57,8 @@ def _first_unsolved(model: SheetModel, name: str, places: list[Place]) -> Place 
 
 
 def _all_solved(model: SheetModel, name: str, places: list[Place]) -> bool:
-    """Return whether there is an equilibrium, its stiffness positive along the whole sheet."""
     every = list(dict.fromkeys((at, v) for at, volts in places for v in model.beside(name, volts)))
     try:
-        setups = model.setups(name, every)
-        for soft in {id(one.softness): one.softness for one in setups}.values():
-            if soft is not None:
-                check_softness(soft, setups[0].sheet.free_length_m)
-        return bool(np.all(solved(setups).reachable))
-    except ModelError:
+        return all_solved(model.setups(name, every))
+    except ModelError:  # the effects do not settle
         return False
