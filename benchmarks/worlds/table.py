@@ -32,6 +32,7 @@ from model.discrepancy.answers.choice_set import UNKNOWN
 SEEN, SURE = 12.0, 0.9
 MEDIAN_S, LATE_S, LONGEST_S = 3.0, 10.0, 20.0
 PREDICTED, WORSE, CLOSED = 0.3, 0.02, 0.95
+ROUNDING = 1e-9  # by which the base model, written and read back, may differ from itself
 
 
 def rows(records: Sequence[Record]) -> list[Row]:
@@ -117,7 +118,7 @@ def _predicted(records: Sequence[Record]) -> list[Row]:
 
 
 def _worse(r: Record) -> bool:
-    return r.foretold is not None and r.foretold.ratio > 1.0
+    return r.foretold is not None and r.foretold.ratio > 1.0 + ROUNDING
 
 
 def _ratio(what: str, found: Sequence[Foretold]) -> Row:

@@ -90,7 +90,8 @@ def _catalogue_course(one: Acting, clock: AcquisitionTimes) -> tuple[FloatArray,
         if len(kept) >= MOST_KEPT:
             kept.clear()
         kept[key] = one.effect, found  # with the effect, so that nothing else can have its identity
-    return found
+    result: tuple[FloatArray, FloatArray] | None = found
+    return result
 
 
 def mean_course(

@@ -83,13 +83,13 @@ def refined(
     known = None if contender.solution is None else contender.solution.log_sigma
     result = contender
     for one in shapes:
-        own = None if there is None else _same_shape(there, one)
+        own, noise = None if there is None else _same_shape(there, one), known
         if there is not None and own is not None:
             theta, noise = there.theta, there.solution.log_sigma
             found = (*(f for f in there.found if f is not own), own)
         else:
             theta, before = _beside(fitted, one, known)
-            found, noise = (*before, _found(fitted, one, one.amplitude)), known
+            found = (*before, _found(fitted, one, one.amplitude))
         other = settled(fitted, theta, found, noise, fitted.deviance)
         result = _better(fitted, result, one, other)
     return result

@@ -38,7 +38,7 @@ SHORTEST = 0.2  # share of a step; where not even that helps there is nowhere to
 # third one where each set-up is
 SMALL, SMALL_OF_EFFECT, QUIET = 0.05, 0.1, 0.01
 LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
-ROUGH, FINE = 0.5, 1e-3  # of the deviance
+ROUGH, FAIR, FINE = 0.5, 0.1, 1e-3  # of the deviance
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def fit_at_set_ups(
     noise = log_sigma
     with suppress(ModelError):
         for _ in range(ROUNDS):
-            here = _Iteration.of(at, noise)
+            here = _Iteration.of(at, noise, FAIR)
             noise = here.log_sigma
             added = _added(problem, here.linear, here.solution)
             at = _LinearisationPoint(problem=problem, theta=here.end()[0], found=(), added=added)
@@ -240,10 +240,12 @@ class _Iteration:
     share: float = 1.0  # of the step that is gone
 
     @staticmethod
-    def of(at: _LinearisationPoint, start: FloatArray | None) -> _Iteration:
+    def of(
+        at: _LinearisationPoint, start: FloatArray | None, accuracy: float = ROUGH
+    ) -> _Iteration:
         """Linearised where it is, with the noise estimated from `start` on."""
         linear, spans = at.linearised()
-        solution = estimate(linear.data, at.problem.guess, start, ROUGH)
+        solution = estimate(linear.data, at.problem.guess, start, accuracy)
         return _Iteration(at=at, linear=linear, spans=spans, solution=solution)
 
     @property

@@ -13,7 +13,9 @@ from model.discrepancy.verdict.written_model.fitted_model import sheet_model
 from model.discrepancy.verdict.written_model.left_out_gain import predicts_better
 from model.discrepancy.verdict.written_model.solvable import unsolved_at
 from model.discrepancy.verdict.written_model.written_form import written
+from model.identification.fit import fit
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.options import FitOptions
 from model.measurements import Measurements, ModelError
 from model.sheet.sheet_model import SheetModel
 
@@ -59,8 +61,23 @@ class Writer:
             return WrittenModel(
                 told=told, predicting=told, model=self._with_errors(model), unsolved=unsolved
             )
-        model = self._with_errors(sheet_model(base, self.measurements, self.options))
+        model = self._of_fit() if told is not base else None
+        if model is None:
+            model = self._with_errors(sheet_model(base, self.measurements, self.options))
         return WrittenModel(told=told, predicting=base, model=model, unsolved=unsolved)
+
+    def _of_fit(self) -> SheetModel | None:
+        """Return the base model as `fit` writes it; None where that would be another one.
+
+        The search's own is fitted to more than means, and predicts these a little otherwise.
+        """
+        asked = self.options
+        if asked.model is not None or asked.hold_out or self.outcome.outliers:
+            return None
+        with suppress(ModelError):
+            options = FitOptions(symmetric=asked.symmetric, stiffness_Nm2=asked.stiffness_Nm2)
+            return fit(self.measurements, options).model
+        return None
 
     def _with_errors(self, model: SheetModel) -> SheetModel:
         """Return a model with its errors, where it predicts all that was measured."""
