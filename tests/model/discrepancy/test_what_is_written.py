@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from benchmarks.hidden_effects.records import Foretold, Record
-from benchmarks.worlds.table import _worse
+from benchmarks.worlds.table import worse_than_base
 from model import SheetModel
 from model.discrepancy import diagnose
 from model.discrepancy.verdict.messages import not_written
@@ -103,4 +103,4 @@ def test_a_file_that_has_the_base_model_is_not_worse_than_it():
     for share, worse in ((1.0 + 1e-13, False), (1.001, True), (0.999, False)):
         written = (share * base[0], share * base[1])
         one = replace(plain, foretold=Foretold(base=base, written=written, floor=(3e-6, 2e-6)))
-        assert _worse(one) is worse
+        assert worse_than_base(one) is worse
