@@ -111,13 +111,13 @@ def _predicted(records: Sequence[Record]) -> list[Row]:
     what = "predicted at unmeasured conditions, d >= 12: error over the base model's, median"
     return [
         _ratio(what, [f for _, f in use]),
-        at_most("the same: worse than the base model", WORSE, [r for r, _ in use], worse_than_base),
+        at_most("the same: worse than the base model", WORSE, [r for r, _ in use], is_worse),
         _ratio("the same, base model off by twice the floor: median", [f for _, f in gain]),
-        at_most("the same: worse than the base model", WORSE, [r for r, _ in gain], worse_than_base),
+        at_most("the same: worse than the base model", WORSE, [r for r, _ in gain], is_worse),
     ]
 
 
-def worse_than_base(r: Record) -> bool:
+def is_worse(r: Record) -> bool:
     return r.foretold is not None and r.foretold.ratio > 1.0 + ROUNDING
 
 

@@ -61,10 +61,10 @@ class Writer:
             return WrittenModel(
                 told=told, predicting=told, model=self._with_errors(model), unsolved=unsolved
             )
-        model = self._of_fit() if told is not base else None
-        if model is None:
-            model = self._with_errors(sheet_model(base, self.measurements, self.options))
-        return WrittenModel(told=told, predicting=base, model=model, unsolved=unsolved)
+        plain = self._of_fit() if told is not base else None
+        if plain is None:
+            plain = self._with_errors(sheet_model(base, self.measurements, self.options))
+        return WrittenModel(told=told, predicting=base, model=plain, unsolved=unsolved)
 
     def _of_fit(self) -> SheetModel | None:
         """Return the base model as `fit` writes it; None where that would be another one.

@@ -12,7 +12,7 @@ from model.discrepancy.search.form_share import in_time
 from model.discrepancy.thresholds import (
     FEWEST_POSITIONS,
     FORM_GAIN_CHI2,
-    LEAST_GAIN_CHI2,
+    LOSS_CHI2,
     SLOW_FORM_SHARE,
 )
 from model.discrepancy.verdict.prediction_error import cells, variance
@@ -46,10 +46,9 @@ def forms_asked_for(known: MixedModelFit, final: MixedModelFit) -> bool:
 
 
 def predicts_better(base: MixedModelFit, told: MixedModelFit) -> bool:
-    """Return whether left-out positions are predicted better with what was found than without.
+    """Return whether left-out positions are predicted no worse with what was found than without.
 
-    Mean forces and curves count: they are what a model file predicts. What changes them by chance
-    alone is as likely to be nearer to the truth as not.
+    Mean forces and curves count: they are what a model file predicts.
     """
     where, noise = cells(told), variance(told)
     rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
@@ -57,7 +56,7 @@ def predicts_better(base: MixedModelFit, told: MixedModelFit) -> bool:
         return True
     none = np.zeros(0, dtype=np.int64)
     before, after = (_chi2(fitted, none, rows, noise) for fitted in (base, told))
-    return bool(before - after > LEAST_GAIN_CHI2)
+    return bool(after - before < LOSS_CHI2)
 
 
 def columns_asked_for(final: MixedModelFit, part_of: Sequence[str]) -> Index:
