@@ -238,12 +238,12 @@ def test_rows_of_several_steps_are_those_of_each(studies, name: str):
 @pytest.mark.slow
 def test_parts_of_pulses_are_taken_at_their_moments_in_each_pulse_of_their_condition():
     forward = base_fit().problem.forward
-    for part, look in zip(forward.layout.parts, forward.looks, strict=True):
-        parts = [(p.condition, at, width) for p in look.pulses
+    for part, seen in zip(forward.layout.parts, forward.looks, strict=True):
+        parts = [(p.condition, at, width) for p in seen.pulses
                  for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
         assert parts
         for i, (k, at, width) in enumerate(parts):
-            pulses, own = look.seen[k].kept_clock, part.bin_at == i
+            pulses, own = seen.seen[k].kept_clock, part.bin_at == i
             moments = np.repeat(at + WITHIN * width, len(pulses.run_s))
             np.testing.assert_allclose(part.bin_clock.pulse_s[own], moments)
             begun = np.tile(pulses.run_s - pulses.pulse_s, len(WITHIN))
