@@ -8,6 +8,8 @@ import numpy as np
 
 from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
+SPREAD = 5  # power of s/L in which a hinge at the end acts before it: its mean place is 6/7 L
+
 
 @dataclass(frozen=True)
 class ElongationFlexibility(Effect):
@@ -28,13 +30,17 @@ def _hinged(beam: BeamProblem, compliance: float) -> BeamProblem:
 
     A load F at the lever L bends what is c times as soft as the sheet by c F L^3/3B, and turns a
     hinge of the compliance h/B by F L h/B. Only the load turns it: the EIBM ends with the sheet.
+
+    The hinge is spread over the sheet's end, in proportion to (s/L)^5: values at a single node
+    would be a polynomial between the nodes that is negative there where the hinge is soft.
     """
     radius_m, joint_m = beam.sheet.arc_radius_m, beam.material_length_m
     if joint_m >= radius_m:  # measured without an elongation: the joint is this sheet's own
         joint_m = beam.sheet.free_length_m
     lever = radius_m - joint_m
-    more = np.zeros_like(beam.soft)
-    more[:, -1] = compliance * lever / (3.0 * beam.piece_m[-1])
+    end = (beam.s_m / beam.sheet.free_length_m) ** SPREAD
+    hinge_m = compliance * lever / 3.0
+    more = np.broadcast_to(hinge_m * end / float(beam.piece_m @ end), beam.soft.shape)
     return replace(beam, soft=beam.soft + more, rest=beam.rest - more * (beam.eibm + beam.bend))
 
 

@@ -6,8 +6,9 @@ its G nodes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -36,6 +37,12 @@ class AcquisitionTimes:
     position_m: FloatArray | float = np.nan  # on the arc as stated; NaN: free
     channels: ChannelValues = field(default_factory=dict)
 
+    @property
+    def worked_out(self) -> dict[Hashable, Any]:
+        """What was once worked out of these times, by what it is: see `effect_hooks.course`."""
+        kept: dict[Hashable, Any] = self.__dict__.setdefault("_worked_out", {})
+        return kept
+
     def channel(self, name: str, otherwise: float) -> FloatArray:
         """Return the values of a further channel; `otherwise` where none was recorded."""
         return _recorded(self.channels, name, otherwise, self.voltage_V.shape)
@@ -53,6 +60,15 @@ class AcquisitionTimes:
         times = {name: some(getattr(self, name)) for name in _TIMES}
         return AcquisitionTimes(**times, channels=channels)
 
+    def at(self, places: npt.NDArray[np.int64]) -> AcquisitionTimes:
+        """Return the times at some places, each as often as it is asked for."""
+        times = {
+            name: np.broadcast_to(getattr(self, name), self.voltage_V.shape)[places]
+            for name in _TIMES
+        }
+        channels = {name: values[places] for name, values in self.channels.items()}
+        return AcquisitionTimes(**times, channels=channels)
+
     @staticmethod
     def joined(clocks: Sequence[AcquisitionTimes]) -> AcquisitionTimes:
         """Return the times of all of them, one after the other."""
@@ -67,7 +83,7 @@ class AcquisitionTimes:
         )
 
 
-_TIMES = tuple(f.name for f in fields(AcquisitionTimes) if f.name != "channels")
+_TIMES = tuple(f.name for f in fields(AcquisitionTimes) if f.name not in ("channels", "worked_out"))
 
 
 def _recorded(

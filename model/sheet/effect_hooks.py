@@ -28,6 +28,7 @@ from model.sheet.form import Form
 
 MOST_LOST = 0.95  # of EIBM and stiffness
 LEAST_SOFT = 0.05  # of the compliance, that an inferred form may leave
+MOST_KEPT = 256  # courses of the same times
 DAMPED_AFTER = 15  # rounds; by then a plain repetition swings
 ALONG_SHEET = ("rest", "eibm", "bend", "soft")
 OF_CONDITIONS = ("stiffness", "elongation_soft", "shift_m", "tilt_rad", "offset_m")
@@ -64,7 +65,7 @@ def course(one: Acting, clock: AcquisitionTimes) -> tuple[FloatArray, FloatArray
 
     None: the effect has no course in time.
     """
-    found = one.effect.course(clock, one.values)
+    found = _catalogue_course(one, clock)
     if found is None:
         return None
     eibm, stiffness = found
@@ -76,6 +77,21 @@ def course(one: Acting, clock: AcquisitionTimes) -> tuple[FloatArray, FloatArray
         eibm = factor * eibm + one.form.added("EIBM", **times)
         stiffness = factor * stiffness + one.form.added("stiffness", **times)
     return np.where(clock.voltage_V != 0.0, eibm, 0.0), np.asarray(stiffness, dtype=float)
+
+
+def _catalogue_course(one: Acting, clock: AcquisitionTimes) -> tuple[FloatArray, FloatArray] | None:
+    """Return the course in the catalogue's form; that of the same times is worked out once."""
+    if not one.values:  # a free effect, made anew for each form
+        return one.effect.course(clock, one.values)
+    kept, key = clock.worked_out, (id(one.effect), *one.values.items())
+    of, found = kept.get(key, (None, None))
+    if of is not one.effect:
+        found = one.effect.course(clock, one.values)
+        if len(kept) >= MOST_KEPT:
+            kept.clear()
+        kept[key] = one.effect, found  # with the effect, so that nothing else can have its identity
+    result: tuple[FloatArray, FloatArray] | None = found
+    return result
 
 
 def mean_course(

@@ -7,16 +7,17 @@ the curve's points.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.effects.interface import Effect, ImagePoints
+from model.effects.interface import BeamProblem, ContactSolution, Effect, ImagePoints
 from model.measurements import FloatArray
 from model.mechanics.equilibrium import Shapes
 from model.sheet.applied_effects import acting, beam_problem, contact_solution
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 from model.sheet.effect_hooks import (
+    Acting,
     added_force_N,
     image_change,
     image_displacement_m,
@@ -31,6 +32,42 @@ def deceives_load_cell(effects: Sequence[ActiveEffect], configuration: str) -> b
     return any(type(one.effect).force is not Effect.force for one in acting(effects, configuration))
 
 
+@dataclass(frozen=True)
+class LoadCellReadings:
+    """What the load cell is given in solved conditions, and the effects that it adds."""
+
+    acting: Sequence[Acting]
+    positions_m: Sequence[float]  # of all rows of the solution
+    beam: BeamProblem
+    contact: ContactSolution
+
+    @staticmethod
+    def of(
+        effects: Sequence[ActiveEffect], found: SolvedProblems, positions_m: Sequence[float]
+    ) -> LoadCellReadings | None:
+        """Return that of a solution; None: it reads what is there."""
+        configuration = found.setups[0].sheet.configuration
+        if not deceives_load_cell(effects, configuration):
+            return None
+        beam = beam_problem(found.setups, positions_m)
+        inner = acting(effects, configuration)
+        return LoadCellReadings(inner, positions_m, beam, contact_solution(found, beam))
+
+    def added_N(self, rows: Mapping[float, int], voltage_V: float) -> float:
+        """Return its contribution to the mean of a condition's readings, N.
+
+        `rows` maps a voltage to its row in the solution; all of these are at one position. The run
+        alternates between `voltage_V` and the other driving voltage.
+        """
+        others = [v for v in rows if v not in (0.0, voltage_V)]
+        position_m = self.positions_m[rows[voltage_V]]
+        run = typical_run(voltage_V, others[0] if others else 0.0, position_m=position_m)
+        of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
+        weighed = load_cell_input(self.beam, self.contact, run.clock, of)
+        added_N = added_force_N(self.acting, weighed, np.arange(len(of)))
+        return mean_over(added_N, run.at(voltage_V))
+
+
 def load_cell_N(
     effects: Sequence[ActiveEffect],
     found: SolvedProblems,
@@ -38,23 +75,9 @@ def load_cell_N(
     rows: Mapping[float, int],
     voltage_V: float,
 ) -> float:
-    """Return the load cell's contribution to the mean of a condition's readings, N.
-
-    `rows` maps a voltage to its row in the solution; all of these are at one of `positions_m`, the
-    positions of all rows. The run alternates between `voltage_V` and the other driving voltage.
-    """
-    configuration = found.setups[0].sheet.configuration
-    if not deceives_load_cell(effects, configuration):
-        return 0.0
-    inner = acting(effects, configuration)
-    others = [v for v in rows if v not in (0.0, voltage_V)]
-    position_m = positions_m[rows[voltage_V]]
-    run = typical_run(voltage_V, others[0] if others else 0.0, position_m=position_m)
-    beam = beam_problem(found.setups, positions_m)
-    of = np.array([rows.get(v, rows[0.0]) for v in run.clock.voltage_V])
-    weighed = load_cell_input(beam, contact_solution(found, beam), run.clock, of)
-    added_N = added_force_N(inner, weighed, np.arange(len(of)))
-    return mean_over(added_N, run.at(voltage_V))
+    """Return the load cell's contribution to the mean of a condition, N: see `LoadCellReadings`."""
+    cell = LoadCellReadings.of(effects, found, positions_m)
+    return 0.0 if cell is None else cell.added_N(rows, voltage_V)
 
 
 def as_pictured(

@@ -12,8 +12,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from model.measurements import FloatArray
-from model.mechanics.equilibrium import Equilibria, Problems, Shapes, SolverStatus, problems, solve
+from model.measurements import FloatArray, ModelError
+from model.mechanics.equilibrium import (
+    Equilibria,
+    Problems,
+    Shapes,
+    SolverStatus,
+    check_softness,
+    problems,
+    solve,
+)
 from model.mechanics.field import Field, for_each_field, merged_breaks, padded
 from model.mechanics.free_shape import free_shape
 from model.sheet.beam_problem import ConditionProblem
@@ -175,6 +183,18 @@ def solved(setups: Sequence[ConditionProblem]) -> SolvedProblems:
         phi_hat_rad=phi,
         parts=tuple(parts),
     )
+
+
+def all_solved(setups: Sequence[ConditionProblem]) -> bool:
+    """Return whether all have an equilibrium, with a stiffness positive along the whole sheet."""
+    length_m = setups[0].sheet.free_length_m
+    try:
+        for soft in {id(s.softness): s.softness for s in setups}.values():
+            if soft is not None:
+                check_softness(soft, length_m)
+        return bool(np.all(solved(setups).reachable))
+    except ModelError:
+        return False
 
 
 def _groups(setups: Sequence[ConditionProblem]) -> list[tuple[npt.NDArray[np.int64], Equilibria]]:

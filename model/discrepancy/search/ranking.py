@@ -65,7 +65,21 @@ class RankedCandidate:
 def rank(
     fitted: MixedModelFit, effects: Sequence[Effect], locations: bool = True
 ) -> list[RankedCandidate]:
-    """Rank all candidates, best first; estimate the noise together with promising ones."""
+    """Rank all candidates, best first; estimate the noise together with promising ones.
+
+    The same candidates of the same fit are ranked once.
+    """
+    kept = fitted.linear.at_states
+    of = (fitted.problem, fitted.linear, fitted.solution, *effects)
+    key = ("rank", fitted.deviance, locations, *map(id, of))
+    if key not in kept:  # with all of it, so that nothing else can have their identity
+        kept[key] = of, _ranked(fitted, effects, locations)
+    return list(kept[key][1])
+
+
+def _ranked(
+    fitted: MixedModelFit, effects: Sequence[Effect], locations: bool
+) -> list[RankedCandidate]:
     inside = {f.effect.name for f in fitted.found}
     every = candidates(fitted, [e for e in effects if e.name not in inside])
     if locations:

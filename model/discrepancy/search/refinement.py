@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache, partial
+from itertools import islice
 
 import numpy as np
 
@@ -24,19 +25,31 @@ from model.discrepancy.thresholds import (
     REFINED_EVIDENCE_SHARE,
 )
 from model.effects.interface import Effect
-from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
-from model.identification.likelihood.model_state import Found
+from model.identification.likelihood.linearisation import with_columns
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import (
+    MixedModelFit,
+    approach,
+    fit_mixed_model,
+    stepped,
+)
+from model.identification.likelihood.model_state import FitPlace, Found
 from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import FloatArray, ModelError
 
-SAME = 0.5  # of the deviance within which two fits ended at the same place
 STRICT = 0.1  # of the tolerance of a form, where its size is looked for first
+ROUGH_STEPS = 2  # of a fit that only says where to begin
 VAGUE_M = 1.0  # of numbers that are not to count
 INSIDE = 0.9  # of its bounds that a size may have to begin with
 
 
-def refine_best(fitted: MixedModelFit, ranking: list[RankedCandidate]) -> list[RankedCandidate]:
-    """Return the effects of the catalogue that are close to the best one, refined; best first."""
+def refine_best(
+    fitted: MixedModelFit, ranking: list[RankedCandidate], there: MixedModelFit | None = None
+) -> list[RankedCandidate]:
+    """Return the effects of the catalogue that are close to the best one, refined; best first.
+
+    `there` is a fit with one effect more, where the fit of that one begins.
+    """
     known = [c for c in ranking if c.known]
     if not known:
         return ranking
@@ -45,45 +58,84 @@ def refine_best(fitted: MixedModelFit, ranking: list[RankedCandidate]) -> list[R
     chosen = [c for c in known if c.gain >= least][:REFINED_CANDIDATES]
     plain = _plain(fitted, known)
     chosen += [c for c in known if c.name in plain and c not in chosen]
-    done = {c.name: refined(fitted, c, (c.score,)) for c in chosen}
+    done = {c.name: refined(fitted, c, (c.score,), there) for c in chosen}
     promising = _promising(fitted, list(done.values()))
-    done |= {name: refined(fitted, done[name], done[name].shapes) for name in promising}
+    done |= {name: refined(fitted, done[name], done[name].shapes, there) for name in promising}
     forces = cache(partial(by_forces, fitted))  # a fit of its own, which few need
-    for name in [name for name in promising if _doubtful(done[name])]:
+    inside = set() if there is None else {one.effect.name for one in there.found}
+    for name in [name for name in promising if name not in inside and _doubtful(done[name])]:
         done[name] = _refined_again(fitted, done[name], (lambda: fitted.theta, forces))
     rest = [c for c in ranking if c.name not in done]
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
 
 
 def refined(
-    fitted: MixedModelFit, contender: RankedCandidate, shapes: Sequence[Score]
+    fitted: MixedModelFit,
+    contender: RankedCandidate,
+    shapes: Sequence[Score],
+    there: MixedModelFit | None = None,
 ) -> RankedCandidate:
     """Fit the model with the effect in it, linearised at the fitted values.
 
-    The fits decide between several shapes: linearised at zero they are indistinguishable.
+    The fits decide between several shapes: linearised at zero they are indistinguishable. `there`
+    is as in `refine_best`.
     """
     known = None if contender.solution is None else contender.solution.log_sigma
     result = contender
     for one in shapes:
-        found = (*fitted.found, _found(fitted, one, one.amplitude))
-        result = _better(fitted, result, one, _settled(fitted, fitted.theta, found, known))
+        own, noise = None if there is None else _same_shape(there, one), known
+        if there is not None and own is not None:
+            theta, noise = there.theta, there.solution.log_sigma
+            found = (*(f for f in there.found if f is not own), own)
+        else:
+            theta, before = _beside(fitted, one, known)
+            found = (*before, _found(fitted, one, one.amplitude))
+        other = settled(fitted, theta, found, noise, fitted.deviance)
+        result = _better(fitted, result, one, other)
     return result
 
 
-def by_forces(fitted: MixedModelFit) -> FloatArray:
-    """Return the base parameters fitted to forces and to the curves at 0 V.
+def _same_shape(there: MixedModelFit, one: Score) -> Found | None:
+    """Return the effect of a fit that is a candidate in the same shape; None: it has none."""
+    for found in there.found:
+        if found.effect.name == one.candidate.name:
+            values = next(iter(found.values.values()))
+            stay = (k.name for k in found.effect.parameters[1:] if not (k.log or k.estimated))
+            return found if all(values[n] == one.candidate.values[n] for n in stay) else None
+    return None
 
-    Curves under voltage may contain the effect that is to be explained.
+
+def _beside(
+    fitted: MixedModelFit, one: Score, log_sigma: FloatArray | None
+) -> tuple[FloatArray, tuple[Found, ...]]:
+    """Return base parameters and effects of a fit where a straight line from it has them.
+
+    That is beside a candidate that begins with its own size; it saves a step of the fit with it.
+    """
+    linear = with_columns(
+        fitted.problem.forward, fitted.linear, one.candidate.columns, one.scale**-2.0
+    )
+    noise = fitted.solution.log_sigma if log_sigma is None else log_sigma
+    return stepped(fitted, weigh(linear.data, noise))
+
+
+def by_forces(fitted: MixedModelFit) -> FloatArray:
+    """Return the base parameters fitted to forces and to the curves at 0 V, roughly.
+
+    Curves under voltage may contain the effect that is to be explained. Fits begin there: two steps
+    bring them as near as they need to be.
     """
     problem, forward = fitted.problem, fitted.problem.forward
     vague = np.zeros(forward.layout.size)
     for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
         vague[part.mode_rows[scene.voltage_V != 0.0].ravel()] = VAGUE_M**2
     noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
-    try:
-        return fit_mixed_model(replace(problem, noise=noise), fitted.theta, fitted.found).theta
-    except (ModelError, np.linalg.LinAlgError):
-        return fitted.theta
+    theta = fitted.theta
+    with suppress(ModelError, np.linalg.LinAlgError):
+        steps = approach(replace(problem, noise=noise), fitted.theta, fitted.found)
+        for there in islice(steps, ROUGH_STEPS):
+            theta = there.theta
+    return theta
 
 
 def _refined_again(
@@ -101,17 +153,38 @@ def _refined_again(
     size = 1.0 if usual is None else usual.amplitude
     first = _found(fitted, one, float(np.copysign(max(1.0, abs(size)), size)))
     found = (*fitted.found, first)
-    places: list[float] = []
+    places: list[FitPlace] = []
     for begin in begins:
-        strict = _settled(fitted, begin(), found, None, STRICT)
-        if strict is None or any(abs(strict.deviance - p) < SAME for p in places):
+        strict = _approached(fitted, begin(), found, places)
+        if strict is None:
             continue
-        places.append(strict.deviance)
-        freed = _settled(fitted, strict.theta, strict.found, strict.solution.log_sigma)
+        places.append(strict)
+        freed = settled(fitted, strict.theta, strict.found, strict.log_sigma)
         contender = _better(fitted, contender, one, freed)
         if not _doubtful(contender):
             break
     return contender
+
+
+def _approached(
+    fitted: MixedModelFit, theta: FloatArray, found: tuple[Found, ...], known: Sequence[FitPlace]
+) -> FitPlace | None:
+    """Return where a fit leads whose forms may hardly differ; None: nowhere, or to a known place.
+
+    As in `settled`, it is made once from the same beginning.
+    """
+    kept, key = fitted.linear.at_states, ("approached", *_beginning(fitted, theta, found, None))
+    sigma = np.sqrt(np.maximum(np.diag(fitted.solution.covariance), 0.0))
+    if key not in kept:
+        try:
+            for there in approach(fitted.problem, theta, found, None, STRICT):
+                if any(there.near(one, sigma) for one in known):
+                    return None
+            kept[key] = there
+        except (ModelError, np.linalg.LinAlgError):
+            kept[key] = None
+    result: FitPlace | None = kept[key]
+    return result
 
 
 def _better(
@@ -179,29 +252,41 @@ def _strained(fitted: MixedModelFit) -> bool:
     return bool(np.max(times[: len(ASSUMED)]) > np.log(DOUBTFUL_SCATTER_RATIO))
 
 
-def _settled(
+def settled(
     fitted: MixedModelFit,
     theta: FloatArray,
     found: tuple[Found, ...],
     log_sigma: FloatArray | None,
-    form: float = 1.0,
+    worthless: float = np.inf,
 ) -> MixedModelFit | None:
     """Return a model with these effects, from there on; None where it does not settle.
 
-    `form` is how much of the tolerance of the effects' forms there is. A fit from the same place
-    is made once: the search may come back to a model with fewer candidates.
+    A fit from the same place is made once: the search may come back to a model with fewer
+    candidates. `worthless` is as in `fit_mixed_model`.
     """
     kept = fitted.linear.at_states
-    key = (
-        "settled", id(fitted.problem), theta.tobytes(), repr([(f.effect.name, f) for f in found]),
-        None if log_sigma is None else log_sigma.tobytes(), form,
-    )  # fmt: skip
+    key = ("settled", *_beginning(fitted, theta, found, log_sigma))
     if key not in kept:
         kept[key] = None
         with suppress(ModelError, np.linalg.LinAlgError):
-            kept[key] = fit_mixed_model(fitted.problem, theta, found, log_sigma, form)
+            kept[key] = fit_mixed_model(
+                fitted.problem, theta, found, log_sigma, worthless=worthless
+            )
     result: MixedModelFit | None = kept[key]
     return result
+
+
+def _beginning(
+    fitted: MixedModelFit,
+    theta: FloatArray,
+    found: tuple[Found, ...],
+    log_sigma: FloatArray | None,
+) -> tuple[Hashable, ...]:
+    """Return what the end of a fit depends on."""
+    return (
+        id(fitted.problem), theta.tobytes(), repr([(f.effect.name, f) for f in found]),
+        None if log_sigma is None else log_sigma.tobytes(),
+    )  # fmt: skip
 
 
 def _promising(fitted: MixedModelFit, done: list[RankedCandidate]) -> set[str]:

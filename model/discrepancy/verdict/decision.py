@@ -1,9 +1,8 @@
-"""Decide from the search: which effects are named, what stays unknown, and the model with both."""
+"""Decide from the search: which effects are named, and what stays unknown."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -13,7 +12,6 @@ from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
-from model.discrepancy.prepare import Options
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.forward_selection import SearchResult, supported
 from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_names
@@ -36,14 +34,8 @@ from model.discrepancy.verdict.posterior import (
 )
 from model.discrepancy.verdict.probable_names import improbable, of_others, pieces
 from model.discrepancy.verdict.result import Unknown
-from model.discrepancy.verdict.stated_errors import with_stated_errors
-from model.discrepancy.verdict.written_model.fitted_model import sheet_model
-from model.discrepancy.verdict.written_model.left_out_gain import predicts_better
-from model.discrepancy.verdict.written_model.written_form import written
 from model.effects import Effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
-from model.measurements import Measurements, ModelError
-from model.sheet.sheet_model import SheetModel
 
 PAIR = 2  # names that one nonparametric term may stand for
 
@@ -56,9 +48,7 @@ class Decision:
     known: MixedModelFit  # with the effects that are named
     unknown: Unknown | None
     final: MixedModelFit  # with the free form of what is unknown, too
-    written: MixedModelFit  # the same, solved with the inferred forms in the model
-    model: SheetModel  # as a file has it
-    predicting: MixedModelFit  # what the file predicts with: `written`, or the base model
+    free: RankedCandidate | None = None  # that form
     rest: Leftover | None = None  # what nonparametric terms find beside the names
     criticism: Criticism = field(default_factory=Criticism)
     choice_sets: tuple[ChoiceSet, ...] = ()  # of the questions that it answers
@@ -71,8 +61,6 @@ class Decision:
 class Judgement:
     """A finished search, about to be decided."""
 
-    measurements: Measurements
-    options: Options
     outcome: SearchResult
     effects: Sequence[Effect]  # that were considered
     threshold: float
@@ -80,12 +68,8 @@ class Judgement:
 
     def decision(self) -> Decision:
         """Return the effects named, the unknown term, or both, after the criticism."""
-        revised, base = self._revised(self.uncriticised()), self.outcome.base
-        if not predicts_better(base, revised.written):
-            told, model = self._written(base, base, None)
-            revised = replace(revised, model=model, predicting=told)
         return replace(
-            revised,
+            self._revised(self.uncriticised()),
             nonparametric_explains_more=self.outcome.best_nonparametric > self.outcome.best_name,
         )
 
@@ -111,11 +95,7 @@ class Judgement:
         self, named: list[Choice], known: MixedModelFit, rest: Leftover | None
     ) -> Decision:
         known = with_shapes(known, named)
-        told, model = self._written(known, known, None)
-        return Decision(
-            named=named, known=known, unknown=None, final=known, written=told, model=model,
-            predicting=told, rest=rest,
-        )  # fmt: skip
+        return Decision(named=named, known=known, unknown=None, final=known, rest=rest)
 
     def _with_unknown(self, named: list[Choice], known: MixedModelFit, rest: Leftover) -> Decision:
         """Return the names with the nonparametric term that is left beside them."""
@@ -123,12 +103,10 @@ class Judgement:
         free = rest.first if known is base or rest.last is None else rest.last
         at = base if free is rest.first else known
         final, known = with_free_form(known, free), with_shapes(known, named)
-        told, model = self._written(known, final, free)
         unknown = unknown_of(at, free)
         return Decision(
-            named=named, known=known, unknown=unknown, final=final, written=told, model=model,
-            predicting=told, rest=rest,
-        )  # fmt: skip
+            named=named, known=known, unknown=unknown, final=final, free=free, rest=rest
+        )
 
     def _revised(self, found: Decision, *, settled: bool = False) -> Decision:
         """Return the decision without names that the checks reject.
@@ -228,30 +206,12 @@ class Judgement:
                 return found  # doubtful names, and nothing better
             if named:  # nothing takes the place of those that are rejected
                 return self._with_names(named, known, rest)
-            told, model = self._written(base, base, None)
-            return Decision(
-                named=[], known=base, unknown=None, final=base, written=told, model=model,
-                predicting=told,
-            )  # fmt: skip
+            return Decision(named=[], known=base, unknown=None, final=base)
         return self._with_unknown(named, known, rest)
 
     def _worth(self, rest: Leftover, known: MixedModelFit) -> float:
         """Return the evidence of the nonparametric term that is left, names being uncertain."""
         return rest.first.gain if known is self.outcome.base else rest.apart
-
-    def _written(
-        self, known: MixedModelFit, final: MixedModelFit, free: RankedCandidate | None
-    ) -> tuple[MixedModelFit, SheetModel]:
-        """Return the fit with forms and what is unknown in the model, and the model it makes.
-
-        The first that predicts every condition that was measured.
-        """
-        forward, out = known.problem.forward, self.outcome.outliers
-        for told in written(known, final, free):
-            model = sheet_model(told, self.measurements, self.options)
-            with suppress(ModelError):
-                return told, with_stated_errors(model, forward, out)
-        return told, model
 
     def _leftover(self, known: MixedModelFit) -> Leftover | None:
         """Return what nonparametric terms find beside the names."""

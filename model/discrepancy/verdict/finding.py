@@ -71,6 +71,7 @@ from model.discrepancy.verdict.result import (
     Unknown,
     Verdict,
 )
+from model.discrepancy.verdict.written_model.chosen import Writer, WrittenModel
 from model.discrepancy.verdict.written_model.fitted_model import base_parameters, parameters_of
 from model.effects import Effect, catalogue
 from model.effects import origins as origins_of_effects
@@ -117,7 +118,7 @@ class Finding:
         base, decision = self.outcome.base, self.decision
         pool = candidates(base, self.effects)
         seen = self._signatures(pool, decision)
-        named = tuple(_named(c, decision) for c in decision.named)
+        named = tuple(_named(c, decision, self.written.told) for c in decision.named)
         unknown = decision.unknown and with_alternatives(decision.unknown, decision)
         open_still = not_ruled_out(decision, _reported(named))
         beside, effects = self._beside(pool, decision), {e.name: e for e in self.effects}
@@ -130,7 +131,7 @@ class Finding:
         verdict = self._verdict(named, unknown, doubt)
         apart = self._left_out(pool, decision)
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
-        told = decision.predicting
+        told = self.written.predicting
         fitted = BeforeAfter(*(gaps.gap(gaps.refitted(f), noise, where) for f in (base, told)))
         outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
         return Diagnosis(
@@ -169,11 +170,11 @@ class Finding:
                 *remarks(self.measurements, base),
                 *map(promise_note, promises),
                 *worse(apart.gap, apart.floor),
-                *not_written(decision.predicting is not decision.written),
+                *not_written(self.written.without, self.written.unsolved),
                 *notes(named, outliers, apart.chosen),
                 *open_answers(open_still, named),
             ),
-            model=decision.model,
+            model=self.written.model,
             plugins={**origins_of_locations(), **origins_of_effects(), **origins_of_checks()},
             base=base_parameters(told),
             checks=decision.criticism.results,
@@ -189,9 +190,15 @@ class Finding:
     def decision(self) -> Decision:
         """Return the effects named, the unknown term, or both, after the criticism."""
         return Judgement(
-            measurements=self.measurements, options=self.options, outcome=self.outcome,
-            effects=self.effects, threshold=self.threshold, enough=self._enough,
+            outcome=self.outcome, effects=self.effects, threshold=self.threshold,
+            enough=self._enough,
         ).decision()  # fmt: skip
+
+    @cached_property
+    def written(self) -> WrittenModel:
+        """Return the model that a file has."""
+        writer = Writer(outcome=self.outcome, measurements=self.measurements, options=self.options)
+        return writer.written(self.decision)
 
     def _signatures(self, pool: Sequence[Candidate], decision: Decision) -> Signatures:
         """Return the signatures visible above the base model, at the final model's noise."""
@@ -243,7 +250,7 @@ class Finding:
         return "effect_named"
 
     def _left_out(self, pool: Sequence[Candidate], decision: Decision) -> _LeftOut:
-        base, final = self.outcome.base, decision.predicting
+        base, final = self.outcome.base, self.written.predicting
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
         rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][
             :CROSS_VALIDATED_NAMES
@@ -330,9 +337,9 @@ def _reported(named: Sequence[Named]) -> set[str]:
     return {name for one in named for name in (one.name, *one.confusable_with)}
 
 
-def _named(one: Choice, decision: Decision) -> Named:
-    """Return a name with the values that are written; its form as the search has it."""
-    effect, final = one.effect, decision.written
+def _named(one: Choice, decision: Decision, final: MixedModelFit) -> Named:
+    """Return a name with the values of the fit that is written; its form as the search has it."""
+    effect = one.effect
     place = next(i for i, f in enumerate(final.found) if f.effect.name == effect.name)
     found, (share, form) = final.found[place], form_of(decision.known, place)
     reported = of_name(effect.name, decision)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.measurements import FloatArray, ModelError
-from model.sheet.instruments import as_pictured, camera_m, load_cell_N
+from model.sheet.instruments import LoadCellReadings, as_pictured, camera_m
 from model.sheet.prediction import Predictable
 from model.sheet.solution import sampled_s, solved
 
@@ -40,10 +40,11 @@ def seen_at(
     positions_m = [at_m for at_m, _ in rows]
     s_m = sampled_s(found.setups[0])
     shapes, result = found.shapes(s_m), list[Seen]()
+    cell = LoadCellReadings.of(model.effects, found, positions_m)
     for at_m, volts in places:
         k = rows[at_m, volts]
         own = {v: row for (other_m, v), row in rows.items() if other_m == at_m}
-        added_N = load_cell_N(model.effects, found, positions_m, own, volts)
+        added_N = 0.0 if cell is None else cell.added_N(own, volts)
         then = as_pictured(found.setups[k], model.effects, at_m)
         late = then is not found.setups[k]
         curve, row = (solved([then]).shapes(s_m), 0) if late else (shapes, k)

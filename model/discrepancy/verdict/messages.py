@@ -165,9 +165,18 @@ def worse(left_out: BeforeAfter, least: Gap) -> Iterator[str]:
             )
 
 
-def not_written(left_away: bool) -> Iterator[str]:
-    """Yield why the model file has only the base model, although something was found."""
-    if left_away:
+def not_written(left_away: bool, unsolved: str = "") -> Iterator[str]:
+    """Yield why the model file has only a part of what was found, or nothing of it.
+
+    `unsolved` is where the model with all of it has no solution.
+    """
+    if unsolved:
+        kept = "has the base model without it" if left_away else "leaves that form away"
+        yield (
+            f"with the form that was inferred the model has no solution at {unsolved}: the model"
+            f" file {kept}"
+        )
+    elif left_away:
         yield (
             "what was found does not improve the prediction of mean forces and curves at left-out"
             " positions: the model file has the base model without it"

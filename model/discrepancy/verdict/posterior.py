@@ -10,7 +10,7 @@ import numpy as np
 from model.discrepancy.search.evidence import Score
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep, apart
 from model.discrepancy.search.ranking import RankedCandidate, rank
-from model.discrepancy.search.refinement import refine_best
+from model.discrepancy.search.refinement import refine_best, settled
 from model.discrepancy.thresholds import (
     CERTAIN_PROBABILITY,
     EVIDENCE_TEMPERATURE,
@@ -19,7 +19,7 @@ from model.discrepancy.thresholds import (
 )
 from model.discrepancy.verdict.result import ChosenValue
 from model.effects.interface import Effect
-from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, unsettled
 from model.identification.likelihood.model_state import Found
 from model.locations import location
 
@@ -137,9 +137,8 @@ def choices(
         if i == len(turns) - 1:
             result.append(choice(turn.chosen, turn.ranking, turn.before))
             continue
-        rest = tuple(f for j, f in enumerate(final.found) if j != first + i)
-        without = fit_mixed_model(final.problem, final.theta, rest, final.solution.log_sigma)
-        ranking = refine_best(without, rank(without, effects, locations=False))
+        without = _without(final, first + i)
+        ranking = refine_best(without, rank(without, effects, locations=False), final)
         own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
         gain = 0.5 * (without.deviance - final.deviance)
         if min(gain, apart(without, own)) < threshold + FURTHER_EFFECT_LN:
@@ -149,10 +148,21 @@ def choices(
     left = None if rests else rest_of_another(result)
     if left is None:
         return result, final
-    rest = tuple(f for j, f in enumerate(final.found) if j != first + left)
-    without = fit_mixed_model(final.problem, final.theta, rest, final.solution.log_sigma)
+    without = _without(final, first + left)
     shorter = SearchResult(outcome.base, turns[:left] + turns[left + 1 :], without)
     return choices(shorter, effects, threshold)
+
+
+def _without(final: MixedModelFit, place: int) -> MixedModelFit:
+    """Return the model fitted without one of its effects; raise `ModelError` where it is not.
+
+    It is fitted once: the choices are made again where what was taken for a rest is more than that.
+    """
+    rest = tuple(one for j, one in enumerate(final.found) if j != place)
+    found = settled(final, final.theta, rest, final.solution.log_sigma)
+    if found is None:
+        raise unsettled()
+    return found
 
 
 def with_shapes(fitted: MixedModelFit, named: Sequence[Choice]) -> MixedModelFit:

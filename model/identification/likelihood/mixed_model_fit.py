@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -22,18 +23,22 @@ from model.identification.likelihood.mixed_model import (
     inverse_symmetric,
     weigh,
 )
-from model.identification.likelihood.model_state import AppliedEffect, Found, moved
+from model.identification.likelihood.model_state import AppliedEffect, FitPlace, Found, moved
 from model.identification.likelihood.random_effects import Added
 from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
 
 ROUNDS = 12
+# rounds after which a fit ends that gains no more than so much of the deviance, and moves less
+# than so many standard uncertainties
+MANY, LITTLE, NEARLY = 4, 1.0, 1.0
 WORSE = 0.5  # of the deviance; less may be rounding
 SHORTEST = 0.2  # share of a step; where not even that helps there is nowhere to go
-# of a standard uncertainty: moves at which a fit has settled, the second one where each set-up is
-SMALL, QUIET = 0.05, 0.01
+# of a standard uncertainty: moves of base parameters, of effects, at which a fit has settled; the
+# third one where each set-up is
+SMALL, SMALL_OF_EFFECT, QUIET = 0.05, 0.1, 0.01
 LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
-ROUGH, FINE = 0.1, 1e-3  # of the deviance
+ROUGH, FAIR, FINE = 0.5, 0.1, 1e-3  # of the deviance
 
 
 @dataclass(frozen=True)
@@ -83,11 +88,31 @@ def fit_mixed_model(
     found: tuple[Found, ...] = (),
     log_sigma: FloatArray | None = None,
     form: float = 1.0,
+    worthless: float = np.inf,
 ) -> MixedModelFit:
     """Gauss-Newton with REML; a `ModelError` where it does not settle.
 
-    `form` is how much of the tolerance of the effects' forms there is.
+    `form` is how much of the tolerance of the effects' forms there is. A fit whose deviance is
+    still above `worthless` when it should be near its end is given up there.
     """
+    *_, there = approach(problem, theta, found, log_sigma, form, worthless)
+    return _finished(
+        _LinearisationPoint(
+            problem=problem, theta=there.theta, found=there.found, added=None, form=form
+        ),
+        there.log_sigma,
+    )
+
+
+def approach(
+    problem: FitProblem,
+    theta: FloatArray,
+    found: tuple[Found, ...] = (),
+    log_sigma: FloatArray | None = None,
+    form: float = 1.0,
+    worthless: float = np.inf,
+) -> Iterator[FitPlace]:
+    """Yield the places after the steps of a fit, one at least, until it has settled."""
     last: _Iteration | None = None
     for turn in range(ROUNDS):
         # the noise is estimated from the first: a model far off must not be taken at its word
@@ -104,17 +129,31 @@ def fit_mixed_model(
             theta, found, _ = last.end()
             if last.share > 0.0:
                 continue
-            break
+            yield FitPlace(theta=theta, found=found, log_sigma=last.log_sigma)
+            return
+        gained = np.inf if last is None else last.value - here.value
         last = here
-        theta, found, quiet = here.end()
-        if here.moves < SMALL and quiet and turn >= 2:
-            break
+        theta, found, effects_move = here.end()
+        yield FitPlace(theta=theta, found=found, log_sigma=here.log_sigma)
+        if here.moves < SMALL and effects_move < SMALL_OF_EFFECT:
+            return
+        # a form with kinks, as of friction, may go to and fro
+        if turn >= MANY and (here.value > worthless or (gained < LITTLE and here.moves < NEARLY)):
+            return
     if last is None:
-        raise _unsettled()
-    return _finished(
-        _LinearisationPoint(problem=problem, theta=theta, found=found, added=None, form=form),
-        last.log_sigma,
-    )
+        raise unsettled()
+    yield FitPlace(theta=theta, found=found, log_sigma=last.log_sigma)
+
+
+def stepped(fitted: MixedModelFit, solution: Solution) -> tuple[FloatArray, tuple[Found, ...]]:
+    """Return base parameters and effects after the step that a solution asks for.
+
+    The solution may have further columns behind those of the fit.
+    """
+    sigma = np.sqrt(np.maximum(np.diag(solution.covariance), 1e-300))
+    found, _ = moved(fitted.found, solution.beta, sigma, list(fitted.spans))
+    step = _bounded(fitted.problem, solution.beta[: fitted.problem.bases.size])
+    return fitted.theta + step, found
 
 
 def fit_at_set_ups(
@@ -131,7 +170,7 @@ def fit_at_set_ups(
     noise = log_sigma
     with suppress(ModelError):
         for _ in range(ROUNDS):
-            here = _Iteration.of(at, noise)
+            here = _Iteration.of(at, noise, FAIR)
             noise = here.log_sigma
             added = _added(problem, here.linear, here.solution)
             at = _LinearisationPoint(problem=problem, theta=here.end()[0], found=(), added=added)
@@ -169,7 +208,7 @@ class _LinearisationPoint:
 def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
     """Return the fit at a linearisation point, with its noise."""
     if not np.all(np.isfinite(at.theta)):
-        raise _unsettled()
+        raise unsettled()
     linear, spans = at.linearised()
     problem = at.problem
     solution = estimate(linear.data, problem.guess, log_sigma, FINE)
@@ -185,7 +224,8 @@ def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
     )
 
 
-def _unsettled() -> ModelError:
+def unsettled() -> ModelError:
+    """Return the error of a fit that leads nowhere."""
     return ModelError("the fit did not settle: the data contradict the model too much")
 
 
@@ -200,11 +240,18 @@ class _Iteration:
     share: float = 1.0  # of the step that is gone
 
     @staticmethod
-    def of(at: _LinearisationPoint, start: FloatArray | None) -> _Iteration:
+    def of(
+        at: _LinearisationPoint, start: FloatArray | None, accuracy: float = ROUGH
+    ) -> _Iteration:
         """Linearised where it is, with the noise estimated from `start` on."""
         linear, spans = at.linearised()
-        solution = estimate(linear.data, at.problem.guess, start, ROUGH)
+        solution = estimate(linear.data, at.problem.guess, start, accuracy)
         return _Iteration(at=at, linear=linear, spans=spans, solution=solution)
+
+    @property
+    def value(self) -> float:
+        """The deviance at the end of its step, as far as a straight line goes."""
+        return self.solution.deviance + prior_terms(self.linear, self.at.problem.bases.size)
 
     @property
     def log_sigma(self) -> FloatArray:
@@ -240,12 +287,15 @@ class _Iteration:
         step, inner = solution.beta[moving], solution.covariance[np.ix_(moving, moving)]
         return promised + float(step @ inverse_symmetric(inner) @ step)
 
-    def end(self) -> tuple[FloatArray, tuple[Found, ...], bool]:
-        """Return base parameters and effects after the step, and whether effects moved little."""
+    def end(self) -> tuple[FloatArray, tuple[Found, ...], float]:
+        """Return base parameters and effects after the step, and how far effects move at most.
+
+        That is in standard uncertainties.
+        """
         beta = self.share * self.solution.beta
-        found, quiet = moved(self.at.found, beta, self.sigma, self.spans)
+        found, largest = moved(self.at.found, beta, self.sigma, self.spans)
         step = _bounded(self.at.problem, self.solution.beta[: self.at.problem.bases.size])
-        return self.at.theta + self.share * step, found, quiet
+        return self.at.theta + self.share * step, found, largest
 
 
 def _added(problem: FitProblem, linear: Linearisation, solution: Solution) -> Added:

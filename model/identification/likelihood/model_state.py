@@ -20,6 +20,7 @@ from model.sheet.form import Form, combined, form_in, scaled
 from model.sheet.free_effect import acting_with
 
 MOST_LOG_STEP = 0.4
+NEAR = 0.3  # of a standard uncertainty: two places are the same
 
 
 @dataclass(frozen=True)
@@ -148,15 +149,15 @@ def prior_of(parameter: EffectParameter, value: float, one: Found) -> tuple[floa
 
 def moved(
     found: tuple[Found, ...], beta: FloatArray, sigma: FloatArray, spans: list[slice]
-) -> tuple[tuple[Found, ...], bool]:
-    """Return the effects after a step, and whether the step was small."""
-    result, quiet = [], True
+) -> tuple[tuple[Found, ...], float]:
+    """Return the effects after a step, and the largest change of a parameter in its sigmas."""
+    result, largest = [], 0.0
     for one, span in zip(found, spans, strict=True):
         values = {name: dict(v) for name, v in one.values.items()}
         unsure = {name: dict(one.sigma.get(name, {})) for name in values}
         for place, (parameter, names) in enumerate(one.parameters(), span.start):
             step, doubt = float(beta[place]), float(sigma[place])
-            quiet = quiet and abs(step) < 0.1 * doubt
+            largest = max(largest, abs(step) / max(doubt, 1e-300))
             for name in names:
                 old = values[name][parameter.name]
                 if parameter.log:
@@ -173,4 +174,28 @@ def moved(
             replace(way, size=way.size + step) for way, step in zip(one.ways, steps, strict=True)
         )
         result.append(replace(one, values=values, sigma=unsure, ways=ways))
-    return tuple(result), quiet
+    return tuple(result), largest
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitPlace:
+    """Where a fit has come to: parameters, effects, and the noise on the way there."""
+
+    theta: FloatArray
+    found: tuple[Found, ...]
+    log_sigma: FloatArray
+
+    def near(self, other: FitPlace, sigma: FloatArray) -> bool:
+        """Return whether another place is the same but for a part of the uncertainties.
+
+        `sigma` is that of the base parameters; effects of no stated uncertainty must be equal.
+        """
+        if np.any(np.abs(self.theta - other.theta) > NEAR * sigma[: len(self.theta)]):
+            return False
+        for one, two in zip(self.found, other.found, strict=True):
+            for name, values in one.values.items():
+                unsure = one.sigma.get(name, {})
+                for key, value in values.items():
+                    if abs(value - two.values[name][key]) > NEAR * unsure.get(key, 0.0):
+                        return False
+        return True

@@ -104,10 +104,13 @@ class RowBlock:
 
     def bin_mean(self, values: FloatArray) -> FloatArray:
         """Mean over the pulses: (m,) to (b,)."""
-        count = np.bincount(self.bin_at, minlength=len(self.bin_of))
         total = np.bincount(self.bin_at, values, len(self.bin_of))
-        mean: FloatArray = total / np.maximum(count, 1)
+        mean: FloatArray = total / self._bin_counts
         return mean
+
+    @cached_property
+    def _bin_counts(self) -> FloatArray:
+        return np.maximum(np.bincount(self.bin_at, minlength=len(self.bin_of)), 1).astype(float)
 
 
 class RowIndex:
@@ -223,20 +226,26 @@ def _moments(
     seen: tuple[ConditionData, ...], pulses: tuple[PulseSeries, ...]
 ) -> tuple[AcquisitionTimes, AcquisitionTimes, Index]:
     """Moments of all parts in all pulses, those of the pulses' sampling points, and which part."""
-    parts = [(seen[p.condition].kept_clock, at, width)
-             for p in pulses for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
-    inside = [_in_pulse(c, at + w) for c, at, width in parts for w in WITHIN * width]
-    sample = [_in_pulse(c, SAMPLE_S + w) for c, _, _ in parts for w in WITHIN * 2.0 * WINDOW_S]
-    at = [np.full(len(WITHIN) * len(c.run_s), i) for i, (c, _, _) in enumerate(parts)]
+    own = {k: seen[k].kept_clock for k in dict.fromkeys(p.condition for p in pulses)}
+    counts = {k: len(clock.run_s) for k, clock in own.items()}
+    first = dict(zip(own, np.cumsum([0, *counts.values()]).tolist(), strict=False))
+    parts = [(p.condition, at, width) for p in pulses
+             for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
+    # of each part `WITHIN` moments, and at each of these all pulses of its condition
+    which = [first[k] + np.arange(counts[k]) for k, _, _ in parts for _ in WITHIN]
+    sizes = [counts[k] for k, _, _ in parts for _ in WITHIN]
+    inside = [at + w for _, at, width in parts for w in WITHIN * width]
+    sample = [SAMPLE_S + w for _ in parts for w in WITHIN * 2.0 * WINDOW_S]
+    pulses_of = AcquisitionTimes.joined(list(own.values())).at(np.concatenate([_ints([]), *which]))
     return (
-        AcquisitionTimes.joined(inside),
-        AcquisitionTimes.joined(sample),
-        np.concatenate([_ints([]), *at]),
+        _in_pulse(pulses_of, np.repeat(inside, sizes)),
+        _in_pulse(pulses_of, np.repeat(sample, sizes)),
+        np.repeat(np.arange(len(parts)), [len(WITHIN) * counts[k] for k, _, _ in parts]),
     )
 
 
-def _in_pulse(sample: AcquisitionTimes, at_s: float) -> AcquisitionTimes:
-    """Another moment of the same pulses."""
+def _in_pulse(sample: AcquisitionTimes, at_s: FloatArray) -> AcquisitionTimes:
+    """Other moments of the same pulses."""
     later = at_s - sample.pulse_s
     return replace(
         sample, pulse_s=sample.pulse_s + later, run_s=sample.run_s + later,

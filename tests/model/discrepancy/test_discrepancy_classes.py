@@ -60,7 +60,7 @@ def decided(
         )
         failures += (noticed,)
     return SimpleNamespace(
-        written=one, known=one, named=[choice] * (3 if many else 1), unknown=None,
+        known=one, named=[choice] * (3 if many else 1), unknown=None,
         nonparametric_explains_more=many,
         criticism=Criticism(failures=failures),
         choice_sets=(ChoiceSet("gravity", ()),), answers=(Judged(probabilities, answers),),
@@ -75,7 +75,7 @@ def reported(monkeypatch):
 
     def named(*args, **other):
         found = decided(*args, **other)
-        return verdicts._named(found.named[0], found)
+        return verdicts._named(found.named[0], found, found.known)
 
     return named
 
@@ -134,13 +134,8 @@ def test_answers_that_are_sure_of_a_name_outweigh_a_doubt_but_no_impossible_ampl
         known=None,
         unknown=None,
         final=None,
-        written=None,
-        model=None,
-        predicting=None,
     )  # type: ignore[arg-type]
-    whole = Judgement(
-        measurements=None, options=None, outcome=None, effects=(), threshold=6.0, enough=True
-    )  # type: ignore[arg-type]
+    whole = Judgement(outcome=None, effects=(), threshold=6.0, enough=True)  # type: ignore[arg-type]
     assert bool(whole._revised(found).named) is kept
 
 
@@ -163,18 +158,12 @@ def test_a_name_gives_way_to_a_likelier_one_of_its_question(monkeypatch, likelie
         ranking=ranking,
     )  # fmt: skip
     monkeypatch.setattr(Judgement, "_leftover", lambda _self, _: None)
-    monkeypatch.setattr(Judgement, "_written", lambda _self, known, *_: (known, None))
-    whole = Judgement(
-        measurements=None, options=None, outcome=None, effects=(), threshold=6.0, enough=True
-    )  # type: ignore[arg-type]
+    whole = Judgement(outcome=None, effects=(), threshold=6.0, enough=True)  # type: ignore[arg-type]
     found = Decision(
         named=[one],
         known=fits["gravity"],
         unknown=unknown,
         final=None,
-        written=None,
-        model=None,
-        predicting=None,
     )  # type: ignore[arg-type]
     other = whole._with_likelier(found, (judged,))
     if likelier < 0.4 or unknown:

@@ -15,10 +15,12 @@ from model.identification.data.data_vector import look
 from model.identification.likelihood.contact_solution import ConfigurationModel, projection
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import AppliedEffect
+from model.identification.likelihood.row_index import WITHIN
 from model.identification.likelihood.second_order import LEVELS, WAYS_FROM_ONE
 from model.locations.quantities import Perturbation
 from model.mechanics.field import Field
 from model.sheet.beam_problem import ActiveEffect
+from tests.model.discrepancy.sessions import base_fit
 
 LEVEL = {"long": {2.0: 25.0, -2.0: -20.0}, "short": {2.0: 80.0, -2.0: -64.0}}
 STIFF = {"long": 1.27e-6, "short": 8.5e-7}
@@ -231,3 +233,21 @@ def test_rows_of_several_steps_are_those_of_each(studies, name: str):
     assert not np.any(together[0])
     force = together[1 + [f.name for f in fields(Perturbation)].index("force_N")]
     np.testing.assert_allclose(force[part.trend_rows], part.trend @ steps[3].force_N)
+
+
+@pytest.mark.slow
+def test_parts_of_pulses_are_taken_at_their_moments_in_each_pulse_of_their_condition():
+    forward = base_fit().problem.forward
+    for part, seen in zip(forward.layout.parts, forward.looks, strict=True):
+        parts = [(p.condition, at, width) for p in seen.pulses
+                 for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
+        assert parts
+        for i, (k, at, width) in enumerate(parts):
+            pulses, own = seen.seen[k].kept_clock, part.bin_at == i
+            moments = np.repeat(at + WITHIN * width, len(pulses.run_s))
+            np.testing.assert_allclose(part.bin_clock.pulse_s[own], moments)
+            begun = np.tile(pulses.run_s - pulses.pulse_s, len(WITHIN))
+            np.testing.assert_allclose(part.bin_clock.run_s[own], begun + moments)
+            np.testing.assert_array_equal(
+                part.bin_sample.voltage_V[own], np.tile(pulses.voltage_V, len(WITHIN))
+            )

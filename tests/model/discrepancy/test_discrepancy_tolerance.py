@@ -123,11 +123,13 @@ def study_rows(base, c: int, found: Found):
 def test_a_step_of_the_fit_keeps_values_within_their_bounds():
     one = effect("roll_friction")
     found = Found(effect=one, values={"long": plausible(one)})
-    ((after,), quiet) = moved((found,), np.array([-50.0]), np.array([0.01]), [slice(0, 1)])
+    ((after,), largest) = moved((found,), np.array([-50.0]), np.array([0.01]), [slice(0, 1)])
     assert after.values["long"]["coefficient"] == one.amplitude.low == 0.0
     assert after.values["long"]["force_alone"] == plausible(one)["force_alone"]
-    assert not quiet
-    assert moved((found,), np.array([1e-4]), np.array([0.01]), [slice(0, 1)])[1]
+    assert largest == pytest.approx(5000.0)
+    assert moved((found,), np.array([1e-4]), np.array([0.01]), [slice(0, 1)])[1] == pytest.approx(
+        0.01
+    )
 
 
 def test_finite_values_are_brought_to_nought_and_one():

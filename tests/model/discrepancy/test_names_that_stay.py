@@ -36,8 +36,7 @@ def judgement(monkeypatch) -> Judgement:
             lambda _, named, *__, what=what: (what, [one.effect.name for one in named]),
         )  # fmt: skip
     return Judgement(
-        measurements=None, options=None, outcome=SimpleNamespace(base=BASE, best_name=0.0),
-        effects=(), threshold=6.0, enough=True,
+        outcome=SimpleNamespace(base=BASE, best_name=0.0), effects=(), threshold=6.0, enough=True
     )  # type: ignore[arg-type]  # fmt: skip
 
 

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 
-from model.discrepancy.search.refinement import preferred
+from model.discrepancy.search.ranking import rank
+from model.discrepancy.search.refinement import preferred, refine_best, refined
+from model.effects import effect
+from model.effects.conformance import plausible
+from model.identification.likelihood import mixed_model_fit
+from model.identification.likelihood.mixed_model_fit import approach
+from model.identification.likelihood.model_state import NEAR, FitPlace, Found
+from tests.model.discrepancy.sessions import FALLING, base_fit
 
 GOOD, BETTER, BEST = 103.0, 100.0, 80.0  # deviances: the first two are about as good
 
@@ -21,3 +31,58 @@ GOOD, BETTER, BEST = 103.0, 100.0, 80.0  # deviances: the first two are about as
 def test_of_shapes_that_explain_as_much_the_one_nearest_to_its_form_is_taken(one, other):
     assert preferred(one, other)
     assert not preferred(other, one)
+
+
+def place(theta: float, value: float, sigma: float) -> FitPlace:
+    one = effect("roll_friction")
+    values = {"long": {**plausible(one), "coefficient": value}}
+    found = Found(effect=one, values=values, sigma={"long": {"coefficient": sigma}})
+    return FitPlace(theta=np.array([theta]), found=(found,), log_sigma=np.zeros(1))
+
+
+def test_places_are_the_same_within_a_part_of_their_uncertainty():
+    here, sigma = place(1.0, 0.05, 0.01), np.array([2.0])
+    assert here.near(place(1.0 + 1.9 * NEAR, 0.05 + 0.009 * NEAR, 0.01), sigma)
+    assert not here.near(place(1.0 + 2.1 * NEAR, 0.05, 0.01), sigma)
+    assert not here.near(place(1.0, 0.05 + 0.011 * NEAR, 0.01), sigma)
+    certain = place(1.0, 0.05, 0.0)  # a value that is tried, not fitted
+    assert certain.near(certain, sigma)
+    assert not certain.near(place(1.0, 0.051, 0.0), sigma)
+
+
+@pytest.mark.slow
+def test_a_fit_that_goes_to_and_fro_or_is_worth_nothing_ends(monkeypatch):
+    base = base_fit()
+    monkeypatch.setattr(mixed_model_fit, "SMALL", 0.0)  # it never comes to rest
+    some = len(list(approach(base.problem, base.theta)))
+    assert some == mixed_model_fit.MANY + 1
+    monkeypatch.setattr(mixed_model_fit, "LITTLE", -np.inf)
+    worthless = base.deviance - 100.0
+    assert len(list(approach(base.problem, base.theta, worthless=worthless))) == some
+    assert len(list(approach(base.problem, base.theta))) == mixed_model_fit.ROUNDS + 1
+
+
+@pytest.mark.slow
+def test_a_fit_of_an_effect_may_begin_where_it_is_known_and_ends_at_the_same_place(monkeypatch):
+    base, one = base_fit(FALLING), effect("nonuniform_eibm")
+    ranking = [c for c in rank(base, [one]) if c.known]
+    first = refine_best(base, ranking)[0]
+    assert first.fitted is not None
+    steps = []
+    spy = mixed_model_fit._Iteration.of
+    monkeypatch.setattr(
+        mixed_model_fit._Iteration, "of", staticmethod(lambda *a: steps.append(0) or spy(*a))
+    )
+    again = refined(replace(base), replace(first, fitted=None, tried=()), (first.score,),
+                    first.fitted)  # fmt: skip
+    assert again.fitted is not None
+    assert again.fitted.deviance == pytest.approx(first.fitted.deviance, abs=0.1)
+    assert len(steps) <= 2
+
+
+@pytest.mark.slow
+def test_the_same_candidates_of_the_same_fit_are_ranked_once():
+    base, some = base_fit(), [effect("gravity"), effect("clamp_angle")]
+    first = rank(base, some)
+    assert all(a is b for a, b in zip(rank(base, some), first, strict=True))
+    assert rank(base, some[:1])[0] is not first[0]

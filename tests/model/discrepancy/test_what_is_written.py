@@ -1,17 +1,24 @@
-"""A model file has what was found only where left-out positions are predicted no worse with it."""
+"""A model file has what was found if it is solved, and predicts left-out positions no worse."""
 
 from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
 
+from benchmarks.hidden_effects.records import Foretold, Record
+from benchmarks.worlds.table import is_worse
+from model import SheetModel
 from model.discrepancy import diagnose
-from model.discrepancy.verdict import decision
 from model.discrepancy.verdict.messages import not_written
+from model.discrepancy.verdict.written_model import chosen
 from model.discrepancy.verdict.written_model.left_out_gain import predicts_better
+from model.discrepancy.verdict.written_model.solvable import unsolved_at
+from model.identification.fit import fit
+from model.sheet.beam_problem import UNKNOWN, ActiveEffect, Profile
 from tests.model.discrepancy.sessions import FALLING, base_fit, session
 
 
@@ -34,11 +41,65 @@ def test_what_spoils_the_prediction_of_left_out_positions_is_not_written():
 
 @pytest.mark.slow
 def test_where_the_base_model_predicts_better_the_file_has_it_and_a_note_says_so(monkeypatch):
-    monkeypatch.setattr(decision, "predicts_better", lambda *_: False)
+    monkeypatch.setattr(chosen, "predicts_better", lambda *_: False)
     found = diagnose(session(FALLING))
     assert [one.name for one in found.effects] == ["nonuniform_eibm"]
     assert found.effects[0].parameters["decay_length_mm"].value > 0.0
-    assert found.model.effects == ()
+    assert found.model.to_dict() == fit(session(FALLING)).model.to_dict()
     assert found.held_out.before == found.held_out.after
     assert next(not_written(True)) in found.notes
     json.dumps(found.to_json(), allow_nan=False)
+
+
+def with_compliance(*terms: Profile) -> SheetModel:
+    """The base model with something unknown that adds to the sheet's compliance."""
+    unknown = ActiveEffect(name=UNKNOWN, location="compliance", form=terms)
+    return replace(fit(session()).model, effects=(unknown,))
+
+
+def along(value: float, full_V: float = 0.0) -> Profile:
+    under = "voltage" if full_V else ""
+    return Profile(
+        along="s", at=(0.0, 0.05), values=(value, value), sigma=(0.0, 0.0), unit="", under=under,
+        full_V=full_V, configurations=("long",),
+    )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_model_without_a_solution_at_half_the_voltage_is_found_out():
+    forward = base_fit().problem.forward
+    volts = max(max(look.voltages_V) for look in forward.looks)
+    assert unsolved_at(fit(session()).model, forward) == ""
+    assert unsolved_at(with_compliance(along(0.1)), forward) == ""
+    # as stiff as ever at the voltages that were measured, negative at a quarter of that
+    where = unsolved_at(with_compliance(along(-1.2), along(1.2, volts)), forward)
+    assert where.startswith("long, ")
+    assert where.endswith(" V")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("fails", "kept"), [(1, True), (10, False)])
+def test_of_what_has_no_solution_everywhere_less_is_written_and_a_note_says_so(
+    monkeypatch, fails, kept
+):
+    number = count()
+    monkeypatch.setattr(
+        chosen, "unsolved_at", lambda *_: "long, 5 mm, +1 V" if next(number) < fails else ""
+    )
+    found = diagnose(session(FALLING))
+    assert [one.name for one in found.effects] == ["nonuniform_eibm"]
+    assert bool(found.model.effects) is kept
+    assert next(not_written(not kept, "long, 5 mm, +1 V")) in found.notes
+    assert found.model.merit["force_rmse_N"] > 0.0
+
+
+def test_a_file_that_has_the_base_model_is_not_worse_than_it():
+    plain = Record(
+        key="", family="single", code="", truth=[], near={}, left={}, left_tolerant={},
+        force_gap_mN=0.0, curve_gap_mm=0.0, conditions="",
+    )  # fmt: skip
+    base = (2.8e-6, 1.4e-6)
+    for share, worse in ((1.0 + 1e-13, False), (1.001, True), (0.999, False)):
+        written = (share * base[0], share * base[1])
+        one = replace(plain, foretold=Foretold(base=base, written=written, floor=(3e-6, 2e-6)))
+        assert is_worse(one) is worse

@@ -25,6 +25,10 @@ from model.locations.examples import (
     example_sheet,
     example_weighed,
 )
+from model.mechanics.collocation import rule
+from model.mechanics.equilibrium import check_softness
+from model.sheet import applied_effects
+from model.sheet.effect_hooks import Acting, course
 
 WEIGHTS = np.polynomial.legendre.leggauss(NODES)[1] / 2.0  # of a mean over the nodes
 
@@ -238,12 +242,44 @@ def test_a_hinge_at_the_joint_turns_by_what_lets_the_contact_go_as_far():
     turn = np.sum((other.soft - beam.soft) * beam.piece_m, axis=1)  # rad for each N m over B
     lever = beam.sheet.arc_radius_m - beam.sheet.free_length_m
     np.testing.assert_allclose(turn * lever**2, 0.03 * lever**3 / 3.0)
-    assert np.all((other.soft - beam.soft)[:, :-1] == 0.0)
+    # near the end, by a polynomial that the nodes of either configuration have exactly
+    at = np.sum((other.soft - beam.soft) * beam.piece_m * beam.s_m, axis=1) / turn
+    np.testing.assert_allclose(at, 6.0 / 7.0 * beam.sheet.free_length_m)
     # the EIBM does not turn it
     np.testing.assert_allclose(
         other.rest + other.soft * (other.eibm + other.bend),
         beam.rest + beam.soft * (beam.eibm + beam.bend), atol=1e-12,
     )  # fmt: skip
+
+
+@pytest.mark.parametrize("compliance", [0.1, 2.0])
+def test_a_soft_hinge_leaves_a_stiffness_that_is_positive_between_the_nodes(compliance):
+    beam, contact = example_beam()
+    short = replace(beam.sheet, free_length_m=4.5e-3, elongation_m=36e-3)
+    nodes, count = rule(applied_effects.NODES), applied_effects.NODES
+    beam = replace(
+        beam, sheet=short, s_m=short.free_length_m * nodes.c, measured_length_m=0.0,
+        piece_m=short.free_length_m * nodes.b,
+        **{n: np.zeros((len(beam.voltage_V), count)) for n in ("rest", "eibm", "bend")},
+        soft=np.ones((len(beam.voltage_V), count)),
+    )  # fmt: skip
+    p = {"relative_compliance": compliance, "in_the_joint": 1.0}
+    soft = effect("elongation_flexibility").beam(beam, contact, p).soft
+    assert np.max(soft) > 1.5
+    check_softness(applied_effects._field(beam, soft[0]), short.free_length_m)
+
+
+def test_the_course_of_an_effect_at_the_same_times_is_worked_out_once(monkeypatch):
+    clock, one = example_clock(), effect("back_relaxation")
+    acting, asked = Acting(one, plausible(one)), []
+    whole = type(one).course
+    monkeypatch.setattr(type(one), "course", lambda self, *a: asked.append(0) or whole(self, *a))
+    first = course(acting, clock)
+    np.testing.assert_array_equal(course(acting, clock)[0], first[0])
+    assert len(asked) == 1
+    course(Acting(one, {**acting.values, "time_constant_s": 2.0}), clock)
+    course(acting, replace(clock))
+    assert len(asked) == 3
 
 
 def test_the_rolls_slid_from_where_the_opposite_voltage_held_them():

@@ -9,7 +9,12 @@ import numpy as np
 
 from model.discrepancy.search.cross_validation import position_groups, when_left_out
 from model.discrepancy.search.form_share import in_time
-from model.discrepancy.thresholds import FEWEST_POSITIONS, FORM_GAIN_CHI2, LOSS_CHI2
+from model.discrepancy.thresholds import (
+    FEWEST_POSITIONS,
+    FORM_GAIN_CHI2,
+    LOSS_CHI2,
+    SLOW_FORM_SHARE,
+)
 from model.discrepancy.verdict.prediction_error import cells, variance
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.linearisation import with_only
@@ -21,7 +26,8 @@ def forms_asked_for(known: MixedModelFit, final: MixedModelFit) -> bool:
     """Return whether mean forces and curves at left-out positions ask for the inferred forms.
 
     Between the positions a form is interpolated, and stays unless it clearly fails. One in time
-    leads away from what was measured, since a prediction is one amid the session: it must gain.
+    leads away from what was measured, since a prediction is one amid the session: it must gain a
+    good part of what the catalogue's form leaves.
     """
     where, noise = cells(final), variance(final)
     rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
@@ -34,8 +40,9 @@ def forms_asked_for(known: MixedModelFit, final: MixedModelFit) -> bool:
     if not len(own):
         return True
     plain, formed = (_chi2(final, without, rows, noise) for without in (own, none))
-    slow = any(in_time(one.effect) for one in known.found)
-    return bool(plain - formed > (FORM_GAIN_CHI2 if slow else -FORM_GAIN_CHI2))
+    if any(in_time(one.effect) for one in known.found):
+        return bool(plain - formed > max(FORM_GAIN_CHI2, SLOW_FORM_SHARE * plain))
+    return bool(plain - formed > -FORM_GAIN_CHI2)
 
 
 def predicts_better(base: MixedModelFit, told: MixedModelFit) -> bool:

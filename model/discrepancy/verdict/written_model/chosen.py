@@ -1,0 +1,88 @@
+"""Choose the model that a file has: with what was found, if it predicts no worse than without."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass
+
+from model.discrepancy.prepare import Options
+from model.discrepancy.search.forward_selection import SearchResult
+from model.discrepancy.verdict.decision import Decision
+from model.discrepancy.verdict.stated_errors import with_stated_errors
+from model.discrepancy.verdict.written_model.fitted_model import sheet_model
+from model.discrepancy.verdict.written_model.left_out_gain import predicts_better
+from model.discrepancy.verdict.written_model.solvable import unsolved_at
+from model.discrepancy.verdict.written_model.written_form import written
+from model.identification.fit import fit
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.options import FitOptions
+from model.measurements import Measurements, ModelError
+from model.sheet.sheet_model import SheetModel
+
+
+@dataclass(frozen=True, kw_only=True)
+class WrittenModel:
+    """What is written of a decision."""
+
+    told: MixedModelFit  # with what was found, solved with the inferred forms in the model
+    predicting: MixedModelFit  # what the file predicts with: `told`, or the base model
+    model: SheetModel  # as a file has it
+    # where the model with the form that was inferred has no solution; empty: it has one everywhere
+    unsolved: str = ""
+
+    @property
+    def without(self) -> bool:
+        """Whether the file has the base model, without what was found."""
+        return self.predicting is not self.told
+
+
+@dataclass(frozen=True, kw_only=True)
+class Writer:
+    """Writes models of a finished search."""
+
+    outcome: SearchResult
+    measurements: Measurements
+    options: Options
+
+    def written(self, decision: Decision) -> WrittenModel:
+        """Return what is written of a decision; it takes fits, so it is made of the last one.
+
+        The first fit that has an answer everywhere decides.
+        """
+        base, told, unsolved = self.outcome.base, decision.known, ""
+        for told in written(decision.known, decision.final, decision.free):
+            model = sheet_model(told, self.measurements, self.options)
+            where = "" if told is base else unsolved_at(model, base.problem.forward)
+            if where:
+                unsolved = unsolved or where
+                continue
+            if told is base or not predicts_better(base, told):
+                break
+            return WrittenModel(
+                told=told, predicting=told, model=self._with_errors(model), unsolved=unsolved
+            )
+        plain = self._of_fit() if told is not base else None
+        if plain is None:
+            plain = self._with_errors(sheet_model(base, self.measurements, self.options))
+        return WrittenModel(told=told, predicting=base, model=plain, unsolved=unsolved)
+
+    def _of_fit(self) -> SheetModel | None:
+        """Return the base model as `fit` writes it; None where that would be another one.
+
+        The search's own is fitted to more than means, and predicts these a little otherwise.
+        """
+        asked = self.options
+        if asked.model is not None or asked.hold_out or self.outcome.outliers:
+            return None
+        with suppress(ModelError):
+            options = FitOptions(symmetric=asked.symmetric, stiffness_Nm2=asked.stiffness_Nm2)
+            return fit(self.measurements, options).model
+        return None
+
+    def _with_errors(self, model: SheetModel) -> SheetModel:
+        """Return a model with its errors, where it predicts all that was measured."""
+        with suppress(ModelError):
+            return with_stated_errors(
+                model, self.outcome.base.problem.forward, self.outcome.outliers
+            )
+        return model
