@@ -13,10 +13,10 @@ from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
+from model.discrepancy.criticism.picture_noise import of_pictures, unusual_pictures
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.forward_selection import SearchResult, supported
-from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_names
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     FEWEST_POSITIONS,
@@ -25,6 +25,7 @@ from model.discrepancy.thresholds import (
     PROBABLE_ALL_THE_SAME,
     UNEXPLAINED_SHARE,
 )
+from model.discrepancy.verdict.free_form_or_names import alone, misses_much
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
 from model.discrepancy.verdict.posterior import (
     Choice,
@@ -123,7 +124,9 @@ class Judgement:
         free = rest.first if known is base or rest.last is None else rest.last
         at = base if free is rest.first else known
         final, known = with_free_form(known, free), with_shapes(known, named)
-        told, model = self._written(known, final, free)
+        # how each picture is off says nothing of the next one
+        beside = (known, None) if of_pictures(free) else (final, free)
+        told, model = self._written(known, *beside)
         unknown = unknown_of(at, free)
         return Decision(
             named=named, known=known, unknown=unknown, final=final, written=told, model=model,
@@ -220,7 +223,7 @@ class Judgement:
         if rejected:
             kept = tuple(f for f in known.found if f.effect.name not in rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
-        rest = leftover(self.outcome, known, self.effects)
+        rest = self._with_pictures(leftover(self.outcome, known, self.effects), known)
         if rest is not None and self._alone(rest, named, known):
             named, known = [], base
         if rest is None or self._worth(rest, known) < self.threshold:
@@ -255,7 +258,16 @@ class Judgement:
 
     def _leftover(self, known: MixedModelFit) -> Leftover | None:
         """Return what nonparametric terms find beside the names."""
-        return leftover(self.outcome, known, self.effects) if self.enough else None
+        if not self.enough:
+            return None
+        return self._with_pictures(leftover(self.outcome, known, self.effects), known)
+
+    def _with_pictures(self, rest: Leftover | None, known: MixedModelFit) -> Leftover | None:
+        """Return the rest with what hides in the noise of curves, unless it is another one."""
+        if rest is None or self._unexplained(rest):
+            return rest
+        pictures = unusual_pictures(known)
+        return rest if pictures is None else rest.instead(pictures, known, self.outcome.base)
 
     def _alone(self, rest: Leftover, named: Sequence[Choice], known: MixedModelFit) -> bool:
         """Return whether a nonparametric term stands for all names.
@@ -266,6 +278,8 @@ class Judgement:
         base, single = self.outcome.base, self.outcome.best_name
         if not alone(rest, base, known, single):
             return False
+        if len(named) == 1 and not of_pictures(rest.first):
+            return misses_much(base, rest, named[0])
         missed = rest.first.gain * (1.0 - MISSED_BY_FORM_SHARE)
         explained = 0.5 * (base.deviance - known.deviance)
         small = missed <= explained + NONPARAMETRIC_MARGIN_LN
@@ -279,13 +293,3 @@ class Judgement:
         if rest is None or rest.share < UNEXPLAINED_SHARE:
             return False
         return rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN
-
-
-def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit, single: float) -> bool:
-    """Return whether one free form explains more than all the names together.
-
-    `single` is what the best name explains by itself.
-    """
-    names = len(known.found) - len(base.found)
-    explained = 0.5 * (base.deviance - known.deviance)
-    return nonparametric_replaces_names(rest.first.gain, explained, names, single)
