@@ -19,9 +19,11 @@ from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     EVIDENCE_THRESHOLD_LN,
     FEWEST_PICTURES,
+    FEWEST_UNUSUAL_PICTURES,
     PICTURE_NOISE_LN,
     REPEATS_NOISE_RATIO,
 )
+from model.identification.data.data_vector import Index
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
@@ -94,7 +96,10 @@ def _of_repeats(fitted: MixedModelFit, c: int) -> FloatArray | None:
 
 def unusual_pictures(fitted: MixedModelFit) -> RankedCandidate | None:
     """Return the term of the configuration whose curves are noisier than usual; None: none are."""
-    found = {n: one for n, one in picture_noise(fitted).items() if _unusual(one)}
+    found = {
+        name: one for name, one in picture_noise(fitted).items()
+        if one.evidence > EVIDENCE_THRESHOLD_LN and _many(fitted, name) > FEWEST_UNUSUAL_PICTURES
+    }  # fmt: skip
     if not found:
         return None
     name = max(found, key=lambda n: found[n].evidence)
@@ -104,8 +109,14 @@ def unusual_pictures(fitted: MixedModelFit) -> RankedCandidate | None:
     return RankedCandidate(score=one, gain=one.log_bayes, solution=solution)
 
 
-def _unusual(one: PictureNoise) -> bool:
-    return one.evidence > EVIDENCE_THRESHOLD_LN
+def _many(fitted: MixedModelFit, name: str) -> float:
+    """Return how many pictures the noise is of: one that is far off is an outlier, no noise."""
+    forward, linear, solution = fitted.problem.forward, fitted.linear, fitted.solution
+    sizes = picture_noise(fitted)[name].estimated_m
+    # what the noise, not the scatter of set-ups, has of the residual
+    own = sizes**2 * Projected.of(forward, linear, solution).pulled[_rows(fitted, name)]
+    squares = np.sum(own**2, axis=1)
+    return float(np.sum(squares) ** 2 / np.sum(squares**2))
 
 
 def _usual(fitted: MixedModelFit, found: Mapping[str, PictureNoise]) -> FloatArray:
@@ -129,7 +140,7 @@ def _candidate(fitted: MixedModelFit, name: str) -> Candidate:
     )  # fmt: skip
 
 
-def _rows(fitted: MixedModelFit, name: str) -> FloatArray:
+def _rows(fitted: MixedModelFit, name: str) -> Index:
     """Return the rows of the first modes, (pictures, MODES)."""
     forward = fitted.problem.forward
     c = forward.names.index(name)

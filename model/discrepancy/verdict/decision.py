@@ -25,7 +25,11 @@ from model.discrepancy.thresholds import (
     PROBABLE_ALL_THE_SAME,
     UNEXPLAINED_SHARE,
 )
-from model.discrepancy.verdict.free_form_or_names import alone, misses_much
+from model.discrepancy.verdict.free_form_or_names import (
+    alone,
+    explaining_as_much,
+    misses_much,
+)
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
 from model.discrepancy.verdict.posterior import (
     Choice,
@@ -146,7 +150,7 @@ class Judgement:
         answers = tuple(calibrated().judged(one) for one in choice_sets)
         other = None
         if not settled:
-            other = self._as_one(judged, found) or self._with_likelier(found, answers)
+            other = self._as_one(judged, found) or self._with_likelier(found, answers, criticism)
         if other is not None:
             return self._revised(other, settled=True)
         names = [one.effect.name for one in found.named]
@@ -184,37 +188,51 @@ class Judgement:
             return self._with_names(named, fitted, rest)
         return None
 
-    def _with_likelier(self, found: Decision, answers: Sequence[Judged]) -> Decision | None:
+    def _with_likelier(
+        self, found: Decision, answers: Sequence[Judged], criticism: Criticism
+    ) -> Decision | None:
         """Return the decision with the likeliest name of a question; None: it has them all.
 
-        The evidence of all data decides in the search; what left-out data choose counts here.
+        The evidence of all data in the catalogue's wording decides in the search; what left-out
+        data choose, and other wordings, count here.
         """
         if found.unknown is not None:
             return self._with_name_of_unknown(found, answers[-1])
         names = {one.effect.name for one in found.named}
         for i, (one, judged) in enumerate(zip(found.named, answers, strict=False)):
-            name = judged.likeliest
-            rival = next((c for c in one.ranking if c.name == name and c.known), None)
-            if name in names or rival is None or rival.fitted is None:
-                continue
-            rest = self._leftover(rival.fitted)
-            if self._unexplained(rest):
-                continue
-            named = list(found.named)
-            named[i] = choice(rival, one.ranking, one.before)
-            return self._with_names(named, rival.fitted, rest)
+            for name in (criticism.likelier(one.effect.name), judged.likeliest):
+                rival = next((c for c in one.ranking if c.name == name and c.known), None)
+                if name in names or rival is None or rival.fitted is None:
+                    continue
+                rest = self._leftover(rival.fitted)
+                if self._unexplained(rest):
+                    continue
+                named = list(found.named)
+                named[i] = choice(rival, one.ranking, one.before)
+                return self._with_names(named, rival.fitted, rest)
         return None
 
     def _with_name_of_unknown(self, found: Decision, judged: Judged) -> Decision | None:
-        """Return the decision with a name that is likelier than 'unknown'; None: none is."""
-        if found.named or not is_name(judged.likeliest):
+        """Return the decision with a name in place of 'unknown'; None: there is none.
+
+        One that is likelier, or else that which explains as much with the usual scatter.
+        """
+        if found.named:
             return None
         turn = self.outcome.turns[0]
-        one = next((c for c in turn.ranking if c.name == judged.likeliest and c.known), None)
-        if one is None or one.fitted is None or not supported(turn.before, one.fitted):
-            return None
-        named = [choice(one, turn.ranking, turn.before)]
-        return self._with_names(named, one.fitted, self._leftover(one.fitted))
+        fitted = [c for c in turn.ranking if c.known and c.fitted is not None]
+        if is_name(judged.likeliest):
+            some = [c for c in fitted if c.name == judged.likeliest]
+        else:
+            some = [] if found.rest is None else explaining_as_much(
+                self.outcome.base, found.rest, [c for c in fitted if c.gain > 0.0]
+            )  # fmt: skip
+        for one in some[:1]:
+            if one.fitted is None or not supported(turn.before, one.fitted):
+                return None
+            named = [choice(one, turn.ranking, turn.before)]
+            return self._with_names(named, one.fitted, self._leftover(one.fitted))
+        return None
 
     def _without(self, found: Decision, rejected: Sequence[str]) -> Decision:
         """Return a decision without these names, and with the best nonparametric term instead."""

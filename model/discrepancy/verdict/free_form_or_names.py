@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
+from collections.abc import Sequence
 
 from model.discrepancy.search.evidence import Projected, score
 from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_names
@@ -28,10 +28,18 @@ def misses_much(base: MixedModelFit, rest: Leftover, name: Choice) -> bool:
     Where set-ups may differ as much as the data ask for, they take up most of what goes from one to
     the next. Little evidence is left of either, and of that a right name may miss a good part.
     """
-    one = next((c for c in name.ranking if c.name == name.effect.name), None)
-    by_name = -np.inf if one is None else _at_usual_scatter(base, one)
-    free = _at_usual_scatter(base, rest.first)
-    return free * (1.0 - MISSED_BY_FORM_SHARE) > by_name + NONPARAMETRIC_MARGIN_LN
+    own = [c for c in name.ranking if c.name == name.effect.name]
+    return not explaining_as_much(base, rest, own)
+
+
+def explaining_as_much(
+    base: MixedModelFit, rest: Leftover, names: Sequence[RankedCandidate]
+) -> list[RankedCandidate]:
+    """Return the names that miss no more of a free form than theirs allows, the best first."""
+    free = _at_usual_scatter(base, rest.first) * (1.0 - MISSED_BY_FORM_SHARE)
+    each = [(_at_usual_scatter(base, one), one) for one in names]
+    some = [pair for pair in each if pair[0] + NONPARAMETRIC_MARGIN_LN >= free]
+    return [one for _, one in sorted(some, key=lambda pair: -pair[0])]
 
 
 def _at_usual_scatter(fitted: MixedModelFit, one: RankedCandidate) -> float:

@@ -62,6 +62,19 @@ def test_noise_that_all_configurations_have_is_the_cameras_usual_one():
 
 
 @pytest.mark.slow
+def test_few_pictures_that_are_far_off_are_outliers():
+    m = session(NOTHING)
+    own = [i for i, c in enumerate(m.conditions) if c.configuration == "short"]
+    wrong = turned(replace(m, conditions=tuple(m.conditions[i] for i in own[3:9:3])), {"short"})
+    conditions = list(m.conditions)
+    for i, one in zip(own[3:9:3], wrong.conditions, strict=True):
+        conditions[i] = one
+    found = fitted(replace(m, conditions=tuple(conditions)))
+    assert picture_noise(found)["short"].evidence > EVIDENCE_THRESHOLD_LN
+    assert unusual_pictures(found) is None
+
+
+@pytest.mark.slow
 def test_a_single_configuration_has_nothing_to_be_compared_with():
     m = turned(session(NOTHING), {"short"})
     alone = replace(
