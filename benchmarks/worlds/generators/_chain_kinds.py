@@ -96,6 +96,10 @@ def _wearing(plant: Plant, size: float) -> None:
     plant.amplitude.append(lambda c, u: u * (1.0 + size * (c.session - 0.5)))
 
 
+def _wearing_late(plant: Plant, size: float) -> None:
+    plant.amplitude.append(lambda c, u: u * (1.0 + size * (c.session**3 - 0.25)))
+
+
 def _yielding(plant: Plant, size: float) -> None:
     plant.stiffness.append(lambda c: ((c.time_s + 0.3) / 5.0) ** -size)
 
@@ -189,6 +193,10 @@ def _wet(c: Course, load: Load, size: float) -> Floats:
     return size * np.cos(load.lean_rad) * _only(c.sheet, SHORT)
 
 
+def _drying_rolls(c: Course, load: Load, size: float) -> Floats:
+    return size * np.cos(load.lean_rad) * (1.0 - 0.5 * c.session)
+
+
 def _turned(_: Course, load: Load, size: float) -> Floats:
     felt = load.normal_N * np.cos(load.lean_rad - size)
     return np.asarray(1e3 * (felt - load.force_N))
@@ -268,6 +276,9 @@ KINDS: dict[str, Kind] = {
     "wearing": _kind(
         "EIBM goes as 1 + c (tau - 1/2) over the session.", "eibm_drift", "time", (0.1, 1.4, "-"),
         _wearing, lambda c: {"relative_change": c}),
+    "wearing_late": _kind(
+        "The EIBM goes as 1 + c (tau^3 - 1/4) over the session.", "eibm_drift", "time",
+        (0.1, 1.3, "-"), _wearing_late),
     "yielding": _kind(
         "Stiffness goes as ((t + 0.3 s)/5 s)^-c in each run.", "viscoelastic_creep", "time",
         (0.02, 0.4, "-"), _yielding),
@@ -286,6 +297,9 @@ KINDS: dict[str, Kind] = {
     "meniscus": _kind(
         "Water pulls the short sheet's roll by c along the normal.", "surface_tension",
         "load_cell", (0.1, 3.0, "mN"), _felt(_wet), lambda c: {"force_mN": c}),
+    "drying_rolls": _kind(
+        "Water pulls either sheet's roll by c (1 - tau/2) along the normal.", "surface_tension",
+        "load_cell", (0.1, 3.0, "mN"), _felt(_drying_rolls)),
     "loose_clamp": _kind(
         "The clamp turns by c times the load's moment.", "clamp_compliance", "compliance",
         (30.0, 5e3, "rad/(N m)"), _set("clamp_give_rad_per_Nm"),

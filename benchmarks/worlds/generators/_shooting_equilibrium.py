@@ -91,6 +91,7 @@ class Surroundings:
     backlash_m: float = 0.0
     backlash_N: float = 0.4e-3
     bar_compliance: float = 0.0  # of the elongation, over the sheet's
+    bar_drawn_on: bool = False  # its picture goes straight on from the sheet's end
     weight_N_per_m: float = 0.0
     bar_weight: float = 2.0  # of the elongation, over the sheet's
     rocking_Nm_per_rad: float = 0.0
@@ -350,6 +351,8 @@ class Shooting:
             ray[2] = last[2][:, None] + np.sin(last[0])[:, None] * left * t
             parts = [*parts, ray]
             places.append(s_hat + left * t)
+            if self.around.bar_drawn_on:
+                _draw_on(parts, places)
         else:
             parts = [*parts, self._tail(lanes, last, shapes.contact_m, dense=True)]
             places = [s_hat * t, s_hat + (np.maximum(length, s_hat) - s_hat) * t]
@@ -383,6 +386,16 @@ class Shooting:
         shapes.s_m = np.concatenate([s, s[:, -1:] + e * t[1:]], axis=1) if e else s
         shapes.phi_rad, shapes.x_m, shapes.y_m = joined
         return shapes
+
+
+def _draw_on(parts: list[Array], places: list[Array]) -> None:
+    """Draw the elongation, the second and third part, as a line on from the sheet's end."""
+    joint = parts[1][:3, :, :1]
+    way = np.stack([np.cos(joint[0]), np.sin(joint[0])])
+    for k in (1, 2):
+        parts[k] = parts[k].copy()
+        parts[k][0] = joint[0]
+        parts[k][1:3] = joint[1:] + way * (places[k] - places[1][:, :1])
 
 
 def unknowns(shapes: Shapes, strip: Strip) -> Array:

@@ -153,4 +153,9 @@ FURTHER: dict[str, Acting] = {
     "halo": _u(
         "Glare at the concave side draws the curve aside: c tanh(k/40 per m) along the normal.",
         ("camera",), sizes=(0.08, 1.0), unit="mm", image=_halo),
+    "bar_drawn_on": _u(
+        "The elongation bends, thinner towards its end, from c/2 of the sheet's compliance on; the"
+        " picture is drawn straight on from the sheet's end.",
+        ("camera", "compliance"), sizes=(0.02, 0.4), unit="",
+        setting=lambda c: {"bar_compliance": c, "bar_drawn_on": True}),
 }  # fmt: skip

@@ -23,7 +23,7 @@ class Failure:
     sentence: str  # what contradicts what, without its full stop
     effects: tuple[str, ...] = ()  # names that it concerns; none: all of them together
     rivals: tuple[str, ...] = ()  # of `one_of` and `alike`: names that are as good
-    odds: tuple[float, ...] = ()  # of `alike`: probability of each rival over the name's, 1 at most
+    odds: tuple[float, ...] = ()  # of `alike`: probability of each rival over the name's
     overlooked: float = 1.0  # of `noticed`: the probability that nobody noticed
 
 

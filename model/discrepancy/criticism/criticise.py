@@ -56,7 +56,19 @@ class Criticism:
         return tuple(rival for one in own for rival in one.rivals)
 
     def odds(self, name: str) -> dict[str, float]:
-        """Return the probability over this name's of rivals that nothing tells from it."""
+        """Return the probability over this name's of rivals that nothing tells from it.
+
+        It is 1 at most: a name that is reported has no less than the others.
+        """
+        return {rival: min(odds, 1.0) for rival, odds in self._odds(name).items()}
+
+    def likelier(self, name: str) -> str:
+        """Return the rival that is likelier than a name and likeliest; empty: there is none."""
+        every = self._odds(name)
+        best = max(every, key=lambda rival: every[rival], default="")
+        return best if best and every[best] > 1.0 else ""
+
+    def _odds(self, name: str) -> dict[str, float]:
         own = (one for one in self.failures if one.odds and name in one.effects)
         return {
             rival: odds for one in own for rival, odds in zip(one.rivals, one.odds, strict=True)

@@ -12,9 +12,9 @@ from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
+from model.discrepancy.criticism.picture_noise import of_pictures, unusual_pictures
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.forward_selection import SearchResult, supported
-from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_names
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     FEWEST_POSITIONS,
@@ -22,6 +22,11 @@ from model.discrepancy.thresholds import (
     NONPARAMETRIC_MARGIN_LN,
     PROBABLE_ALL_THE_SAME,
     UNEXPLAINED_SHARE,
+)
+from model.discrepancy.verdict.free_form_or_names import (
+    alone,
+    explaining_as_much,
+    misses_much,
 )
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
 from model.discrepancy.verdict.posterior import (
@@ -121,7 +126,7 @@ class Judgement:
         answers = tuple(calibrated().judged(one) for one in choice_sets)
         other = None
         if not settled:
-            other = self._as_one(judged, found) or self._with_likelier(found, answers)
+            other = self._as_one(judged, found) or self._with_likelier(found, answers, criticism)
         if other is not None:
             return self._revised(other, settled=True)
         names = [one.effect.name for one in found.named]
@@ -159,37 +164,51 @@ class Judgement:
             return self._with_names(named, fitted, rest)
         return None
 
-    def _with_likelier(self, found: Decision, answers: Sequence[Judged]) -> Decision | None:
+    def _with_likelier(
+        self, found: Decision, answers: Sequence[Judged], criticism: Criticism
+    ) -> Decision | None:
         """Return the decision with the likeliest name of a question; None: it has them all.
 
-        The evidence of all data decides in the search; what left-out data choose counts here.
+        The evidence of all data in the catalogue's wording decides in the search; what left-out
+        data choose, and other wordings, count here.
         """
         if found.unknown is not None:
             return self._with_name_of_unknown(found, answers[-1])
         names = {one.effect.name for one in found.named}
         for i, (one, judged) in enumerate(zip(found.named, answers, strict=False)):
-            name = judged.likeliest
-            rival = next((c for c in one.ranking if c.name == name and c.known), None)
-            if name in names or rival is None or rival.fitted is None:
-                continue
-            rest = self._leftover(rival.fitted)
-            if self._unexplained(rest):
-                continue
-            named = list(found.named)
-            named[i] = choice(rival, one.ranking, one.before)
-            return self._with_names(named, rival.fitted, rest)
+            for name in (criticism.likelier(one.effect.name), judged.likeliest):
+                rival = next((c for c in one.ranking if c.name == name and c.known), None)
+                if name in names or rival is None or rival.fitted is None:
+                    continue
+                rest = self._leftover(rival.fitted)
+                if self._unexplained(rest):
+                    continue
+                named = list(found.named)
+                named[i] = choice(rival, one.ranking, one.before)
+                return self._with_names(named, rival.fitted, rest)
         return None
 
     def _with_name_of_unknown(self, found: Decision, judged: Judged) -> Decision | None:
-        """Return the decision with a name that is likelier than 'unknown'; None: none is."""
-        if found.named or not is_name(judged.likeliest):
+        """Return the decision with a name in place of 'unknown'; None: there is none.
+
+        One that is likelier, or else that which explains as much with the usual scatter.
+        """
+        if found.named:
             return None
         turn = self.outcome.turns[0]
-        one = next((c for c in turn.ranking if c.name == judged.likeliest and c.known), None)
-        if one is None or one.fitted is None or not supported(turn.before, one.fitted):
-            return None
-        named = [choice(one, turn.ranking, turn.before)]
-        return self._with_names(named, one.fitted, self._leftover(one.fitted))
+        fitted = [c for c in turn.ranking if c.known and c.fitted is not None]
+        if is_name(judged.likeliest):
+            some = [c for c in fitted if c.name == judged.likeliest]
+        else:
+            some = [] if found.rest is None else explaining_as_much(
+                self.outcome.base, found.rest, [c for c in fitted if c.gain > 0.0]
+            )  # fmt: skip
+        for one in some[:1]:
+            if one.fitted is None or not supported(turn.before, one.fitted):
+                return None
+            named = [choice(one, turn.ranking, turn.before)]
+            return self._with_names(named, one.fitted, self._leftover(one.fitted))
+        return None
 
     def _without(self, found: Decision, rejected: Sequence[str]) -> Decision:
         """Return a decision without these names, and with the best nonparametric term instead."""
@@ -198,7 +217,7 @@ class Judgement:
         if rejected:
             kept = tuple(f for f in known.found if f.effect.name not in rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
-        rest = leftover(self.outcome, known, self.effects)
+        rest = self._with_pictures(leftover(self.outcome, known, self.effects), known)
         if rest is not None and self._alone(rest, named, known):
             named, known = [], base
         if rest is None or self._worth(rest, known) < self.threshold:
@@ -215,7 +234,16 @@ class Judgement:
 
     def _leftover(self, known: MixedModelFit) -> Leftover | None:
         """Return what nonparametric terms find beside the names."""
-        return leftover(self.outcome, known, self.effects) if self.enough else None
+        if not self.enough:
+            return None
+        return self._with_pictures(leftover(self.outcome, known, self.effects), known)
+
+    def _with_pictures(self, rest: Leftover | None, known: MixedModelFit) -> Leftover | None:
+        """Return the rest with what hides in the noise of curves, unless it is another one."""
+        if rest is None or self._unexplained(rest):
+            return rest
+        pictures = unusual_pictures(known)
+        return rest if pictures is None else rest.instead(pictures, known, self.outcome.base)
 
     def _alone(self, rest: Leftover, named: Sequence[Choice], known: MixedModelFit) -> bool:
         """Return whether a nonparametric term stands for all names.
@@ -226,6 +254,8 @@ class Judgement:
         base, single = self.outcome.base, self.outcome.best_name
         if not alone(rest, base, known, single):
             return False
+        if len(named) == 1 and not of_pictures(rest.first):
+            return misses_much(base, rest, named[0])
         missed = rest.first.gain * (1.0 - MISSED_BY_FORM_SHARE)
         explained = 0.5 * (base.deviance - known.deviance)
         small = missed <= explained + NONPARAMETRIC_MARGIN_LN
@@ -239,13 +269,3 @@ class Judgement:
         if rest is None or rest.share < UNEXPLAINED_SHARE:
             return False
         return rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN
-
-
-def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit, single: float) -> bool:
-    """Return whether one free form explains more than all the names together.
-
-    `single` is what the best name explains by itself.
-    """
-    names = len(known.found) - len(base.found)
-    explained = 0.5 * (base.deviance - known.deviance)
-    return nonparametric_replaces_names(rest.first.gain, explained, names, single)

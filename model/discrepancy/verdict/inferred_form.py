@@ -7,6 +7,7 @@ from typing import cast
 
 import numpy as np
 
+from model.discrepancy.criticism.picture_noise import aside, of_pictures
 from model.discrepancy.search.form_share import form_share, steps_of
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
@@ -29,6 +30,8 @@ Key = tuple[str, str, str, str]  # configuration, part, along, under which volta
 def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     """Return a nonparametric term with its credible band, along its strongest coordinate."""
     name = contender.score.candidate.location
+    if of_pictures(contender):
+        return _in_pictures(fitted, contender)
     found = shapes(fitted, name, contender.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(
@@ -52,6 +55,20 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
         location=name, configuration=configuration, s_mm=start + t * (end - start),
         profile=by @ beta[use], band=band, unit=own[0].unit, along=along,
         depends=dependence(name, part, along, under), at_unit=at_unit, under=cast("Under", under),
+    )  # fmt: skip
+
+
+def _in_pictures(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
+    """Return how far a curve is off, in the picture where it is so most."""
+    name, one = of_pictures(contender), with_free_form(fitted, contender)
+    scene = fitted.problem.forward.scenes[fitted.problem.forward.names.index(name)]
+    span, solution = one.spans[-1], one.solution
+    found = aside(scene, solution.beta[span], solution.covariance[span, span])
+    where = contender.score.candidate.location
+    return Unknown(
+        location=where, configuration=name, s_mm=1e3 * found.s_m, profile=1e3 * found.off_m,
+        band=1e3 * found.sigma_m, unit="mm", along="s",
+        depends=f"{dependence(where, '', 's', '')}; otherwise in each picture of '{name}'",
     )  # fmt: skip
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.discrepancy.criticism.picture_noise import with_usual_noise
 from model.discrepancy.search.evidence import Score
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep, apart
 from model.discrepancy.search.ranking import RankedCandidate, rank
@@ -237,6 +238,18 @@ class Leftover:
     def share(self) -> float:
         """Of the excess that is left."""
         return max(self.gain, 0.0) / max(self.total, 1e-9)
+
+    def instead(
+        self, pictures: RankedCandidate, final: MixedModelFit, base: MixedModelFit
+    ) -> Leftover:
+        """Return the same with what hides in the noise of curves as the nonparametric term."""
+        judge, explained = with_usual_noise(final, pictures), 0.5 * (base.deviance - final.deviance)
+        return replace(
+            self, gain=pictures.gain, total=max(self.total, explained + pictures.gain),
+            location=pictures.score.candidate.location, last=pictures,
+            first=pictures if final is base else self.first, apart=apart(judge, pictures),
+            ranking=sorted([pictures, *self.ranking], key=lambda c: -c.gain),
+        )  # fmt: skip
 
 
 def leftover(

@@ -165,7 +165,7 @@ def test_a_name_gives_way_to_a_likelier_one_of_its_question(monkeypatch, likelie
         unknown=unknown,
         final=None,
     )  # type: ignore[arg-type]
-    other = whole._with_likelier(found, (judged,))
+    other = whole._with_likelier(found, (judged,), Criticism())
     if likelier < 0.4 or unknown:
         assert other is None
     else:

@@ -12,7 +12,7 @@ import pytest
 from model import predict
 from model.discrepancy.criticism.kinds import voltage_structure
 from model.discrepancy.search.nonparametric_terms import shapes, unknowns
-from model.discrepancy.verdict.decision import alone
+from model.discrepancy.verdict.free_form_or_names import alone
 from model.effects import effect
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit

@@ -29,6 +29,9 @@ def judgement(monkeypatch) -> Judgement:
     """A judgement that tells what it would decide, and makes no fit."""
     monkeypatch.setattr(module, "fit_mixed_model", lambda _, __, found: fit_with(*found))
     monkeypatch.setattr(module, "alone", lambda *_: False)
+    monkeypatch.setattr(module, "misses_much", lambda *_: True)
+    monkeypatch.setattr(module, "of_pictures", lambda _: "")
+    monkeypatch.setattr(module, "unusual_pictures", lambda _: None)
     told = {"_with_names": "names", "_with_unknown": "unknown"}
     for method, what in told.items():
         monkeypatch.setattr(
@@ -48,14 +51,14 @@ def judgement(monkeypatch) -> Judgement:
     ],
 )
 def test_a_name_stays_where_another_is_rejected(monkeypatch, judgement, first, apart, told):
-    rest = SimpleNamespace(first=SimpleNamespace(gain=first), last=None, apart=apart)
+    rest = SimpleNamespace(first=SimpleNamespace(gain=first), last=None, apart=apart, share=0.1)
     monkeypatch.setattr(module, "leftover", lambda *_: rest)
     found = SimpleNamespace(named=[GRAVITY, CELL], known=fit_with(GRAVITY, CELL))
     assert judgement._without(found, ["force_offset"]) == told
 
 
 def test_doubtful_names_stay_where_nothing_is_better(monkeypatch, judgement):
-    rest = SimpleNamespace(first=SimpleNamespace(gain=50.0), last=None, apart=2.0)
+    rest = SimpleNamespace(first=SimpleNamespace(gain=50.0), last=None, apart=2.0, share=0.1)
     monkeypatch.setattr(module, "leftover", lambda *_: rest)
     found = SimpleNamespace(named=[GRAVITY, CELL], known=fit_with(GRAVITY, CELL))
     assert judgement._without(found, []) is found
@@ -86,3 +89,10 @@ def test_a_term_that_explains_much_more_stands_for_two_names(monkeypatch, judgem
     monkeypatch.setattr(module, "alone", lambda *_: True)
     rest = SimpleNamespace(first=SimpleNamespace(gain=60.0))
     assert judgement._alone(rest, [GRAVITY, CELL], fit_with(GRAVITY, CELL))
+
+
+def test_a_name_that_misses_little_at_the_usual_scatter_stays(monkeypatch, judgement):
+    monkeypatch.setattr(module, "alone", lambda *_: True)
+    monkeypatch.setattr(module, "misses_much", lambda *_: False)
+    rest = SimpleNamespace(first=SimpleNamespace(gain=60.0))
+    assert not judgement._alone(rest, [GRAVITY], fit_with(GRAVITY))

@@ -81,3 +81,13 @@ def test_odds_are_those_of_the_name_s_own_rivals():
 def test_a_second_name_of_a_location_counts_with_the_others_that_it_may_be():
     judged = Judged({"b": 0.6, "c": 0.2, "a": 0.1, "unknown": 0.06, "nothing": 0.04}, ("b",))
     assert of_others(judged, {"a"}) == pytest.approx(0.8)
+
+
+def test_a_rival_that_is_likelier_in_other_words_takes_the_place_of_a_name():
+    alike = {"consequence": "alike", "sentence": "alike", "effects": ("a",)}
+    found = Criticism(failures=(Failure(**alike, rivals=("b", "c"), odds=(3.0, 0.1)),))
+    assert found.likelier("a") == "b"
+    assert found.likelier("d") == ""
+    assert found.odds("a") == {"b": 1.0, "c": 0.1}  # what is reported has no less than the others
+    less = Criticism(failures=(Failure(**alike, rivals=("b",), odds=(1.0,)),))
+    assert less.likelier("a") == ""

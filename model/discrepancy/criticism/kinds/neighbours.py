@@ -15,6 +15,7 @@ from model.discrepancy.search.evidence import Candidate, Projected
 from model.discrepancy.search.form_share import steps_of
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
+    EQUAL_EVIDENCE_LN,
     EVIDENCE_TEMPERATURE,
     NEIGHBOUR_EVIDENCE_LN,
     SEPARATION_SIGMA,
@@ -55,7 +56,7 @@ class Neighbours(VerdictCheck):
 
 
 def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
-    """Return the probability of each rival over the name's, 1 at most."""
+    """Return the probability of each rival over the name's; above 1 where wordings are clear."""
     every = [c for c in one.ranking if c.known and _same_place(c, one)]
     effects = [c.score.candidate.effect for c in every]
     found = evidence(
@@ -67,10 +68,12 @@ def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
         if rival is own:
             continue
         ahead = rival.gain - (one.gain if own is None else own.gain)
+        ahead = min(ahead, 0.0)
         if own is not None and {own.name, rival.name} <= found.keys():
-            ahead = max(ahead, found[rival.name] - found[own.name])
+            in_words = found[rival.name] - found[own.name]
+            ahead = max(ahead, in_words if in_words > EQUAL_EVIDENCE_LN else min(in_words, 0.0))
         if ahead > -NEIGHBOUR_EVIDENCE_LN and _imitates(named, one, rival):
-            result[rival.name] = float(np.exp(min(ahead, 0.0) / EVIDENCE_TEMPERATURE))
+            result[rival.name] = float(np.exp(ahead / EVIDENCE_TEMPERATURE))
     return result
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass
 
+from model.discrepancy.criticism.picture_noise import of_pictures
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.verdict.decision import Decision
@@ -50,7 +51,10 @@ class Writer:
         The first fit that has an answer everywhere decides.
         """
         base, told, unsolved = self.outcome.base, decision.known, ""
-        for told in written(decision.known, decision.final, decision.free):
+        final, free = decision.final, decision.free
+        if free is not None and of_pictures(free):
+            final, free = decision.known, None  # how each is off says nothing of the next one
+        for told in written(decision.known, final, free):
             model = sheet_model(told, self.measurements, self.options)
             where = "" if told is base else unsolved_at(model, base.problem.forward)
             if where:

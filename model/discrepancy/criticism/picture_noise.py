@@ -1,0 +1,182 @@
+"""Noise of curves beyond what pictures have: something unknown hides in it.
+
+The noise of a curve's shape ("modes") is estimated from what the model leaves, so a gap that no
+candidate describes is taken up by it. Two things say how large it usually is: images that are taken
+one after the other, and the other configurations, which the same camera sees. What is beyond both
+competes as a nonparametric term of the camera: in each picture of a configuration its curve is
+shifted and turned by amounts of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from model.discrepancy.search.evidence import Candidate, Projected, score
+from model.discrepancy.search.ranking import RankedCandidate
+from model.discrepancy.thresholds import (
+    EVIDENCE_THRESHOLD_LN,
+    FEWEST_PICTURES,
+    FEWEST_UNUSUAL_PICTURES,
+    PICTURE_NOISE_LN,
+    REPEATS_NOISE_RATIO,
+)
+from model.identification.data.data_vector import Index
+from model.identification.likelihood.contact_solution import ConfigurationModel
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.measurements import FloatArray
+
+PART = "each picture"
+LOCATION = "camera"
+MODES = 2  # a curve that is moved aside, and turned
+UNIT_M = 1e-4
+SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of that
+
+
+@dataclass(frozen=True)
+class PictureNoise:
+    """Standard deviations of the first modes of a configuration's curves."""
+
+    estimated_m: FloatArray
+    usual_m: FloatArray
+
+    @property
+    def evidence(self) -> float:
+        """Ln of how improbable so much noise is, usual noise being known within a factor."""
+        above = np.maximum(np.log(self.estimated_m / self.usual_m), 0.0)
+        return 0.5 * float(np.sum((above / PICTURE_NOISE_LN) ** 2))
+
+
+def picture_noise(fitted: MixedModelFit) -> dict[str, PictureNoise]:
+    """Return the noise of configurations for which something says how large it usually is."""
+    forward = fitted.problem.forward
+    pairs = zip(fitted.problem.noise_names(), np.exp(fitted.solution.log_sigma), strict=True)
+    noise = dict(pairs)
+    estimated = {
+        name: np.array([noise[f"{name} mode {m}"] for m in range(MODES)])
+        for name, scene in zip(forward.names, forward.scenes, strict=True)
+        if np.count_nonzero(scene.has_curve) >= FEWEST_PICTURES and scene.modes >= MODES
+    }
+    result = {}
+    for name, own in estimated.items():
+        others = [size for other, size in estimated.items() if other != name]
+        if not others:  # the images of one sheet may have more in common than they show
+            continue
+        usual = np.max(others, axis=0)
+        repeats = _of_repeats(fitted, forward.names.index(name))
+        if repeats is not None:
+            usual = np.maximum(usual, REPEATS_NOISE_RATIO * repeats)
+        result[name] = PictureNoise(own, usual)
+    return result
+
+
+def _of_repeats(fitted: MixedModelFit, c: int) -> FloatArray | None:
+    """Return the noise (MODES,) that a condition's mean has by that of its images; None: no images.
+
+    By differences of successive images, in which what changes slowly is small.
+    """
+    forward, state = fitted.problem.forward, fitted.linear.states[c]
+    scene, total, count = forward.scenes[c], np.zeros(MODES), 0
+    for k in np.flatnonzero(scene.has_curve).tolist():
+        seen = forward.looks[c].seen[k]
+        images = min(int(np.count_nonzero(seen.counts)), len(seen.own_curves))
+        if images < 2:
+            continue
+        points = seen.own_points_m[:, -images:, : scene.curve_s.shape[1]]
+        change, n = np.diff(points, axis=1), points.shape[2]
+        off = change[0] * state.solved.nx[k, :n] + change[1] * state.solved.ny[k, :n]
+        modes = off @ scene.project[k, :MODES, :n].T
+        total += np.sum(modes**2, axis=0) / (2.0 * images)
+        count += images - 1
+    return np.sqrt(total / count) if count else None
+
+
+def unusual_pictures(fitted: MixedModelFit) -> RankedCandidate | None:
+    """Return the term of the configuration whose curves are noisier than usual; None: none are."""
+    found = {
+        name: one for name, one in picture_noise(fitted).items()
+        if one.evidence > EVIDENCE_THRESHOLD_LN and _many(fitted, name) > FEWEST_UNUSUAL_PICTURES
+    }  # fmt: skip
+    if not found:
+        return None
+    name = max(found, key=lambda n: found[n].evidence)
+    candidate = _candidate(fitted, name)
+    forward, solution = fitted.problem.forward, weigh(fitted.linear.data, _usual(fitted, found))
+    one = score(forward, Projected.of(forward, fitted.linear, solution), candidate)
+    return RankedCandidate(score=one, gain=one.log_bayes, solution=solution)
+
+
+def _many(fitted: MixedModelFit, name: str) -> float:
+    """Return how many pictures the noise is of: one that is far off is an outlier, no noise."""
+    forward, linear, solution = fitted.problem.forward, fitted.linear, fitted.solution
+    sizes = picture_noise(fitted)[name].estimated_m
+    # what the noise, not the scatter of set-ups, has of the residual
+    own = sizes**2 * Projected.of(forward, linear, solution).pulled[_rows(fitted, name)]
+    squares = np.sum(own**2, axis=1)
+    return float(np.sum(squares) ** 2 / np.sum(squares**2))
+
+
+def _usual(fitted: MixedModelFit, found: Mapping[str, PictureNoise]) -> FloatArray:
+    """Return ln of all standard deviations, those of these curves as they usually are."""
+    result, names = fitted.solution.log_sigma.copy(), fitted.problem.noise_names()
+    for name, one in found.items():
+        for m in range(MODES):
+            at = names.index(f"{name} mode {m}")
+            result[at] = min(result[at], float(np.log(one.usual_m[m])))
+    return result
+
+
+def _candidate(fitted: MixedModelFit, name: str) -> Candidate:
+    forward = fitted.problem.forward
+    rows = _rows(fitted, name)
+    columns = np.zeros((forward.layout.size, rows.size))
+    columns[rows.ravel(), np.arange(rows.size)] = UNIT_M
+    return Candidate(
+        name=f"unknown:{LOCATION}", values={}, columns=columns, sizes=SIZES, location=LOCATION,
+        part=f"{PART}, {name}",
+    )  # fmt: skip
+
+
+def _rows(fitted: MixedModelFit, name: str) -> Index:
+    """Return the rows of the first modes, (pictures, MODES)."""
+    forward = fitted.problem.forward
+    c = forward.names.index(name)
+    return forward.part(c).mode_rows[forward.scenes[c].has_curve, :MODES]
+
+
+def of_pictures(contender: RankedCandidate) -> str:
+    """Return the configuration of a term of each picture; empty: it is another one."""
+    part = contender.score.candidate.part
+    return part.removeprefix(f"{PART}, ") if part.startswith(f"{PART}, ") else ""
+
+
+@dataclass(frozen=True)
+class Aside:
+    """How far a curve is off, where a term of each picture moves it most."""
+
+    s_m: FloatArray
+    off_m: FloatArray
+    sigma_m: FloatArray
+
+
+def aside(scene: ConfigurationModel, beta: FloatArray, C: FloatArray) -> Aside:
+    """Return the curve that a term's sizes (pictures x MODES) move most; C is their covariance."""
+    pictures, size = np.flatnonzero(scene.has_curve), UNIT_M * beta.reshape(-1, MODES)
+    first = int(np.argmax(np.sum(size**2, axis=1)))
+    k, own = int(pictures[first]), slice(MODES * first, MODES * (first + 1))
+    s, keep = np.unique(scene.curve_s[k], return_index=True)
+    by = np.stack([_shape(scene, k, m) for m in range(MODES)], axis=1)[keep]
+    band = UNIT_M * np.sqrt(np.einsum("sm,mn,sn->s", by, C[own, own], by))
+    return Aside(s, by @ size[first], band)
+
+
+def _shape(scene: ConfigurationModel, k: int, m: int) -> FloatArray:
+    return scene.along(k, np.eye(scene.modes)[m])
+
+
+def with_usual_noise(fitted: MixedModelFit, contender: RankedCandidate) -> MixedModelFit:
+    """Return a fit that is weighed with the noise of the term."""
+    return fitted if contender.solution is None else replace(fitted, solution=contender.solution)

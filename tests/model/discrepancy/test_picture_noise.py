@@ -1,0 +1,102 @@
+"""A gap that the noise of curves would swallow is told as something unknown in the pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from model.discrepancy.criticism.picture_noise import picture_noise, unusual_pictures
+from model.discrepancy.thresholds import EVIDENCE_THRESHOLD_LN
+from model.measurements import Condition, Curve, Measurements
+from tests.model.discrepancy.sessions import NOTHING, base_fit, diagnosed, fitted, session
+
+TURN_RAD = 1.5e-3
+
+
+def turned(m: Measurements, which: Collection[str], size_rad: float = TURN_RAD) -> Measurements:
+    """Every picture of these configurations turned about the clamp by an angle of its own."""
+    random = np.random.default_rng(5)
+
+    def one(condition: Condition) -> Condition:
+        angle = size_rad * float(random.standard_normal())
+        if condition.configuration not in which:
+            return condition
+        readings = tuple(replace(r, curve=_turned(r.curve, angle)) for r in condition.readings)
+        return replace(condition, readings=readings, curve=_turned(condition.curve, angle))
+
+    return replace(m, conditions=tuple(map(one, m.conditions)))
+
+
+def _turned(curve: Curve | None, angle: float) -> Curve | None:
+    if curve is None:
+        return None
+    cos, sin = np.cos(angle), np.sin(angle)
+    x, y = cos * curve.x_m - sin * curve.y_m, sin * curve.x_m + cos * curve.y_m
+    return replace(curve, x_m=x, y_m=y)
+
+
+@pytest.mark.slow
+def test_usual_noise_of_curves_is_no_evidence():
+    found = picture_noise(base_fit(NOTHING))
+    assert set(found) == {"long", "short"}
+    assert all(one.evidence < 0.3 * EVIDENCE_THRESHOLD_LN for one in found.values())
+    assert unusual_pictures(base_fit(NOTHING)) is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["long", "short"])
+def test_noise_of_one_configuration_is_compared_with_the_other(which):
+    found = unusual_pictures(fitted(turned(session(NOTHING), {which})))
+    assert found is not None
+    assert found.score.candidate.part.endswith(which)
+    assert found.gain > 5.0 * EVIDENCE_THRESHOLD_LN
+
+
+@pytest.mark.slow
+def test_noise_that_all_configurations_have_is_the_cameras_usual_one():
+    """Images of one condition may have in common what they do not show by themselves."""
+    assert unusual_pictures(fitted(turned(session(NOTHING), {"long", "short"}))) is None
+
+
+@pytest.mark.slow
+def test_few_pictures_that_are_far_off_are_outliers():
+    m = session(NOTHING)
+    own = [i for i, c in enumerate(m.conditions) if c.configuration == "short"]
+    wrong = turned(replace(m, conditions=tuple(m.conditions[i] for i in own[3:9:3])), {"short"})
+    conditions = list(m.conditions)
+    for i, one in zip(own[3:9:3], wrong.conditions, strict=True):
+        conditions[i] = one
+    found = fitted(replace(m, conditions=tuple(conditions)))
+    assert picture_noise(found)["short"].evidence > EVIDENCE_THRESHOLD_LN
+    assert unusual_pictures(found) is None
+
+
+@pytest.mark.slow
+def test_a_single_configuration_has_nothing_to_be_compared_with():
+    m = turned(session(NOTHING), {"short"})
+    alone = replace(
+        m, sheets={"short": m.sheets["short"]},
+        conditions=tuple(c for c in m.conditions if c.configuration == "short"),
+        series=tuple(s for s in m.series if s.configuration == "short"),
+    )  # fmt: skip
+    assert unusual_pictures(fitted(alone)) is None
+
+
+@pytest.mark.slow
+def test_a_gap_in_the_pictures_of_one_sheet_is_reported_as_unknown():
+    from model.discrepancy import diagnose
+    from tests.fits_unchecked import fits_unchecked
+
+    with fits_unchecked():
+        found = diagnose(turned(session(NOTHING), {"short"}))
+    assert found.verdict == "unknown_effect"
+    assert found.effects == ()
+    assert found.unknown is not None
+    assert (found.unknown.location, found.unknown.configuration) == ("camera", "short")
+    assert np.max(np.abs(found.unknown.profile)) > 0.05  # mm, at the end of the sheet
+    assert "each picture of 'short'" in found.sentence
+    assert not found.model.effects  # no other picture can be predicted with it
+    assert diagnosed(NOTHING).verdict == "nothing_missing"
