@@ -73,8 +73,10 @@ def _unknown_sentence(
     said += f" Other possible names: {same}." if same else ""
     said += f" {_gap(left_out)}."
     if closed is not None and closed.after >= closed.before:
-        return f"{said} The curve does not improve the prediction between the positions."
-    return said if closed is None else f"{said} {closed_sentence(closed)}"
+        said += " The curve does not improve the prediction between the positions."
+    elif closed is not None:
+        said += f" {closed_sentence(closed)}"
+    return f"{said} {unknown.advice}".rstrip()
 
 
 def class_name(one: Named) -> str:

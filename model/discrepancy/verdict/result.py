@@ -130,6 +130,7 @@ class Unknown:
     depends: str  # on voltage, position and time: one sentence
     at_unit: str = "mm"  # of the coordinate
     under: Under = ""  # which voltages it acts at, and which way
+    advice: str = ""  # what to look at, in sentences; empty: nothing besides
     # effects of the catalogue that it may be all the same, and the probability of each answer;
     # older diagnoses have none
     confusable_with: tuple[str, ...] = ()

@@ -97,6 +97,10 @@ def test_a_gap_in_the_pictures_of_one_sheet_is_reported_as_unknown():
     assert found.unknown is not None
     assert (found.unknown.location, found.unknown.configuration) == ("camera", "short")
     assert np.max(np.abs(found.unknown.profile)) > 0.05  # mm, at the end of the sheet
-    assert "each picture of 'short'" in found.sentence
+    assert "each picture of 'short' the curve is shifted and turned" in found.sentence
+    assert "times the usual standard deviation, and most in that of short, " in found.sentence
+    assert found.sentence.endswith("do clamp and camera stand still?")
+    assert found.ranking[0].name == "unknown:camera"
+    assert found.ranking[0].log_bayes > EVIDENCE_THRESHOLD_LN
     assert not found.model.effects  # no other picture can be predicted with it
     assert diagnosed(NOTHING).verdict == "nothing_missing"
