@@ -176,7 +176,13 @@ def aside(scene: ConfigurationModel, beta: FloatArray, C: FloatArray) -> Aside:
     s, keep = np.unique(scene.curve_s[k], return_index=True)
     by = np.stack([_shape(scene, k, m) for m in range(MODES)], axis=1)[keep]
     band = UNIT_M * np.sqrt(np.maximum(np.einsum("sm,mn,sn->s", by, C[own, own], by), 0.0))
-    return Aside(scene.look.seen[k].name, s, by @ size[first], band)
+    return Aside(_name(scene, k), s, by @ size[first], band)
+
+
+def _name(scene: ConfigurationModel, k: int) -> str:
+    """Return a condition's name, with its session where there are several."""
+    one, several = scene.look.seen[k], len({other.session for other in scene.look.seen}) > 1
+    return f"{one.name}, session {one.session}" if several else one.name
 
 
 def _shape(scene: ConfigurationModel, k: int, m: int) -> FloatArray:

@@ -327,6 +327,7 @@ class Finding:
                 log_bayes=c.gain,
                 size=c.score.amplitude,
                 detectability=lengths.get(c.name, c.score.length),
+                why_not="reported, at the usual noise of curves" if of_pictures(c) else "",
             )
             for c in first
             if c.score.candidate.location != "outlier"

@@ -25,9 +25,9 @@ from model.sheet.beam_problem import Under
 
 POINTS = 51
 LOOK_AT_PICTURES = (
-    "It says nothing about other pictures, so the model file does not have it. Look at the pictures"
-    " with their curves: does each curve follow the sheet, does an elongation stay straight, do"
-    " clamp and camera stand still?"
+    "How one picture is off says nothing of the next one, so the model file does not have it. Look"
+    " at the pictures with their curves: does each curve follow the sheet, does an elongation stay"
+    " straight, do clamp and camera stand still?"
 )
 Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
 

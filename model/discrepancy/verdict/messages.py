@@ -173,7 +173,7 @@ def not_written(left_away: bool, unsolved: str = "") -> Iterator[str]:
     `unsolved` is where the model with all of it has no solution.
     """
     if unsolved:
-        kept = "has the base model without it" if left_away else "leaves that form away"
+        kept = "has the base model without it" if left_away else "leaves that form out"
         yield (
             f"with the form that was inferred the model has no solution at {unsolved}: the model"
             f" file {kept}"
