@@ -49,6 +49,11 @@ class PictureNoise:
         above = np.maximum(np.log(self.estimated_m / self.usual_m), 0.0)
         return 0.5 * float(np.sum((above / PICTURE_NOISE_LN) ** 2))
 
+    @property
+    def times(self) -> float:
+        """How many times as large as usual, in the mode where it is so most."""
+        return float(np.max(self.estimated_m / self.usual_m))
+
 
 def picture_noise(fitted: MixedModelFit) -> dict[str, PictureNoise]:
     """Return the noise of configurations for which something says how large it usually is."""
@@ -155,8 +160,9 @@ def of_pictures(contender: RankedCandidate) -> str:
 
 @dataclass(frozen=True)
 class Aside:
-    """How far a curve is off, where a term of each picture moves it most."""
+    """How far a curve is off, where a term of each picture moves it most; arrays (points,)."""
 
+    name: str  # of the condition
     s_m: FloatArray
     off_m: FloatArray
     sigma_m: FloatArray
@@ -169,8 +175,14 @@ def aside(scene: ConfigurationModel, beta: FloatArray, C: FloatArray) -> Aside:
     k, own = int(pictures[first]), slice(MODES * first, MODES * (first + 1))
     s, keep = np.unique(scene.curve_s[k], return_index=True)
     by = np.stack([_shape(scene, k, m) for m in range(MODES)], axis=1)[keep]
-    band = UNIT_M * np.sqrt(np.einsum("sm,mn,sn->s", by, C[own, own], by))
-    return Aside(s, by @ size[first], band)
+    band = UNIT_M * np.sqrt(np.maximum(np.einsum("sm,mn,sn->s", by, C[own, own], by), 0.0))
+    return Aside(_name(scene, k), s, by @ size[first], band)
+
+
+def _name(scene: ConfigurationModel, k: int) -> str:
+    """Return a condition's name, with its session where there are several."""
+    one, several = scene.look.seen[k], len({other.session for other in scene.look.seen}) > 1
+    return f"{one.name}, session {one.session}" if several else one.name
 
 
 def _shape(scene: ConfigurationModel, k: int, m: int) -> FloatArray:

@@ -12,6 +12,7 @@ import numpy as np
 from model.discrepancy.answers.choice_set import NOTHING
 from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
 from model.discrepancy.criticism.catalogue import origins as origins_of_checks
+from model.discrepancy.criticism.picture_noise import of_pictures
 from model.discrepancy.next_measurement.choice import next_measurement
 from model.discrepancy.next_measurement.separation import Suspect, separated
 from model.discrepancy.prepare import Options, Prepared, setups
@@ -157,7 +158,7 @@ class Finding:
             floor=apart.floor,
             promises=promises,
             next_measurement=self._next(named),
-            ranking=self._ranking(seen),
+            ranking=self._ranking(seen, decision),
             threshold=self.threshold,
             threshold_from=self.threshold_from,
             signatures=seen,
@@ -309,11 +310,16 @@ class Finding:
             for one, form, length in zip(between, pool, lengths, strict=True)
         ]
 
-    def _ranking(self, seen: Signatures) -> tuple[Ranked, ...]:
+    def _ranking(self, seen: Signatures, decision: Decision) -> tuple[Ranked, ...]:
+        """Return the candidates against the base model, and what the noise of curves hides."""
         lengths = dict(zip(seen.names, seen.detectability.tolist(), strict=True))
         first: Sequence[RankedCandidate] = (
             self.outcome.turns[0].ranking if self.outcome.turns else []
         )
+        free = decision.free
+        if free is not None and of_pictures(free):
+            others = [c for c in first if c.name != free.name]
+            first = sorted([free, *others], key=lambda c: -c.gain)
         return tuple(
             Ranked(
                 name=c.name,
@@ -321,6 +327,7 @@ class Finding:
                 log_bayes=c.gain,
                 size=c.score.amplitude,
                 detectability=lengths.get(c.name, c.score.length),
+                why_not="reported, at the usual noise of curves" if of_pictures(c) else "",
             )
             for c in first
             if c.score.candidate.location != "outlier"

@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 
-from model.discrepancy.criticism.picture_noise import aside, of_pictures
+from model.discrepancy.criticism.picture_noise import aside, of_pictures, picture_noise
 from model.discrepancy.search.form_share import form_share, steps_of
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
@@ -24,6 +24,11 @@ from model.measurements import FloatArray
 from model.sheet.beam_problem import Under
 
 POINTS = 51
+LOOK_AT_PICTURES = (
+    "How one picture is off says nothing of the next one, so the model file does not have it. Look"
+    " at the pictures with their curves: does each curve follow the sheet, does an elongation stay"
+    " straight, do clamp and camera stand still?"
+)
 Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
 
 
@@ -64,11 +69,15 @@ def _in_pictures(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     scene = fitted.problem.forward.scenes[fitted.problem.forward.names.index(name)]
     span, solution = one.spans[-1], one.solution
     found = aside(scene, solution.beta[span], solution.covariance[span, span])
-    where = contender.score.candidate.location
+    where, times = contender.score.candidate.location, picture_noise(fitted)[name].times
+    depends = (
+        f"{dependence(where, '', 's', '')}; in each picture of '{name}' the curve is shifted and"
+        f" turned by amounts of its own, with {times:.1f} times the usual standard deviation, and"
+        f" most in that of {found.name}"
+    )
     return Unknown(
         location=where, configuration=name, s_mm=1e3 * found.s_m, profile=1e3 * found.off_m,
-        band=1e3 * found.sigma_m, unit="mm", along="s",
-        depends=f"{dependence(where, '', 's', '')}; otherwise in each picture of '{name}'",
+        band=1e3 * found.sigma_m, unit="mm", along="s", depends=depends, advice=LOOK_AT_PICTURES,
     )  # fmt: skip
 
 

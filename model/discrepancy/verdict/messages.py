@@ -73,8 +73,10 @@ def _unknown_sentence(
     said += f" Other possible names: {same}." if same else ""
     said += f" {_gap(left_out)}."
     if closed is not None and closed.after >= closed.before:
-        return f"{said} The curve does not improve the prediction between the positions."
-    return said if closed is None else f"{said} {closed_sentence(closed)}"
+        said += " The curve does not improve the prediction between the positions."
+    elif closed is not None:
+        said += f" {closed_sentence(closed)}"
+    return f"{said} {unknown.advice}".rstrip()
 
 
 def class_name(one: Named) -> str:
@@ -171,7 +173,7 @@ def not_written(left_away: bool, unsolved: str = "") -> Iterator[str]:
     `unsolved` is where the model with all of it has no solution.
     """
     if unsolved:
-        kept = "has the base model without it" if left_away else "leaves that form away"
+        kept = "has the base model without it" if left_away else "leaves that form out"
         yield (
             f"with the form that was inferred the model has no solution at {unsolved}: the model"
             f" file {kept}"

@@ -115,10 +115,11 @@ def _gap(square: FloatArray, where: Cells, chi2: float) -> Gap:
 
 
 # name of the gap, what readers call it, unit, times its floor from which on there is a gap to close
+MEANS = "force and neutral curve"
 _QUANTITIES = (
     ("force_rmse_mN", "force", "mN", REPORTED_GAP_RATIO),
     ("curve_rmse_mm", "neutral curve", "mm", REPORTED_GAP_RATIO),
-    ("chi2_per_dof", "force and neutral curve", "times the noise", TIME_GAP_RATIO),
+    ("chi2_per_dof", MEANS, "times the noise", TIME_GAP_RATIO),
     ("drift_rmse_mN", "force along a run", "mN", TIME_GAP_RATIO),
     ("drift_rmse_mm", "neutral curve along a run", "mm", TIME_GAP_RATIO),
     ("pulse_rmse_mN", "force within a pulse", "mN", TIME_GAP_RATIO),
@@ -147,7 +148,16 @@ def closed_gap(left_out: BeforeAfter, least: Gap) -> ClosedGap | None:
                 share=float(share), quantity=quantity, before=before, after=after, floor=noise,
                 unit=unit,
             )  # fmt: skip
+    if found is not None and found.quantity == MEANS:
+        return replace(found, quantity=_means_of(left_out.before))
     return found
+
+
+def _means_of(gap: Gap) -> str:
+    """Return which of mean forces and curves there are."""
+    if not np.isfinite(gap.force_rmse_mN):
+        return "neutral curve"
+    return MEANS if np.isfinite(gap.curve_rmse_mm) else "force"
 
 
 def closed_share(left_out: BeforeAfter, least: Gap) -> float:

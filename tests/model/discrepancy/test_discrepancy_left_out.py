@@ -12,6 +12,7 @@ from model.discrepancy.search.cross_validation import left_out, position_groups,
 from model.discrepancy.search.nonparametric_terms import shapes
 from model.discrepancy.verdict.prediction_error import (
     cells,
+    closed_gap,
     closed_share,
     floor,
     refitted,
@@ -95,6 +96,21 @@ def gap(
 def test_the_share_of_the_gap_that_is_closed(before, after, share):
     found = closed_share(BeforeAfter(before, after), gap(0.03))
     assert found == pytest.approx(share, nan_ok=True)
+
+
+@pytest.mark.parametrize(
+    ("force", "curve", "quantity"),
+    [
+        (0.03, 0.01, "force and neutral curve"),
+        (np.nan, 0.01, "neutral curve"),
+        (0.03, np.nan, "force"),
+    ],
+)
+def test_the_gap_in_units_of_the_noise_is_of_what_was_measured(force, curve, quantity):
+    both = BeforeAfter(gap(force, curve, chi2=9.0), gap(force, curve, chi2=1.4))
+    found = closed_gap(both, gap(force, curve, chi2=1.0))
+    assert found is not None
+    assert found.quantity == quantity
 
 
 def test_variances_are_those_of_noise_and_scatter_together():

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from model.discrepancy.criticism.picture_noise import picture_noise, unusual_pictures
+from model.discrepancy.criticism.picture_noise import aside, picture_noise, unusual_pictures
 from model.discrepancy.thresholds import EVIDENCE_THRESHOLD_LN
 from model.measurements import Condition, Curve, Measurements
 from tests.model.discrepancy.sessions import NOTHING, base_fit, diagnosed, fitted, session
@@ -85,6 +86,24 @@ def test_a_single_configuration_has_nothing_to_be_compared_with():
     assert unusual_pictures(fitted(alone)) is None
 
 
+def test_the_picture_that_is_farthest_off_is_named_with_its_session():
+    """A made scene of three pictures, the last of which is shifted most."""
+    s = np.linspace(0.0, 0.05, 4)
+    for sessions, name in ((1, "short, 2 mm, +1 V"), (2, "short, 2 mm, +1 V, session 2")):
+        seen = [
+            SimpleNamespace(name=f"short, {k} mm, +1 V", session=min(1 + k // 2, sessions))
+            for k in range(3)
+        ]
+        scene = SimpleNamespace(
+            look=SimpleNamespace(seen=seen), has_curve=np.ones(3, dtype=bool), modes=2,
+            curve_s=np.tile(s, (3, 1)), along=lambda _, m: m[0] * np.ones(4) + m[1] * s,
+        )  # fmt: skip
+        found = aside(scene, np.array([1.0, 0.0, 0.5, 0.0, -2.0, 0.0]), 0.01 * np.eye(6))
+        assert found.name == name
+        assert found.off_m == pytest.approx(-2e-4 * np.ones(4))
+        assert found.sigma_m == pytest.approx(1e-5 * np.hypot(1.0, s))
+
+
 @pytest.mark.slow
 def test_a_gap_in_the_pictures_of_one_sheet_is_reported_as_unknown():
     from model.discrepancy import diagnose
@@ -97,6 +116,11 @@ def test_a_gap_in_the_pictures_of_one_sheet_is_reported_as_unknown():
     assert found.unknown is not None
     assert (found.unknown.location, found.unknown.configuration) == ("camera", "short")
     assert np.max(np.abs(found.unknown.profile)) > 0.05  # mm, at the end of the sheet
-    assert "each picture of 'short'" in found.sentence
+    assert "each picture of 'short' the curve is shifted and turned" in found.sentence
+    assert "times the usual standard deviation, and most in that of short, " in found.sentence
+    assert found.sentence.endswith("do clamp and camera stand still?")
+    assert found.ranking[0].name == "unknown:camera"
+    assert found.ranking[0].log_bayes > EVIDENCE_THRESHOLD_LN
+    assert found.ranking[0].why_not == "reported, at the usual noise of curves"
     assert not found.model.effects  # no other picture can be predicted with it
     assert diagnosed(NOTHING).verdict == "nothing_missing"

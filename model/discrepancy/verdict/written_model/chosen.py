@@ -28,7 +28,7 @@ class WrittenModel:
     told: MixedModelFit  # with what was found, solved with the inferred forms in the model
     predicting: MixedModelFit  # what the file predicts with: `told`, or the base model
     model: SheetModel  # as a file has it
-    # where the model with the form that was inferred has no solution; empty: it has one everywhere
+    # where the model with an inferred form that is left out has no solution; empty: none is
     unsolved: str = ""
 
     @property
@@ -62,6 +62,8 @@ class Writer:
                 continue
             if told is base or not predicts_better(base, told):
                 break
+            if any(one.ways for one in told.found):
+                unsolved = ""  # begun elsewhere the form has a solution everywhere, and is written
             return WrittenModel(
                 told=told, predicting=told, model=self._with_errors(model), unsolved=unsolved
             )
