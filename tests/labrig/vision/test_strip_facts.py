@@ -163,6 +163,7 @@ def test_facts_of_a_strip_are_its_own_and_those_of_the_pictures_are_everybodys()
     ("more", "said"),
     [
         ({"tip_px": "left"}, "tip_px: give a pixel as [column, row]."),
+        ({"tip_px": [10**400, 1]}, "tip_px: give a pixel as [column, row]."),
         ({"through_px": [3, 4]}, "through_px: give pixels as a list of [column, row]."),
         ({"through_px": [[1, 2]] * 101}, "through_px: give at most 100 pixels."),
         ({"mask_px": [[[1, 2], [3, 4]]]}, "mask_px: give polygons, each a list of at least three"),
@@ -178,6 +179,12 @@ def test_what_cannot_be_a_fact_is_said_in_one_sentence(more, said):
         Optics.from_json(json.dumps(KNOWN | more))
     assert said in str(fault.value)
     assert "\n" not in str(fault.value)
+
+
+def test_a_mask_may_have_more_corners_than_a_file_name_has_letters():
+    corners = [(float(u), 10.5) for u in range(100)]
+    stated = " ".join(f"{u},{v}" for u, v in corners)
+    assert strip_facts()["mask_px"].read(stated) == (tuple(corners),)
 
 
 def test_the_fact_on_the_page_about_extending_conforms():
