@@ -193,6 +193,17 @@ def test_the_fact_on_the_page_about_extending_conforms():
     assert faults(there["FACT"]) == []
 
 
+def test_a_fact_of_one_strip_is_refused_on_the_command_line_where_the_file_has_several(
+    photograph, capsys
+):
+    strips = {"a": {"clamp_px": [30.0, 110.0]}, "b": {"clamp_px": [30.0, 150.0]}}
+    drawn_strips.write(photograph.parent, drawn_strips.BENT_UP.image, strips=strips, to_end=True)
+    assert run(["curves", str(photograph), "--tip-px", "90,40"]) == 0
+    said = capsys.readouterr().out
+    assert "--tip-px: optics.json has several strips; state tip_px in the entry of one" in said
+    assert "(a and b)." in said
+
+
 @pytest.mark.slow
 def test_a_fact_of_another_distribution_is_stated_on_the_command_line(install, photograph, capsys):
     ours = ["--through", pixels(0.3, 0.6), "--tip-px", pixels(0.98)]
