@@ -37,6 +37,11 @@ class ClosedModel(BaseModel):
         """Return the keys that the table may have."""
         return list(cls.model_fields)
 
+    @classmethod
+    def suggestion(cls, key: str) -> str:  # noqa: ARG003 - a table that knows more uses it
+        """Return what else an unknown key of the table may be, for its error; often nothing."""
+        return ""
+
     @field_validator("*", mode="before")
     @classmethod
     def _is_of_its_kind(cls, value: Any, info: ValidationInfo) -> Any:
@@ -185,7 +190,10 @@ def _without_tables(faults: Sequence[Any]) -> list[Any]:
 def _sentence(model: type[BaseModel], where: str, faults: list[Any]) -> str:
     first = faults[0]
     if first["type"] == "extra_forbidden":
-        return f"{where} is not a known key{_suggestion(model, first['loc'])}"
+        known, further = (each(model, first["loc"]) for each in (_suggestion, _further))
+        if further:
+            known += f", or {further}" if known else f"; it may be {further}"
+        return f"{where} is not a known key{known}"
     if first["type"] == "missing":
         return _missing(where, first["loc"])
     said = " or ".join(dict.fromkeys(map(_said, _best(faults))))
@@ -283,6 +291,11 @@ def _suggestion(model: type[BaseModel], location: tuple[Any, ...]) -> str:
     if len(location) > 1 and 0 < len(own) <= _MOST_KEYS:
         return f"; known are {', '.join(own)}"
     return ""
+
+
+def _further(model: type[BaseModel], location: tuple[Any, ...]) -> str:
+    tables = (table for table in _tables(model, location) if issubclass(table, ClosedModel))
+    return next(filter(None, (table.suggestion(str(location[-1])) for table in tables)), "")
 
 
 def _tables(model: type[BaseModel], location: tuple[Any, ...]) -> list[type[BaseModel]]:

@@ -48,7 +48,8 @@ class ChosenExtractor:
         try:
             found: object = self.extractor.curve(image, optics, strip, start=start)
         except Exception as error:  # noqa: BLE001 - other people's code may raise anything
-            return self._refusal(f"failed with {type(error).__name__}: {error}")
+            said = " ".join(str(error).split()).rstrip(".")  # OpenCV's has several lines
+            return self._refusal(f"failed with {type(error).__name__}: {said}")
         if not isinstance(found, NeutralCurve):
             return self._refusal(f"returned {type(found).__name__}, not a NeutralCurve")
         wrong = faults_of_curve(found)

@@ -14,6 +14,7 @@ from labrig.vision.calibration.optics import (
     Optics,
     SheetAppearance,
     StripPlace,
+    listed,
     load_optics,
 )
 from labrig.vision.checks.objections import heeding
@@ -304,6 +305,11 @@ def _with_facts(known: Optics, stated: Mapping[str, Any]) -> Optics:
     kinds = strip_facts()
     for name, value in stated.items():
         fact = kinds[name]
+        if known.strips and fact.of == FactOf.STRIP:
+            raise BadInputError(
+                f"{fact.option.flag}: optics.json has several strips; state {name} in the entry "
+                f"of one of them ({listed([*known.strips])})."
+            )
         there = fact.directed(known, value)
         if isinstance(there, Optics):
             known = there

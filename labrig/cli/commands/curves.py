@@ -106,10 +106,12 @@ def curves(
     """
     if page is not None:
         others = (sources, optics, sheet, batch, output, summary, overlay, method, strip)
-        if any((*others, *facts.values())):
+        ways = (configuration, look, extractor, channel, as_json, every > 1)
+        if any((*others, *ways, *facts.values())):
             raise BadInputError(
-                "--page FOLDER takes no images and no other files: what is known of the "
-                "photographs lies beside them, or is clicked on the page."
+                "--page FOLDER takes no images and no options but --port and --open: what is known "
+                "of the photographs lies beside them, or is clicked on the page; the built-in "
+                "extractor finds their curves."
             )
         serve_page(page, port, open_it=open_it)
         return

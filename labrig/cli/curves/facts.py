@@ -59,17 +59,15 @@ def refuse_for_several_strips(stated: Mapping[str, Any]) -> None:
     """Raise BadInputError where a fact of one strip is stated for several."""
     of_strips = [fact for fact in strip_facts().values() if fact.of == FactOf.STRIP]
     if any(fact.name in stated for fact in of_strips):
-        flags = _listed([fact.option.flag for fact in of_strips])
+        from labrig.vision.calibration.optics import listed
+
+        flags = listed([fact.option.flag for fact in of_strips])
         raise BadInputError(f"{flags} are for one strip; of several, state them in optics.json.")
 
 
 def flags_of_facts() -> list[str]:
     """Return the options of all facts."""
     return [fact.option.flag for fact in strip_facts().values()]
-
-
-def _listed(names: list[str]) -> str:
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
 def _flags(parameters: list[inspect.Parameter]) -> list[str]:

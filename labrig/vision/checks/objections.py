@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy.typing as npt
 
+from labrig.errors import LabrigError
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 
@@ -32,9 +33,10 @@ def _heeded(curve: NeutralCurve, optics: Optics) -> NeutralCurve:
         try:
             why = objects(curve.points_px)
         except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+            named = "" if isinstance(error, LabrigError) else f"{type(error).__name__}: "
             text = (
                 "what is known of the strip was not compared with the curve: "
-                f"{type(error).__name__}: {error}"
+                f"{named}{str(error).rstrip('.')}"
             )
             return replace(curve, warnings=(*curve.warnings, text))
         if why:

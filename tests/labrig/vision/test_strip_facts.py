@@ -14,6 +14,7 @@ from labrig.cli.main import run
 from labrig.errors import BadInputError
 from labrig.vision import Optics
 from labrig.vision.calibration.optics import StripPlace
+from labrig.vision.facts import stated
 from labrig.vision.facts.catalogue import strip_facts
 from labrig.vision.facts.conformance import KEYS_OF_OPTICS, faults
 from labrig.vision.facts.contract import FactOf, FactOption, FactShape, FactTool, StripFact, Told
@@ -163,6 +164,7 @@ def test_facts_of_a_strip_are_its_own_and_those_of_the_pictures_are_everybodys()
     ("more", "said"),
     [
         ({"tip_px": "left"}, "tip_px: give a pixel as [column, row]."),
+        ({"tip_px": [10**400, 1]}, "tip_px: give a pixel as [column, row]."),
         ({"through_px": [3, 4]}, "through_px: give pixels as a list of [column, row]."),
         ({"through_px": [[1, 2]] * 101}, "through_px: give at most 100 pixels."),
         ({"mask_px": [[[1, 2], [3, 4]]]}, "mask_px: give polygons, each a list of at least three"),
@@ -170,6 +172,7 @@ def test_facts_of_a_strip_are_its_own_and_those_of_the_pictures_are_everybodys()
         ({"facts": {}}, "facts is not a known key"),
         ({"along_px": [3, 4]}, "along_px is not a known key"),
         ({"tip_pix": [3, 4]}, "tip_pix is not a known key; did you mean tip_px"),
+        ({"wall_px": [[3, 4]]}, "did you mean rolls_px, or a fact of a distribution that is not"),
         ({"strips": {"a": {"clamp_px": [1, 2], "mask_px": []}}}, "mask_px is not a known key"),
     ],
 )
@@ -180,10 +183,27 @@ def test_what_cannot_be_a_fact_is_said_in_one_sentence(more, said):
     assert "\n" not in str(fault.value)
 
 
+def test_a_mask_may_have_more_corners_than_a_file_name_has_letters():
+    corners = [(float(u), 10.5) for u in range(100)]
+    stated = " ".join(f"{u},{v}" for u, v in corners)
+    assert strip_facts()["mask_px"].read(stated) == (tuple(corners),)
+
+
 def test_the_fact_on_the_page_about_extending_conforms():
     there: dict[str, object] = {"__name__": "example"}
     exec(compile(shown_on_the_page(), "extending.md", "exec"), there)
     assert faults(there["FACT"]) == []
+
+
+def test_a_fact_of_one_strip_is_refused_on_the_command_line_where_the_file_has_several(
+    photograph, capsys
+):
+    strips = {"a": {"clamp_px": [30.0, 110.0]}, "b": {"clamp_px": [30.0, 150.0]}}
+    drawn_strips.write(photograph.parent, drawn_strips.BENT_UP.image, strips=strips, to_end=True)
+    assert run(["curves", str(photograph), "--tip-px", "90,40"]) == 0
+    said = capsys.readouterr().out
+    assert "--tip-px: optics.json has several strips; state tip_px in the entry of one" in said
+    assert "(a and b)." in said
 
 
 @pytest.mark.slow
@@ -250,6 +270,22 @@ def test_of_two_facts_of_one_name_the_second_is_left_out_with_a_sentence(install
     install(FOREIGN.replace('name="course_px"', 'name="tip_px"'), another="FACT")
     with pytest.warns(UserWarning, match="'tip_px' of labrig-strange is left out: there is one"):
         assert strip_facts()["tip_px"].option.flag == "--tip-px"
+
+
+def test_a_fact_whose_objection_fails_is_named_and_the_curve_stays():
+    class Failing(StripFact):
+        def tells(self, value):
+            return Told(objections=(lambda points: {}[value],))
+
+    tip = strip_facts()["tip_px"]
+    ours = Failing(**{field: getattr(tip, field) for field in vars(tip)})
+    (objects,) = stated._told(ours, (1.0, 2.0)).objections
+    with pytest.raises(KeyError):  # a fault of ours is none of the user's
+        objects(np.zeros((2, 2)))
+    with pytest.MonkeyPatch.context() as patch:  # of another distribution it is a sentence
+        patch.setattr(stated, "origin_of", lambda name: " of labrig-strange 0.3")
+        with pytest.raises(BadInputError, match="'tip_px' of labrig-strange 0"):
+            objects(np.zeros((2, 2)))
 
 
 def test_places_follow_a_picture_that_is_reduced():
