@@ -25,13 +25,10 @@ from model.discrepancy.thresholds import (
     REFINED_EVIDENCE_SHARE,
 )
 from model.effects.interface import Effect
-from model.identification.likelihood.linearisation import with_columns
-from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import (
     MixedModelFit,
     approach,
     fit_mixed_model,
-    stepped,
 )
 from model.identification.likelihood.model_state import FitPlace, Found
 from model.identification.likelihood.random_effects import ASSUMED
@@ -88,8 +85,8 @@ def refined(
             theta, noise = there.theta, there.solution.log_sigma
             found = (*(f for f in there.found if f is not own), own)
         else:
-            theta, before = _beside(fitted, one, known)
-            found = (*before, _found(fitted, one, one.amplitude))
+            # where a straight line leads the base may be in another valley
+            theta, found = fitted.theta, (*fitted.found, _found(fitted, one, one.amplitude))
         other = settled(fitted, theta, found, noise, fitted.deviance)
         result = _better(fitted, result, one, other)
     return result
@@ -103,20 +100,6 @@ def _same_shape(there: MixedModelFit, one: Score) -> Found | None:
             stay = (k.name for k in found.effect.parameters[1:] if not (k.log or k.estimated))
             return found if all(values[n] == one.candidate.values[n] for n in stay) else None
     return None
-
-
-def _beside(
-    fitted: MixedModelFit, one: Score, log_sigma: FloatArray | None
-) -> tuple[FloatArray, tuple[Found, ...]]:
-    """Return base parameters and effects of a fit where a straight line from it has them.
-
-    That is beside a candidate that begins with its own size; it saves a step of the fit with it.
-    """
-    linear = with_columns(
-        fitted.problem.forward, fitted.linear, one.candidate.columns, one.scale**-2.0
-    )
-    noise = fitted.solution.log_sigma if log_sigma is None else log_sigma
-    return stepped(fitted, weigh(linear.data, noise))
 
 
 def by_forces(fitted: MixedModelFit) -> FloatArray:

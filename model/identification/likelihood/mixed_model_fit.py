@@ -145,17 +145,6 @@ def approach(
     yield FitPlace(theta=theta, found=found, log_sigma=last.log_sigma)
 
 
-def stepped(fitted: MixedModelFit, solution: Solution) -> tuple[FloatArray, tuple[Found, ...]]:
-    """Return base parameters and effects after the step that a solution asks for.
-
-    The solution may have further columns behind those of the fit.
-    """
-    sigma = np.sqrt(np.maximum(np.diag(solution.covariance), 1e-300))
-    found, _ = moved(fitted.found, solution.beta, sigma, list(fitted.spans))
-    step = _bounded(fitted.problem, solution.beta[: fitted.problem.bases.size])
-    return fitted.theta + step, found
-
-
 def fit_at_set_ups(
     problem: FitProblem, theta: FloatArray, log_sigma: FloatArray | None = None
 ) -> MixedModelFit:
