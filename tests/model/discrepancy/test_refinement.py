@@ -76,7 +76,8 @@ def test_a_fit_of_an_effect_may_begin_where_it_is_known_and_ends_at_the_same_pla
     again = refined(replace(base), replace(first, fitted=None, tried=()), (first.score,),
                     first.fitted)  # fmt: skip
     assert again.fitted is not None
-    assert again.fitted.deviance == pytest.approx(first.fitted.deviance, abs=0.1)
+    # no worse, and by no more better than a fit may leave at its end
+    assert -1e-3 < first.fitted.deviance - again.fitted.deviance < mixed_model_fit.LITTLE
     assert len(steps) <= 2
 
 
