@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from labrig.api.data import AnyPath, Progress, measurements_of, model_of, name_of, path_of, silent
 from labrig.api.fit import what_can_be_fitted
+from labrig.api.one_blas_thread import one_blas_thread
 from labrig.errors import BadInputError
 from model import FitOptions, Measurements
 from model.identification.baselines import BaselineRow
@@ -72,6 +73,7 @@ class ProgressSteps(Protocol):
         """Begin a step."""
 
 
+@one_blas_thread
 def compare(
     session: AnyPath,
     *,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from labrig.api.data import AnyPath, model_of, several
 from labrig.api.eibm import Eibm, model_with_eibm
+from labrig.api.one_blas_thread import one_blas_thread
 from labrig.api.simulate import tell_of_misses
 from labrig.errors import BadInputError
 from labrig.report.design.answers import DesignAnswers, Wanted, answer, as_dict, tables
@@ -95,6 +96,7 @@ class Design(Displayed, Sequence[DesignAnswers]):
                         }  # fmt: skip
 
 
+@one_blas_thread
 def design(
     model: AnyPath | SheetModel,
     section: Section,
@@ -162,6 +164,7 @@ def design(
     return found
 
 
+@one_blas_thread
 def map_of_elongation(
     model: AnyPath | SheetModel,
     section: Section,

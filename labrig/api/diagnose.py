@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from labrig.api.data import AnyPath, Data, Progress, model_of, paths_of, several, silent, tell
+from labrig.api.one_blas_thread import one_blas_thread
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.errors import BadInputError, LabrigError
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
@@ -13,6 +14,7 @@ from model.measurements import Measurements
 from model.sheet.sheet_model import SheetModel
 
 
+@one_blas_thread
 def diagnose(
     sessions: Data | Sequence[AnyPath] | None = None,
     options: DiagnoseOptions | None = None,

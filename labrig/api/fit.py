@@ -17,6 +17,7 @@ from labrig.api.data import (
     silent,
     tell,
 )
+from labrig.api.one_blas_thread import one_blas_thread
 from labrig.errors import BadInputError
 from model import Fit, FitOptions, Measurements
 
@@ -35,6 +36,7 @@ class FittedData:
     runs: dict[Run, str] = field(default_factory=dict)  # which of several sessions each is from
 
 
+@one_blas_thread
 def fit(
     sessions: Data | Sequence[AnyPath],
     options: FitOptions | None = None,

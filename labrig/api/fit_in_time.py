@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from labrig.analysis.motion.dynamic_fit import DynamicFit, model_of
 from labrig.api.data import AnyPath, Progress, tell
 from labrig.api.motion_data import checksum_of, fits_of, request_of
+from labrig.api.one_blas_thread import one_blas_thread
 from model import SheetModel
 from model.measurements import Displayed, Summary, dataframe
 from model.measurements.columns import of_rows
@@ -54,6 +55,7 @@ class FitInTime(Displayed):
         return dynamic_json(list(self.configurations.values()))
 
 
+@one_blas_thread
 def fit_in_time(
     sessions: AnyPath | Sequence[AnyPath],
     *,

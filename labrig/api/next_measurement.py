@@ -10,6 +10,7 @@ from typing import Any
 
 from labrig.api.data import AnyPath, Data, Progress, model_of, path_of, paths_of, tell
 from labrig.api.diagnose import diagnosed, keep_in
+from labrig.api.one_blas_thread import one_blas_thread
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.config.base import parse_toml
 from labrig.errors import BadInputError
@@ -51,6 +52,7 @@ class NextMeasurement(Displayed):
         }  # fmt: skip
 
 
+@one_blas_thread
 def next_measurement(
     sessions: Data | Sequence[AnyPath] | None = None,
     *,

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from labrig.api.data import AnyPath, model_of, name_of, path_of, several, tell
 from labrig.api.eibm import Eibm, model_with_eibm
+from labrig.api.one_blas_thread import one_blas_thread
 from labrig.errors import BadInputError
 from model import Prediction, PredictionArray, SheetModel
 from model import predict as predict_one
@@ -113,6 +114,7 @@ def predict(
     return model_of(model).predict(configuration, position_m, voltage_V)
 
 
+@one_blas_thread
 def simulate(
     model: AnyPath | SheetModel,
     *,
@@ -188,6 +190,7 @@ def tell_of_misses(errors: Sequence[Misfit]) -> None:
             )
 
 
+@one_blas_thread
 def simulate_in_time(
     model: AnyPath,
     drive: AnyPath,

@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from labrig.errors import BadInputError
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
+from model.discrepancy.verdict.messages import OTHER_ANSWERS
 from model.measurements import Measurements
 
 Pair = tuple[str, str]
 
 
 def pair_of(found: Diagnosis) -> Pair | None:
-    """Return two effects that the diagnosis could not tell apart."""
-    pairs = ((one.name, one.confusable_with[0]) for one in found.effects if one.confusable_with)
-    return next(pairs, None)
+    """Return two effects that the diagnosis could not tell apart; None: there are none.
+
+    The first name with what it may be instead; else the two likeliest names of what is unknown, or
+    of what is not ruled out.
+    """
+    for one in found.effects:
+        if one.confusable_with:
+            return one.name, one.confusable_with[0]
+    of_unknown = () if found.unknown is None else found.unknown.confusable_with
+    for possible in (of_unknown, tuple(found.not_ruled_out)):
+        names = [name for name in possible if name not in OTHER_ANSWERS]
+        if len(names) > 1:
+            return names[0], names[1]
+    return None
 
 
 def proposal(
@@ -44,7 +56,8 @@ def proposal(
     pair = pair_of(diagnosis)
     if pair is None:
         raise BadInputError(
-            "the diagnosis names no two effects that could be mistaken for each other; name two "
-            "with --between, such as --between gravity clamp_angle."
+            "the diagnosis names no two effects that could be mistaken for each other "
+            f"({diagnosis.verdict.replace('_', ' ')}); name two with --between, such as --between "
+            "gravity clamp_angle."
         )
     return find(measurements, pair, options)
