@@ -27,6 +27,12 @@ def silent(_fraction: float, _text: str) -> None:
     """Report no progress."""
 
 
+def within(progress: Progress | None, low: float, high: float) -> Progress:
+    """Return the progress of a part of a job, as `low` to `high` of the whole."""
+    whole = progress or silent
+    return lambda share, text: whole(low + (high - low) * share, text)
+
+
 def path_of(path: AnyPath) -> Path:
     """Return a path that was given as text, as a path or as an open session."""
     try:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig.analysis.motion.dynamic_fit import DynamicFit, model_of
 from labrig.api.data import AnyPath, Progress, tell
-from labrig.api.motion_data import checksum_of, fits_of, request_of
+from labrig.api.motion_data import checksum_of, fits_of, off_the_curves, request_of
 from labrig.api.one_blas_thread import one_blas_thread
 from model import SheetModel
 from model.measurements import Displayed, Summary, dataframe
@@ -16,8 +16,6 @@ from model.measurements.columns import of_rows
 
 if TYPE_CHECKING:
     import pandas as pd
-
-POOR_CURVE_M = 1e-4  # the curves of pictures are ten times better
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -73,7 +71,7 @@ def fit_in_time(
         position_mm: use the pulses at these positions alone, in mm; default: three of them.
         fluid: what the sheet moves in: "air", "water" or "vacuum".
         elongation_g_per_m: mass of the rigid elongation per length, in g/m.
-        progress: called with the share done (0 to 1) and a text, while sessions are read.
+        progress: called with the share done (0 to 1) and a text.
 
     Returns:
         FitInTime: `configurations` (each a fit with `found.parameters`, 90 % intervals, and which
@@ -112,8 +110,5 @@ def doubts(fit: DynamicFit) -> Iterator[str]:
             " noise explains; do not trust its parameters (labrig compare shows which quantity it"
             " misses)."
         )
-    if fit.noise.curve_m > POOR_CURVE_M:
-        yield (
-            f"the curves are {1e3 * fit.noise.curve_m:.2f} mm off the fitted sheet, more than"
-            " pictures explain; do not trust its mass and loss."
-        )
+    if fit.misses_curves:
+        yield f"{off_the_curves(fit)}, more than pictures explain; do not trust its mass and loss."

@@ -12,13 +12,18 @@ from labrig.analysis.analyze import inputs_of, shunt_ohm
 from labrig.analysis.motion.beginning import ELONGATION_UNKNOWN, StatedValues
 from labrig.analysis.motion.dynamic_fit import DynamicFit, dynamic_fit
 from labrig.analysis.motion.record import MotionRecord, motion_record, moving_configurations
-from labrig.api.data import AnyPath, Progress, paths_of, several, silent, tell
+from labrig.api.data import AnyPath, Progress, paths_of, several, tell, within
 from labrig.errors import BadInputError
 from labrig.session import RecordedSession, open_session
 
+READING_SHARE: Final = 0.4  # of the time of a fit, most of it for the images
 MOST_POSITIONS: Final = 3  # in contact, unless they are named: each adds seconds
 FLUIDS: Final = ("air", "water", "vacuum")
 GRAM: Final = 1e-3
+NOT_FOUND: Final = (
+    "{}: no sheet in time explains the session: the search did not end, and {}. Record a free"
+    " release ([extras] release = true); labrig diagnose says what the sheet at rest lacks."
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,8 +62,8 @@ def request_of(
 def fits_of(request: MotionRequest, progress: Progress | None) -> list[DynamicFit]:
     """Read the sessions and fit each configuration that moved in them.
 
-    One whose elongation's mass is not stated is left out, in words; it is refused where it was
-    asked for or is the only one.
+    One whose elongation's mass is not stated, or that moves like no sheet of the model, is left
+    out, in words; it is refused where it was asked for or is the only one.
     """
     with open_session(request.sessions[0]) as session:
         found = _determinable(request, session)
@@ -68,14 +73,29 @@ def fits_of(request: MotionRequest, progress: Progress | None) -> list[DynamicFi
         fluid=request.fluid, source_ohm=source_ohm,
         elongation_kg_per_m=None if end is None else GRAM * end,
     )  # fmt: skip
-    fits = []
+    fits, left_out = list[DynamicFit](), list[str]()
     names: Sequence[str | None] = found or (None,)
-    for name in names:
-        records = records_of(request, name, progress)
+    for i, name in enumerate(names):
+        own = within(progress, i / len(names), (i + 1) / len(names))
+        records = records_of(request, name, within(own, 0.0, READING_SHARE))
         for text in dict.fromkeys(text for one in records for text in one.missing):
             tell(f"{name}: {text}" if len(names) > 1 else text)
-        fits.append(dynamic_fit(records, stated))
+        fitting = within(own, READING_SHARE, 1.0)
+        fit = dynamic_fit(records, stated, progress=fitting)
+        if fit.found.converged or not fit.misses_curves:
+            fits.append(fit)
+            continue
+        left_out.append(NOT_FOUND.format(fit.sheet.configuration, off_the_curves(fit)))
+    if left_out and (request.configurations or not fits):
+        raise BadInputError(left_out[0])
+    for text in left_out:
+        tell(f"left out: {text}")
     return fits
+
+
+def off_the_curves(fit: DynamicFit) -> str:
+    """Return how far the curves are off the fitted sheet, as the beginning of a sentence."""
+    return f"the curves are {1e3 * fit.noise.curve_m:.2f} mm off the fitted sheet"
 
 
 def _determinable(request: MotionRequest, session: RecordedSession) -> tuple[str, ...]:
@@ -98,13 +118,13 @@ def records_of(
     request: MotionRequest, name: str | None, progress: Progress | None
 ) -> list[MotionRecord]:
     """Read one configuration of all sessions."""
-    found = []
-    for path in request.sessions:
+    found, count = [], len(request.sessions)
+    for i, path in enumerate(request.sessions):
         with open_session(path) as session:
             found.append(
                 motion_record(
                     session, name, positions_m=_positions_m(request, session, name),
-                    progress=progress or silent,
+                    progress=within(progress, i / count, (i + 1) / count),
                 )
             )  # fmt: skip
     return found

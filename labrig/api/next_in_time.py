@@ -79,7 +79,7 @@ def next_in_time(
         model: a model (or its file) that knows the sheet in time; default: the sessions are fitted.
         fluid: what the sheet moves in: "air", "water" or "vacuum".
         elongation_g_per_m: mass of the rigid elongation per length, in g/m.
-        progress: called with the share done (0 to 1) and a text, while sessions are read.
+        progress: called with the share done (0 to 1) and a text.
 
     Returns:
         NextRuns: by configuration what is known now, and with a release, a chirp, a step of the

@@ -74,7 +74,7 @@ def print_fit_in_time(request: DynamicRequest, output: Path | None, *, as_json: 
     from labrig.model_file import save_model
     from labrig.report.tables.in_time.parameters import dynamic_table, noise_sentence
 
-    with progress("read the motion") as advance:
+    with progress("fit in time") as advance:
         found = fit_in_time(
             request.sessions, configuration=request.configurations,
             position_mm=request.positions_mm, fluid=request.fluid,
@@ -100,7 +100,7 @@ def print_next_in_time(request: DynamicRequest, model: Path | None, *, as_json: 
     from labrig.api.next_in_time import next_in_time
     from labrig.report.tables.in_time.proposals import next_table, next_text
 
-    with progress("read the motion") as advance:
+    with progress("fit in time") as advance:
         found = next_in_time(
             request.sessions, model=model, fluid=request.fluid,
             elongation_g_per_m=request.elongation_g_per_m, progress=advance,

@@ -12,10 +12,11 @@ import labrig
 from labrig.analysis.comparison import compare_fitted
 from labrig.analysis.motion.beginning import StatedValues, beginning
 from labrig.api import fit_in_time as fitting
+from labrig.api import motion_data
 from labrig.api.fit_in_time import doubts
 from labrig.api.motion_data import fits_of, request_of, spread
 from labrig.cli.main import run
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigWarning
 from labrig.model_file import load_model
 from labrig.session import add_mark, open_session
 from labrig.session.marks.mark import Mark
@@ -231,6 +232,32 @@ def test_a_fit_that_leaves_more_than_the_noise_explains_is_not_to_be_trusted(fit
     found = replace(fits[0].found, chi2=2.0 * fits[0].found.count)
     (doubt,) = doubts(replace(fits[0], found=found))
     assert "leaves 2.0 times the squares that the noise explains" in doubt
+
+
+def test_a_sheet_that_was_not_found_is_refused(path, fits, monkeypatch):
+    """Its curves are far off, and the search did not end: the numbers say nothing."""
+    noise = replace(fits[0].noise, curve_m=1.2e-3)
+    bad = replace(fits[0], noise=noise, found=replace(fits[0].found, converged=False))
+    request = request_of(path, (), (), "air", None)
+    progress: list[tuple[float, str]] = []
+
+    def fitted(*_records, **_options):
+        return next(some)
+
+    monkeypatch.setattr(motion_data, "dynamic_fit", fitted)
+    monkeypatch.setattr(motion_data, "_determinable", lambda *_: ("long", "long"))
+    some = iter([bad, fits[0]])
+    with pytest.warns(LabrigWarning, match="left out: long: no sheet in time explains"):
+        assert fits_of(request, lambda share, text: progress.append((share, text))) == [fits[0]]
+    shares = [share for share, _ in progress]
+    assert shares == sorted(shares)  # of both configurations together
+    assert min(shares) < 0.2
+    assert 0.5 < max(shares) <= 1.0
+    some = iter([bad, bad])
+    with pytest.raises(
+        BadInputError, match=r"1\.20 mm off the fitted sheet\. Record a free release"
+    ):
+        fits_of(request, None)
 
 
 def test_models_of_others_are_ranked_beside_a_fit_that_is_there(fits):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -27,6 +27,8 @@ from model.measurements import FloatArray, SheetGeometry
 
 SAMPLE_S = 0.5  # after an edge, where the static part of a model file is sampled
 NEAR, CLOSE = 0.5, 0.03  # the last step of a search, in standard deviations
+POOR_CURVE_M = 1e-4  # the curves of pictures are ten times better
+NEAR_SHARE = 0.4  # of the time of a fit, that to come near
 THIN = 4  # samples, of which one is enough to come near
 LINE_TERMS, ALONG, REST_NODES = 12, 21, 41
 
@@ -43,6 +45,11 @@ class DynamicFit:
     source: str
     rest_sigma_per_m: FloatArray | None = None  # evenly along the sheet; None: k0 is as stated
     missing: tuple[str, ...] = ()
+
+    @property
+    def misses_curves(self) -> bool:
+        """Return whether the curves are farther off the fitted sheet than pictures explain."""
+        return self.noise.curve_m > POOR_CURVE_M
 
     @property
     def configured(self) -> ConfiguredSheet:
@@ -126,7 +133,11 @@ def _by(parameter: DynamicParameter) -> str:
 
 
 def dynamic_fit(
-    records: Sequence[MotionRecord], stated: StatedValues, begin: DynamicBeam | None = None
+    records: Sequence[MotionRecord],
+    stated: StatedValues,
+    begin: DynamicBeam | None = None,
+    *,
+    progress: Callable[[float, str], None] = lambda _share, _text: None,
 ) -> DynamicFit:
     """Identify the sheet of some records; `begin`: a sheet known from before.
 
@@ -146,7 +157,9 @@ def dynamic_fit(
     begun = begin or beginning(first.sheet, runs, stated)
     try:
         noise = noise_at_first(runs)
+        progress(0.0, f"{first.sheet.configuration}, fit to some samples")
         near, rest = _near(begun, runs, noise)
+        progress(NEAR_SHARE, f"{first.sheet.configuration}, fit to all samples")
         noise = noise_of_residuals(near, runs, noise)
         found = identify(near, runs, noise, tolerance=CLOSE, near=True)
     except ModelError as error:
