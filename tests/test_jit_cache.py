@@ -117,6 +117,35 @@ def test_python_and_compiled_functions_call_the_same_function(package):
     assert ran.stdout.split() == ["1012.0", "2.0"]
 
 
+LATER = """
+import numpy as np
+from {package}.jit import jit
+from {package}.called import part
+
+@jit
+def later(x):
+    return np.sum(np.ones(3)) * part(x)
+"""
+
+
+@pytest.mark.slow
+def test_what_is_kept_is_loaded_without_what_only_compiling_needs_which_works_afterwards(package):
+    assert package.run() == (1012.0, False)
+    (package.folder / "later.py").write_text(LATER.format(package=package.name))
+    code = (
+        "import sys\n"
+        f"{RUN.format(package=package.name)}"
+        "print('numba.np.arraymath' in sys.modules)\n"
+        f"from {package.name}.later import later\n"
+        "print(later(1.0), 'numba.np.arraymath' in sys.modules)"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(package.root)},
+        cwd=package.root, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert ran.stdout.split() == ["1012.0", "1", "False", "6.0", "True"]
+
+
 def test_packages_that_compile_have_equal_modules():
     texts = {path.read_text(encoding="utf-8") for path in MODULES}
     assert len(texts) == 1, [str(path.relative_to(ROOT)) for path in MODULES]

@@ -6,11 +6,13 @@ import os
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from labrig.errors import BadInputError, LabrigWarning
 from model.measurements import Measurements
-from model.sheet.sheet_model import SheetModel
+
+if TYPE_CHECKING:
+    from model.sheet.sheet_model import SheetModel  # a run needs none, and would load it first
 
 AnyPath = str | os.PathLike[str]
 Data = AnyPath | Measurements
@@ -72,18 +74,19 @@ def measurements_of(data: Data | Sequence[AnyPath], progress: Progress | None) -
 
 def model_of(model: AnyPath | SheetModel) -> SheetModel:
     """Return a model as it is, or that of a file."""
+    from labrig.model_file import load_model
+    from model.sheet.sheet_model import SheetModel
+
     if isinstance(model, SheetModel):
         return model
     if not isinstance(model, str | os.PathLike):  # a caller may give anything
         raise _no_model(model)
-    from labrig.model_file import load_model
-
     return load_model(path_of(model))
 
 
 def name_of(model: AnyPath | SheetModel) -> str:
     """Return the file's name for sentences about a model."""
-    return "the model" if isinstance(model, SheetModel) else path_of(model).name
+    return path_of(model).name if isinstance(model, str | os.PathLike) else "the model"
 
 
 def _as_list(data: AnyPath | Sequence[AnyPath]) -> list[AnyPath]:

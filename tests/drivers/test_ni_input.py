@@ -30,20 +30,23 @@ def test_blocks_join_without_gap_or_overlap(ni_rig):
     signals = ni_rig.signals(rate_hz=1000.0)
     signals.open()
     clock = signals.start()
+    unsure_s = clock.start_uncertainty_s  # a busy computer takes its time to start them
+    late = 2 if ni_rig.server else 60  # a real board hands its samples on in lumps
     following, lengths = 0, []
     for _ in range(10):
         ni_rig.wait(0.03)
+        asked_s = ni_rig.clock.now()
         block = signals.read_available()
         assert block.first_index == following
         assert block.volts.shape[0] == 3
         assert block.volts.flags.owndata
         following += block.volts.shape[1]
         lengths.append(block.volts.shape[1])
-        assert following <= clock.index_at(block.read_s) + 2
+        assert clock.index_at(asked_s - unsure_s) - late <= following
+        assert following <= clock.index_at(block.read_s + unsure_s) + 2
     signals.stop()
     signals.stop()
     assert min(lengths) > 0
-    assert following == pytest.approx(clock.index_at(ni_rig.clock.now()), abs=60)
 
 
 def test_nothing_new_is_an_empty_block(simulated_ni):

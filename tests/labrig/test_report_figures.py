@@ -10,7 +10,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.report.figures.shapes import curves_figure
-from labrig.report.parts.style import figure, legend_below
+from labrig.report.parts.style import figure, legend_below, save_all
 from tests.labrig.report_data import measure, session
 
 pytestmark = pytest.mark.usefixtures("data_unchecked")
@@ -88,3 +88,14 @@ def test_a_legend_of_two_rows_is_read_row_by_row():
     assert places["a"].y0 == pytest.approx(places["b"].y0, abs=2)
     assert places["a"].x0 < places["b"].x0
     assert places["c"].y0 < places["a"].y0 - 5
+
+
+def test_a_figure_is_laid_out_once_for_all_its_files(tmp_path):
+    with figure(1.4, 1.0) as fig:
+        axes = fig.subplots()
+        axes.set_ylabel("force (mN)\nof the sheet")  # begins outside, where nothing is laid out
+    assert axes.yaxis.label.get_window_extent().x0 < 0
+    save_all(fig, tmp_path, "one", ("svg", "png"))
+    fig.draw_without_rendering()
+    assert axes.yaxis.label.get_window_extent().x0 > 0
+    assert fig.get_layout_engine() is None  # matplotlib would do so again for each file

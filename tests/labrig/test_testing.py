@@ -72,9 +72,10 @@ def test_the_fake_devices_have_the_drivers_interfaces() -> None:
 
 
 @pytest.mark.slow
-def test_nothing_that_runs_an_experiment_loads_the_test_tools() -> None:
+def test_what_runs_an_experiment_loads_neither_the_test_tools_nor_models() -> None:
     code = (
-        "import sys, labrig.cli.main, labrig.experiment.run; print('labrig.testing' in sys.modules)"
+        "import sys, labrig.cli.main, labrig.cli.follow; "
+        "print({'labrig.testing', 'model.sheet', 'model.effects'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    assert done.stdout == "False\n"
+    assert done.stdout == "set()\n"

@@ -24,15 +24,6 @@ def world(rig):
     leave_alone(rig)
 
 
-@pytest.fixture
-def own(tmp_path):
-    """A rig on which nothing has run, with the shipped protocol: long enough to be paused."""
-    with rig_world(tmp_path / "rig", lean=True) as found:
-        (found.folder / "protocol.toml").write_text(template_text("protocol.toml"))
-        yield found
-        leave_alone(found)  # to run it all would only take long
-
-
 def states(page):
     return page.evaluate("labrig.job.queue.entries.map(({ session, state }) => [session, state])")
 
@@ -76,8 +67,10 @@ def test_a_protocol_with_a_fault_is_refused_with_its_sentence(world, visit):
     assert states(page) == []
 
 
-def test_the_run_pauses_after_a_position_and_continues(own, visit):
-    page = enter(visit, own, "new")
+def test_the_run_pauses_after_a_position_and_continues(world, visit):
+    # the shipped protocol is long enough to be paused; to run it all would only take long
+    (world.folder / "protocol.toml").write_text(template_text("protocol.toml"))
+    page = enter(visit, world, "new")
     page.wait_for_selector("button:has-text('Start the run'):enabled")
     page.click("button:has-text('Start the run')")
     page.click("button:has-text('Pause after this position')")

@@ -42,7 +42,6 @@ class FigureFolder:
             return ()
         self._names.add(name)
         svg = svg_text(fig)  # of the page and of the file: drawing it takes long
-        fig.set_layout_engine("none")  # the other files keep the layout, which takes half of it
         try:
             save_all(fig, self._folder, name, self._formats, svg)
         except LabrigError as error:

@@ -117,14 +117,38 @@ def save_all(
     return paths
 
 
+def lay_out(fig: Figure) -> None:
+    """Find places for axes, labels and legends, once for all files of a figure.
+
+    That takes as long as drawing it; and a figure that is yet to be laid out matplotlib draws twice
+    for each file, the first time without ink.
+    """
+    import matplotlib as mpl
+
+    engine = fig.get_layout_engine()
+    if engine is not None:
+        with mpl.rc_context(_SETTINGS):
+            engine.execute(fig)
+    with _laid_out():
+        fig.set_layout_engine(None)
+
+
+def _laid_out() -> AbstractContextManager[None]:
+    """Return a context in which what is saved has its places; to save one sets its layout anew."""
+    import matplotlib as mpl
+
+    settled = {"figure.autolayout": False, "figure.constrained_layout.use": False}
+    context: AbstractContextManager[None] = mpl.rc_context(_SETTINGS | settled)
+    return context
+
+
 def svg_text(fig: Figure) -> str:
     """Return a figure as SVG, with text that is text."""
     import io
 
-    import matplotlib as mpl
-
+    lay_out(fig)
     text = io.StringIO()
-    with mpl.rc_context(_SETTINGS):
+    with _laid_out():
         fig.savefig(text, format="svg", metadata=_METADATA["svg"], transparent=True)
     return text.getvalue()
 
@@ -134,8 +158,6 @@ def save(fig: Figure, path: Path, svg: str = "") -> None:
 
     `svg`: the figure as `svg_text` has it, where it was drawn as that already.
     """
-    import matplotlib as mpl
-
     ending = path.suffix.lower().lstrip(".")
     if ending not in FORMATS:
         raise BadInputError(f"{path}: a figure's name must end in .png, .svg or .pdf.")
@@ -144,7 +166,8 @@ def save(fig: Figure, path: Path, svg: str = "") -> None:
         if ending == "svg":
             part.write_text(svg or svg_text(fig), encoding="utf-8", newline="\n")
         else:
-            with mpl.rc_context(_SETTINGS):
+            lay_out(fig)
+            with _laid_out():
                 fig.savefig(part, format=ending, metadata=_METADATA.get(ending))
         part.replace(path)
     except OSError as error:
