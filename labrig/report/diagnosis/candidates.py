@@ -19,6 +19,7 @@ MOST = 14  # candidates that are drawn
 VISIBLE = 4.0  # sigmas from which on an effect would be found
 _REACH = 1.645  # standard uncertainties to either side: 90 %
 _LINEAR = 10.0  # up to here the axis of ln Bayes factors is linear, beyond logarithmic
+_BARS_IN, _LEAST_IN = 1.6, 2.8  # widths of panels, which their titles need
 _SOFT = "#9aa4b0"
 
 
@@ -68,8 +69,9 @@ def signatures_figure(found: Diagnosis) -> Figure | None:
         return None
     order = np.argsort(-np.nan_to_num(seen.detectability))
     names = [title(seen.names[i]) for i in order]
-    with figure(0.2 * n + 3.4, 0.2 * n + 1.9) as fig:
-        panels = fig.subplots(1, 2, width_ratios=[1.0, 0.28], sharey=True)
+    wide = max(0.2 * n, _LEAST_IN)
+    with figure(wide + 3.4, 0.2 * n + 1.9) as fig:
+        panels = fig.subplots(1, 2, width_ratios=[wide, _BARS_IN], sharey=True)
         alike = np.abs(seen.cosine)[np.ix_(order, order)]
         hidden = np.array([seen.names[i] in found.invisible for i in order])
         alike = np.where(hidden[:, None] | hidden[None], np.nan, alike)
