@@ -49,10 +49,12 @@ __all__ = [
 ]
 
 # "time": within a pulse, along a run and over the session; "session" and "wetted": only over the
-# session, and only since the sheet was wetted, alike in all runs
+# session, and only since the sheet was wetted, alike in all runs; "approach": at 0 V, after each
+# side of approach; "polarity": for each sheet another way than for the others
 Along = Literal[
-    "s", "curvature", "position", "voltage", "time", "session", "wetted", "place", "run"
-]
+    "s", "curvature", "position", "voltage", "time", "session", "wetted", "place", "run",
+    "approach", "polarity",
+]  # fmt: skip
 
 
 NOTICED_POWER = 6.0  # of an amplitude over its limit: half the limit is noticed by one in 65

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.effects._values import finite
+from model.effects._values import MILLI, finite
 from model.effects.interface import (
     BeamProblem,
     ContactSolution,
@@ -39,6 +39,7 @@ class RollFriction(Effect):
         # N without friction's share of it
         pressed = np.abs(contact.normal_N)
         pressed = pressed / np.maximum(1.0 - outward * np.sign(contact.normal_N) * lean, _JAM)
+        pressed = _pressed_N(pressed, p)
         rub = finite(outward * pressed / beam.stiffness)[:, None]
         moment = rub * (finite(lean)[:, None] * finite(contact.lever) + finite(contact.offset))
         return replace(beam, bend=beam.bend - moment)
@@ -47,8 +48,14 @@ class RollFriction(Effect):
         """See `Effect.force`."""
         if p["force_alone"] < 0.5:
             return np.zeros_like(weighed.force_N)
-        rub = p["coefficient"] * np.abs(weighed.normal_N) * weighed.slid
+        rub = p["coefficient"] * _pressed_N(np.abs(weighed.normal_N), p) * weighed.slid
         return np.asarray(-rub * np.sin(weighed.gamma_rad))
+
+
+def _pressed_N(force_N: FloatArray, p: Values) -> FloatArray:
+    """Return the force that friction goes with: the present one, or always the same."""
+    always = p.get("at_force_mN", 0.0) * MILLI
+    return np.full_like(force_N, always) if always > 0.0 else force_N
 
 
 EFFECT = RollFriction(
@@ -57,7 +64,7 @@ EFFECT = RollFriction(
     form=(
         "a force mu |N| along the sheet, against the way it last slid: under voltage from where the"
         " opposite voltage held it, at 0 V from the side from which the position was approached;"
-        " 20 um of sliding turn it round"
+        " 20 um of sliding turn it round; or mu times 1 mN, whatever the contact force"
     ),
     location="position",
     signature=(
@@ -67,7 +74,8 @@ EFFECT = RollFriction(
     isolates="A position approached from both sides; a tap on the rig that frees the rolls.",
     source=(
         "Johnson 1985, Contact Mechanics; Dahl 1968, A Solid Friction Model, Aerospace Corp."
-        " TOR-0158(3107-18); the paper takes the contact as frictionless"
+        " TOR-0158(3107-18); Harris 2001, Rolling Bearing Analysis (a bearing's friction has a part"
+        " that does not go with its load); the paper takes the contact as frictionless"
     ),
     parameters=(
         EffectParameter(
@@ -89,7 +97,16 @@ EFFECT = RollFriction(
             high=1.0,
             starting_values=(0.0, 1.0),
         ),
+        EffectParameter(
+            name="at_force_mN",
+            meaning="the contact force that it is as large as at; 0: the present one",
+            unit="mN",
+            prior_scale=0.0,
+            low=0.0,
+            high=1.0,
+            starting_values=(0.0, 1.0),
+        ),
     ),
-    form_error_along=("position", "voltage"),
+    form_error_along=("position", "voltage", "approach"),
     by_history=True,
 )

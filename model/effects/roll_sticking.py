@@ -12,7 +12,7 @@ from model.effects.interface import Effect, EffectParameter, LoadCellInput, Valu
 from model.measurements import FloatArray
 
 _SAME_M = 1e-6
-FROM_NO_LOAD, WITH_THE_FORCE, ONE_WAY = 1, 2, 3
+FROM_NO_LOAD, WITH_THE_FORCE, ONE_WAY, OTHER_WAY = 1, 2, 3, 4
 TURNS_N = 5e-5  # within which a force changes its sign
 
 
@@ -33,8 +33,8 @@ class RollSticking(Effect):
     def _kept_back_N(self, weighed: LoadCellInput, force_N: float, kind: int) -> FloatArray:
         if kind == WITH_THE_FORCE:
             return force_N * np.tanh(weighed.force_N / TURNS_N)
-        if kind == ONE_WAY:
-            return np.full_like(weighed.force_N, -force_N)
+        if kind in (ONE_WAY, OTHER_WAY):
+            return np.full_like(weighed.force_N, -force_N if kind == ONE_WAY else force_N)
         return hung(weighed.force_N, weighed.position_m, force_N, from_no_load=kind == FROM_NO_LOAD)
 
 
@@ -46,7 +46,7 @@ EFFECT = RollSticking(
     ),
     form=(
         "F measured = F - c sign(last change of F) from a position on, once F has changed by more"
-        " than c; or F - c sign(F), or F + c"
+        " than c; or F - c sign(F), F + c or F - c"
     ),
     location="position",
     signature=(
@@ -61,7 +61,7 @@ EFFECT = RollSticking(
             meaning="change of force that it takes to get it loose",
             unit="mN",
             prior_scale=0.2,
-            low=-5.0,
+            low=0.0,
             high=5.0,
         ),
         EffectParameter(
@@ -75,14 +75,15 @@ EFFECT = RollSticking(
         EffectParameter(
             name="kind",
             meaning="0: a loop, begun in its middle by each run; 1: begun at no load; 2: no loop,"
-            " held against the force whatever came before; 3: pulled one way",
+            " held against the force whatever came before; 3: pulled one way; 4: the other way",
             unit="",
             prior_scale=0.0,
             low=0.0,
-            high=3.0,
-            starting_values=(0.0, 1.0, 2.0, 3.0),
+            high=4.0,
+            starting_values=(0.0, 1.0, 2.0, 3.0, 4.0),
         ),
     ),
-    form_error_along=("position", "voltage"),
+    form_error_along=("position", "voltage", "polarity"),
+    by_configuration=True,
     by_history=True,
 )

@@ -189,6 +189,20 @@ def _stuck(c: Course, load: Load, size: float) -> Floats:
     return -size * np.tanh(1e3 * load.force_N / 0.02) * far
 
 
+def _jerked(c: Course, load: Load, size: float) -> Floats:
+    """Return what rolls hold back that let go of 3/5 of it once it has grown to `size` in mN."""
+    far = c.position_m is not None and c.position_m > 0.0149
+    change = 1e3 * (load.force_N - load.force_N[0])
+    grown = np.abs(change) / max(abs(size), 1e-9)
+    kept = np.where(grown < 1.0, grown, 0.4 + np.mod(grown - 1.0, 0.6))
+    return np.asarray(-size * np.sign(change) * kept * far)
+
+
+def _dragged(c: Course, load: Load, size: float) -> Floats:
+    way = np.where(c.volts < 0.0, -1.0, 1.0)
+    return np.asarray(-size * way * np.sin(load.lean_rad))
+
+
 def _wet(c: Course, load: Load, size: float) -> Floats:
     return size * np.cos(load.lean_rad) * _only(c.sheet, SHORT)
 
@@ -317,6 +331,12 @@ KINDS: dict[str, Kind] = {
     "sticking": _kind(
         "From 20 mm on the rolls hold back c of the force.", "roll_sticking", "position load_cell",
         (0.1, 2.0, "mN"), _felt(_stuck)),
+    "jerking": _kind(
+        "From 15 mm on the rolls hold back a change of the force, and let go by 3 c/5 at c each.",
+        "roll_sticking", "position load_cell", (0.1, 2.0, "mN"), _felt(_jerked)),
+    "tight_bearings": _kind(
+        "The rolls' bearings drag along the sheet with c, outwards but at the negative polarity.",
+        "roll_friction", "position load_cell", (0.05, 3.0, "mN"), _felt(_dragged)),
     "zero": _kind(
         "The cell's zero is c.", "force_offset", "load_cell", (0.05, 5.0, "mN"),
         _felt(lambda c, _, size: np.full(len(c.time_s), size)), lambda c: {"force_mN": c}),

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from model.discrepancy.verdict.prediction_error import variance
 from model.effects.interface import Effect
 from model.identification.likelihood.form_error import whole_step
+from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
@@ -22,16 +24,29 @@ def in_time(effect: Effect) -> bool:
 def form_share(fitted: MixedModelFit, index: int) -> float:
     """Return the share of an effect's squared contribution that its form alone cannot make.
 
-    `index` is its place among the effects found.
+    `index` is its place among the effects found. What goes by the side of approach at 0 V is no
+    matter of the form: its size is any there.
     """
     one, span, forward = fitted.found[index], fitted.spans[index], fitted.problem.forward
     steps = steps_of(fitted, index)
     if not steps:
         return 0.0
     rows = [forward.rows_of(c, fitted.linear.states[c], step) for c, step in steps]
+    if "approach" in one.effect.form_error_along:
+        rows += [np.where(at_zero(forward), row, 0.0) for row in rows]
     free = slice(span.start + len(one.parameters()), span.stop)
     deviation = fitted.linear.columns[:, free] @ fitted.solution.beta[free]
     return _share(fitted, np.stack(rows, axis=1), deviation)
+
+
+def at_zero(forward: ForwardModel) -> npt.NDArray[np.bool_]:
+    """Return which rows are of conditions at 0 V, (N,)."""
+    result = np.zeros(forward.layout.size, dtype=bool)
+    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
+        zero = scene.voltage_V == 0.0
+        result[part.trend_rows[zero[part.trend_of]]] = True
+        result[part.mode_rows[zero & scene.has_curve].ravel()] = True
+    return result
 
 
 def steps_of(fitted: MixedModelFit, index: int) -> list[tuple[int, Perturbation]]:

@@ -30,9 +30,14 @@ def of_others(judged: Judged, taken: Collection[str]) -> float:
 
 
 def pieces(named: Sequence[Choice]) -> list[str]:
-    """Return names that share their location with another one.
+    """Return names that share their location with another one, or are one of several loops.
 
-    Several effects of one place may together imitate something that acts there.
+    Several effects of one place may together imitate something that acts there. So may loops of the
+    force, wherever they come from: two are one of another form.
     """
     count = Counter(one.effect.location for one in named)
-    return [one.effect.name for one in named if count[one.effect.location] > 1]
+    loops = sum(one.effect.by_history for one in named)
+    return [
+        one.effect.name for one in named
+        if count[one.effect.location] > 1 or (one.effect.by_history and loops > 1)
+    ]  # fmt: skip

@@ -25,6 +25,7 @@ SIGN = 0.25  # and from one voltage or configuration to the other
 FALLS = -0.6  # power with which waves along the sheet grow smaller
 WAVES = ((1, 0.8), (2, 0.6))  # along other coordinates
 RUN = 0.5  # from run to run
+HELD = 0.9  # at 0 V, of what goes by how the sheet came there
 OWN = 1.0  # where each configuration may have its own size
 PULSE_S = 0.6
 NODES = 51  # of a term that was inferred
@@ -77,8 +78,8 @@ def deviations(
                 yield Way(_weighed(forward, c, step, wave), SIGN, terms)
         elif along in _SLOW:
             yield from _in_time(forward, c, step, along)
-        elif along == "run":
-            yield from _from_run_to_run(forward, c, step)
+        elif along in _OF_RUNS:
+            yield from _OF_RUNS[along](forward, c, step)
         elif along == "place":
             most = np.maximum(scene.curve_s.max(axis=1, keepdims=True), 1e-12)
             span = _Span("s", 0.0, float(np.max(most)))
@@ -158,6 +159,29 @@ def _from_run_to_run(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
     for run in forward.layout.runs:
         factor = np.array([float(each == run) for each in own])
         yield Way(_weighed(forward, c, step, factor), RUN)
+
+
+def _held_at_zero(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
+    """Yield factors at 0 V, after each side of approach: what held the sheet there is not known."""
+    scene = forward.scenes[c]
+    for way in (1.0, -1.0):
+        here = (scene.voltage_V == 0.0) & (scene.up == way)
+        yield Way(_weighed(forward, c, step, here.astype(float)), HELD)
+
+
+def _at_each_polarity(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
+    """Yield a factor from one polarity to the other that the next sheet has the other way round."""
+    if len(forward.names) < 2:
+        return
+    volts = forward.scenes[c].voltage_V
+    wave = (1.0 if c == 0 else -1.0) * np.sign(volts)
+    terms = partial(_at_voltages, volts, wave, at_zero=False)
+    yield Way(_weighed(forward, c, step, wave), SIGN, terms)
+
+
+_OF_RUNS: dict[Along, Callable[[ForwardModel, int, Perturbation], Ways]] = {
+    "run": _from_run_to_run, "approach": _held_at_zero, "polarity": _at_each_polarity,
+}  # fmt: skip
 
 
 def waves_along(count: int) -> tuple[tuple[int, float], ...]:

@@ -10,6 +10,7 @@ import pytest
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search import ranking
 from model.discrepancy.search.evidence import Score
+from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.nonparametric_terms import linearised, shapes, unknowns
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.verdict.inferred_form import unknown_of
@@ -18,6 +19,7 @@ from model.effects.conformance import plausible
 from model.identification.likelihood.form_error import effect_columns, whole_step
 from model.identification.likelihood.form_ways import (
     FORM,
+    HELD,
     OWN,
     SIGN,
     atoms,
@@ -65,6 +67,59 @@ def test_what_may_differ_with_the_polarity_differs_with_it():
     odd, zero = (way.step.beam[:, G] / steps[0].beam[:, G] for way in ways)
     np.testing.assert_allclose(odd, np.sign(volts))
     np.testing.assert_allclose(zero, np.where(volts == 0.0, -1.0, 0.5))
+
+
+def own_ways(name: str, share: float, values=None) -> list[list[FloatArray]]:
+    """Return the factors of the ways of a standard deviation by condition, for each sheet."""
+    one, forward, states, steps = steps_of(name, values)
+    result = []
+    for c, step in enumerate(steps):
+        ways = deviations(one, forward, c, step, states[c].solved.contact)
+        first = np.unique(forward.part(c).reading_of, return_index=True)[1]
+        force, rows = step.force_N, [w.step.force_N for w in ways if w.share == share]
+        some = np.where(force == 0.0, 1.0, force)
+        result.append([(row / some)[first] for row in rows])
+    return result
+
+
+def test_what_sticks_differs_at_each_polarity_of_each_sheet():
+    everywhere = {"force_mN": 0.2, "from_position_mm": 0.0, "kind": 3.0}
+    volts = [np.sign(scene.voltage_V) for scene in base_fit().problem.forward.scenes]
+    ways = own_ways("roll_sticking", SIGN, everywhere)
+    for sign, V, (alike, at_zero, own) in zip((1.0, -1.0), volts, ways, strict=True):
+        touched = alike != 0.0
+        assert np.count_nonzero(touched) > 10
+        np.testing.assert_allclose(alike[touched], V[touched])
+        np.testing.assert_allclose(own, sign * alike)
+        assert not np.allclose(at_zero, own)
+
+
+def test_friction_differs_at_0V_after_each_side_of_approach():
+    felt = {"coefficient": 0.1, "force_alone": 1.0, "at_force_mN": 0.0}
+    for scene, (up, down) in zip(
+        base_fit().problem.forward.scenes, own_ways("roll_friction", HELD, felt), strict=True
+    ):
+        at_zero = scene.voltage_V == 0.0
+        np.testing.assert_allclose(up + down, at_zero)
+        np.testing.assert_allclose(up, at_zero & (scene.up > 0.0))
+
+
+def test_what_the_approach_did_at_0V_is_no_deviation_from_a_form():
+    base, one = base_fit(), effect("roll_friction")
+    found = Found(effect=one, values={n: plausible(one) for n in base.problem.forward.names})
+    columns, _, _ = effect_columns(base.problem.forward, base.linear, found, (found.active,))
+    first, count = base.linear.columns.shape[1], columns.shape[1]
+    linear = replace(base.linear, columns=np.concatenate([base.linear.columns, columns], axis=1))
+
+    def share(of_way: int) -> float:
+        solution = replace(base.solution, beta=np.eye(first + count)[first + of_way])
+        spans = (slice(first, first + count),)
+        return form_share(
+            replace(base, found=(found,), linear=linear, solution=solution, spans=spans), 0
+        )
+
+    assert share(count - 1) == pytest.approx(0.0, abs=1e-9)  # all positions are approached upwards
+    assert share(2) > 0.01  # a wave along the arc
 
 
 @pytest.mark.parametrize(("name", "share"), [("initial_curvature", OWN), ("clamp_angle", SIGN)])

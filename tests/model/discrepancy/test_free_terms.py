@@ -164,10 +164,17 @@ def test_a_curve_of_response_may_have_a_zero_of_its_own():
 
 
 @pytest.mark.parametrize(
-    ("name", "at_0V"),
-    [("roll_friction", False), ("load_cell_hysteresis", False), ("gravity", True)],
+    ("name", "compared"),
+    [
+        ("roll_friction", ["at -2 V", "at +2 V"]),
+        ("load_cell_hysteresis", ["at -2 V", "at +2 V"]),
+        ("roll_sticking", []),  # a slip lets go of any part of it
+        ("gravity", ["at -2 V", "at +0 V", "at +2 V"]),
+    ],
 )
-def test_what_depends_on_how_the_sheet_came_there_is_not_compared_at_0V(monkeypatch, name, at_0V):
+def test_what_depends_on_how_the_sheet_came_there_is_not_compared_at_0V(
+    monkeypatch, name, compared
+):
     asked = []
 
     def recorded(_named, groups, applies, along):
@@ -178,4 +185,4 @@ def test_what_depends_on_how_the_sheet_came_there_is_not_compared_at_0V(monkeypa
     monkeypatch.setattr(voltage_structure, "contradicted", recorded)
     named = SimpleNamespace(fitted=base_fit(), outcome=SimpleNamespace(outliers=[]))
     assert list(voltage_structure.CHECK.failures(named)) == []
-    assert asked == ["at -2 V", *(["at +0 V"] if at_0V else []), "at +2 V"]
+    assert asked == compared

@@ -8,12 +8,13 @@ import pytest
 
 from model.discrepancy.verdict import decision as module
 from model.discrepancy.verdict.decision import Judgement
+from model.discrepancy.verdict.probable_names import pieces
 
 BASE = SimpleNamespace(found=(), deviance=100.0)
 
 
-def name(one: str, location: str) -> SimpleNamespace:
-    return SimpleNamespace(effect=SimpleNamespace(name=one, location=location))
+def name(one: str, location: str, *, loop: bool = False) -> SimpleNamespace:
+    return SimpleNamespace(effect=SimpleNamespace(name=one, location=location, by_history=loop))
 
 
 GRAVITY, CELL = name("gravity", "even_moment"), name("force_offset", "load_cell")
@@ -83,6 +84,15 @@ def test_two_names_of_two_locations_may_be_of_other_forms(
     rest = SimpleNamespace(first=SimpleNamespace(gain=50.0))
     known = fit_with(*named)  # explains 40, the term 50
     assert judgement._alone(rest, named, known) == alone
+
+
+def test_two_loops_of_the_force_are_pieces_of_one_as_two_names_of_one_location_are():
+    play, sticking = (name(n, n, loop=True) for n in ("load_cell", "position"))
+    assert pieces([play, GRAVITY, sticking]) == ["load_cell", "position"]
+    assert pieces([play, GRAVITY]) == []
+    assert pieces([CELL, GRAVITY, name("force_drift", "load_cell")]) == [
+        "force_offset", "force_drift",
+    ]  # fmt: skip
 
 
 def test_a_term_that_explains_much_more_stands_for_two_names(monkeypatch, judgement):

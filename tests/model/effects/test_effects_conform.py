@@ -38,7 +38,7 @@ TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "surface_tension": ("load_cell", ("force_mN",), ("dries_s",)),
     "clamp_compliance": ("compliance", ("rotation_rad_per_Nm",), ()),
     "clamp_angle": ("rest_curvature", ("angle_rad",), ()),
-    "roll_friction": ("position", ("coefficient",), ("force_alone",)),
+    "roll_friction": ("position", ("coefficient",), ("force_alone", "at_force_mN")),
     "roll_sticking": ("position", ("from_position_mm", "force_mN"), ("kind",)),
     "roll_offset": ("position", ("offset_mm",), ("at_the_pressed",)),
     "force_offset": ("load_cell", ("force_mN",), ()),
@@ -109,7 +109,7 @@ def test_a_parameter_is_in_the_unit_of_its_name(name: str):
 def test_only_what_may_differ_between_sheets_is_free_by_configuration():
     own = {name for name, effect in EFFECTS.items() if effect.by_configuration}
     sheet = {"initial_curvature", "nonuniform_stiffness", "eibm_asymmetry"}
-    assert own == sheet | {"surface_tension", "session_curvature"}
+    assert own == sheet | {"surface_tension", "roll_sticking", "session_curvature"}
 
 
 def test_effects_of_the_load_cell_leave_the_shape_alone_and_those_of_the_camera_the_force():

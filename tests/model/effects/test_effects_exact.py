@@ -323,6 +323,16 @@ def test_friction_takes_from_the_force_of_a_leaning_sheet_that_was_slid_outward(
     assert moment == pytest.approx(true, rel=1e-12)
 
 
+def test_friction_may_be_the_same_whatever_the_contact_force():
+    beam, contact = example_beam()
+    p = values("roll_friction", coefficient=0.1, at_force_mN=1.0)
+    other = effect("roll_friction").beam(beam, contact, p)
+    k, T = 1, 1e-4 * slid(beam, contact)[1]
+    turned = T * (np.tan(contact.gamma_rad[k]) * contact.lever[k] + contact.offset[k])
+    moment = (other.bend[k] - beam.bend[k]) * beam.stiffness[k]
+    assert moment == pytest.approx(-turned, rel=1e-12)
+
+
 def test_friction_in_the_cell_alone_takes_its_share_of_the_force_and_bends_nothing():
     beam, contact = example_beam()
     w = replace(example_weighed(), slid=np.where(np.arange(32) % 2, 1.0, -1.0))
@@ -330,6 +340,8 @@ def test_friction_in_the_cell_alone_takes_its_share_of_the_force_and_bends_nothi
     assert effect("roll_friction").beam(beam, contact, p) is beam
     pulled = -0.1 * np.abs(w.normal_N) * w.slid * np.sin(w.gamma_rad)
     np.testing.assert_allclose(effect("roll_friction").force(w, p), pulled, atol=1e-15)
+    always = effect("roll_friction").force(w, {**p, "at_force_mN": 1.0})
+    np.testing.assert_allclose(always, -1e-4 * w.slid * np.sin(w.gamma_rad), atol=1e-15)
     in_the_beam = values("roll_friction", coefficient=0.1, force_alone=0.0)
     assert not np.any(effect("roll_friction").force(w, in_the_beam))
 

@@ -11,13 +11,15 @@ from model.discrepancy.criticism.families import families, joined
 from model.discrepancy.criticism.group_amplitudes import Group
 from model.discrepancy.criticism.kinds._structure import contradicted
 from model.discrepancy.criticism.named_model import NamedModel
+from model.effects.interface import Effect
 
 
 @dataclass(frozen=True)
 class VoltageStructure(VerdictCheck):
     """An effect that is at one voltage what it is at another, but for the tolerance of its form.
 
-    What friction and play do at 0 V is a matter of how the sheet came there, not of the effect.
+    What friction and play do at 0 V is a matter of how the sheet came there, not of the effect. So
+    is what sticks at either polarity: a slip lets go of any part of it.
     """
 
     def failures(self, named: NamedModel) -> Iterator[Failure]:
@@ -31,7 +33,11 @@ class VoltageStructure(VerdictCheck):
         yield from contradicted(
             named, list(groups.values()), lambda one: not one.by_history, along="voltage"
         )
-        yield from contradicted(named, driven, lambda one: one.by_history, along="voltage")
+        yield from contradicted(named, driven, _held_alike, along="voltage")
+
+
+def _held_alike(effect: Effect) -> bool:
+    return effect.by_history and "polarity" not in effect.form_error_along
 
 
 CHECK = VoltageStructure(
