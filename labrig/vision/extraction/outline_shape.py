@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -13,18 +14,24 @@ from labrig.vision.curve import StripGeometry
 from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
 from labrig.vision.extraction.likeliest_paths import CLAMP_REACH_PX
 from labrig.vision.fit.course import StripCourse, completed, course_along
+from labrig.vision.fit.faint_tip import BEGIN_WIDTHS, tip_beyond
 from labrig.vision.fit.leading_on import LedOn, led_on_by_profile
 from labrig.vision.fit.outline import ROUNDS, OutlineFit, fit_outline
 from labrig.vision.fit.outline_blocks import Blocks
+from labrig.vision.fit.path_fit import fit_path
 from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.located import Located
+from labrig.vision.search.straightened import resampled
 from labrig.vision.search.work import OutlineWork
 from labrig.vision.thresholds import LED_ON_MIN_WIDTHS
 
 FloatArray = npt.NDArray[np.float64]
 
+PATH_STEP_PX = 0.5
+TIP_WIDTHS, TIP_MIN_PX = 2.5, 14.0  # beyond an end: so far a fading tip is followed
+TIP_PASSES = 3  # each leads on from where the one before it ended
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
 FURTHER_ROUNDS = 20  # in which a strip is followed beyond its located end, at most
 # how far beyond an end it is looked for: in widths, at least, and of the length
@@ -53,6 +60,7 @@ class Outline:
     end_sigma_px: float
     leaves_image: bool  # where it ends
     goes_on: bool  # something that looks different
+    by_path: bool = False  # along a path through stated places, for edges do not show it
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -69,13 +77,12 @@ class _Fitter:
         self, shape: CurveShape, *, rounds: int = ROUNDS, whole: bool = False
     ) -> OutlineFit | None:
         """Return the curve beside a first one; `whole`: which is that from begin to end."""
-        prior = np.array([COARSE_OFFSET_SIGMA_RATIO * self.width_px + 1, COARSE_ANGLE_SIGMA_RAD])
         return fit_outline(
             shape,
             self.images,
             self.optics,
             width_px=self.width_px,
-            prior=prior,
+            prior=_coarse_prior(self.width_px),
             work=self.work,
             rounds=rounds,
             completed=self._without_ends if whole else self._completed,
@@ -128,6 +135,19 @@ class _Fitter:
             fit, course = longer, self.course(longer.shape)
         return fit, course
 
+    def to_faint_tip(self, shape: CurveShape, end: float) -> tuple[CurveShape, float]:
+        """Return a curve led on along a tip that becomes thinner or fades, and how far."""
+        last, more = end, max(TIP_WIDTHS * self.width_px, TIP_MIN_PX)
+        for _ in range(TIP_PASSES):
+            before = _cut(shape, last - BEGIN_WIDTHS * self.width_px, self.width_px)
+            on = _cut(before, end + more, self.width_px)
+            tip = tip_beyond(on, last, self.images, self.optics, self.width_px)
+            if tip is None:
+                break
+            last = tip.end_px
+            shape = _cut(before, last, self.width_px, way=tip.way)
+        return shape, last - end
+
     def _aside(self, shape: CurveShape, end: float, more: float) -> CurveShape | None:
         """Return the curve led on along the strip's profile, where more of the strip shows so."""
         whole = _cut(shape, end, self.width_px)
@@ -179,18 +199,55 @@ def fitted_outline(
     if optics.tip_px is None:
         fit, course = fitter.followed(fit)
         end, sigma = course.end
+        whole = fit.shape
+        if not course.leaves_image:
+            whole, longer_px = fitter.to_faint_tip(fit.shape, end)
+            end, sigma = end + longer_px, math.hypot(sigma, longer_px / math.sqrt(12))
     else:
         more = max(BEYOND_WIDTHS * width, BEYOND_MIN_PX)
         longer = _cut(fit.shape, fit.shape.basis.total_px + more, width)
         course = fitter.course(longer)
         end, sigma = _near_tip(longer, course, optics.tip_px, optics)
+        whole = fit.shape
     if end < 3 * width:
         return None
-    begin = _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
-    again = fitter.fit(_cut(fit.shape, end, width, begin_px=begin), rounds=4, whole=True)
+    # who states places on the strip has looked where it begins, too
+    begin = 0.0 if places else _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
+    again = fitter.fit(_cut(whole, end, width, begin_px=begin), rounds=4, whole=True)
     if again is None:
         return None
     return _outline(_with_rivals(again, images, there), fitter, located, course, (end, sigma))
+
+
+def outline_along_path(optics: Optics, likeliest: Sequence[Located]) -> Outline:
+    """Return the curve along the likeliest path through stated places to a stated tip.
+
+    Paths of other channels show how well it is known.
+    """
+    located, *others = likeliest
+    plane = optics.pixel_to_world(located.path_px) * optics.px_per_m
+    total = float(np.hypot(*np.diff(plane, axis=0).T).sum())
+    width = located.thickness_px
+    there, shape = _first_shape(plane, optics, width, total, total)
+    fit = fit_path(
+        shape,
+        resampled(plane, PATH_STEP_PX),
+        width_px=width,
+        clearness=located.clearness,
+        prior=_coarse_prior(width),
+        places=StatedPlaces.of(optics, width),
+        others_px=[optics.pixel_to_world(each.path_px) * optics.px_per_m for each in others],
+    )
+    return Outline(
+        fit=fit,
+        optics=there,
+        located=located,
+        end_px=total,
+        end_sigma_px=TIP_SIGMA_PX,
+        goes_on=False,
+        leaves_image=False,
+        by_path=True,
+    )
 
 
 def _near_tip(
@@ -234,6 +291,11 @@ def _outline(
 def _with_rivals(fit: OutlineFit, images: Sequence[GreyImage], optics: Optics) -> OutlineFit:
     rivals, near = rival_px(fit, images, optics)
     return replace(fit, rival_px=rivals, rival_near=near)
+
+
+def _coarse_prior(width_px: float) -> FloatArray:
+    """Return how well a located begin and its direction are known."""
+    return np.array([COARSE_OFFSET_SIGMA_RATIO * width_px + 1, COARSE_ANGLE_SIGMA_RAD])
 
 
 def _coefficients(length_px: float, width_px: float) -> int:

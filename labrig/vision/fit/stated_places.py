@@ -6,6 +6,7 @@ another thing's. A clamp may be stated roughly, and then says nothing of the pla
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,6 +35,7 @@ class StatedPlaces:
     clamp_sigma_px: float
     on_strip_px: FloatArray  # (places, 2)
     sigma_px: float  # of each of these
+    tip_stated: bool = False  # the last of these is the end
 
     @classmethod
     def of(cls, optics: Optics, width_px: float) -> StatedPlaces:
@@ -44,6 +46,7 @@ class StatedPlaces:
             clamp_sigma_px=optics.clamp_sigma_px,
             on_strip_px=optics.pixel_to_world(on_strip) * optics.px_per_m,
             sigma_px=max(PLACE_SIGMA_PX, PLACE_SIGMA_WIDTHS * width_px),
+            tip_stated=optics.tip_px is not None,
         )
 
     def __bool__(self) -> bool:
@@ -69,6 +72,20 @@ class StatedPlaces:
         """Return how far to the left of a curve the clamp lies; None where it says nothing."""
         offset = float(_offset(shape, self._clamp_node(shape), self.clamp_px[None])[0])
         return offset if abs(offset) < CLAMP_SIGMAS_MAX * self.clamp_sigma_px else None
+
+    def tip_offset_px(self, shape: CurveShape) -> float | None:
+        """Return how far to the left of a curve's end the tip lies; None where it is not stated."""
+        if not self.tip_stated:
+            return None
+        end = np.array([len(shape.x) - 1])
+        return float(_offset(shape, end, self.on_strip_px[-1:])[0])
+
+    def apart_px(self, shape: CurveShape) -> float:
+        """Return the RMS distance of the places from a curve, less what they are known to."""
+        if not self:
+            return 0.0
+        square = float(np.mean(_offset(shape, self.nodes(shape), self.on_strip_px) ** 2))
+        return math.sqrt(max(square - self.sigma_px**2, 0.0))
 
     def _clamp_node(self, shape: CurveShape) -> IntArray:
         return _nearest(shape, self.clamp_px[None], max(1, round(CLAMP_SHARE * len(shape.x))))
