@@ -51,10 +51,9 @@ TAPER_DEGREE = 4  # of the polynomial that a strip's width follows along it
 TAPER_FROM = 0.08  # of the usual width: a smaller difference may be the light's
 TAPER_RATIOS = (0.3, 1.25)  # wider is more often a shadow
 TAPER_MIN_PX = 4.0  # a thinner part is looked at as one of that width
-CLAMP_WIDTHS = 0.5  # along a strip: what lies beside its clamp
+END_WIDTHS = 1.0  # along a strip: what lies beside its clamp and its tip
 CLAMP_APART_SIGMAS = 1.5  # further from the stated clamp no edges are pulled
 TIP_APART_SIGMAS = 3.0  # from a stated tip, which was looked at
-PLACES_WIDTHS = 1.0  # the same beside an end whose strip is known by places on it
 CLAMP_SIGMA_MIN_PX = 3.0  # of a clamp that is clicked, across the strip
 INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
 
@@ -286,7 +285,7 @@ def _end_pulls_px(
 ) -> FloatArray:
     """Return (blocks,) how far the middles beside the clamp and a stated tip lie too far left."""
     s, total = shape.basis.s[blocks.node], shape.basis.total_px
-    near_px = (PLACES_WIDTHS if places else CLAMP_WIDTHS) * width_px
+    near_px = END_WIDTHS * width_px
     pulls = np.zeros(len(s))
     clamp, tip = places.clamp_offset_px(shape), places.tip_offset_px(shape)
     known = max(places.clamp_sigma_px, CLAMP_SIGMA_MIN_PX)
