@@ -19,7 +19,6 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.shape import CurveShape
 from labrig.vision.curve.smoothness import JUMP_PRIORS, averaged, covariance
 from labrig.vision.fit.curve_fit import information, spread
-from labrig.vision.fit.end_pulls import end_pull_px, likeliest_pull_px
 from labrig.vision.fit.outline_blocks import (
     FRAY_HALF_BLOCKS,
     Blocks,
@@ -28,7 +27,7 @@ from labrig.vision.fit.outline_blocks import (
     without_lonely,
 )
 from labrig.vision.fit.outline_profiles import running_middle
-from labrig.vision.fit.stated_places import StatedPlaces
+from labrig.vision.fit.stated_places import StatedPlaces, end_pull_px, likeliest_pull_px
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.work import OutlineWork
 from labrig.vision.thresholds import (

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from labrig.vision.fit.end_pulls import end_pull_px, likeliest_pull_px
+from labrig.vision.fit.stated_places import end_pull_px, likeliest_pull_px
 
 WIDTH = 10.0
 AWAY = np.arange(1.0, 60.0, 3.0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.vision.curve.shape import make_basis, make_shape
-from labrig.vision.fit.faint_tip import tip_beyond
+from labrig.vision.extraction.faint_tip import tip_beyond
 from tests.labrig.vision.test_strip_end import BEGIN, COLUMNS, OPTICS, grey, picture
 
 END, TIP = 140, 160  # px from the clamp: of the strip's whole width, and of its tip

@@ -9,7 +9,7 @@ import pytest
 from labrig.cli.main import run
 from labrig.vision import neutral_curve
 from labrig.vision.curve.shape import make_basis, make_shape
-from labrig.vision.fit.path_fit import fit_path
+from labrig.vision.extraction.path_fit import fit_path
 from labrig.vision.fit.stated_places import StatedPlaces
 from tests.labrig.vision.test_outline import CLAMP, UNKNOWN, arc, beside, beside_px, drawn, stated
 
