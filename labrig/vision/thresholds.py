@@ -226,6 +226,12 @@ OUTLINE_WIDTH_SCATTER_MAX_RATIO: Final = 0.15  # of the width from block to bloc
 OUTLINE_RESIDUAL_MAX_RATIO: Final = 0.15  # of the middles about the curve, to the width
 OUTLINE_SIGMA_MAX_RATIO: Final = 0.25  # of sigma to the thickness, where that is more than 2 px
 OUTLINE_SIGMA_MAX_PX: Final = 5.0  # and at most
+# Where places are stated and edges do not show a strip so thin, the path through them is its curve,
+# known to so much: of 49 such paths on photographs of training, 45 lie within 3.3 px of readings,
+# the others within 4, 8, 10 and 15 px; those of other channels part from the last two.
+PATH_THICKNESS_MAX_PX: Final = 8.0
+PATH_SIGMA_MIN_PX: Final = 1.5
+PATH_SIGMA_RATIO: Final = 0.3  # of the thickness
 # What is tried on one image by its edges, however much in it looks like a strip. The most
 # rounds that a photograph took are 133.
 OUTLINE_ROUGH_MAX: Final = 40  # of few states in one channel: widths, polarities, places to begin
@@ -246,6 +252,12 @@ COURSE_WIDE_RATIO: Final = 0.6  # of edges further apart to the strip's: may be 
 COURSE_EDGE_RATIO: Final = 0.3  # of the weaker edge to what it was: less is none
 COURSE_PROFILE_SIGMA_MIN: Final = 0.12  # of a profile's size, against the strip's
 COURSE_STRIP_SPREAD: Final = 0.35  # of a profile's size, in that of the strip shortly before
+# Of a tip that becomes thinner or fades: its middle's contrast to the strip's; over the ground's
+# scatter; more is another thing; and the ground's change beside it, of the strip's contrast.
+TIP_CONTRAST_MIN_RATIO: Final = 0.15
+TIP_CONTRAST_MIN_SIGMAS: Final = 4.0
+TIP_OTHER_MIN_RATIO: Final = 1.6
+TIP_GROUND_MAX_RATIO: Final = 0.35
 COURSE_SEEN_MIN: Final = 1.0  # log odds of a block whose edges are too faint, to be used
 # Of the strip's profile, shown on a way beyond a measured end: more is a strip that may go on. The
 # middle of the gap between right and wrong ends on half of the photographs, by their repositories.

@@ -233,6 +233,11 @@ class Optics(StatesFacts):
         return self.distortion is not None and any(self.distortion)
 
     @property
+    def is_similarity(self) -> bool:
+        """Whether the image is the plane turned and scaled, and nothing else."""
+        return self.homography is None and not self.has_lens
+
+    @property
     def origin_undistorted_px(self) -> Point:
         """The world's origin; the clamp when the file names none."""
         if self.origin_px is not None:

@@ -41,12 +41,13 @@ class SeenOutline:
     fit: OutlineFit
     context: OutlineContext
     sigma_px: FloatArray
+    edges_seen: bool = True  # else it follows a path through stated places
     end_measured: bool  # inside of the image; neither the length nor the tip is stated
 
     @property
     def covered(self) -> float:
         """Share of the length on which both edges are seen."""
-        return float(self.fit.blocks.seen.mean())
+        return float(self.fit.blocks.seen.mean()) if self.edges_seen else 0.0
 
     @property
     def residual_px(self) -> float:

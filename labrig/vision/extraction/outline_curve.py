@@ -7,7 +7,7 @@ between its edges (`fit.outline`), its end is measured, and both are judged.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -24,13 +24,15 @@ from labrig.vision.extraction.outline_report import (
     RIVAL_STEP,
     outline_fault,
     outline_in_metres,
+    path_fault,
 )
-from labrig.vision.extraction.outline_shape import Outline, fitted_outline
+from labrig.vision.extraction.outline_shape import Outline, fitted_outline, outline_along_path
 from labrig.vision.fit.context import roll_mask
 from labrig.vision.image.image import GreyImage
-from labrig.vision.search.located import Located
+from labrig.vision.search.located import CLEARNESS_OF_NOTHING, Located
 from labrig.vision.search.straightened import distances, resampled
 from labrig.vision.search.work import OutlineWork, WorkDoneError
+from labrig.vision.thresholds import PATH_THICKNESS_MAX_PX
 
 FloatArray = npt.NDArray[np.float64]
 MaskArray = npt.NDArray[np.uint8]
@@ -110,20 +112,68 @@ def outline_curve(
     likeliest = likeliest_first(images, optics, strip, mask, work)
     if not likeliest:
         return _refused(NOTHING_THROUGH if optics.stated_places_px else NOTHING_FOUND)
+    try:
+        tried = _all_tried(images, optics, strip, likeliest, work)
+    except WorkDoneError:
+        # whether what was not looked at to its end is the strip is not known
+        return _refused(TOO_MUCH)
+    if optics.stated_places_px:
+        why, best = _chosen_through(tried, likeliest, optics)
+    elif tried:
+        why, best = _chosen(tried)
+    else:
+        why, best = UNSEEN, None
+    if why or best is None:
+        return _refused(why)
+    return outline_in_metres(best.outline, images, optics, strip)
+
+
+def _all_tried(
+    images: Sequence[GreyImage],
+    optics: Optics,
+    strip: StripGeometry,
+    likeliest: Sequence[Located],
+    work: OutlineWork,
+) -> list[_Tried]:
+    """Return what was fitted, each course once."""
     tried: list[_Tried] = []
     for located in likeliest:
         if not any(_same_course(located, each) for each in tried):
-            try:
-                fitted = _tried(images, optics, strip, located, work)
-            except WorkDoneError:
-                # whether what was not looked at to its end is the strip is not known
-                return _refused(TOO_MUCH)
+            fitted = _tried(images, optics, strip, located, work)
             if fitted is not None:
                 tried.append(fitted)
-    if not tried:
-        return _refused(UNSEEN_THROUGH if optics.stated_places_px else UNSEEN)
-    why, best = _chosen(tried)
-    return _refused(why) if why else outline_in_metres(best.outline, images, optics, strip)
+    return tried
+
+
+def _chosen_through(
+    tried: list[_Tried], likeliest: Sequence[Located], optics: Optics
+) -> tuple[str, _Tried | None]:
+    """Return the candidate through stated places that shows most of both edges, or why none does.
+
+    That there is a strip through them is stated. So another way through them widens the
+    uncertainty; and where edges do not show a thin strip, the path is its curve.
+    """
+    passing = [each for each in tried if not each.why]
+    if passing:
+        best = max(passing, key=lambda each: each.worth)
+        others = [each for each in passing if each.worth > AS_GOOD_RATIO * best.worth]
+        apart = max(_apart_px(each, best) for each in others)
+        if apart > LEAVES_MIN_PX:
+            fit = best.outline.fit.known_to(0.5 * apart)
+            best = replace(best, outline=replace(best.outline, fit=fit))
+        return "", best
+    thin = likeliest[0].thickness_px <= PATH_THICKNESS_MAX_PX
+    whole = bool(optics.through_px) and optics.tip_px is not None
+    if whole and thin and likeliest[0].clearness > CLEARNESS_OF_NOTHING:
+        outline = outline_along_path(optics, likeliest)
+        return path_fault(outline), _Tried(outline=outline, why="")
+    return (tried[0].why if tried else UNSEEN_THROUGH), None
+
+
+def _apart_px(one: _Tried, other: _Tried) -> float:
+    """Return how far one curve leads from another, at most."""
+    path, along = resampled(one.path_px, 2.0), resampled(other.path_px, 2.0)
+    return float(distances(path, along).min(axis=1).max())
 
 
 def _chosen(tried: list[_Tried]) -> tuple[str, _Tried]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -36,6 +37,15 @@ from labrig.vision.uncertainty.parts import calibration_m
 
 START_SHARE = 1 / 12  # of a curve, that shows its direction at the clamp
 ASSUMED = "measured in the image, not stated: "  # so the warning begins that lists it
+HIDDEN = (
+    "check of hidden parts failed: where the strip is hidden or unclear it is known to "
+    "±{loose:.1f} pixels only; make more of it visible, or state places there (--through)."
+)
+BY_PATH = (
+    "the strip's edges are too faint to be measured: the curve follows what looks most like a "
+    "strip from one stated place to the next"
+)
+STATED_RIVAL_RATIO = 2.0  # of the largest sigma, with rival edges, of a strip that is stated
 RIVAL_STEP = "check of the edges failed"  # the step that a refusal for rival edges names
 
 
@@ -47,6 +57,9 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     loose = float(fit.inner_sigma_px.max())
     most = min(OUTLINE_SIGMA_MAX_PX, OUTLINE_SIGMA_MAX_RATIO * width)
     most = max(HIDDEN_SIGMA_MAX_PX, most)
+    if optics.stated_places_px and fit.rival_px is not None and loose < STATED_RIVAL_RATIO * most:
+        # which edge is the strip's only widens what is known of one that is stated
+        loose = float(replace(fit, rival_px=None).inner_sigma_px.max())
     unseen = "" if optics.stated_places_px else _unseen_fault(blocks)
     if unseen:
         return unseen
@@ -91,12 +104,13 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
             f"as clear, {np.max(fit.rival_px):.0f} pixels further out; light the strip evenly, "
             "state the thickness, or mask what lies beside it (--mask)."
         )
-    if loose > most:
-        return (
-            "check of hidden parts failed: where the strip is hidden or unclear it is known to "
-            f"±{loose:.1f} pixels only; make more of it visible, or state places there (--through)."
-        )
-    return ""
+    return HIDDEN.format(loose=loose) if loose > most else ""
+
+
+def path_fault(outline: Outline) -> str:
+    """Return why a path through stated places is no curve; empty where it is."""
+    loose = float(outline.fit.inner_sigma_px.max())
+    return HIDDEN.format(loose=loose) if loose > STATED_PLACE_MAX_PX else ""
 
 
 def _unseen_fault(blocks: Blocks) -> str:
@@ -178,6 +192,8 @@ def outline_in_metres(
     many = max(1, int(np.median(np.diff(fit.blocks.node))))
     for node in fit.blocks.node[fit.blocks.seen]:
         seen[max(0, node - many // 2 - 1) : node + many // 2 + 2] = True
+    if outline.by_path:
+        seen[:] = False
     contrast = float(np.median(fit.blocks.strength[fit.blocks.seen]))
     sigma_m = np.hypot(
         fit.sigma_px / ppm, calibration_m(shape.x / ppm, shape.y / ppm, shape.phi, optics)
@@ -192,14 +208,16 @@ def outline_in_metres(
                 sign=outline.located.sign,
             ),
             sigma_px=sigma_m * ppm,
+            edges_seen=not outline.by_path,
             end_measured=not (strip.length_known or optics.tip_px or outline.leaves_image),
         )
     )
+    warned = (*_assumed(outline, optics, strip), *((BY_PATH,) if outline.by_path else ()))
     if said.why:
         return NeutralCurve(ok=False, why=said.why)
     return NeutralCurve(
         ok=True,
-        warnings=(*images[0].warnings, *_assumed(outline, optics, strip), *said.warnings),
+        warnings=(*images[0].warnings, *warned, *said.warnings),
         s_m=shape.basis.s / ppm,
         x_m=shape.x / ppm,
         y_m=shape.y / ppm,
@@ -214,7 +232,7 @@ def outline_in_metres(
         free_length_m=shape.basis.free_px / ppm,
         thickness_m=float(np.median(fit.blocks.width_px[fit.blocks.by_edges])) / ppm,
         polarity="bright" if outline.located.sign > 0 else "dark",
-        covered=float(fit.blocks.seen.mean()),
+        covered=0.0 if outline.by_path else float(fit.blocks.seen.mean()),
         seen=seen,
         residual_px=fit.residual_px,
         end_sigma_m=0.0 if strip.length_known else outline.end_sigma_px / ppm,

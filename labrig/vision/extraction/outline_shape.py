@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -10,31 +11,35 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import StripGeometry
-from labrig.vision.curve.shape import CurveShape, fit_angles, make_basis, make_shape
+from labrig.vision.curve.shape import CurveShape
+from labrig.vision.extraction.faint_tip import BEGIN_WIDTHS, tip_beyond
+from labrig.vision.extraction.first_shape import cut, first_shape
 from labrig.vision.extraction.likeliest_paths import CLAMP_REACH_PX
+from labrig.vision.extraction.path_fit import fit_path
 from labrig.vision.fit.course import StripCourse, completed, course_along
-from labrig.vision.fit.leading_on import LedOn, led_on_by_profile
+from labrig.vision.fit.leading_on import led_on_by_profile
 from labrig.vision.fit.outline import ROUNDS, OutlineFit, fit_outline
 from labrig.vision.fit.outline_blocks import Blocks
 from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.located import Located
+from labrig.vision.search.straightened import resampled
 from labrig.vision.search.work import OutlineWork
 from labrig.vision.thresholds import LED_ON_MIN_WIDTHS
 
 FloatArray = npt.NDArray[np.float64]
 
+PATH_STEP_PX = 0.5
+TIP_WIDTHS, TIP_MIN_PX = 2.5, 14.0  # beyond an end: so far a fading tip is followed
+TIP_PASSES = 3  # each leads on from where the one before it ended
 BEGIN_BLOCKS = 3  # that show both edges: so begins a strip
 FURTHER_ROUNDS = 20  # in which a strip is followed beyond its located end, at most
 # how far beyond an end it is looked for: in widths, at least, and of the length
 BEYOND_WIDTHS, BEYOND_MIN_PX, BEYOND_SHARE = 4.0, 16.0, 0.06
-BEYOND_TURN_MAX_RAD = 0.5  # of the strip there, as it bends before
 COARSE_OFFSET_SIGMA_RATIO = 0.5  # of a located begin, in widths
 COARSE_ANGLE_SIGMA_RAD = 0.4
 END_ROOM_RATIO = 0.06  # of a stated length: how far beyond it the strip is looked for
-LONGEST_CELL_PX = 1.0
-COEFFICIENTS = (6, 41)
 WIDTH_CHANGES = (0.8, 1.25)  # from a located width to the fitted one, at most
 BEGIN_SHARE = 1 / 16  # of the length, in which a clamp may hide where the strip begins
 LED_ON_RATIO = 1.5  # of what is led on by the profile, to how far the strip is looked for
@@ -53,6 +58,7 @@ class Outline:
     end_sigma_px: float
     leaves_image: bool  # where it ends
     goes_on: bool  # something that looks different
+    by_path: bool = False  # along a path through stated places, for edges do not show it
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -69,13 +75,12 @@ class _Fitter:
         self, shape: CurveShape, *, rounds: int = ROUNDS, whole: bool = False
     ) -> OutlineFit | None:
         """Return the curve beside a first one; `whole`: which is that from begin to end."""
-        prior = np.array([COARSE_OFFSET_SIGMA_RATIO * self.width_px + 1, COARSE_ANGLE_SIGMA_RAD])
         return fit_outline(
             shape,
             self.images,
             self.optics,
             width_px=self.width_px,
-            prior=prior,
+            prior=_coarse_prior(self.width_px),
             work=self.work,
             rounds=rounds,
             completed=self._without_ends if whole else self._completed,
@@ -122,20 +127,33 @@ class _Fitter:
                 farthest = max(farthest, end)
             if further is None:
                 break
-            longer = self.fit(_cut(further, end + more, self.width_px), rounds=2)
+            longer = self.fit(cut(further, end + more, self.width_px), rounds=2)
             if longer is None:
                 break
             fit, course = longer, self.course(longer.shape)
         return fit, course
 
+    def to_faint_tip(self, shape: CurveShape, end: float) -> tuple[CurveShape, float]:
+        """Return a curve led on along a tip that becomes thinner or fades, and how far."""
+        last, more = end, max(TIP_WIDTHS * self.width_px, TIP_MIN_PX)
+        for _ in range(TIP_PASSES):
+            before = cut(shape, last - BEGIN_WIDTHS * self.width_px, self.width_px)
+            on = cut(before, end + more, self.width_px)
+            tip = tip_beyond(on, last, self.images, self.optics, self.width_px)
+            if tip is None:
+                break
+            last = tip.end_px
+            shape = cut(before, last, self.width_px, way=tip.way)
+        return shape, last - end
+
     def _aside(self, shape: CurveShape, end: float, more: float) -> CurveShape | None:
         """Return the curve led on along the strip's profile, where more of the strip shows so."""
-        whole = _cut(shape, end, self.width_px)
-        on = _cut(whole, end + LED_ON_RATIO * more, self.width_px)
+        whole = cut(shape, end, self.width_px)
+        on = cut(whole, end + LED_ON_RATIO * more, self.width_px)
         way = led_on_by_profile(on, end, self.images, self.optics, self.width_px)
         if way is None:
             return None
-        turned = _cut(whole, end + more, self.width_px, way=way)
+        turned = cut(whole, end + more, self.width_px, way=way)
         least = end + LED_ON_MIN_WIDTHS * self.width_px
         return turned if self.course(turned).end[0] > least else None
 
@@ -158,13 +176,13 @@ def fitted_outline(
         free = length = total
     else:
         free = length = total + max(BEYOND_WIDTHS * width, BEYOND_MIN_PX, BEYOND_SHARE * total)
-    there, shape = _first_shape(plane, optics, width, free, length)
+    there, shape = first_shape(plane, optics, width, free, length)
     places = StatedPlaces.of(optics, width)
     fitter = _Fitter(images=images, optics=there, width_px=width, places=places, work=work)
     if not strip.length_known and optics.tip_px is None:
         ahead = fitter.course(shape).end[0] + BEYOND_WIDTHS * width
         if ahead < length:  # what lies beyond the end must not draw the curve
-            shape = _cut(shape, max(ahead, 4 * width), width)
+            shape = cut(shape, max(ahead, 4 * width), width)
     fit = fitter.fit(shape)
     if fit is None:
         return None
@@ -173,24 +191,61 @@ def fitted_outline(
     fitter = replace(fitter, width_px=width)
     if strip.length_known:
         # a strip that continues beyond its stated length is another one, or longer
-        further = _cut(fit.shape, length + BEYOND_WIDTHS * width + END_ROOM_RATIO * length, width)
+        further = cut(fit.shape, length + BEYOND_WIDTHS * width + END_ROOM_RATIO * length, width)
         course = fitter.course(further)
         return _outline(_with_rivals(fit, images, there), fitter, located, course, course.end)
     if optics.tip_px is None:
         fit, course = fitter.followed(fit)
         end, sigma = course.end
+        whole = fit.shape
+        if not course.leaves_image:
+            whole, longer_px = fitter.to_faint_tip(fit.shape, end)
+            end, sigma = end + longer_px, math.hypot(sigma, longer_px / math.sqrt(12))
     else:
         more = max(BEYOND_WIDTHS * width, BEYOND_MIN_PX)
-        longer = _cut(fit.shape, fit.shape.basis.total_px + more, width)
+        longer = cut(fit.shape, fit.shape.basis.total_px + more, width)
         course = fitter.course(longer)
         end, sigma = _near_tip(longer, course, optics.tip_px, optics)
+        whole = fit.shape
     if end < 3 * width:
         return None
-    begin = _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
-    again = fitter.fit(_cut(fit.shape, end, width, begin_px=begin), rounds=4, whole=True)
+    # who states places on the strip has looked where it begins, too
+    begin = 0.0 if places else _begin_px(fit, min(0.5 * CLAMP_REACH_PX, end / 16))
+    again = fitter.fit(cut(whole, end, width, begin_px=begin), rounds=4, whole=True)
     if again is None:
         return None
     return _outline(_with_rivals(again, images, there), fitter, located, course, (end, sigma))
+
+
+def outline_along_path(optics: Optics, likeliest: Sequence[Located]) -> Outline:
+    """Return the curve along the likeliest path through stated places to a stated tip.
+
+    Paths of other channels show how well it is known.
+    """
+    located, *others = likeliest
+    plane = optics.pixel_to_world(located.path_px) * optics.px_per_m
+    total = float(np.hypot(*np.diff(plane, axis=0).T).sum())
+    width = located.thickness_px
+    there, shape = first_shape(plane, optics, width, total, total)
+    fit = fit_path(
+        shape,
+        resampled(plane, PATH_STEP_PX),
+        width_px=width,
+        clearness=located.clearness,
+        prior=_coarse_prior(width),
+        places=StatedPlaces.of(optics, width),
+        others_px=[optics.pixel_to_world(each.path_px) * optics.px_per_m for each in others],
+    )
+    return Outline(
+        fit=fit,
+        optics=there,
+        located=located,
+        end_px=total,
+        end_sigma_px=TIP_SIGMA_PX,
+        goes_on=False,
+        leaves_image=False,
+        by_path=True,
+    )
 
 
 def _near_tip(
@@ -236,37 +291,9 @@ def _with_rivals(fit: OutlineFit, images: Sequence[GreyImage], optics: Optics) -
     return replace(fit, rival_px=rivals, rival_near=near)
 
 
-def _coefficients(length_px: float, width_px: float) -> int:
-    """Return enough for bends of a few widths."""
-    least, most = COEFFICIENTS
-    return int(np.clip(round(length_px / (3 * width_px)) + 3, least, most))
-
-
-def _first_shape(
-    plane: FloatArray, optics: Optics, width: float, free_px: float, length_px: float
-) -> tuple[Optics, CurveShape]:
-    """Return the optics with the clamp where a path begins, and a curve along the path."""
-    ppm = optics.px_per_m
-    u, v = optics.world_to_pixel(plane[:1] / ppm)[0]
-    chord = np.diff(plane, axis=0)
-    lengths = np.hypot(chord[:, 0], chord[:, 1])
-    phi = np.unwrap(np.arctan2(chord[:, 1], chord[:, 0]))
-    middle = np.cumsum(lengths) - lengths / 2
-    heading = float(phi[0])
-    there = optics.model_copy(
-        update={
-            "clamp_px": (float(u), float(v)),
-            "origin_px": optics.origin_undistorted_px,
-            "clamp_angle_rad": heading,
-        }
-    )
-    basis = make_basis(
-        round(free_px, 3), round(length_px, 3), _coefficients(free_px, width), LONGEST_CELL_PX
-    )
-    wanted = np.interp(basis.s, middle, phi - heading)
-    smooth = 1e-2 * free_px**3
-    c = fit_angles(basis, wanted, np.ones(len(basis.s)), smooth / basis.size)
-    return there, make_shape(basis, plane[0], heading, np.concatenate([[0.0, 0.0], c]))
+def _coarse_prior(width_px: float) -> FloatArray:
+    """Return how well a located begin and its direction are known."""
+    return np.array([COARSE_OFFSET_SIGMA_RATIO * width_px + 1, COARSE_ANGLE_SIGMA_RAD])
 
 
 def _begin_px(fit: OutlineFit, most: float) -> float:
@@ -276,46 +303,3 @@ def _begin_px(fit: OutlineFit, most: float) -> float:
     first = int(np.argmax(run >= BEGIN_BLOCKS)) if (run >= BEGIN_BLOCKS).any() else 0
     begin = (blocks.node[first] - blocks.node[0]) * step
     return float(begin) if begin <= most else 0.0
-
-
-def _cut(
-    shape: CurveShape,
-    length_px: float,
-    width: float,
-    *,
-    begin_px: float = 0,
-    way: LedOn | None = None,
-) -> CurveShape:
-    """Return the first part of a curve without its begin, or all of it led on along a way."""
-    if begin_px > 0:
-        return _cut_begin(shape, begin_px, length_px - begin_px, width)
-    basis = make_basis(
-        round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
-    )
-    turn = float(shape.parameters[1])
-    wanted = _led_on(shape, basis.s, width, way) - shape.heading - turn
-    c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
-    return make_shape(basis, shape.start, shape.heading, np.concatenate([shape.parameters[:2], c]))
-
-
-def _led_on(shape: CurveShape, s: FloatArray, width: float, way: LedOn | None) -> FloatArray:
-    """Return the direction along a curve; beyond its end it bends as it did shortly before."""
-    along = shape.basis.s
-    last = float(along[-1])
-    few = min(BEYOND_WIDTHS * width, 0.25 * last)
-    bend = float(shape.phi[-1] - np.interp(last - few, along, shape.phi)) / few
-    further = np.clip(bend * np.maximum(s - last, 0), -BEYOND_TURN_MAX_RAD, BEYOND_TURN_MAX_RAD)
-    aside = 0.0 if way is None else np.arctan(np.interp(s, way.s, way.slope, left=0.0))
-    return np.asarray(np.interp(s, along, shape.phi) + further + aside)
-
-
-def _cut_begin(shape: CurveShape, begin_px: float, length_px: float, width: float) -> CurveShape:
-    along = shape.basis.s
-    basis = make_basis(
-        round(length_px, 3), round(length_px, 3), _coefficients(length_px, width), LONGEST_CELL_PX
-    )
-    start = np.array([np.interp(begin_px, along, each) for each in (shape.x, shape.y)])
-    heading = float(np.interp(begin_px, along, shape.phi))
-    wanted = np.interp(basis.s + begin_px, along, shape.phi) - heading
-    c = fit_angles(basis, wanted, np.full(len(basis.s), 1e6), 1.0)
-    return make_shape(basis, start, heading, np.concatenate([[0.0, 0.0], c]))

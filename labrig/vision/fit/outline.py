@@ -27,12 +27,10 @@ from labrig.vision.fit.outline_blocks import (
     without_lonely,
 )
 from labrig.vision.fit.outline_profiles import running_middle
-from labrig.vision.fit.stated_places import StatedPlaces
+from labrig.vision.fit.stated_places import StatedPlaces, end_pull_px, likeliest_pull_px
 from labrig.vision.image.image import GreyImage
 from labrig.vision.search.work import OutlineWork
 from labrig.vision.thresholds import (
-    OUTLINE_END_SIGMA_MAX_PX,
-    OUTLINE_END_SIGMA_RATIO,
     OUTLINE_PROFILE_SIGMA_MIN_PX,
     OUTLINE_PROFILE_SIGMA_RATIO,
     OUTLINE_PROFILE_SIGMA_THIN_RATIO,
@@ -52,8 +50,9 @@ TAPER_DEGREE = 4  # of the polynomial that a strip's width follows along it
 TAPER_FROM = 0.08  # of the usual width: a smaller difference may be the light's
 TAPER_RATIOS = (0.3, 1.25)  # wider is more often a shadow
 TAPER_MIN_PX = 4.0  # a thinner part is looked at as one of that width
-CLAMP_WIDTHS = 0.5  # along a strip: what lies beside its clamp
+END_WIDTHS = 1.0  # along a strip: what lies beside its clamp and its tip
 CLAMP_APART_SIGMAS = 1.5  # further from the stated clamp no edges are pulled
+TIP_APART_SIGMAS = 3.0  # from a stated tip, which was looked at
 CLAMP_SIGMA_MIN_PX = 3.0  # of a clamp that is clicked, across the strip
 INDEPENDENT_BLOCKS = 4  # neighbouring blocks share texture and frays
 
@@ -71,8 +70,14 @@ class OutlineFit:
     misfit_px: FloatArray  # (blocks,) from the curve to the middle, where it is seen
     width_scatter_px: float
     stated_node: IntArray  # of places on the strip that were stated
+    stated_apart_px: float = 0.0  # RMS, by which they lie further aside than they are known to
+    elsewhere_px: float | FloatArray = 0.0  # (nodes,): where another way is about as likely
     rival_px: FloatArray | None = None  # (2, nodes): see `fit.rival_edges`
     rival_near: FloatArray | None = None  # (nodes,) the likelihood of any there, 0 to 1
+
+    def known_to(self, elsewhere_px: float | FloatArray) -> OutlineFit:
+        """Return it where the strip may lie so far elsewhere."""
+        return replace(self, elsewhere_px=elsewhere_px)
 
     @property
     def width_px(self) -> float:
@@ -105,6 +110,7 @@ class OutlineFit:
         unsure = np.hypot(max(least, 0.5 * self.width_scatter_px), 0.5 * _wander(few))
         if self.rival_px is not None:  # if it is the strip's edge, the middle lies half as far out
             unsure = np.hypot(unsure, 0.5 * np.hypot(*self.rival_px))
+        unsure = np.hypot(unsure, np.hypot(self.stated_apart_px, self.elsewhere_px))
         unsure = np.hypot(unsure, self._misfit_px)
         one_edge = np.interp(np.arange(len(self.shape.x)), blocks.node, 1.0 * blocks.by_profile)
         of_profile = max(
@@ -151,7 +157,7 @@ class OutlineFit:
     def end_px(self) -> FloatArray:
         """(nodes,) what the clamp's and the tip's own edges may pull, near both ends."""
         s = self.shape.basis.s
-        return _end_pull_px(np.minimum(s, s[-1] - s), self.width_px)
+        return end_pull_px(np.minimum(s, s[-1] - s), self.width_px)
 
     @property
     def unseen_px(self) -> FloatArray:
@@ -208,7 +214,7 @@ def fit_outline(
             blocks = replace(blocks, seen=blocks.seen & kept, by_profile=blocks.by_profile & kept)
         if blocks.by_edges.sum() < 4:
             return None
-        fit = _fitted(shape, blocks, prior, taper, places)
+        fit = smooth_fit(shape, blocks, prior, taper, places)
         shape = fit.shape
         if tapers:
             taper = fitted_taper(blocks, width_px, len(shape.x))
@@ -231,7 +237,7 @@ def fitted_taper(blocks: Blocks, width_px: float, nodes: int) -> FloatArray:
     return np.asarray(np.interp(np.arange(nodes), blocks.node[seen], ratio))
 
 
-def _fitted(
+def smooth_fit(
     shape: CurveShape,
     blocks: Blocks,
     prior: FloatArray,
@@ -244,7 +250,7 @@ def _fitted(
     width = float(np.median(blocks.width_px[blocks.by_edges]))
     middle = blocks.middle_px
     if places is not None:
-        middle = middle + _towards_clamp_px(shape, blocks, width, places)
+        middle = middle - _end_pulls_px(shape, blocks, width, places)
     offset = np.where(seen, middle, 0.0)
     sigma = max(rough, 0.005 * width, 0.03) * math.sqrt(INDEPENDENT_BLOCKS)
     modes = shape.normal_modes()[blocks.node]
@@ -262,6 +268,7 @@ def _fitted(
     return OutlineFit(
         shape=moved,
         stated_node=np.empty(0, np.int64) if places is None else places.nodes(moved),
+        stated_apart_px=0.0 if places is None else places.apart_px(moved),
         taper=taper,
         blocks=blocks,
         normal=normal,
@@ -272,32 +279,30 @@ def _fitted(
     )
 
 
-def _end_pull_px(away_px: FloatArray, width_px: float) -> FloatArray:
-    """Return what a clamp's or a tip's own edges may pull, so far away from it."""
-    most = min(OUTLINE_END_SIGMA_RATIO * width_px, OUTLINE_END_SIGMA_MAX_PX)
-    return np.asarray(most * np.exp(-away_px / width_px))
-
-
-def _towards_clamp_px(
+def _end_pulls_px(
     shape: CurveShape, blocks: Blocks, width_px: float, places: StatedPlaces
 ) -> FloatArray:
-    """Return (blocks,) how far the middles beside a stated clamp lie too far to the right.
-
-    The clamp's own edges pull them all alike, the less the further away. The likeliest pull
-    follows from where the clamp is stated to be, and from how well that is known.
-    """
-    s = shape.basis.s[blocks.node]
-    begin = blocks.seen & (s < CLAMP_WIDTHS * width_px)
-    offset = places.clamp_offset_px(shape)
-    if places or offset is None or not begin.any():
-        return np.zeros(len(s))  # places on the strip say more
-    pull = _end_pull_px(s, width_px)
+    """Return (blocks,) how far the middles beside the clamp and a stated tip lie too far left."""
+    s, total = shape.basis.s[blocks.node], shape.basis.total_px
+    near_px = END_WIDTHS * width_px
+    pulls = np.zeros(len(s))
+    clamp, tip = places.clamp_offset_px(shape), places.tip_offset_px(shape)
     known = max(places.clamp_sigma_px, CLAMP_SIGMA_MIN_PX)
-    share = pull[0] ** 2 / (pull[0] ** 2 + known**2)
-    apart = offset - float(np.median(blocks.middle_px[begin]))
-    if abs(apart) > CLAMP_APART_SIGMAS * math.hypot(pull[0], known):
-        return np.zeros(len(s))  # these edges are another thing's
-    return np.asarray(share * apart * pull / pull[0])
+    for away, offset, sigma, most in (
+        (s, clamp, known, CLAMP_APART_SIGMAS),
+        (total - s, tip, places.sigma_px, TIP_APART_SIGMAS),
+    ):
+        if offset is not None:
+            pulls += likeliest_pull_px(
+                away,
+                blocks.middle_px,
+                blocks.seen & (away < near_px),
+                width_px=width_px,
+                end_offset_px=offset,
+                end_sigma_px=sigma,
+                sigmas_max=most,
+            )
+    return pulls
 
 
 def _wander(widths: FloatArray) -> float:

@@ -15,6 +15,7 @@ from labrig.vision.search.straightened import slopes
 
 FloatArray = npt.NDArray[np.float64]
 BoolArray = npt.NDArray[np.bool_]
+MapArray = npt.NDArray[np.float32]
 
 UNIT_RATIO = 0.04  # step across, in widths
 UNIT_MAX_PX = 0.5
@@ -46,30 +47,46 @@ def greys_beside(
     """
     import cv2
 
-    if taper is not None:
-        across = taper[:, None] * across
-    x = shape.x[:, None] - np.sin(shape.phi)[:, None] * across
-    y = shape.y[:, None] + np.cos(shape.phi)[:, None] * across
-    plane = np.stack([x.ravel(), y.ravel()], axis=1) / optics.px_per_m
-    uv = optics.world_to_pixel(plane).reshape(*x.shape, 2).astype(np.float32)
+    across = across[None] if taper is None else taper[:, None] * across
+    u, v = _pixels_beside(shape, optics, across)
     # remap takes no more than this many rows or columns at once
-    parts = np.array_split(uv, 1 + len(uv) // 8192)
+    parts = range(0, len(u), 8192)
     return [
         np.concatenate(
             [
                 cv2.remap(
                     image.grey,
-                    part,
-                    None,
+                    u[first : first + 8192],
+                    v[first : first + 8192],
                     cv2.INTER_LINEAR,
                     borderMode=cv2.BORDER_CONSTANT,
                     borderValue=float("nan"),
                 )
-                for part in parts
+                for first in parts
             ]
         ).astype(np.float64)
         for image in images
     ]
+
+
+def _pixels_beside(
+    shape: CurveShape, optics: Optics, across: FloatArray
+) -> tuple[MapArray, MapArray]:
+    """Return (nodes, places across) the columns and rows of places to the left of a curve.
+
+    `across` (1 or nodes, places).
+    """
+    sin, cos = np.sin(shape.phi), np.cos(shape.phi)
+    if optics.is_similarity:  # a step in the plane is the same in pixels everywhere
+        middle = np.stack([shape.x, shape.y], axis=1)
+        there = np.concatenate([middle, middle + np.stack([-sin, cos], axis=1)])
+        on, left = np.split(optics.world_to_pixel(there / optics.px_per_m), 2)
+        u, v = (a[:, None] + (b - a)[:, None] * across for a, b in zip(on.T, left.T, strict=True))
+        return u.astype(np.float32), v.astype(np.float32)
+    x, y = shape.x[:, None] - sin[:, None] * across, shape.y[:, None] + cos[:, None] * across
+    uv = optics.world_to_pixel(np.stack([x.ravel(), y.ravel()], axis=1) / optics.px_per_m)
+    u, v = uv.T.reshape(2, *x.shape)
+    return np.asarray(u, dtype=np.float32), np.asarray(v, dtype=np.float32)
 
 
 def edge_sizes(

@@ -2,10 +2,13 @@
 
 Where an edge is hidden they say where the strip is; edges that contradict a place on the strip are
 another thing's. A clamp may be stated roughly, and then says nothing of the place across.
+The own edges of a clamp and of a tip pull all middles beside them alike, the less the further
+away; where the end is stated, the likeliest pull follows from how far it lies beside the middles.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +16,7 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.shape import CurveShape
+from labrig.vision.thresholds import OUTLINE_END_SIGMA_MAX_PX, OUTLINE_END_SIGMA_RATIO
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -34,6 +38,7 @@ class StatedPlaces:
     clamp_sigma_px: float
     on_strip_px: FloatArray  # (places, 2)
     sigma_px: float  # of each of these
+    tip_stated: bool = False  # the last of these is the end
 
     @classmethod
     def of(cls, optics: Optics, width_px: float) -> StatedPlaces:
@@ -44,6 +49,7 @@ class StatedPlaces:
             clamp_sigma_px=optics.clamp_sigma_px,
             on_strip_px=optics.pixel_to_world(on_strip) * optics.px_per_m,
             sigma_px=max(PLACE_SIGMA_PX, PLACE_SIGMA_WIDTHS * width_px),
+            tip_stated=optics.tip_px is not None,
         )
 
     def __bool__(self) -> bool:
@@ -69,6 +75,20 @@ class StatedPlaces:
         """Return how far to the left of a curve the clamp lies; None where it says nothing."""
         offset = float(_offset(shape, self._clamp_node(shape), self.clamp_px[None])[0])
         return offset if abs(offset) < CLAMP_SIGMAS_MAX * self.clamp_sigma_px else None
+
+    def tip_offset_px(self, shape: CurveShape) -> float | None:
+        """Return how far to the left of a curve's end the tip lies; None where it is not stated."""
+        if not self.tip_stated:
+            return None
+        end = np.array([len(shape.x) - 1])
+        return float(_offset(shape, end, self.on_strip_px[-1:])[0])
+
+    def apart_px(self, shape: CurveShape) -> float:
+        """Return the RMS distance of the places from a curve, less what they are known to."""
+        if not self:
+            return 0.0
+        square = float(np.mean(_offset(shape, self.nodes(shape), self.on_strip_px) ** 2))
+        return math.sqrt(max(square - self.sigma_px**2, 0.0))
 
     def _clamp_node(self, shape: CurveShape) -> IntArray:
         return _nearest(shape, self.clamp_px[None], max(1, round(CLAMP_SHARE * len(shape.x))))
@@ -98,3 +118,35 @@ def _offset(shape: CurveShape, node: IntArray, places_px: FloatArray) -> FloatAr
     x, y = places_px.T
     sin, cos = np.sin(shape.phi[node]), np.cos(shape.phi[node])
     return np.asarray(cos * (y - shape.y[node]) - sin * (x - shape.x[node]))
+
+
+def end_pull_px(away_px: FloatArray, width_px: float) -> FloatArray:
+    """Return one standard deviation of the pull, so far away from an end."""
+    most = min(OUTLINE_END_SIGMA_RATIO * width_px, OUTLINE_END_SIGMA_MAX_PX)
+    return np.asarray(most * np.exp(-away_px / width_px))
+
+
+def likeliest_pull_px(
+    away_px: FloatArray,
+    middle_px: FloatArray,
+    near: BoolArray,
+    *,
+    width_px: float,
+    end_offset_px: float,
+    end_sigma_px: float,
+    sigmas_max: float,
+) -> FloatArray:
+    """Return (blocks,) what is to be taken from the middles, which lie so far to the left.
+
+    `near`: the blocks whose middles are compared with the end's place, `end_offset_px` to the
+    left of the curve. Further from it than `sigmas_max` they are another thing's, and nothing
+    is taken.
+    """
+    pull = end_pull_px(away_px, width_px)
+    if not near.any():
+        return np.zeros(len(pull))
+    here = float(np.median(pull[near]))
+    apart = float(np.median(middle_px[near])) - end_offset_px
+    if abs(apart) > sigmas_max * np.hypot(here, end_sigma_px):
+        return np.zeros(len(pull))
+    return np.asarray(apart * pull * here / (here**2 + end_sigma_px**2))

@@ -60,8 +60,21 @@ def locate_through(
                 # the strip goes on to the last place, however faint it is before
                 step = max(1.0, 0.25 * width)
                 whole = smoothed(resampled(path, step), round(2 * width / step))
+                whole = _beginning_at(whole, np.array(clamp), width)
                 best = found.worth, replace(found, path_px=whole, leaves_image=False)
     return None if best is None else best[1]
+
+
+def _beginning_at(path: FloatArray, clamp: FloatArray, width: float) -> FloatArray:
+    """Return a path that begins beside the clamp: the clearest place near it may lie along it."""
+    few = max(1, int(np.searchsorted(np.hypot(*(path - path[0]).T), width)))
+    ahead = path[min(few, len(path) - 1)] - path[0]
+    ahead = ahead / max(float(np.hypot(*ahead)), 1e-9)
+    along = (path - clamp) @ ahead
+    if along[0] > 0:  # the path begins after the clamp
+        return np.concatenate([[path[0] - along[0] * ahead], path])
+    first = int(np.argmax(along > 0))
+    return path[first:]
 
 
 def _chord_px(places_px: Sequence[Point]) -> float:

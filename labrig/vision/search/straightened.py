@@ -71,12 +71,14 @@ def slopes(profiles: FloatArray, blur_steps: float) -> FloatArray:
     kernel = -t * np.exp(-t * t / 2)
     kernel /= np.abs(kernel[:reach]).sum()
     there = np.isfinite(profiles)
-    mean = np.where(there, profiles, 0.0).sum(axis=1) / np.maximum(there.sum(axis=1), 1)
-    filled = np.where(there, profiles, mean[:, None])
+    filled, whole = profiles, bool(there.all())
+    if not whole:
+        mean = np.where(there, profiles, 0.0).sum(axis=1) / np.maximum(there.sum(axis=1), 1)
+        filled = np.where(there, profiles, mean[:, None])
     rows, across = profiles.shape
     padded = np.empty((rows, across + 2 * reach))
     padded[:, :reach], padded[:, -reach:] = filled[:, :1], filled[:, -1:]
     padded[:, reach:-reach] = filled
     # np.convolve turns the kernel round, and so a rise is positive; all rows in one go are faster
     out = np.convolve(padded.ravel(), kernel, mode="same").reshape(rows, -1)[:, reach:-reach]
-    return np.where(there, out, 0.0)
+    return out if whole else np.where(there, out, 0.0)

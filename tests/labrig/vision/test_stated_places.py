@@ -8,6 +8,9 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.vision import neutral_curve
+from labrig.vision.curve.shape import make_basis, make_shape
+from labrig.vision.extraction.path_fit import fit_path
+from labrig.vision.fit.stated_places import StatedPlaces
 from tests.labrig.vision.test_outline import CLAMP, UNKNOWN, arc, beside, beside_px, drawn, stated
 
 pytestmark = pytest.mark.slow
@@ -80,6 +83,83 @@ def test_a_place_beside_the_strip_is_named_not_followed():
     assert not curve.ok
     if "stated places" in curve.why:
         assert f"{u + 15:.0f},{v - 25:.0f}" in curve.why
+
+
+def test_the_curve_begins_at_the_stated_clamp_though_the_strip_is_seen_further_on_only():
+    line = arc(150, 0.8)
+    _, along = beside(line)
+    image = np.where(along < 0.05, 60, drawn(line, 6)).astype(np.uint8)
+    through = tuple(at(line, share) for share in (0.3, 0.6))
+    curve = neutral_curve(image, stated(through_px=through, tip_px=at(line, 1.0)), UNKNOWN)
+    assert curve.ok, curve.why
+    assert np.hypot(*(curve.points_px[0] - CLAMP)) < 1.5
+    assert curve.s_m[-1] * 2000 == pytest.approx(150, abs=3)
+
+
+def lost_in_noise(line, seed):
+    """A strip two pixels thick, twice as bright over its ground as one pixel's noise."""
+    across, _ = beside(line)
+    strip = 24.0 * np.clip(1.5 - np.abs(across), 0, 1)
+    grey = 90 + strip + np.random.default_rng(seed).normal(0, 12, strip.shape)
+    return np.clip(np.round(grey), 0, 255).astype(np.uint8)
+
+
+def test_a_thin_strip_whose_edges_are_lost_in_noise_follows_the_path_through_the_places():
+    line = arc(150, 0.8)
+    image = lost_in_noise(line, 4)
+    tip = {"tip_px": at(line, 1.0)}
+    through = tuple(at(line, share) for share in (0.25, 0.5, 0.75))
+    curve = neutral_curve(image, stated(through_px=through, **tip), UNKNOWN)
+    assert curve.ok, curve.why
+    assert any("too faint to be measured" in text for text in curve.warnings)
+    assert not curve.seen.any()
+    error, sigma = beside_px(curve, line), 2000 * curve.sigma_m
+    assert error.max() < 2.0
+    assert sigma.min() > 1.4
+    assert curve.covered == 0.0
+    assert not neutral_curve(image, stated(**tip), UNKNOWN).ok  # a tip alone says too little
+
+
+def test_where_paths_through_the_same_places_part_the_strip_is_known_to_half_of_that():
+    basis = make_basis(100.0, 100.0, 12, 1.0)
+    shape = make_shape(basis, np.zeros(2), 0.0, np.zeros(basis.size))
+    straight = np.stack([np.linspace(0, 100, 201), np.zeros(201)], axis=1)
+    other = straight + np.stack([np.zeros(201), 8 * np.sin(np.linspace(0, np.pi, 201))], axis=1)
+    places = StatedPlaces(
+        clamp_px=np.zeros(2), clamp_sigma_px=1.0, on_strip_px=np.array([[100.0, 0.0]]), sigma_px=1.5
+    )
+
+    def sigma(others):
+        fit = fit_path(
+            shape,
+            straight,
+            width_px=3.0,
+            clearness=3.0,
+            prior=np.array([3.0, 0.4]),
+            places=places,
+            others_px=others,
+        )
+        return fit.inner_sigma_px
+
+    alone, parted = sigma([]), sigma([other])
+    assert alone.max() < 2.0
+    assert parted[50] == pytest.approx(np.hypot(alone[50], 4.0), rel=0.05)
+    assert parted[0] == pytest.approx(alone[0], rel=0.05)
+
+
+def test_places_far_from_the_curve_widen_its_uncertainty():
+    basis = make_basis(100.0, 100.0, 12, 1.0)
+    shape = make_shape(basis, np.zeros(2), 0.0, np.zeros(basis.size))
+
+    def apart(aside_px):
+        on_strip = np.array([[30.0, aside_px], [60.0, -aside_px]])
+        places = StatedPlaces(
+            clamp_px=np.zeros(2), clamp_sigma_px=1.0, on_strip_px=on_strip, sigma_px=1.5
+        )
+        return places.apart_px(shape)
+
+    assert apart(1.0) == 0.0
+    assert apart(2.5) == pytest.approx(2.0, rel=0.01)
 
 
 @pytest.mark.parametrize("place", [(9999.0, 5.0), (50.0, -1.0)])
