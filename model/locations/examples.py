@@ -57,7 +57,8 @@ def example_beam(*, touched: bool = True) -> tuple[BeamProblem, ContactSolution]
         up=np.array([1.0, 1, 1, -1, -1, -1, 1]), stiffness=np.full(7, B_NM2), rest=flat.copy(),
         eibm=np.outer(15.0 * voltage, np.ones(NODES)), bend=flat.copy(), soft=np.ones((7, NODES)),
         elongation_soft=zero.copy(), shift_m=zero.copy(), tilt_rad=zero.copy(),
-        offset_m=zero.copy(), piece_m=LENGTH_M * 0.5 * np.polynomial.legendre.leggauss(NODES)[1],
+        offset_m=zero.copy(), reach_m=zero.copy(),
+        piece_m=LENGTH_M * 0.5 * np.polynomial.legendre.leggauss(NODES)[1],
         clock=clock, reading_of=reading_of, share=share,
         session_number=np.array([1.0, 1, 1, 2, 2, 2, 2]),
     )  # fmt: skip
@@ -164,7 +165,7 @@ def example_linearised() -> Linearised:
 
     def change(other: BeamProblem) -> FloatArray:
         along = [getattr(other, n) - getattr(beam, n) for n in ("rest", "eibm", "bend", "soft")]
-        names = ("shift_m", "tilt_rad", "offset_m", "elongation_soft", "stiffness")
+        names = ("shift_m", "tilt_rad", "offset_m", "reach_m", "elongation_soft", "stiffness")
         return np.hstack(
             [*along, *((getattr(other, n) - getattr(beam, n))[:, None] for n in names)]
         )

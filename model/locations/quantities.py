@@ -117,6 +117,7 @@ class BeamProblem:
     shift_m: FloatArray  # (K,) of the contact along the arc
     tilt_rad: FloatArray  # (K,) direction in which the sheet leaves the clamp
     offset_m: FloatArray  # (K,) from the neutral curve to the point on the arc, along the normal
+    reach_m: FloatArray  # (K,) of that point beyond the stated arc, away from its centre
     piece_m: FloatArray  # (G,) of the sheet that each node stands for; their sum is its length
     # when the readings of each condition were taken (n,), and of which condition each is (n,)
     clock: AcquisitionTimes

@@ -142,6 +142,7 @@ def beam_problem(
         elongation_soft=none, shift_m=none.copy(),
         tilt_rad=np.array([one.clamp_rad for one in setups]),
         offset_m=np.array([one.offset_m for one in setups]),
+        reach_m=np.array([one.reach_m for one in setups]),
         piece_m=np.concatenate([part * rule(NODES).b for part in parts_m]),
         clock=clock, reading_of=of, measured_length_m=setups[0].measured_length_m,
         share=1.0 / np.bincount(of)[of], upright=np.ones(len(setups)),
@@ -172,6 +173,7 @@ def _setups(
                 angle_rad=setup.angle_rad + float(beam.shift_m[k]) / R,
                 rest=plus(setup.rest, rest[k]), eibm=plus(setup.eibm, moment[k]),
                 clamp_rad=float(beam.tilt_rad[k]), offset_m=float(beam.offset_m[k]),
+                reach_m=float(beam.reach_m[k]),
                 elongation_soft=float(beam.elongation_soft[k]),
             )
         )  # fmt: skip
@@ -217,7 +219,7 @@ def contact_solution(found: SolvedProblems, beam: BeamProblem) -> ContactSolutio
     tilt = beam.tilt_rad[:, None]
     cos, sin = np.cos(tilt), np.sin(tilt)
     own_x, own_y = cos * x + sin * y, cos * y - sin * x
-    R, offset = beam.sheet.arc_radius_m, beam.offset_m
+    R, offset = beam.sheet.arc_radius_m + beam.reach_m, beam.offset_m
     beta = np.array([s.angle_rad for s in found.setups]) - beam.tilt_rad
     end = found.phi_hat_rad - beam.tilt_rad
     dx = (R * np.cos(beta) + offset * np.sin(end))[:, None] - own_x

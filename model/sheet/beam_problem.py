@@ -39,6 +39,7 @@ class ConditionProblem:
     clamp_rad: float = 0.0  # direction in which the sheet leaves the clamp
     elongation_soft: float = 0.0  # B over the elongation's stiffness; 0: rigid
     offset_m: float = 0.0  # from the neutral curve to the point on the arc, along the normal
+    reach_m: float = 0.0  # of that point beyond the stated arc, away from its centre
     session: int = 0  # number of the session it stands for; 0: of none in particular
     measured_length_m: float = 0.0  # of the sheet it is cut from; 0: it is the measured one
 

@@ -31,9 +31,10 @@ LEAST_SOFT = 0.05  # of the compliance, that an inferred form may leave
 MOST_KEPT = 256  # courses of the same times
 DAMPED_AFTER = 15  # rounds; by then a plain repetition swings
 ALONG_SHEET = ("rest", "eibm", "bend", "soft")
-OF_CONDITIONS = ("stiffness", "elongation_soft", "shift_m", "tilt_rad", "offset_m")
+OF_CONDITIONS = ("stiffness", "elongation_soft", "shift_m", "tilt_rad", "offset_m", "reach_m")
 ALL_FIELDS = (*ALONG_SHEET, *OF_CONDITIONS)
-LEAST = {"stiffness": 0.0, "shift_m": 1e-2, "offset_m": 1e-2}  # the size that matters; else 1
+# the size that matters; else 1
+LEAST = {"stiffness": 0.0, "shift_m": 1e-2, "offset_m": 1e-2, "reach_m": 1e-2}
 Index = npt.NDArray[np.int64]
 
 

@@ -52,8 +52,9 @@ def _free_curvatures(setups: Sequence[ConditionProblem]) -> list[Field]:
 
 
 def batch(setups: Sequence[ConditionProblem]) -> Problems:
-    """Return the beam problems of setups of one sheet, all with the contact on the arc."""
-    return _batch(setups, [s.angle_rad - s.clamp_rad for s in setups], setups[0].sheet.arc_radius_m)
+    """Return the beam problems of setups of one sheet, all with the contact at one radius."""
+    radius_m = setups[0].sheet.arc_radius_m + setups[0].reach_m
+    return _batch(setups, [s.angle_rad - s.clamp_rad for s in setups], radius_m)
 
 
 def _batch(
@@ -198,15 +199,18 @@ def all_solved(setups: Sequence[ConditionProblem]) -> bool:
 
 
 def _groups(setups: Sequence[ConditionProblem]) -> list[tuple[npt.NDArray[np.int64], Equilibria]]:
-    on_arc = [i for i, s in enumerate(setups) if s.touches and s.offset_m == 0.0]
-    groups = [(np.array(on_arc), solve(batch([setups[i] for i in on_arc])))] if on_arc else []
+    on_arc: dict[float, list[int]] = {}
+    for i, s in enumerate(setups):
+        if s.touches and s.offset_m == 0.0:
+            on_arc.setdefault(s.reach_m, []).append(i)
+    groups = [(np.array(own), solve(batch([setups[i] for i in own]))) for own in on_arc.values()]
     beside = [i for i, s in enumerate(setups) if s.touches and s.offset_m != 0.0]
     return groups + [(np.array([i]), _beside(setups[i])) for i in beside]
 
 
 def _beside(setup: ConditionProblem) -> Equilibria:
     """r(s_hat) + offset n_hat = p_hat, n_hat turning with the sheet."""
-    d, R, gamma = setup.offset_m, setup.sheet.arc_radius_m, 0.0
+    d, R, gamma = setup.offset_m, setup.sheet.arc_radius_m + setup.reach_m, 0.0
     for _ in range(_BESIDE):
         along, outward = -d * np.cos(gamma), R + d * np.sin(gamma)
         angle = setup.angle_rad + float(np.arctan2(along, outward)) - setup.clamp_rad

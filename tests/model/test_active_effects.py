@@ -121,6 +121,20 @@ def test_the_sheet_passes_beside_the_arcs_point_by_the_rolls_offset(truth: Sheet
     assert found.s_m[away.argmin()] == pytest.approx(found.s_hat_m, abs=0.5e-3)
 
 
+@pytest.mark.parametrize("of", [0.0, 1.0])
+def test_an_arc_of_another_radius_is_as_if_that_were_stated(truth: SheetModel, of: float):
+    model = truth.with_effects(active("arc_error", offset_mm=0.5, of=of))
+    long = truth.sheet("long")
+    stated = replace(long, sheet=replace(long.sheet, arc_radius_m=0.0405))
+    there = replace(truth, sheets={**truth.sheets, "long": stated})
+    along = 1.0 if of == 0.0 else 0.0405 / 0.04  # positions that are angles
+    for voltage in (0.0, -2.0):
+        found = predict(model, "long", POSITION_M, voltage)
+        wanted = predict(there, "long", along * POSITION_M, voltage)
+        assert pytest.approx(wanted.F_N, rel=1e-6) == found.F_N
+        np.testing.assert_allclose(found.y_m, wanted.y_m, atol=1e-8)
+
+
 def test_an_elongation_that_gives_way_makes_the_sheet_softer(truth: SheetModel):
     stiff, firm, soft = (
         predict(m, "short", 0.03, 0.0).F_N

@@ -54,6 +54,7 @@ from model.discrepancy.verdict.messages import (
     too_few,
     worse,
 )
+from model.discrepancy.verdict.ordered_scatter import followed
 from model.discrepancy.verdict.posterior import (
     Choice,
     chosen_values,
@@ -233,7 +234,7 @@ class Finding:
         times = dict(zip(ASSUMED, np.exp(log_sigma - usual).tolist(), strict=False))
         most = max(DIFFERS, key=lambda name: times[name])
         if times[most] > EXCESSIVE_SCATTER_RATIO:
-            return scattered(most, times[most])
+            return scattered(most, times[most], followed(decision.final, most))
         best = next((c for c in self.outcome.turns[0].ranking if c.known), None)
         if best is not None and best.gain > self.threshold + NONPARAMETRIC_MARGIN_LN:
             return refused(best.name)

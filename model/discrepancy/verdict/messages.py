@@ -208,11 +208,15 @@ def too_few(setups: int) -> str:
     )
 
 
-def scattered(name: str, times: float) -> str:
-    """Return the message that set-ups differ too much."""
+def scattered(name: str, times: float, follows: tuple[str, float] | None) -> str:
+    """Return the message that set-ups differ too much, and what they follow with a correlation."""
+    differs = f"{DIFFERS[name]} differs from set-up to set-up {times:.0f} times as much as usual"
+    if follows is None:
+        return f"{differs}; repeat three positions to see whether that is chance"
+    what, correlation = follows
     return (
-        f"{DIFFERS[name]} differs from set-up to set-up {times:.0f} times as much as usual;"
-        " repeat three positions to see whether that is chance"
+        f"{differs}, and follows {what} (correlation {correlation:.2f}); that is no chance:"
+        f" something that goes with {what} is missing"
     )
 
 

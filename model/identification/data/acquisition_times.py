@@ -51,7 +51,9 @@ class SessionTimes:
         known = [t for t in times if t is not None]
         first, last = (min(known), max(known)) if known else (0.0, 0.0)
         runs = [] if known else list(dict.fromkeys(run_key(c) for c in held))
-        worked_s, driven_s = _worked(held)
+        # a free shape of which nobody knows when it was acquired came before the positions
+        dated = [c for c in conditions if c.position_m is not None or _is_timed(c)]
+        worked_s, driven_s = _worked(dated)
         return SessionTimes(
             first_s=first, last_s=last, runs=runs, worked_s=worked_s, driven_s=driven_s
         )
@@ -117,6 +119,10 @@ def _channels(readings: Sequence[Reading]) -> dict[str, FloatArray]:
     """Return the values of further channels at each reading; NaN where there is none."""
     names = dict.fromkeys(name for r in readings for name in r.other_values)
     return {name: np.array([r.other_values.get(name, np.nan) for r in readings]) for name in names}
+
+
+def _is_timed(condition: Condition) -> bool:
+    return any(r.session_s is not None for r in condition.readings)
 
 
 def _worked(

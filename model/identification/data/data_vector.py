@@ -200,8 +200,7 @@ def _seen(
 ) -> ConditionData | None:
     """Return the data of a condition; None where nothing is usable.
 
-    Raises `ModelError` where a number is not finite. Free shapes are acquired before the positions,
-    so they get the time `begun` at which the first position begins.
+    Raises `ModelError` where a number is not finite. `begun` is when the first position begins.
     """
     at_m, free = condition.position_m, condition.position_m is None
     place = "free" if at_m is None else f"{at_m * 1e3:g} mm"
@@ -233,11 +232,25 @@ def _seen(
         name=name, configuration=condition.configuration, run=key,
         position_m=np.nan if at_m is None else float(at_m), voltage_V=condition.voltage_V,
         up=-1.0 if condition.approach == "down" else 1.0, force_N=forces,
-        clock=timing.of(readings, at) if len(forces) else timing.of_no_reading(begun),
+        clock=(
+            timing.of(readings, at) if len(forces)
+            else timing.of_no_reading(_taken(condition, session, begun))
+        ),
         counts=np.arange(len(forces)) >= len(early), curve=curve, own_curves=() if free else own,
         identical=identical, tilt_rad=condition.tilt_rad, session=condition.session,
         **_of_a_mean(readings[len(early) :]),
     )  # fmt: skip
+
+
+def _taken(condition: Condition, session: SessionTimes, begun: float) -> float:
+    """Return when a shape without forces was acquired.
+
+    Where nobody wrote it down: before the positions.
+    """
+    timed = [r for r in condition.readings if r.valid and r.session_s is not None]
+    if not timed:
+        return begun
+    return float(np.mean([session.share(condition, r) for r in timed]))
 
 
 def _of_a_mean(counting: list[Reading]) -> _OfMean:

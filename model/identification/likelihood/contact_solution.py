@@ -173,7 +173,8 @@ class ConfigurationModel:
             sheet=self.sheet, s_m=self.s_m, voltage_V=self.voltage_V, stated_m=self.stated_m,
             up=self.up, stiffness=np.full(K, stiffness), rest=change, eibm=bent,
             bend=np.zeros((K, G)), soft=np.ones((K, G)), elongation_soft=none,
-            shift_m=none.copy(), tilt_rad=none.copy(), offset_m=none.copy(), piece_m=self.piece_m,
+            shift_m=none.copy(), tilt_rad=none.copy(), offset_m=none.copy(),
+            reach_m=none.copy(), piece_m=self.piece_m,
             clock=self.clock, reading_of=self.reading_of, share=self.share, upright=self.upright,
             session_number=self.session_number,
         )  # fmt: skip
@@ -283,11 +284,11 @@ class ConfigurationModel:
 
     def _equilibria(self, beam: BeamProblem, rows: Index) -> list[tuple[Index, Equilibria]]:
         """Return groups of conditions with contacts at the same radius, and their equilibria."""
-        R = self.sheet.arc_radius_m
+        R = self.sheet.arc_radius_m + beam.reach_m[rows]
         beta, offset = self._beta(beam, rows), beam.offset_m[rows]
-        if not np.any(offset):
+        if not np.any(offset) and np.ptp(R) == 0.0:
             start = self._last
-            self._last = self._solve(beam, rows, beta, R, start)
+            self._last = self._solve(beam, rows, beta, float(R[0]), start)
             return [(rows, self._last)]
         each = zip(rows.tolist(), beta.tolist(), offset.tolist(), strict=True)
         return [(np.array([row]), self._beside_arc(beam, row, b, d)) for row, b, d in each]
@@ -301,11 +302,11 @@ class ConfigurationModel:
             radius_m = float(np.hypot(tangential, radial))
             return self._solve(beam, np.array([row]), angle, radius_m, start)
 
-        R = self.sheet.arc_radius_m
+        R = self.sheet.arc_radius_m + float(beam.reach_m[row])
         last = self._beside.get(row)
         gamma = last[0] if last else 0.0
         found = solved(gamma, last[1] if last else None)
-        for _ in range(MOST_BESIDE - 1):
+        for _ in range(MOST_BESIDE - 1 if d else 0):
             before, gamma = gamma, float(found.phi_hat_rad[0]) - beta
             if abs(gamma - before) < SAME_RAD:
                 break
@@ -332,7 +333,8 @@ class ConfigurationModel:
     def _hold(
         self, beam: BeamProblem, rows: Index, found: Equilibria, contact: ContactSolution
     ) -> None:
-        R, beta, B = self.sheet.arc_radius_m, self._beta(beam, rows), beam.stiffness[rows]
+        R = self.sheet.arc_radius_m + beam.reach_m[rows]
+        beta, B = self._beta(beam, rows), beam.stiffness[rows]
         phi, offset = found.phi_hat_rad, beam.offset_m[rows]
         contact.normal_N[rows], contact.gamma_rad[rows] = B * found.nu, phi - beta
         contact.force_N[rows] = B * found.nu * np.cos(phi - beta)
@@ -428,7 +430,7 @@ class ConfigurationModel:
         offset = other.offset_m - base.offset_m
         gamma = np.nan_to_num(contact.gamma_rad)
         step[:, 2 * G + 1] = shift / R - tilt - offset * np.cos(gamma) / R
-        step[:, 2 * G + 2] = offset * np.sin(gamma)
+        step[:, 2 * G + 2] = other.reach_m - base.reach_m + offset * np.sin(gamma)
         step[:, 2 * G + 3] = shift / R - tilt
         step[:, -2] = other.stiffness / base.stiffness - 1.0
         step[:, -1] = tilt

@@ -70,6 +70,27 @@ def test_without_times_of_the_session_runs_go_by_the_order_of_the_table():
     np.testing.assert_allclose(sorted(other), wanted[21:])  # the short sheet came first
 
 
+@pytest.mark.parametrize("at_s", [200.0, 700.0])
+def test_a_free_shape_counts_as_when_it_was_acquired(at_s: float):
+    """Not as when the first position was: a drift would seem to have bent it otherwise."""
+    m = session()
+    held = next(c for c in m.conditions if c.voltage_V > 0.0)
+    readings = [Reading(kind="no_contact", index=i, force_N=0.0) for i in range(3)]
+    timed = tuple(replace(r, session_s=at_s + r.index) for r in readings)
+    times = [r.session_s for c in m.conditions for r in c.readings if r.session_s is not None]
+    share = (at_s + 1.0 - min(times)) / (max(times) - min(times))
+    assert _free_at(m, held, timed) == pytest.approx(share)
+    assert _free_at(m, held, tuple(readings)) < 0.01  # nobody knows: before the positions
+
+
+def _free_at(m: Measurements, held: Condition, readings: tuple[Reading, ...]) -> float:
+    """Return the part of the session at which the shape, now without the load cell, counts."""
+    free = replace(held, position_m=None, readings=readings)
+    every = look(replace(m, conditions=(*m.conditions, free)), "long").seen
+    (clock,) = (s.clock for s in every if s.free)
+    return float(clock.session[0])
+
+
 def test_pulses_are_counted_from_the_first_that_is_driven():
     every = {s.voltage_V: s for s in look(session(), "long").seen[:3]}
     clocks = {volts: seen.kept_clock for volts, seen in every.items()}

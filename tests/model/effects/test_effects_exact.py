@@ -472,6 +472,21 @@ def test_play_between_the_rolls_puts_the_contact_on_the_side_that_is_pressed():
     assert moved * 1e3 == pytest.approx([0.4, -0.4, 0.0, 0.0, 0.4, -0.4, 0.4])
 
 
+@pytest.mark.parametrize(("of", "wanted"), [
+    (0.0, lambda R, p, c: (R + c, p / (R + c))),
+    (1.0, lambda R, p, c: (R + c, p / R)),
+    (2.0, lambda R, p, c: (abs(c + R * np.exp(1j * p / R)), np.angle(c + R * np.exp(1j * p / R)))),
+])  # fmt: skip
+def test_the_load_cell_moves_on_another_arc(of, wanted):
+    beam, contact = example_beam()
+    after = effect("arc_error").beam(beam, contact, {"offset_mm": 0.8, "of": of})
+    held, R = np.isfinite(beam.stated_m), beam.sheet.arc_radius_m
+    radius_m, angle = wanted(R, beam.stated_m[held], 0.8e-3)
+    np.testing.assert_allclose((R + after.reach_m)[held], radius_m)
+    np.testing.assert_allclose((beam.stated_m + after.shift_m)[held] / R, angle)
+    assert np.all(np.isfinite(after.reach_m + after.shift_m))
+
+
 def test_a_rest_curvature_may_be_off_in_proportion():
     beam, contact = example_beam()
     stated = (np.array([0.0, 0.05]), np.array([30.0, 10.0]))
