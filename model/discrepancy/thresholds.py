@@ -68,6 +68,7 @@ FORM_GAIN_CHI2 = 2.0 * EVIDENCE_THRESHOLD_LN
 SLOW_FORM_SHARE = 0.2
 # Rise of the same squares with which what was found is told, but not written. On open worlds five
 # of six effects that changed them by less than 1 predicted better than the base model all the same.
+# Where they change by less the means do not know of it, and are predicted as `labrig fit` does.
 LOSS_CHI2 = 2.0
 # Times that conditions may be left out as outliers.
 OUTLIER_ROUNDS = 2
