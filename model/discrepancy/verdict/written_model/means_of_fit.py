@@ -36,6 +36,8 @@ def with_means_of(plain: SheetModel, model: SheetModel, told: MixedModelFit) -> 
             (float(one.position_m), float(one.voltage_V)) for one in look.seen
             if not (one.free or one.zero or one.tilt_rad)
         ]  # fmt: skip
+        if not places or plain.sheet(name).eibm.keys() != sheets[name].eibm.keys():
+            continue  # nothing but free shapes
         begun = replace(model, sheets={**sheets, name: _begun(plain.sheet(name), sheets[name])})
         matched = _Matched(
             begun, name, list(dict.fromkeys(places)), 1e-3 * units.force_rmse_mN,
