@@ -60,15 +60,14 @@ NEIGHBOUR_FORM_SHARE = 0.08
 # the best position may lose.
 FEWEST_POSITIONS, ONE_POSITION_SHARE = 3, 0.1
 # Fall of the squares of left-out mean forces and curves, in units of the noise, from which on an
-# inferred form in time is written; and the rise with which no other form is. It is as much evidence
-# as a name needs. (moves: predictions of benchmarks/worlds)
+# inferred form in time is written, and means are predicted otherwise than `labrig fit` does; and the
+# rise with which no other form is written. It is as much evidence as a name needs. (moves: predictions of benchmarks/worlds)
 FORM_GAIN_CHI2 = 2.0 * EVIDENCE_THRESHOLD_LN
 # Share of the squares that an inferred form in time must take off besides. On open worlds forms
 # that took off 5 to 16 % predicted worse than the catalogue's in three cases of four.
 SLOW_FORM_SHARE = 0.2
 # Rise of the same squares with which what was found is told, but not written. On open worlds five
 # of six effects that changed them by less than 1 predicted better than the base model all the same.
-# Where they change by less the means do not know of it, and are predicted as `labrig fit` does.
 LOSS_CHI2 = 2.0
 # Times that conditions may be left out as outliers.
 OUTLIER_ROUNDS = 2

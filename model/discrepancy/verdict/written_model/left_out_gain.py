@@ -51,11 +51,11 @@ def predicts_better(base: MixedModelFit, told: MixedModelFit) -> bool:
 
 
 def means_ask_for(base: MixedModelFit, told: MixedModelFit) -> bool:
-    """Return whether left-out positions are predicted better with what was found than without.
+    """Return whether left-out positions ask for what was found as clearly as a name is asked for.
 
     If not, as with a lag that looks like less EIBM, they do not know what it does to them.
     """
-    return _gain_in_means(base, told) >= LOSS_CHI2
+    return _gain_in_means(base, told) >= FORM_GAIN_CHI2
 
 
 def _gain_in_means(base: MixedModelFit, told: MixedModelFit) -> float:
