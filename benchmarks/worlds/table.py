@@ -31,8 +31,9 @@ from model.discrepancy.answers.choice_set import UNKNOWN
 
 SEEN, SURE = 12.0, 0.9
 MEDIAN_S, LATE_S, LONGEST_S = 3.0, 10.0, 20.0
-PREDICTED, WORSE, CLOSED = 0.3, 0.02, 0.95
-ROUNDING = 1e-9  # by which the base model, written and read back, may differ from itself
+PREDICTED, WORSE, CLOSED, CLOSED_IN_WORST_TENTH = 0.3, 0.02, 0.97, 0.85
+# share by which an error of the same prediction may differ: solutions end within a nanometre
+ROUNDING = 1e-5
 
 
 def rows(records: Sequence[Record]) -> list[Row]:
@@ -68,7 +69,7 @@ def rows(records: Sequence[Record]) -> list[Row]:
         at_least("the unknown's location", 0.95, caught, located),
         at_most("in the catalogue, d >= 12: 'unknown'", 0.04, [*single, *pairs], is_unknown),
         *_predicted(found),
-        _closed("left-out gap closed, recomputed, median", found),
+        *_closed("left-out gap closed, recomputed, median", found),
         coverage(of["single"]),
         _times([r.cpu_s for r in good if not r.error]),
         at_most("refused or failed", 0.0, good, lambda r: bool(r.error)),
@@ -131,7 +132,7 @@ def _ratio(what: str, found: Sequence[Foretold]) -> Row:
     return Row(what, goal, f"{middle:.2f}", len(found), interval, bool(middle <= PREDICTED))
 
 
-def _closed(what: str, records: Sequence[Record]) -> Row:
+def _closed(what: str, records: Sequence[Record]) -> list[Row]:
     """The share of the excess that is gone at a position that the method was not given."""
     told = [
         (r.key, r.left_out.closed) for r in records
@@ -139,13 +140,18 @@ def _closed(what: str, records: Sequence[Record]) -> Row:
         and r.left_out.in_floors(r.left_out.base) > STANDS_OUT * r.left_out.in_floors(
             r.left_out.floor)
     ]  # fmt: skip
-    goal = f">= {CLOSED:.0%}"
+    tenth = "the same, worst tenth"
+    goal, worst_goal = f">= {CLOSED:.0%}", f">= {CLOSED_IN_WORST_TENTH:.0%}"
     if not told:
-        return Row(what, goal, "-", 0)
-    low, middle, high = np.percentile([v for _, v in told], (25, 50, 75))
+        return [Row(what, goal, "-", 0), Row(tenth, worst_goal, "-", 0)]
+    worst, low, middle, high = np.percentile([v for _, v in told], (10, 25, 50, 75))
     bad = [key for key, v in told if v < 0.5]
-    interval = f"quartiles {low:.1%}, {high:.1%}"
-    return Row(what, goal, f"{middle:.1%}", len(told), interval, bool(middle >= CLOSED), bad)
+    interval, count = f"quartiles {low:.1%}, {high:.1%}", len(told)
+    met = bool(worst >= CLOSED_IN_WORST_TENTH)
+    return [
+        Row(what, goal, f"{middle:.1%}", count, interval, bool(middle >= CLOSED), bad),
+        Row(tenth, worst_goal, f"{worst:.1%}", count, "", met),
+    ]
 
 
 def _times(seconds: Sequence[float]) -> Row:

@@ -60,8 +60,9 @@ NEIGHBOUR_FORM_SHARE = 0.08
 # the best position may lose.
 FEWEST_POSITIONS, ONE_POSITION_SHARE = 3, 0.1
 # Fall of the squares of left-out mean forces and curves, in units of the noise, from which on an
-# inferred form in time is written; and the rise with which no other form is. It is as much evidence
-# as a name needs. (moves: predictions of benchmarks/worlds)
+# inferred form in time is written, and means are predicted otherwise than `labrig fit` does; and
+# the rise with which no other form is. It is as much evidence as a name needs.
+# (moves: predictions of benchmarks/worlds)
 FORM_GAIN_CHI2 = 2.0 * EVIDENCE_THRESHOLD_LN
 # Share of the squares that an inferred form in time must take off besides. On open worlds forms
 # that took off 5 to 16 % predicted worse than the catalogue's in three cases of four.

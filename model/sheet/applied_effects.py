@@ -125,11 +125,13 @@ def beam_problem(
         [low + part * rule(NODES).c for low, part in zip(breaks_m, parts_m, strict=False)]
     )
     B = np.array([one.B_Nm2 for one in setups])
+    voltages = [float(one.voltage_V) for one in setups]
+    ratio = _opposite_ratios(setups)
     runs = [
-        typical_run(v, -v, sheet.rise_time_s, np.nan if at is None else at)
-        for v, at in zip((float(o.voltage_V) for o in setups), positions_m, strict=True)
+        typical_run(v, -v, sheet.rise_time_s, np.nan if at is None else at, ratio[abs(v)])
+        for v, at in zip(voltages, positions_m, strict=True)
     ]
-    clock, of = kept_readings(runs, [float(o.voltage_V) for o in setups])
+    clock, of = kept_readings(runs, voltages)
     none = np.zeros(len(setups))
     ones = np.ones((len(setups), len(s)))
     return BeamProblem(
@@ -148,6 +150,16 @@ def beam_problem(
         share=1.0 / np.bincount(of)[of], upright=np.ones(len(setups)),
         session_number=np.array([float(one.session) for one in setups]),
     )  # fmt: skip
+
+
+def _opposite_ratios(setups: Sequence[ConditionProblem]) -> dict[float, float]:
+    """Return |EIBM(-)/EIBM(+)| at the clamp by the voltage's size; 1 where one is not known."""
+    found = {float(one.voltage_V): abs(float(one.eibm(0.0))) for one in setups}
+    result = dict.fromkeys(map(abs, found), 1.0)
+    for volts, size in found.items():
+        if volts > 0.0 and size > 0.0 and found.get(-volts, 0.0) > 0.0:
+            result[volts] = found[-volts] / size
+    return result
 
 
 def _setups(

@@ -35,13 +35,14 @@ def free_curvature(setup: ConditionProblem) -> Field:
     """k* = k0 + Me/B(s)."""
     if setup.softness is None:
         return setup.rest + setup.eibm * (1.0 / setup.B_Nm2)
-    soft, eibm, rest = setup.softness, setup.eibm, setup.rest
-    kinks = merged_breaks([soft.breaks_m, eibm.breaks_m, rest.breaks_m])
+    soft, eibm = setup.softness, setup.eibm
 
-    def value(s: FloatArray) -> FloatArray:
-        return rest(s) + eibm(s) * soft(s) / setup.B_Nm2
+    def bend(s: FloatArray) -> FloatArray:
+        return eibm(s) * soft(s) / setup.B_Nm2
 
-    return Field.smooth(value, rest.length_m, kinks)
+    # a stated rest curvature has many panels, of which the product needs none
+    kinks = merged_breaks([soft.breaks_m, eibm.breaks_m])
+    return setup.rest + Field.smooth(bend, setup.rest.length_m, kinks)
 
 
 def _free_curvatures(setups: Sequence[ConditionProblem]) -> list[Field]:

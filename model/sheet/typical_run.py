@@ -33,22 +33,29 @@ class TypicalRun:
 
 
 def typical_run(
-    first_V: float, second_V: float, rise_s: float = 0.0, position_m: float = np.nan
-) -> TypicalRun:
-    """Return the run of a condition at `first_V`; with 0 V first, only its beginning is kept."""
+    voltage_V: float, other_V: float, rise_s: float = 0.0, position_m: float = np.nan,
+    ratio: float = 1.0,
+) -> TypicalRun:  # fmt: skip
+    """Return the run of a condition at `voltage_V`; with 0 V first, only its beginning is kept.
+
+    Its times are those of data (`data.acquisition_times`), to which effects were fitted. It begins
+    with the positive voltage, as the paper's. `ratio`: |EIBM(-)/EIBM(+)|.
+    """
+    first_V, second_V = voltage_V, other_V
+    if first_V < 0.0 < second_V:
+        first_V, second_V = second_V, first_V
     pulse = np.concatenate([np.full(ZEROS, -1.0), np.arange(PULSES, dtype=float)])
     turn = np.arange(PULSES) % 2
     pulses_V = np.where(turn == 0, first_V, second_V)
     voltage = np.concatenate([np.zeros(ZEROS), pulses_V])
     run_s: FloatArray = SLOT_S * np.arange(len(pulse), dtype=float) + SAMPLE_S
     # 0 before the first pulse; later the other polarity, or the rest that stands for it
-    before = np.where(pulse <= 0.0, 0.0, -1.0 if first_V * second_V < 0.0 else 0.0)
-    driven_s = np.where(pulse < 0.0, 0.0, SLOT_S * pulse + SAMPLE_S)
-    since_edge_s = np.where(pulse < 0.0, run_s, SAMPLE_S)
-    middle = np.full(len(pulse), 0.5)
+    behind = np.where(voltage > 0.0, -ratio, -1.0 / ratio) if first_V * second_V < 0.0 else 0.0
+    before = np.where(pulse > 0.0, behind, np.where(pulse < 0.0, 1.0, 0.0))
     clock = AcquisitionTimes(
-        voltage_V=voltage, pulse_s=since_edge_s, pulse=pulse, run_s=run_s, session=middle,
-        wetted_s=run_s, driven_s=driven_s, opposite=np.asarray(before, dtype=float),
+        voltage_V=voltage, pulse_s=np.full(len(pulse), SAMPLE_S), pulse=pulse, run_s=run_s,
+        session=np.full(len(pulse), 0.5), wetted_s=run_s,
+        driven_s=SLOT_S * np.maximum(pulse, 0.0), opposite=np.asarray(before, dtype=float),
         rise_s=rise_s, position_m=position_m,
     )  # fmt: skip
     return TypicalRun(clock, (pulse < 0.0) | (pulse >= DISCARDED))

@@ -130,7 +130,11 @@ def test_a_gap_is_closed_above_its_floor() -> None:
     assert told.ratio == pytest.approx(0.2)
     assert told.closed == pytest.approx(1 - (1 - 2) / (25 - 2))
     named = [Name("gravity", 0.99, [], 0.0, {})]
-    assert _value([_record(left_out=told, named=named)], "left-out gap closed") == "104.3%"
+    one = _record(left_out=told, named=named)
+    assert _value([one], "left-out gap closed") == "104.3%"
+    less = replace(one, left_out=replace(told, written=told.base))
+    assert _value([*[one] * 9, less], "left-out gap closed") == "104.3%"
+    assert _value([*[one] * 8, *[less] * 2], "the same, worst tenth") == "0.0%"
 
 
 def test_a_record_with_predictions_is_read_back(tmp_path: Path) -> None:

@@ -176,8 +176,11 @@ def test_what_the_camera_adds_is_seen_and_not_there(truth: SheetModel):
 def test_an_eibm_that_has_not_arrived_is_smaller_in_the_mean(truth: SheetModel):
     tau = 0.2
     model = truth.with_effects(active("charging_lag", time_constant_s=tau, remembers=0.0))
-    smaller = with_eibm_times(truth, 1.0 - 2.0 * np.exp(-0.5 / tau))
-    for voltage in (2.0, 0.0):
+    eibm = truth.sheet("long").eibm
+    for voltage in (2.0, -2.0, 0.0):
+        # it comes from the EIBM of the other polarity
+        gone = float(eibm[-voltage].values[0] / eibm[voltage].values[0]) - 1.0 if voltage else 0.0
+        smaller = with_eibm_times(truth, 1.0 + gone * np.exp(-0.5 / tau))
         lagging, same = (predict(m, "long", POSITION_M, voltage) for m in (model, smaller))
         assert pytest.approx(same.F_N, rel=1e-6) == lagging.F_N
 

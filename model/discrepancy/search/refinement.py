@@ -249,13 +249,16 @@ def settled(
     """
     kept = fitted.linear.at_states
     key = ("settled", *_beginning(fitted, theta, found, log_sigma))
-    if key not in kept:
-        kept[key] = None
+    known = key if key in kept else (*key, worthless)
+    if known not in kept:
+        there = None
         with suppress(ModelError, np.linalg.LinAlgError):
-            kept[key] = fit_mixed_model(
-                fitted.problem, theta, found, log_sigma, worthless=worthless
-            )
-    result: MixedModelFit | None = kept[key]
+            there = fit_mixed_model(fitted.problem, theta, found, log_sigma, worthless=worthless)
+        # one that may have been given up is none for a caller with another limit
+        whole = worthless == np.inf or there is None or there.deviance <= worthless
+        known = key if whole else known
+        kept[known] = there
+    result: MixedModelFit | None = kept[known]
     return result
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -112,8 +113,12 @@ def approach(
     form: float = 1.0,
     worthless: float = np.inf,
 ) -> Iterator[FitPlace]:
-    """Yield the places after the steps of a fit, one at least, until it has settled."""
+    """Yield the places after the steps of a fit, one at least, until it has settled.
+
+    Where it has not after all rounds, as with a form that has kinks, the last one is the best.
+    """
     last: _Iteration | None = None
+    best: _Iteration | None = None
     for turn in range(ROUNDS):
         # the noise is estimated from the first: a model far off must not be taken at its word
         noise = last.log_sigma if last else log_sigma
@@ -133,6 +138,7 @@ def approach(
             return
         gained = np.inf if last is None else last.value - here.value
         last = here
+        best = here if best is None or here.so_far < best.so_far else best
         theta, found, effects_move = here.end()
         yield FitPlace(theta=theta, found=found, log_sigma=here.log_sigma)
         if here.moves < SMALL and effects_move < SMALL_OF_EFFECT:
@@ -140,9 +146,13 @@ def approach(
         # a form with kinks, as of friction, may go to and fro
         if turn >= MANY and (here.value > worthless or (gained < LITTLE and here.moves < NEARLY)):
             return
-    if last is None:
+    if last is None or best is None:
         raise unsettled()
-    yield FitPlace(theta=theta, found=found, log_sigma=last.log_sigma)
+    at = _LinearisationPoint(problem=problem, theta=theta, found=found, added=None, form=form)
+    here = _tried(last, at, last.log_sigma)
+    if here is not None and here.so_far < best.so_far:
+        best = here
+    yield FitPlace(theta=best.at.theta, found=best.at.found, log_sigma=best.log_sigma)
 
 
 def fit_at_set_ups(
@@ -242,6 +252,14 @@ class _Iteration:
         """The deviance at the end of its step, as far as a straight line goes."""
         return self.solution.deviance + prior_terms(self.linear, self.at.problem.bases.size)
 
+    @cached_property
+    def so_far(self) -> float:
+        """The deviance before its step, with no more than the tolerance of the forms."""
+        moving = self._moving()
+        step = self.solution.beta[moving]
+        inner = self.solution.covariance[np.ix_(moving, moving)]
+        return self.value + float(step @ inverse_symmetric(inner) @ step)
+
     @property
     def log_sigma(self) -> FloatArray:
         """Of all scatter and noise."""
@@ -270,11 +288,16 @@ class _Iteration:
         We = (solution.weights @ error[:, :, None])[:, :, 0]
         promised = float(np.sum(error * We))
         promised += float(np.sum(data.precision * (solution.beta + data.away) ** 2))
-        moving = np.arange(self.at.problem.bases.size).tolist()
-        for one, span in zip(self.at.found, self.spans, strict=True):
-            moving += range(span.start, span.start + len(one.parameters()) + len(one.ways))
+        moving = self._moving()
         step, inner = solution.beta[moving], solution.covariance[np.ix_(moving, moving)]
         return promised + float(step @ inverse_symmetric(inner) @ step)
+
+    def _moving(self) -> list[int]:
+        """Return the places of everything that a step changes."""
+        moving = list(range(self.at.problem.bases.size))
+        for one, span in zip(self.at.found, self.spans, strict=True):
+            moving += range(span.start, span.start + len(one.parameters()) + len(one.ways))
+        return moving
 
     def end(self) -> tuple[FloatArray, tuple[Found, ...], float]:
         """Return base parameters and effects after the step, and how far effects move at most.

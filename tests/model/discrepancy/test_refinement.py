@@ -7,8 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from model.discrepancy.search import refinement
 from model.discrepancy.search.ranking import rank
-from model.discrepancy.search.refinement import preferred, refine_best, refined
+from model.discrepancy.search.refinement import preferred, refine_best, refined, settled
 from model.effects import effect
 from model.effects.conformance import plausible
 from model.identification.likelihood import mixed_model_fit
@@ -87,3 +88,47 @@ def test_the_same_candidates_of_the_same_fit_are_ranked_once():
     first = rank(base, some)
     assert all(a is b for a, b in zip(rank(base, some), first, strict=True))
     assert rank(base, some[:1])[0] is not first[0]
+
+
+@pytest.mark.slow
+def test_a_fit_that_does_not_settle_ends_at_the_best_of_its_places(monkeypatch):
+    base = base_fit()
+    monkeypatch.setattr(mixed_model_fit, "SMALL", 0.0)  # it never comes to rest
+    monkeypatch.setattr(mixed_model_fit, "LITTLE", -np.inf)
+    monkeypatch.setattr(mixed_model_fit._Iteration, "worse_than", lambda *_: False)
+    step, turn = mixed_model_fit._Iteration.end, []
+
+    def astray(self):
+        """Away from where the fit is, after two good steps."""
+        theta, found, moves = step(self)
+        turn.append(0)
+        return (theta if len(turn) < 3 else self.at.theta + 0.05), found, moves
+
+    monkeypatch.setattr(mixed_model_fit._Iteration, "end", astray)
+    *places, last = approach(base.problem, base.theta)
+    assert len(places) == mixed_model_fit.ROUNDS
+    sigma = np.sqrt(np.diag(base.solution.covariance))
+    assert np.max(np.abs(last.theta - base.theta) / sigma) < 0.1
+    assert np.max(np.abs(places[-1].theta - base.theta) / sigma) > 1.0
+
+
+@pytest.mark.slow
+def test_a_fit_that_was_given_up_is_not_the_fit_of_a_caller_with_another_limit(monkeypatch):
+    base = replace(base_fit(), linear=replace(base_fit().linear, at_states={}))
+    limits = []
+    real = refinement.fit_mixed_model
+
+    def spy(*a, worthless):
+        limits.append(worthless)
+        return real(*a, worthless=worthless)
+
+    monkeypatch.setattr(refinement, "fit_mixed_model", spy)
+    low, high = base.deviance - 100.0, base.deviance + 100.0
+    given_up = settled(base, base.theta, (), None, low)
+    assert settled(base, base.theta, (), None, low) is given_up
+    whole = settled(base, base.theta, (), None)
+    assert whole is not given_up
+    # one that was not given up is everybody's
+    assert settled(base, base.theta, (), None, high) is whole
+    assert settled(base, base.theta, (), None, low) is whole
+    assert limits == [low, np.inf]

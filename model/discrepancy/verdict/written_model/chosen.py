@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from model.discrepancy.criticism.picture_noise import of_pictures
 from model.discrepancy.prepare import Options
@@ -11,7 +13,11 @@ from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.verdict.decision import Decision
 from model.discrepancy.verdict.stated_errors import with_stated_errors
 from model.discrepancy.verdict.written_model.fitted_model import sheet_model
-from model.discrepancy.verdict.written_model.left_out_gain import predicts_better
+from model.discrepancy.verdict.written_model.left_out_gain import (
+    means_ask_for,
+    predicts_better,
+)
+from model.discrepancy.verdict.written_model.means_of_fit import theta_of, with_means_of
 from model.discrepancy.verdict.written_model.solvable import unsolved_at
 from model.discrepancy.verdict.written_model.written_form import written
 from model.identification.fit import fit
@@ -62,6 +68,8 @@ class Writer:
                 continue
             if told is base or not predicts_better(base, told):
                 break
+            if not means_ask_for(base, told):
+                told, model = self._with_means_of_fit(told, model)
             if any(one.ways for one in told.found):
                 unsolved = ""  # begun elsewhere the form has a solution everywhere, and is written
             return WrittenModel(
@@ -71,6 +79,21 @@ class Writer:
         if plain is None:
             plain = self._with_errors(sheet_model(base, self.measurements, self.options))
         return WrittenModel(told=told, predicting=base, model=plain, unsolved=unsolved)
+
+    def _with_means_of_fit(
+        self, told: MixedModelFit, model: SheetModel
+    ) -> tuple[MixedModelFit, SheetModel]:
+        """Return fit and model with mean forces and curves as `fit` has them, where that can be.
+
+        The means do not ask for what was found; so it has no say in them.
+        """
+        plain = self._of_fit()
+        with suppress(ModelError, np.linalg.LinAlgError):
+            if plain is not None:
+                other = with_means_of(plain, model, told)
+                if not unsolved_at(other, told.problem.forward):
+                    return replace(told, theta=theta_of(other, told)), other
+        return told, model
 
     def _of_fit(self) -> SheetModel | None:
         """Return the base model as `fit` writes it; None where that would be another one.

@@ -126,7 +126,9 @@ def terms_of(forward: ForwardModel, shape: BasisShape) -> tuple[Profile, ...]:
     for name, term in shape.terms.items():
         volts = np.abs(forward.scenes[forward.names.index(name)].voltage_V)
         least_V = float(np.min(volts[volts > 0.0], initial=np.inf))
-        result.append(_term(term, name, shape.unit, least_V if np.isfinite(least_V) else 0.0))
+        # a relative change of the EIBM is one of what goes with the voltage already
+        full_V = least_V if np.isfinite(least_V) and term.adds != "EIBM" else 0.0
+        result.append(_term(term, name, shape.unit, full_V))
     return tuple(result)
 
 
