@@ -129,8 +129,9 @@ def test_a_file_that_is_not_there_is_told(
 
 @pytest.mark.slow
 def test_a_large_session_in_place_of_a_text_is_told_as_a_session(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.chdir(tmp_path)  # where nothing else writes
     large = tmp_path / "large.h5"
     with large.open("wb") as file:
         file.write(b"\x89HDF\r\n\x1a\n")
