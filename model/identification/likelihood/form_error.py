@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.effects.interface import BeamProblem, EffectParameter
-from model.identification.likelihood.form_ways import OWN, WayColumn, ways_of
+from model.identification.likelihood.form_ways import WayColumn, ways_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Linearisation
 from model.identification.likelihood.model_state import (
@@ -131,7 +131,7 @@ def _deviating(
     ways = ways_of(forward, linear.states, one.effect, steps, whole)
     # where each configuration has its own size, that is among the parameters already
     own_sizes = one.effect.by_configuration and len(steps) > 1
-    return [w for w in ways if not (own_sizes and w.share == OWN)]
+    return [w for w in ways if not (own_sizes and w.between_sheets)]
 
 
 def _stacked(forward: ForwardModel, rows: list[FloatArray]) -> FloatArray:

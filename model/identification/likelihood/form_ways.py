@@ -302,6 +302,7 @@ class WayColumn:
     rows: FloatArray
     share: float
     terms: dict[str, Terms]
+    between_sheets: bool = False  # all of the effect is larger in one sheet than in the next
 
 
 def atoms(
@@ -331,7 +332,7 @@ def ways_of(
         signed: dict[str, Terms] = {
             n: partial(_constant, s) for n, s in zip(forward.names, signs, strict=True)
         }
-        first.append(WayColumn(share * whole_rows, share, signed))
+        first.append(WayColumn(share * whole_rows, share, signed, between_sheets=True))
     ways: list[WayColumn] = []
     for c, step in enumerate(steps):
         found = list(deviations(effect, forward, c, step, states[c].solved.contact))

@@ -16,6 +16,7 @@ from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.verdict.inferred_form import unknown_of
 from model.effects import catalogue, effect
 from model.effects.conformance import plausible
+from model.identification.likelihood import form_ways
 from model.identification.likelihood.form_error import effect_columns, whole_step
 from model.identification.likelihood.form_ways import (
     FORM,
@@ -120,6 +121,22 @@ def test_what_the_approach_did_at_0V_is_no_deviation_from_a_form():
 
     assert share(count - 1) == pytest.approx(0.0, abs=1e-9)  # all positions are approached upwards
     assert share(2) > 0.01  # a wave along the arc
+
+
+def test_a_tolerance_as_wide_as_that_between_sheets_is_not_taken_for_it(monkeypatch):
+    """Each sheet's own size is a parameter already; what differs along the sheet is not."""
+    base, one = base_fit(), effect("initial_curvature")
+    found = Found(effect=one, values={n: plausible(one) for n in base.problem.forward.names})
+
+    def count() -> int:
+        return effect_columns(base.problem.forward, base.linear, found, (found.active,))[0].shape[1]
+
+    usual = count()
+    monkeypatch.setattr(form_ways, "FORM", OWN)
+    monkeypatch.setattr(
+        form_ways, "waves_along", lambda count: [(j, 1.0) for j in range(1, count + 1)]
+    )
+    assert count() == usual
 
 
 @pytest.mark.parametrize(("name", "share"), [("initial_curvature", OWN), ("clamp_angle", SIGN)])
