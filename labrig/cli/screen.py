@@ -36,9 +36,7 @@ def console() -> Console:
 
 def _terminal(*, stderr: bool = False, soft_wrap: bool = False) -> Console:
     """Return a terminal that prints what it is given: no [markup], no :emoji: in anybody's name."""
-    return _Terminal(
-        stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False
-    )
+    return _Terminal(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
 
 
 def say(text: str = "") -> None:
