@@ -14,9 +14,9 @@ import numpy as np
 
 from model.effects.interface import AcquisitionTimes, BeamProblem, ContactSolution
 from model.identification.data.data_vector import DataVector, Index, shares
-from model.identification.likelihood.contact_search import ContactSearch
-from model.identification.likelihood.sheet_elements import SheetElements, is_long
-from model.identification.likelihood.stacked_curves import StackedCurves
+from model.identification.likelihood.configuration.contact_search import ContactSearch
+from model.identification.likelihood.configuration.sheet_elements import SheetElements, is_long
+from model.identification.likelihood.configuration.stacked_curves import StackedCurves
 from model.measurements import FloatArray
 from model.mechanics.equilibrium import Directions, Equilibria
 from model.mechanics.field import Field

@@ -12,12 +12,12 @@ from model.effects import effect
 from model.effects.conformance import plausible
 from model.effects.interface import BeamProblem
 from model.identification.data.data_vector import look
+from model.identification.likelihood.configuration.stacked_curves import projection
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import AppliedEffect
 from model.identification.likelihood.row_index import WITHIN
 from model.identification.likelihood.second_order import LEVELS, WAYS_FROM_ONE
-from model.identification.likelihood.stacked_curves import projection
 from model.locations.quantities import Perturbation
 from model.mechanics.field import Field
 from model.sheet.beam_problem import ActiveEffect

@@ -6,7 +6,7 @@ import numpy as np
 
 from model.effects.interface import BeamProblem
 from model.identification.data.data_vector import DataVector, Index
-from model.identification.likelihood.sheet_elements import SheetElements
+from model.identification.likelihood.configuration.sheet_elements import SheetElements
 from model.measurements import FloatArray, ModelError
 from model.mechanics.equilibrium import Equilibria, Problems, SolverStatus, solve
 
