@@ -76,7 +76,7 @@ class TimedBoardOutput(Protocol):
     def is_timed(self) -> bool:
         """See `TimedOutput.is_timed`."""
 
-    def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> None:
+    def load(self, waveform: Sequence[TimedVoltage], rate_hz: float) -> None:
         """See `TimedOutput.load`, in board volts."""
 
     def is_done(self) -> bool:
@@ -116,11 +116,11 @@ class SheetDrive:
         """See `TimedOutput.is_timed`."""
         return isinstance(self._output, TimedBoardOutput) and self._output.is_timed
 
-    def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
+    def load(self, waveform: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
         """See `TimedOutput.load`."""
         output = self._timed()
-        board_V = [self._amplifier.board_V(each.volts) for each in course]
-        places = zip(course, board_V, strict=True)
+        board_V = [self._amplifier.board_V(each.volts) for each in waveform]
+        places = zip(waveform, board_V, strict=True)
         output.load([TimedVoltage(each.index, volts) for each, volts in places], rate_hz)
         return board_V
 

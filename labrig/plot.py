@@ -155,12 +155,14 @@ def shapes(
     with _axes(ax) as axes:
         draw_setup(axes, sheet, sorted({one.position_m for one in every}))
         drawn: set[float] = set()
+        among = {one.voltage_V for one in every}
         for one in every:
             if one.reachable:
                 label = None if one.voltage_V in drawn else label_of(one.voltage_V)
                 drawn.add(one.voltage_V)
                 shape = Curve(s_m=one.s_m, x_m=one.x_m, y_m=one.y_m)
-                draw_curve(axes, shape, sheet, colour=colour_of(one.voltage_V), label=label)
+                colour = colour_of(one.voltage_V, among)
+                draw_curve(axes, shape, sheet, colour=colour, label=label)
         axes.legend()
     return axes
 

@@ -37,11 +37,13 @@ def what_hangs(sign: bytes | None, address: str, *, boards_answer: bool) -> str:
     `sign`: the newest life sign; None: the program has given none. `address`: of the boards.
     `boards_answer`: whether they answered the guard at once.
     """
-    if sign == AT_A_DEVICE:
-        return "a device other than the boards does not answer the program"
-    if sign != AT_THE_BOARDS:
+    if sign not in (AT_A_DEVICE, AT_THE_BOARDS):
         return "the program hangs"
     server = "the boards' driver" if address in ("", "local") else f"the device server at {address}"
+    if sign == AT_A_DEVICE and boards_answer:
+        return "a device other than the boards does not answer the program"
+    if sign == AT_A_DEVICE:
+        return f"{server} and another device do not answer"
     if not boards_answer:
         return f"{server} does not answer"
     if address in ("", "local"):

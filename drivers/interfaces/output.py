@@ -61,7 +61,7 @@ class TimedOutput(Protocol):
     def is_timed(self) -> bool:
         """Whether its board can; known once it is open."""
 
-    def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
+    def load(self, waveform: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
         """Give the board the voltages of a run; return those at the board, in the same order.
 
         Sample 0 is that of the next start of the signal input, which starts the run. Before its

@@ -111,4 +111,4 @@ def doubts(fit: DynamicFit) -> Iterator[str]:
             " misses)."
         )
     if fit.misses_curves:
-        yield f"{off_the_curves(fit)}, more than pictures explain; do not trust its mass and loss."
+        yield f"{off_the_curves(fit)}, more than images explain; do not trust its mass and loss."

@@ -85,7 +85,7 @@ def run(
     if on_event is not None:
         hub.add_best_effort("on_event", on_event)
     tell_of_doubts(plan, tell)
-    with session_hooks(plan, path, tell) as hooks, _stopping(request):
+    with _stopping(request), session_hooks(plan, path, tell) as hooks:
         notified = asked if operator is None else NotifyingOperator(asked, hooks)
         return recorded(plan, path, notified, hub, request, hooks=hooks)
 

@@ -102,8 +102,8 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
     hub = EventBus(threaded=not plan.rig.is_simulated)
     done = resumption.done if resumption else frozenset()
     with (
+        _stopping(stop, operator),  # first: nothing may be lost while hooks are waited for
         session_hooks(plan, output, warn) as hooks,
-        _stopping(stop, operator),
         _display(plan.schedule, stop, done, pace=not plan.rig.is_simulated) as show,
     ):
         hub.add_best_effort("the progress display", show)

@@ -27,6 +27,8 @@ from labrig.own_packages import hidden
 
 def main() -> None:
     """Run the program; end the process with a documented exit code."""
+    from labrig.experiment.signals import ignore_stop_signals
+
     show_what_can_be_shown()
     hiding = hidden()
     if hiding is not None:
@@ -34,6 +36,7 @@ def main() -> None:
         sys.exit(ExitCode.NOT_READY)
     sys.unraisablehook = ignore_unraisable
     code = run(sys.argv[1:])
+    ignore_stop_signals()
     if "labrig.session.recording.disk" in sys.modules:
         sys.modules["labrig.session.recording.disk"].end_before_the_library_does(code)
     sys.exit(code)

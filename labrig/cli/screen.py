@@ -23,6 +23,12 @@ _SHORT_S = 15.0
 _with_a_bar: list[Console] = []
 
 
+class _Terminal(Console):
+    def on_broken_pipe(self) -> None:
+        """Leave it to the caller: rich would end the program, and a run with it."""
+        raise BrokenPipeError
+
+
 def console() -> Console:
     """Return standard output; in a pipe without colour and without wrapping."""
     return _terminal(soft_wrap=not sys.stdout.isatty())
@@ -30,7 +36,7 @@ def console() -> Console:
 
 def _terminal(*, stderr: bool = False, soft_wrap: bool = False) -> Console:
     """Return a terminal that prints what it is given: no [markup], no :emoji: in anybody's name."""
-    return Console(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
+    return _Terminal(stderr=stderr, soft_wrap=soft_wrap, highlight=False, markup=False, emoji=False)
 
 
 def say(text: str = "") -> None:

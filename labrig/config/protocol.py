@@ -73,7 +73,7 @@ class ExtrasConfig(ClosedModel):
     reversed_approach: bool | None = Field(None, description="one position from the other side")
     approach: Literal["up", "down"] = Field(
         "up",
-        description="the side from which all positions are approached: from lower ones, or not",
+        description="up: each position is approached from a lower one; down: from a higher one",
     )
     remounts: int = Field(0, ge=0, le=100, description="positions set anew and measured again")
     dead_weights_mN: tuple[Annotated[float, Field(gt=0)], ...] = Field(

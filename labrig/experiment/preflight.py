@@ -238,7 +238,7 @@ def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:
     rows, columns = camera.frame_shape
     wanted_size = plan.optics.image_size if plan.optics else None
     yield Check(
-        name="camera picture size",
+        name="camera image size",
         ok=wanted_size is None or tuple(wanted_size) == (columns, rows),
         found=f"{columns} x {rows}",
         wanted="any"

@@ -22,7 +22,8 @@ from labrig.config.derived import SIMULATED
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
-from labrig.experiment.plan import Plan, make_plan
+from labrig.experiment.plan import Plan
+from labrig.experiment.recorded_plan import plan_of_session
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import FORCE, Rig
 from labrig.experiment.rig.wiring import sheet_drive
@@ -59,7 +60,7 @@ def replay_plan(session: RecordedSession) -> Plan:
             f"{session.path}: a controller has set its voltage, which nobody can do again with "
             "recorded forces; it is shown and exported, but not replayed."
         )
-    plan = make_plan(on_simulated_boards(rig), session.texts)
+    plan = plan_of_session(session, on_simulated_boards(rig))
     return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise
 
 

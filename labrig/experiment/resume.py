@@ -21,7 +21,8 @@ from labrig.config.about import FILE as ABOUT
 from labrig.config.derived import SIMULATED
 from labrig.control.reference import CONTROLLER
 from labrig.errors import BadInputError
-from labrig.experiment.plan import Plan, make_plan
+from labrig.experiment.plan import Plan
+from labrig.experiment.recorded_plan import plan_of_session
 from labrig.experiment.rig.rig import Rig
 from labrig.session import RecordedSession, RunRecord
 from labrig.session.reading.moves import moves_of
@@ -29,7 +30,6 @@ from protocols.execution import events as ev
 
 _BLOCK = 10_000  # samples in one event
 _FRAMES = 32  # frames in one event, of those that go with no reading
-_FRAMES = 32  # the same
 
 
 def resumed_plan(session: RecordedSession) -> Plan:
@@ -55,7 +55,7 @@ def resumed_plan(session: RecordedSession) -> Plan:
         world = session.path.parent / rig.simulated.world
         simulated = rig.simulated.model_copy(update={"world": world})
         rig = rig.model_copy(update={"simulated": simulated})
-    plan = make_plan(rig.model_copy(update={"hooks": None}), session.texts)
+    plan = plan_of_session(session, rig.model_copy(update={"hooks": None}))
     return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise
 
 

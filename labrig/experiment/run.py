@@ -224,7 +224,7 @@ def _writer(job: _Job, path: Path) -> SessionWriter:
     if replayed is None:
         devices = recorded_devices(rig, plan)
         simulated = rig.config.is_simulated or any_simulated(devices)
-        parts = parts_in_use(rig.config)
+        parts = parts_in_use(rig.config, plan.schedule)
     else:  # what was measured comes from the devices of that session
         devices, simulated = replayed.devices, replayed.simulated
         parts = {REPLAY_OF: replayed.identifier}

@@ -26,13 +26,19 @@ def stop_signals(on_stop: Callable[[str, int], None]) -> Iterator[None]:
         count += 1
         on_stop(signal.Signals(number).name, count)
 
-    previous: dict[int, Any] = {}
-    for name in _NAMES:
-        number = getattr(signal, name, None)
-        if number is not None:
-            previous[number] = signal.signal(number, handle)
+    previous: dict[int, Any] = {number: signal.signal(number, handle) for number in _numbers()}
     try:
         yield
     finally:
         for number, handler in previous.items():
             signal.signal(number, handler)
+
+
+def ignore_stop_signals() -> None:
+    """Ignore them until the process ends: its exit code is settled, and must not be lost."""
+    for number in _numbers():
+        signal.signal(number, signal.SIG_IGN)
+
+
+def _numbers() -> list[signal.Signals]:
+    return [getattr(signal, name) for name in _NAMES if hasattr(signal, name)]

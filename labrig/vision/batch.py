@@ -241,7 +241,7 @@ def _curves_of(
 
 def _finder(optics: Optics, strip: StripGeometry, find: FindCurve, *, follow: bool) -> Find:
     """Return what finds the curve of one picture; with `follow` from that of the one before."""
-    if optics.told.objections:
+    if optics.constraints.objections:
         find = heeding(find)
     if follow:
         tracker = Tracker(optics, strip, find)
@@ -274,13 +274,13 @@ def _strip(sheet: Path | None, options: BatchOptions, name: str, optics: Optics)
             free_length_m=UNSTATED_LENGTH_M, thickness_known=False, length_known=False
         )
     strip = load_strip(sheet, options.configuration, name)
-    measured = optics.told.length_measured
+    measured = optics.constraints.length_measured
     return replace(strip, length_known=False, elongation_m=0.0) if measured else strip
 
 
 def _measures_length(optics: Optics) -> bool:
     """Return whether the length of each strip is measured, so that none need be stated."""
-    return all(each.told.length_measured for each in optics.by_strip().values())
+    return all(each.constraints.length_measured for each in optics.by_strip().values())
 
 
 def optics_of(path: Path, options: BatchOptions) -> Optics:

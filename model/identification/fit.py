@@ -28,6 +28,26 @@ UNSETTLED = 0.02  # relative scatter of single readings' EIBM from which on it i
 POOR = 0.25  # relative uncertainty from which on a parameter is said not to be fixed
 
 
+def _not_driven(measurements: Measurements, name: str) -> str:
+    """Return why nothing is known of the EIBM of a configuration."""
+    driven = [
+        reading
+        for c in measurements.conditions
+        if c.configuration == name and c.voltage_V != 0.0
+        for reading in c.readings
+    ]
+    why = next((reading.why for reading in driven if reading.why), "")
+    if why:
+        return (
+            f"none of the {len(driven)} readings of configuration '{name}' under voltage counts"
+            f" (the first: {why}); measure it again, or leave it out with --configuration"
+        )
+    return (
+        f"configuration '{name}' was measured at 0 V alone, which says nothing of the EIBM;"
+        " measure it under voltage, too, or leave it out with --configuration"
+    )
+
+
 def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     """Identify every configuration; `ModelError` names the missing data."""
     options = options or FitOptions()
@@ -44,11 +64,7 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     observed = [observe(used, name) for name in names]
     for one in observed:
         if not one.voltages_V:
-            raise ModelError(
-                f"configuration '{one.sheet.configuration}' was measured at 0 V alone, which says"
-                " nothing of the EIBM; measure it under voltage, too, or leave it out with"
-                " --configuration"
-            )
+            raise ModelError(_not_driven(measurements, one.sheet.configuration))
     joint = joint_fit(used, observed, options)
     parts = {o.sheet.configuration: _Part(joint, n, o, options) for n, o in enumerate(observed)}
     ratio = _bootstrap(joint, options)

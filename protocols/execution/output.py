@@ -82,7 +82,7 @@ class GuardedOutput:
         """Whether a whole run can be loaded into the board."""
         return isinstance(self._output, TimedOutput) and self._output.is_timed
 
-    def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
+    def load(self, waveform: Sequence[TimedVoltage], rate_hz: float) -> Sequence[float]:
         """Give the board a run; see `TimedOutput.load`.
 
         From the input's start on the board acts without us, so that a hang must be noticed at any
@@ -91,7 +91,7 @@ class GuardedOutput:
         """
         assert isinstance(self._output, TimedOutput)  # noqa: S101 - see `is_timed`
         self.state = OutputState.UNKNOWN  # should it raise
-        board_V = self._output.load(course, rate_hz)
+        board_V = self._output.load(waveform, rate_hz)
         self.is_loaded = True
         self.state = OutputState.ARMED
         self._begin_guarding()

@@ -225,6 +225,7 @@ def test_the_newest_life_sign_tells_where_the_loop_hangs(given, kept):
         (AT_THE_BOARDS, "local", False, "the boards' driver does not answer"),
         (AT_THE_BOARDS, "local", True, "the boards' driver does not return to the program"),
         (AT_A_DEVICE, "host:1", True, "a device other than the boards"),
+        (AT_A_DEVICE, "host:1", False, "the device server at host:1 and another device do not"),
     ],
 )
 def test_the_words_say_what_has_hung(sign, address, answer, words):

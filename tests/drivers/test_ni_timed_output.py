@@ -167,7 +167,7 @@ def test_a_board_whose_buffer_runs_empty_is_noticed_and_zero_is_written(rig: NiR
 
 
 @pytest.mark.parametrize(
-    ("course", "error", "said"),
+    ("waveform", "error", "said"),
     [
         ((TimedVoltage(0, 0.3), TimedVoltage(9, 0.0)), LimitError, "limited to"),
         ((TimedVoltage(0, float("nan")), TimedVoltage(9, 0.0)), LimitError, "limited to"),
@@ -178,12 +178,12 @@ def test_a_board_whose_buffer_runs_empty_is_noticed_and_zero_is_written(rig: NiR
     ],
 )
 def test_a_run_that_would_not_be_safe_is_refused_and_leaves_the_output_at_zero(
-    rig: NiRig, course, error, said
+    rig: NiRig, waveform, error, said
 ) -> None:
     output = rig.output(trigger=START)
     output.open()
     with pytest.raises(error, match=said):
-        output.load(course, RATE_HZ)
+        output.load(waveform, RATE_HZ)
     output.write(0.1)
     assert volts(rig) == pytest.approx(0.1, abs=1e-3)
     output.write(0.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
 import threading
@@ -227,3 +228,21 @@ def test_a_run_tells_that_it_is_done_and_its_file_runs_no_command_elsewhere(tmp_
     assert [(one["event"], one["session"]) for one in told(file)] == [("done", "night.h5")]
     with open_session(rig / "night.h5") as session:
         assert resumed_plan(session).rig.hooks is None
+
+
+@pytest.mark.slow
+def test_a_ctrl_c_while_hooks_are_waited_for_does_not_change_how_the_session_ended(
+    tmp_path, monkeypatch, capsys
+):
+    """The code of an output that is not known to be safe must not be lost to impatience."""
+    rig = make_rig(tmp_path / "rig", ONE_POSITION)
+    closed = Hooks.close
+
+    def interrupted(hooks):
+        signal.raise_signal(signal.SIGINT)
+        closed(hooks)
+
+    monkeypatch.setattr(Hooks, "close", interrupted)
+    files = [rig / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
+    assert labrig("run", *files, "-o", rig / "night.h5") == 0
+    assert "completed" in capsys.readouterr().out

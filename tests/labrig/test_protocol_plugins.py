@@ -11,8 +11,11 @@ from labrig.cli.main import run
 from labrig.config import PROTOCOLS, parse_protocol
 from labrig.config.schema import schemas
 from labrig.errors import BadInputError
+from labrig.experiment.resume import resumed_plan
 from labrig.panel.core.configuration_files import kind_of
+from labrig.session import open_session
 from labrig.session.format.setup import present_versions
+from tests.end_to_end.small_rig import make_rig, run_rig
 
 FLASH = '''
 """One short pulse."""
@@ -94,3 +97,20 @@ def test_an_installed_protocol_that_returns_no_run_is_named(installed):
     schedule = parse_protocol(TEXT.replace("1.5", "1.5\npulse_s = 2.0"), "protocol.toml")
     with pytest.raises(BadInputError, match="flash: its steps_and_readings returned NoneType"):
         schedule.schedule("protocol.toml")
+
+
+@pytest.mark.slow
+def test_a_session_names_who_its_protocol_is_from_where_that_is_no_longer_installed(
+    installed, tmp_path, monkeypatch
+):
+    installed(FLASH)
+    rig = make_rig(tmp_path / "rig", TEXT)
+    session_path = run_rig(rig)
+    with open_session(session_path) as session:
+        assert session.versions["protocols.flash"] == "flash-protocol 1.2"
+        assert resumed_plan(session).schedule.protocol == "flash"
+        monkeypatch.setattr(sys, "path", [p for p in sys.path if p != str(tmp_path)])
+        with pytest.raises(
+            BadInputError, match=r"protocols\.flash of flash-protocol 1\.2; install"
+        ):
+            resumed_plan(session)

@@ -10,7 +10,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.report.figures.shapes import curves_figure
-from labrig.report.parts.style import figure, legend_below, save_all
+from labrig.report.parts.style import colour_of, figure, legend_below, save_all
 from tests.labrig.report_data import measure, session
 
 pytestmark = pytest.mark.usefixtures("data_unchecked")
@@ -99,3 +99,22 @@ def test_a_figure_is_laid_out_once_for_all_its_files(tmp_path):
     fig.draw_without_rendering()
     assert axes.yaxis.label.get_window_extent().x0 > 0
     assert fig.get_layout_engine() is None  # matplotlib would do so again for each file
+
+
+def test_a_legend_with_long_names_stays_within_its_figure():
+    from matplotlib.lines import Line2D
+
+    names = [f"measured, {volts} V" for volts in ("+2", "0", "-2")] + ["before", "after"]
+    with figure(5.4, 3.9) as fig:
+        legend_below(fig, [Line2D([], [], marker="o", label=name) for name in names])
+        fig.canvas.draw()
+        place = fig.legends[0].get_window_extent()
+    assert place.x0 >= 0
+    assert place.x1 <= fig.bbox.x1
+
+
+def test_two_voltages_of_one_sign_have_two_colours():
+    among = (2.0, 1.0, 0.0, -1.0, -2.0)
+    assert len({colour_of(volts, among) for volts in among}) == len(among)
+    assert colour_of(2.0, among) == colour_of(2.0)
+    assert colour_of(1.0, (1.0, -1.0)) == colour_of(1.0)

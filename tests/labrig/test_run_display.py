@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import io
+import os
 import sys
 
 import pytest
@@ -62,19 +63,24 @@ def test_who_stops_after_the_pulse_is_told_that_it_is_understood_and_how_to_stop
 
 
 class Closed(io.StringIO):
-    """A terminal whose window somebody has closed."""
+    """A terminal whose window somebody has closed, or a pipe whose reader has ended."""
+
+    def __init__(self, error: int) -> None:
+        super().__init__()
+        self._error = error
 
     def isatty(self) -> bool:
-        return True
+        return self._error == errno.EIO
 
     def write(self, _text: str) -> int:
-        raise OSError(errno.EIO, "Input/output error")
+        raise OSError(self._error, os.strerror(self._error))
 
 
-def test_a_closed_terminal_does_not_change_how_a_command_ends(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize("error", [errno.EIO, errno.EPIPE], ids=["terminal", "pipe"])
+def test_a_closed_terminal_or_pipe_does_not_change_how_a_command_ends(
+    monkeypatch: pytest.MonkeyPatch, error: int
 ) -> None:
-    monkeypatch.setattr(sys, "stderr", Closed())
+    monkeypatch.setattr(sys, "stderr", Closed(error))
     monkeypatch.setenv("TERM", "xterm")
     with progress("session") as advance:
         advance(0.5, "")

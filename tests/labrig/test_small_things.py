@@ -56,6 +56,20 @@ def test_sources_that_nobody_installed_have_a_version_too(monkeypatch):
     assert version() == NOT_INSTALLED
 
 
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
+def test_a_signal_after_a_command_has_ended_does_not_change_its_code(name):
+    """Somebody presses Ctrl-C until the prompt returns."""
+    late = (
+        "import atexit, importlib, signal\n"
+        "cli = importlib.import_module('labrig.cli.main')\n"
+        f"atexit.register(signal.raise_signal, signal.{name})\n"
+        "cli.run = lambda _arguments: 6\n"
+        "cli.main()"
+    )
+    done = subprocess.run([sys.executable, "-c", late], capture_output=True, check=False)
+    assert (done.returncode, done.stderr) == (6, b"")
+
+
 @pytest.mark.parametrize("name", COMMANDS)
 def test_each_command_knows_the_short_form_of_help(name, capsys):
     assert run([name, "-h"]) == 0

@@ -47,6 +47,20 @@ def test_a_sheet_that_was_never_under_voltage(data):
         fit(replace(data, conditions=still))
 
 
+def test_readings_under_voltage_that_do_not_count_are_not_called_unmeasured(data):
+    def spoilt(reading):
+        return replace(reading, valid=False, why="the drive reads back 0.2 V instead of 2 V")
+
+    conditions = tuple(
+        c if c.voltage_V == 0.0 else replace(c, readings=tuple(map(spoilt, c.readings)))
+        for c in data.conditions
+    )
+    with pytest.raises(
+        ModelError, match=r"'long' under voltage counts .*reads back 0\.2 V instead"
+    ):
+        fit(replace(data, conditions=conditions))
+
+
 def test_a_force_that_is_not_a_number(data):
     readings = list(data.conditions[4].readings)
     readings[3] = replace(readings[3], force_N=np.nan)

@@ -85,9 +85,9 @@ class NiVoltageOutput:
             self._connection.discard(task)
             raise
 
-    def load(self, course: Sequence[TimedVoltage], rate_hz: float) -> None:
+    def load(self, waveform: Sequence[TimedVoltage], rate_hz: float) -> None:
         """See `TimedBoardOutput.load`. The task keeps its name, by which the guard finds it."""
-        for each in course:
+        for each in waveform:
             self._check(each.volts)
         if not self._is_timed:
             raise DeviceError(f"the output {self._channel} has no clock: it cannot be given a run")
@@ -99,7 +99,7 @@ class NiVoltageOutput:
         try:
             with self._connection.errors(f"giving a run to the output {self._channel}"):
                 add_channel(task, self._channel, self._limit_V)
-                load_run(task, samples_of(course), rate_hz, str(self._trigger))
+                load_run(task, samples_of(waveform), rate_hz, str(self._trigger))
         except BaseException:
             self._connection.discard(task)
             with suppress(DeviceError):  # the output is at 0 V, and remains ours if possible

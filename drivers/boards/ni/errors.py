@@ -65,7 +65,7 @@ _MEANINGS = {
     -200324: _DEVICE_GONE,
     -50103: _Meaning(
         DeviceReservedError,
-        "it is in use by another task or program; close that, or run `labrig safe` if it is gone",
+        "it is in use by another task or program; end that, then `labrig safe` writes 0 V",
     ),
     -200088: _Meaning(
         TaskGoneError,

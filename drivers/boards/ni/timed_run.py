@@ -23,18 +23,18 @@ _SAME_RATE = 1e-9  # relative difference of two rates that divide one oscillator
 _MOST_SAMPLES = 10_000_000  # 80 MB: far beyond any run
 
 
-def samples_of(course: Sequence[TimedVoltage]) -> FloatArray:
+def samples_of(waveform: Sequence[TimedVoltage]) -> FloatArray:
     """Return the samples of a run: 0 V before its first voltage, and 0 V as the last one."""
-    indices = [each.index for each in course]
+    indices = [each.index for each in waveform]
     rising = all(first < second for first, second in pairwise(indices))
-    if not course or indices[0] < 0 or not rising:
+    if not waveform or indices[0] < 0 or not rising:
         raise DeviceError("the voltages of a run must have sample indices from 0 on that rise")
-    if course[-1].volts != 0.0:
+    if waveform[-1].volts != 0.0:
         raise DeviceError("a run that the board puts out by itself must end at 0 V")
     if indices[-1] >= _MOST_SAMPLES:
         raise DeviceError(f"a run of {indices[-1]} samples is too long for a board's buffer")
     samples = np.zeros(indices[-1] + 2)  # a finite generation needs two samples at least
-    for each, after in pairwise(course):
+    for each, after in pairwise(waveform):
         samples[each.index : after.index] = each.volts
     return samples
 

@@ -11,8 +11,9 @@ from labrig.errors import OutputUnknownError
 def safe(rig: RigFile) -> None:
     """Write 0 V to the output, and read it back.
 
-    Takes the boards from whoever still holds them. Ends with code 6 when the output is not known
-    to be at 0 V: then switch the amplifier off by hand.
+    Takes the boards from whoever still holds them. With an NI driver in this computer they belong
+    to their program: end that first, and its guard writes 0 V. Ends with code 6 when the output is
+    not known to be at 0 V: then switch the amplifier off by hand.
     """
     from labrig.experiment.safety import make_rig_safe
 

@@ -152,7 +152,7 @@ class PhotographFolder:
         base = known_optics(one.path, common=for_all) or known_optics(one.path)
         optics = changed_optics(base, size, clicked)
         measured = not for_all and all(
-            place.told.length_measured for place in clicked.strips.values()
+            place.constraints.length_measured for place in clicked.strips.values()
         )
         if beside(one.path, SHEET_FILE, None) is None and not (clicked.lengths_mm or measured):
             raise BadInputError(

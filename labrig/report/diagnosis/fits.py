@@ -50,7 +50,7 @@ def forces_figure(found: Diagnosis) -> Figure | None:
         for column, name, mark in zip(panels.T, names, "abcdefgh", strict=False):
             draw_forces_before_and_after(column[0], found, name)
             for own in _by_voltage(found, name):
-                _left(column[1], own)
+                _left(column[1], own, _colour(found, own[0]))
             letter(column[0], mark, f"{name} sheet")
             column[1].axhline(0, color=INK, linewidth=0.7, alpha=0.6)
             column[1].set_xlabel("position p (mm)")
@@ -63,7 +63,7 @@ def forces_figure(found: Diagnosis) -> Figure | None:
 def draw_forces_before_and_after(axes: Axes, found: Diagnosis, name: str) -> None:
     """Draw measured forces over position, and those simulated before (dashed) and after."""
     for own in _by_voltage(found, name):
-        _forces(axes, own)
+        _forces(axes, own, _colour(found, own[0]))
 
 
 def _by_voltage(found: Diagnosis, name: str) -> list[list[ErrorRow]]:
@@ -79,8 +79,12 @@ def _held(found: Diagnosis, name: str) -> list[ErrorRow]:
     return sorted(kept, key=lambda r: (r.voltage_V, r.position_m or 0.0))
 
 
-def _forces(axes: Axes, rows: list[ErrorRow]) -> None:
-    p, colour = [1e3 * (r.position_m or 0.0) for r in rows], colour_of(rows[0].voltage_V)
+def _colour(found: Diagnosis, row: ErrorRow) -> str:
+    return colour_of(row.voltage_V, [each.voltage_V for each in found.rows])
+
+
+def _forces(axes: Axes, rows: list[ErrorRow], colour: str) -> None:
+    p = [1e3 * (r.position_m or 0.0) for r in rows]
     axes.plot(
         p, [1e3 * r.force_N for r in rows], "o", markersize=3.4, color=colour, zorder=3,
         label=label_of(rows[0].voltage_V),
@@ -90,8 +94,8 @@ def _forces(axes: Axes, rows: list[ErrorRow]) -> None:
         axes.plot(p, values, color=colour, linestyle=style, linewidth=1.1)
 
 
-def _left(axes: Axes, rows: list[ErrorRow]) -> None:
-    p, colour = [1e3 * (r.position_m or 0.0) for r in rows], colour_of(rows[0].voltage_V)
+def _left(axes: Axes, rows: list[ErrorRow], colour: str) -> None:
+    p = [1e3 * (r.position_m or 0.0) for r in rows]
     before = [1e3 * (r.force_N - r.before_N) for r in rows]
     after = [1e3 * (r.force_N - r.after_N) for r in rows]
     axes.plot(p, before, color=colour, linestyle=DASHED, linewidth=0.9)
@@ -122,13 +126,14 @@ def curves_figure(found: Diagnosis) -> Figure | None:
         panels = fig.subplots(1, len(chosen), squeeze=False)[0]
         for axes, (name, rows), mark in zip(panels, chosen, "abcdefgh", strict=False):
             for row in rows:
-                _curve(axes, row)
+                _curve(axes, row, _colour(found, row))
             p = rows[0].position_m
             at = "free" if p is None else f"p = {1e3 * p:g} mm"
             letter(axes, mark, f"{name} sheet, {at}")
             axes.set_xlabel("x (mm)")
         panels[0].set_ylabel("y (mm), enlarged")
-        _curve_legend(fig, sorted({r.voltage_V for _, rows in chosen for r in rows}, reverse=True))
+        shown = {r.voltage_V: _colour(found, r) for _, rows in chosen for r in rows}
+        _curve_legend(fig, dict(sorted(shown.items(), reverse=True)))
         return fig
 
 
@@ -141,20 +146,20 @@ def _worst(found: Diagnosis, name: str) -> list[ErrorRow]:
     return [r for r in own if r.position_m == worst.position_m]
 
 
-def _curve(axes: Axes, row: ErrorRow) -> None:
+def _curve(axes: Axes, row: ErrorRow, colour: str) -> None:
     thin = np.unique(np.linspace(0, len(row.x_m) - 1, _MARKS).round().astype(int))
     axes.plot(
         1e3 * row.x_m[thin], 1e3 * row.y_m[thin], "o", markersize=3.4, markerfacecolor="none",
-        markeredgewidth=0.8, color=colour_of(row.voltage_V),
+        markeredgewidth=0.8, color=colour,
     )  # fmt: skip
-    for (x, y), colour, style in (
+    for (x, y), simulated, style in (
         (row.before_at_setup_xy_m or row.before_xy_m, CONSTANT_COLOUR, DASHED),
         (row.after_at_setup_xy_m or row.after_xy_m, ALONG_COLOUR, "-"),
     ):
-        axes.plot(1e3 * x, 1e3 * y, color=colour, linestyle=style, linewidth=1.3)
+        axes.plot(1e3 * x, 1e3 * y, color=simulated, linestyle=style, linewidth=1.3)
 
 
-def _curve_legend(fig: Figure, volts: list[float]) -> None:
+def _curve_legend(fig: Figure, colours: dict[float, str]) -> None:
     from matplotlib.lines import Line2D
 
     legend_below(
@@ -162,10 +167,10 @@ def _curve_legend(fig: Figure, volts: list[float]) -> None:
         [
             *(
                 Line2D(
-                    [], [], color=colour_of(v), linewidth=0, marker="o", markersize=3.4,
+                    [], [], color=colour, linewidth=0, marker="o", markersize=3.4,
                     markerfacecolor="none", label=f"measured, {label_of(v)}",
                 )
-                for v in volts
+                for v, colour in colours.items()
             ),
             Line2D([], [], color=CONSTANT_COLOUR, linestyle=DASHED, linewidth=1.3, label="before"),
             Line2D([], [], color=ALONG_COLOUR, linewidth=1.3, label="after"),

@@ -49,7 +49,8 @@ def draw_forces(
     axes.axhline(0, color=INK, linewidth=0.7, alpha=0.6)
     for volts in voltages(measurements, name):
         _measured(axes, measurements, name, volts)
-        _simulated(axes, simulated, name, volts, _range(measurements, name))
+        colour = colour_of(volts, voltages(measurements, name))
+        _simulated(axes, simulated, name, volts, _range(measurements, name), colour)
     _invalid(axes, measurements, name)
     axes.set_xlabel("position p (mm)")
 
@@ -67,7 +68,7 @@ def _measured(axes: Axes, measurements: Measurements, name: str, volts: float) -
         capsize=2.5,
         linewidth=0,
         elinewidth=1.0,
-        color=colour_of(volts),
+        color=colour_of(volts, voltages(measurements, name)),
         label=label_of(volts),
         zorder=3,
     )
@@ -87,11 +88,11 @@ def _simulated(
     name: str,
     volts: float,
     places_m: FloatArray,
+    colour: str,
 ) -> None:
     for kind, model in models:
         if knows(model, name, volts) and len(places_m):
             force = force_curve_N(model, name, places_m, volts)
-            colour = colour_of(volts)
             axes.plot(
                 1e3 * places_m, 1e3 * force, color=colour, linewidth=1.1, linestyle=_LINES[kind]
             )
@@ -106,7 +107,7 @@ def _invalid(axes: Axes, measurements: Measurements, name: str) -> None:
                 1e3 * condition.position_m,
                 1e3 * float(np.mean(lost)),
                 "x",
-                color=colour_of(condition.voltage_V),
+                color=colour_of(condition.voltage_V, voltages(measurements, name)),
                 alpha=0.6,
             )
 

@@ -45,16 +45,15 @@ def draw_moments(
     one = model.sheet(name)
     axes.axhline(0, color=INK, linewidth=0.7, alpha=0.6)
     for volts in sorted(one.eibm, reverse=True):
-        colour = colour_of(volts)
-        _band(axes, one.eibm[volts], one.sheet.free_length_m, volts)
+        colour = colour_of(volts, one.eibm)
+        _band(axes, one.eibm[volts], one.sheet.free_length_m, volts, colour)
         for mean in [] if constant is None else _constant(constant, name, volts):
             axes.axhline(1e6 * mean, color=colour, linewidth=1.0, linestyle=(0, (5, 3)))
     axes.set_xlabel("distance along the sheet s (mm)")
     axes.set_xlim(0, 1e3 * one.sheet.free_length_m)
 
 
-def _band(axes: Axes, along: Along, length_m: float, volts: float) -> None:
-    colour = colour_of(volts)
+def _band(axes: Axes, along: Along, length_m: float, volts: float, colour: str) -> None:
     # beyond the outer nodes it is constant, as the model takes it; one node: everywhere
     at = np.unique(np.concatenate([[0.0, length_m], along.s_m]))
     s, Me = 1e3 * at, 1e6 * np.interp(at, along.s_m, along.values)

@@ -62,7 +62,8 @@ def draw_curves(axes: Axes, measurements: Measurements, name: str) -> None:
 def _draw_conditions(
     axes: Axes, measurements: Measurements, name: str, weight: float = 1.0
 ) -> None:
-    for volts in voltages(measurements, name):
+    among = voltages(measurements, name)
+    for volts in among:
         label: str | None = label_of(volts)
         for condition in conditions_of(measurements, name):
             if condition.voltage_V == volts and condition.curve is not None:
@@ -71,7 +72,7 @@ def _draw_conditions(
                     axes,
                     condition.curve,
                     sheet,
-                    colour=colour_of(volts),
+                    colour=colour_of(volts, among),
                     label=label,
                     weight=weight,
                 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,8 +17,11 @@ if TYPE_CHECKING:
 
 POSITIVE, ZERO, NEGATIVE = "#D55E00", "#767676", "#0072B2"  # Okabe and Ito's palette
 ALONG_COLOUR, CONSTANT_COLOUR = "#009E73", "#CC79A7"  # two simulations, where colour is free
+_PALEST = 0.3  # of a colour: what remains of it at the smallest voltages
 # Text, axes and neutral lines. A colour of its own, so that the page can turn it with its theme.
 INK = "#1b1f24"
+
+_LETTER_IN, _HANDLE_IN = 0.07, 0.63  # of a legend: a letter; a line with the room around it
 
 _SETTINGS = {
     "figure.dpi": 110,
@@ -44,11 +47,22 @@ _SETTINGS = {
 }
 
 
-def colour_of(voltage_V: float) -> str:
-    """Return the colour of a drive voltage: by its sign."""
-    if voltage_V > 0:
-        return POSITIVE
-    return NEGATIVE if voltage_V < 0 else ZERO
+def colour_of(voltage_V: float, among: Iterable[float] = ()) -> str:
+    """Return the colour of a drive voltage: by its sign.
+
+    `among`: the voltages of the figure; the smaller ones of a sign are lighter.
+    """
+    if voltage_V == 0:
+        return ZERO
+    colour = POSITIVE if voltage_V > 0 else NEGATIVE
+    largest_V = max((abs(each) for each in among if each * voltage_V > 0), default=abs(voltage_V))
+    return _lighter(colour, _PALEST + (1.0 - _PALEST) * abs(voltage_V) / largest_V)
+
+
+def _lighter(colour: str, share: float) -> str:
+    """Mix a colour with white."""
+    parts = (int(colour[i : i + 2], 16) for i in (1, 3, 5))
+    return "#" + "".join(f"{round(255 - share * (255 - part)):02X}" for part in parts)
 
 
 def label_of(voltage_V: float) -> str:
@@ -84,9 +98,17 @@ def panels_width_in(panels: int) -> float:
 
 def legend_below(fig: Figure, handles: list[Artist]) -> None:
     """One legend for all panels, in as many columns as there is room for; read row by row."""
-    columns = min(len(handles), int(fig.get_figwidth() / 1.35))
+    most = min(len(handles), int(fig.get_figwidth() / 1.35))
+    names = [len(str(handle.get_label())) for handle in handles]
+    columns = next((n for n in range(most, 1, -1) if _width_in(names, n) <= fig.get_figwidth()), 1)
     by_column = [handle for i in range(columns) for handle in handles[i::columns]]
     fig.legend(handles=by_column, loc="outside lower center", ncols=columns)
+
+
+def _width_in(names: list[int], columns: int) -> float:
+    """Return about how wide a legend is whose names have so many letters each."""
+    letters = sum(max(names[i::columns]) for i in range(columns))
+    return _LETTER_IN * letters + _HANDLE_IN * columns
 
 
 def letter(axes: Axes, name: str, title: str) -> None:

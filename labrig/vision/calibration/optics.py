@@ -205,17 +205,17 @@ class Optics(StatesFacts):
     @property
     def through_px(self) -> tuple[Point, ...] | None:
         """Places on the strip's middle that are known, from the clamp on."""
-        return self.told.through_px or None
+        return self.constraints.through_px or None
 
     @property
     def tip_px(self) -> Point | None:
         """Where the strip is known to end."""
-        return self.told.tip_px
+        return self.constraints.tip_px
 
     @property
     def mask_px(self) -> tuple[Polygon, ...] | None:
         """Polygons in which pixels are not used."""
-        return self.told.hidden_px or None
+        return self.constraints.hidden_px or None
 
     @property
     def stated_places_px(self) -> tuple[Point, ...]:

@@ -29,7 +29,7 @@ def heeding(find: FindCurve) -> FindCurve:
 
 
 def _heeded(curve: NeutralCurve, optics: Optics) -> NeutralCurve:
-    for objects in optics.told.objections:
+    for objects in optics.constraints.objections:
         try:
             why = objects(curve.points_px)
         except Exception as error:  # noqa: BLE001 - other people's code may raise anything

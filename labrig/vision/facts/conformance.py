@@ -6,7 +6,7 @@ import json
 import re
 from collections.abc import Iterator
 
-from labrig.vision.facts.contract import FactOf, FactShape, StripFact, Told
+from labrig.vision.facts.contract import FactOf, FactShape, SearchConstraints, StripFact
 
 _FLAG = re.compile(r"--[a-z][a-z0-9]*(-[a-z0-9]+)*")
 # keys of optics.json that are no facts; a test holds them equal to those of its model
@@ -82,8 +82,11 @@ def _faults_of_value(fact: StripFact) -> Iterator[str]:
         yield f"its example is {kept!r} when it comes from a file, and {value!r} as stated"
     if fact.moved(value, lambda place: place) != value:
         yield "its value changes where no pixel moves"
-    told = fact.tells(value)
-    if not isinstance(told, Told):  # other people's may be anything
-        yield f"`tells` returned {type(told).__name__}, not Told"  # type: ignore[unreachable]
-    if type(fact).tells is StripFact.tells and type(fact).directed is StripFact.directed:
-        yield "it has neither `tells` nor `directed`: it says nothing"
+    constraints = fact.constraints(value)
+    if not isinstance(constraints, SearchConstraints):  # other people's may be anything
+        yield f"`constraints` returned {type(constraints).__name__}, not SearchConstraints"  # type: ignore[unreachable]
+    if (
+        type(fact).constraints is StripFact.constraints
+        and type(fact).directed is StripFact.directed
+    ):
+        yield "it has neither `constraints` nor `directed`: it says nothing"

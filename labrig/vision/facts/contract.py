@@ -2,7 +2,7 @@
 
 A fact is one file. It has a name (its key in optics.json), an option of `labrig curves`, and often
 a tool of the page, with which it is clicked. Its value is read from any of these, follows the
-picture where that is reduced, and tells the search something in raw pixels (`Told`).
+picture where that is reduced, and tells the search something in raw pixels (`SearchConstraints`).
 
 The shape of its value says how it is read, checked and clicked; a value of the shape OTHER needs
 methods of its own. The module is imported whenever `labrig curves` starts: import what is slow
@@ -66,7 +66,7 @@ class FactTool:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Told:
+class SearchConstraints:
     """What facts tell the search of one strip, in raw pixels."""
 
     through_px: tuple[Point, ...] = ()  # on the strip's middle, from the clamp on
@@ -78,16 +78,18 @@ class Told:
     objections: tuple[Callable[[FloatArray], str], ...] = ()
 
     @classmethod
-    def together(cls, every: Iterable[Told]) -> Told:
+    def together(cls, every: Iterable[SearchConstraints]) -> SearchConstraints:
         """Return what several facts tell; of two tips the first."""
-        told = list(every)
-        tips = [each.tip_px for each in told if each.tip_px is not None]
+        constraints = list(every)
+        tips = [each.tip_px for each in constraints if each.tip_px is not None]
         return cls(
-            through_px=tuple(point for each in told for point in each.through_px),
+            through_px=tuple(point for each in constraints for point in each.through_px),
             tip_px=tips[0] if tips else None,
-            hidden_px=tuple(polygon for each in told for polygon in each.hidden_px),
-            length_measured=any(each.length_measured or each.tip_px is not None for each in told),
-            objections=tuple(one for each in told for one in each.objections),
+            hidden_px=tuple(polygon for each in constraints for polygon in each.hidden_px),
+            length_measured=any(
+                each.length_measured or each.tip_px is not None for each in constraints
+            ),
+            objections=tuple(one for each in constraints for one in each.objections),
         )
 
 
@@ -159,9 +161,9 @@ class StripFact:
         """
         return None
 
-    def tells(self, value: Any) -> Told:
+    def constraints(self, value: Any) -> SearchConstraints:
         """Return what this tells the search."""
-        return Told()
+        return SearchConstraints()
 
     @property
     def is_direction(self) -> bool:

@@ -21,7 +21,7 @@ from pydantic import (
 from labrig.config.base import ClosedModel
 from labrig.errors import BadInputError, LabrigError
 from labrig.vision.facts.catalogue import origin_of, strip_facts
-from labrig.vision.facts.contract import FactOf, Point, StripFact, Told
+from labrig.vision.facts.contract import FactOf, Point, SearchConstraints, StripFact
 
 FloatArray = npt.NDArray[np.float64]
 T = TypeVar("T")
@@ -90,12 +90,12 @@ class StatesFacts(ClosedModel):
         return hash((type(self), *rest, *sorted(self.facts)))
 
     @property
-    def told(self) -> Told:
+    def constraints(self) -> SearchConstraints:
         """What the facts tell the search, in their order."""
         if not self.facts:
-            return Told()
-        return Told.together(
-            _told(fact, self.facts[name])
+            return SearchConstraints()
+        return SearchConstraints.together(
+            _constraints(fact, self.facts[name])
             for name, fact in strip_facts().items()
             if name in self.facts
         )
@@ -147,21 +147,21 @@ def places_of(fact: StripFact, value: Any) -> list[Point]:
     return found
 
 
-def _told(fact: StripFact, value: Any) -> Told:
+def _constraints(fact: StripFact, value: Any) -> SearchConstraints:
     """Return what a fact tells; what its objections raise names it, too. Raises BadInputError."""
 
-    def ask() -> Told:
-        found = fact.tells(value)
-        if not isinstance(found, Told):  # other people's may be anything
-            said = f"tells returned {type(found).__name__}, not Told"  # type: ignore[unreachable]
+    def ask() -> SearchConstraints:
+        found = fact.constraints(value)
+        if not isinstance(found, SearchConstraints):  # other people's may be anything
+            said = f"constraints returned {type(found).__name__}, not SearchConstraints"  # type: ignore[unreachable]
             raise TypeError(said)
         return found
 
-    told = _of_fact(fact, fact.name, ask)
-    if not told.objections:
-        return told
-    named = (partial(_objection, fact, objects) for objects in told.objections)
-    return replace(told, objections=tuple(named))
+    constraints = _of_fact(fact, fact.name, ask)
+    if not constraints.objections:
+        return constraints
+    named = (partial(_objection, fact, objects) for objects in constraints.objections)
+    return replace(constraints, objections=tuple(named))
 
 
 def _objection(fact: StripFact, objects: Callable[[FloatArray], str], points_px: FloatArray) -> str:

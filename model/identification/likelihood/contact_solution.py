@@ -11,21 +11,17 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.polynomial import legendre
 
 from model.effects.interface import AcquisitionTimes, BeamProblem, ContactSolution
 from model.identification.data.data_vector import DataVector, Index, shares
-from model.measurements import FloatArray, ModelError
-from model.mechanics.collocation import rule
-from model.mechanics.equilibrium import Directions, Equilibria, Problems, SolverStatus, finer, solve
-from model.mechanics.field import Field, legendre_field, merged_breaks, padded
-from model.mechanics.free_shape import SharedFreeShapes
+from model.identification.likelihood.configuration.contact_search import ContactSearch
+from model.identification.likelihood.configuration.sheet_elements import SheetElements, is_long
+from model.identification.likelihood.configuration.stacked_curves import StackedCurves
+from model.measurements import FloatArray
+from model.mechanics.equilibrium import Directions, Equilibria
+from model.mechanics.field import Field
 
-STEEPEST_PER_M = 90.0  # free curvature that panels are made for
-NODES_LONG, NODES_SHORT = 14, 6
 MODES_LONG, MODES_SHORT = 10, 5
-MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the arc
-MOST_KEPT = 64  # places along free shapes whose integrals are kept
 
 
 @dataclass(frozen=True)
@@ -55,16 +51,11 @@ class ConfigurationModel:
 
     def __init__(self, look: DataVector, rest: Field) -> None:
         self.look, self.sheet, self.rest = look, look.sheet, rest
-        R, self.length = look.sheet.arc_radius_m, look.sheet.free_length_m
-        long = self.length > 0.4 * R
-        self.modes = MODES_LONG if long else MODES_SHORT
-        self.count = G = NODES_LONG if long else NODES_SHORT
-        nodes = rule(G)
-        self.s_m = self.length * np.asarray(nodes.c)
-        self.weights = np.asarray(nodes.b)  # of a mean over the free length
-        self.piece_m = self.length * self.weights
-        self.at_rest = rest(self.s_m)  # k0 at the nodes
-        self._make_panels(look, G)
+        self.length = look.sheet.free_length_m
+        self._elements = elements = SheetElements(look.sheet, rest)
+        self.count, self.s_m, self.weights = elements.count, elements.s_m, elements.weights
+        self.at_rest = elements.at_rest  # k0 at the nodes
+        self.modes = MODES_LONG if is_long(look.sheet) else MODES_SHORT
         seen = look.seen
         self.clock = AcquisitionTimes.joined([o.clock for o in seen if len(o.force_N)])
         self.reading_of = np.array(
@@ -89,59 +80,13 @@ class ConfigurationModel:
             np.concatenate([self.reading_of, self.unread]),
             np.concatenate([self.share, np.ones(len(self.unread))]),
         )
-        self._stack_curves()
-        # by condition: angle and solution where the contact was last beside the point on the arc
-        self._beside: dict[int, tuple[float, Equilibria]] = {}
-        self._last: Equilibria | None = None
-        self._free: dict[bytes, SharedFreeShapes] = {}
-        self._found: list[tuple[Index, Equilibria]] = []
-
-    def _make_panels(self, look: DataVector, G: int) -> None:
-        R, sheet = look.sheet.arc_radius_m, look.sheet
-        breaks = finer(merged_breaks([self.rest.breaks_m]), STEEPEST_PER_M, R)
-        degree = max(G, self.rest.coefficients.shape[1])
-        basis = [legendre_field(i, self.length).on(breaks) for i in range(G)]
-        rows = np.stack([padded(f.coefficients, degree) for f in basis])
-        rest = padded(self.rest.on(breaks).coefficients, degree)
-        P = len(breaks) - 1
-        self.rigid = sheet.elongation_m > 0.0
-        if self.rigid:  # the elongation as a part of the sheet that does not bend
-            breaks = np.append(breaks, self.length + sheet.elongation_m)
-            rows = np.concatenate([rows, np.zeros((G, 1, degree))], axis=1)
-            rest = np.concatenate([rest, np.zeros((1, degree))])
-        self.breaks, self._rest = breaks, rest
-        t = 2.0 * self.s_m / self.length - 1.0
-        to_legendre = np.linalg.inv(legendre.legvander(t, G - 1))  # values at nodes -> coefficients
-        self.rows = np.einsum("ig,ipd->gpd", to_legendre, rows)  # (G, P, D)
-        self.ones = np.zeros((len(breaks) - 1, degree))
-        self.ones[:P, 0] = 1.0
-        self.stiff_end = np.zeros_like(self.ones)
-        if self.rigid:
-            self.stiff_end[-1, 0] = 1.0
-
-    def _stack_curves(self) -> None:
-        end = self.length + self.sheet.elongation_m
-        curves = [o.curve for o in self.look.seen]
-        longest = max([2, *(len(c.s_m) for c in curves if c is not None)])
-        self.has_curve = np.array([c is not None for c in curves])
-        shape = (self.K, longest)
-        self.curve_s, self.curve_x, self.curve_y = np.zeros(shape), np.zeros(shape), np.zeros(shape)
-        self.project = np.zeros((self.K, self.modes, longest))
-        self.points = np.zeros(self.K, dtype=np.int64)
-        projections: dict[bytes, FloatArray] = {}
-        for k, curve in enumerate(curves):
-            if curve is None:
-                continue
-            use = curve.s_m <= end * 1.001
-            s = np.minimum(curve.s_m[use], end)
-            self.points[k] = n = len(s)
-            self.curve_s[k, n:] = s[-1]
-            self.curve_s[k, :n] = s
-            self.curve_x[k, :n], self.curve_y[k, :n] = curve.x_m[use], curve.y_m[use]
-            if s.tobytes() not in projections:
-                projections[s.tobytes()] = projection(s, self.modes)
-            self.project[k, :, :n] = projections[s.tobytes()]
+        end_m = self.length + self.sheet.elongation_m
+        curves = StackedCurves([o.curve for o in seen], end_m, self.modes)
+        self.has_curve, self.points, self.project = curves.given, curves.points, curves.project
+        self.curve_s, self.curve_x, self.curve_y = curves.s_m, curves.x_m, curves.y_m
         self._grid_s = np.broadcast_to(self.s_m, (self.K, self.count))
+        self._contacts = ContactSearch(look, elements)
+        self._found: list[tuple[Index, Equilibria]] = []  # of the last solution
 
     def measured(self, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         """s, x and y of a condition's curve as far as the sheet goes, m; empty: none."""
@@ -174,30 +119,19 @@ class ConfigurationModel:
             up=self.up, stiffness=np.full(K, stiffness), rest=change, eibm=bent,
             bend=np.zeros((K, G)), soft=np.ones((K, G)), elongation_soft=none,
             shift_m=none.copy(), tilt_rad=none.copy(), offset_m=none.copy(),
-            reach_m=none.copy(), piece_m=self.piece_m,
+            reach_m=none.copy(), piece_m=self._elements.piece_m,
             clock=self.clock, reading_of=self.reading_of, share=self.share, upright=self.upright,
             session_number=self.session_number,
         )  # fmt: skip
 
     # -- solving
 
-    def _kappa(self, beam: BeamProblem, k: Index) -> FloatArray:
-        """k* = k0 + rest + soft (eibm + bend), without the contact: (len(k), panels, degree)."""
-        values = beam.rest[k] + (beam.eibm[k] + beam.bend[k]) * beam.soft[k]
-        rows: FloatArray = self._rest + np.tensordot(values, self.rows, axes=(1, 0))
-        return rows
-
-    def _soft(self, beam: BeamProblem, k: Index) -> FloatArray:
-        """B/B(s), the elongation's too: (len(k), panels, degree)."""
-        rows: FloatArray = self.ones + np.tensordot(beam.soft[k] - 1.0, self.rows, axes=(1, 0))
-        return rows + beam.elongation_soft[k][:, None, None] * self.stiff_end
-
     def solve(self, beam: BeamProblem) -> SolvedConditions:
         """All conditions; a `ModelError` names one that has no equilibrium."""
         K, G, S = self.K, self.count, self.curve_s.shape[1]
         contact = replace(_nothing_held(K, G), at_rest=self.at_rest)
         x, y, phi = np.zeros((K, S)), np.zeros((K, S)), np.zeros((K, S))
-        self._found = self._equilibria(beam, self.touching) if len(self.touching) else []
+        self._found = self._contacts.equilibria(beam, self.touching) if len(self.touching) else []
         for rows, found in self._found:
             at = [self._grid_s[rows], self.curve_s[rows], np.full((len(rows), 1), self.length)]
             shapes = found.shapes(np.concatenate(at, axis=1))
@@ -219,9 +153,9 @@ class ConfigurationModel:
             shapes = found.shapes(s_m[rows])
             x[rows], y[rows], phi[rows] = shapes.x_m, shapes.y_m, shapes.phi_rad
         for k in self.free.tolist():
-            kappa = self._kappa(beam, np.array([k]))[0]
+            kappa = self._elements.free_curvature(beam, np.array([k]))[0]
             places, back = np.unique(s_m[k], return_inverse=True)
-            x[k], y[k], phi[k] = (a[back] for a in self._free_at(places).shape(kappa))
+            x[k], y[k], phi[k] = (a[back] for a in self._elements.free_shapes(places).shape(kappa))
         return self._compared(beam, solved.contact, s_m, (x, y, phi))
 
     def _compared(
@@ -253,88 +187,35 @@ class ConfigurationModel:
         self, beams: Sequence[BeamProblem], some: Index | None = None
     ) -> list[FloatArray]:
         """Return the same of several problems, each solved from the one before."""
-        last, kept = self._last, self._found
+        last, kept = self._contacts.last, self._found
         asked = self.touching if some is None else some
         if last is not None and some is not None:
-            self._last = last.of(np.searchsorted(self.touching, some))
+            self._contacts.last = last.of(np.searchsorted(self.touching, some))
         results = []
         for beam in beams:
             result = np.full(self.K, np.nan)
-            for rows, found in self._equilibria(beam, asked) if len(asked) else []:
-                gamma = found.phi_hat_rad - self._beta(beam, rows)
+            for rows, found in self._contacts.equilibria(beam, asked) if len(asked) else []:
+                gamma = found.phi_hat_rad - self._contacts.polar_angle(beam, rows)
                 result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
             results.append(result)
-        self._last, self._found = last, kept
+        self._contacts.last, self._found = last, kept
         return results
 
     def modes_of(self, beam: BeamProblem, s_m: FloatArray | None = None) -> FloatArray:
         """Modes of the distances measured - predicted alone (K, M), likewise; at s (K, S)."""
-        last, kept = self._last, self._found
+        last, kept = self._contacts.last, self._found
         found = self.solve(beam)
         if s_m is not None and s_m is not self.curve_s:
             found = self.at(beam, found, s_m)
         result = found.modes_m
-        self._last, self._found = last, kept
+        self._contacts.last, self._found = last, kept
         return result
-
-    def _beta(self, beam: BeamProblem, rows: Index) -> FloatArray:
-        """Polar angle of the point on the arc, seen along the clamp."""
-        at: FloatArray = (self.stated_m[rows] + beam.shift_m[rows]) / self.sheet.arc_radius_m
-        return at + self.sheet.arc_origin_rad - beam.tilt_rad[rows]
-
-    def _equilibria(self, beam: BeamProblem, rows: Index) -> list[tuple[Index, Equilibria]]:
-        """Return groups of conditions with contacts at the same radius, and their equilibria."""
-        R = self.sheet.arc_radius_m + beam.reach_m[rows]
-        beta, offset = self._beta(beam, rows), beam.offset_m[rows]
-        if not np.any(offset) and np.ptp(R) == 0.0:
-            start = self._last
-            self._last = self._solve(beam, rows, beta, float(R[0]), start)
-            return [(rows, self._last)]
-        each = zip(rows.tolist(), beta.tolist(), offset.tolist(), strict=True)
-        return [(np.array([row]), self._beside_arc(beam, row, b, d)) for row, b, d in each]
-
-    def _beside_arc(self, beam: BeamProblem, row: int, beta: float, d: float) -> Equilibria:
-        """One condition whose curve passes beside the point on the arc, by `d`."""
-
-        def solved(gamma: float, start: Equilibria | None) -> Equilibria:
-            tangential, radial = -d * np.cos(gamma), R + d * np.sin(gamma)
-            angle = np.array([beta + np.arctan2(tangential, radial)])
-            radius_m = float(np.hypot(tangential, radial))
-            return self._solve(beam, np.array([row]), angle, radius_m, start)
-
-        R = self.sheet.arc_radius_m + float(beam.reach_m[row])
-        last = self._beside.get(row)
-        gamma = last[0] if last else 0.0
-        found = solved(gamma, last[1] if last else None)
-        for _ in range(MOST_BESIDE - 1 if d else 0):
-            before, gamma = gamma, float(found.phi_hat_rad[0]) - beta
-            if abs(gamma - before) < SAME_RAD:
-                break
-            found = solved(gamma, found)
-        self._beside[row] = gamma, found
-        return found
-
-    def _solve(
-        self, beam: BeamProblem, rows: Index, angle: FloatArray, radius_m: float,
-        start: Equilibria | None = None,
-    ) -> Equilibria:  # fmt: skip
-        reach = self.length + self.sheet.elongation_m + 10.0 * radius_m
-        kappa, soft = self._kappa(beam, rows), self._soft(beam, rows)
-        made = Problems(
-            breaks_m=self.breaks, kappa=kappa, softness=soft, radius_m=radius_m, reach_m=reach,
-            angle_rad=angle,
-        )  # fmt: skip
-        found = solve(made, start)
-        if np.any(found.status != SolverStatus.SOLVED):
-            bad = self.look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
-            raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
-        return found
 
     def _hold(
         self, beam: BeamProblem, rows: Index, found: Equilibria, contact: ContactSolution
     ) -> None:
         R = self.sheet.arc_radius_m + beam.reach_m[rows]
-        beta, B = self._beta(beam, rows), beam.stiffness[rows]
+        beta, B = self._contacts.polar_angle(beam, rows), beam.stiffness[rows]
         phi, offset = found.phi_hat_rad, beam.offset_m[rows]
         contact.normal_N[rows], contact.gamma_rad[rows] = B * found.nu, phi - beta
         contact.force_N[rows] = B * found.nu * np.cos(phi - beta)
@@ -351,12 +232,15 @@ class ConfigurationModel:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return the free shape of condition k, which has no force and needs no solver."""
         G = self.count
-        kappa = self._kappa(beam, np.array([k]))[0]
+        kappa = self._elements.free_curvature(beam, np.array([k]))[0]
         at = np.concatenate([self.s_m, self.curve_s[k], [self.length]])
         places, back = np.unique(at, return_inverse=True)
-        x, y, phi = (a[back] for a in self._free_at(places).shape(kappa))
+        x, y, phi = (a[back] for a in self._elements.free_shapes(places).shape(kappa))
         contact.x_m[k], contact.y_m[k], contact.phi_rad[k] = x[:G], y[:G], phi[:G]
-        contact.curvature[k], contact.end_phi_rad[k] = Field(self.breaks, kappa)(self.s_m), phi[-1]
+        contact.curvature[k], contact.end_phi_rad[k] = (
+            Field(self._elements.breaks, kappa)(self.s_m),
+            phi[-1],
+        )
         return x[G:-1], y[G:-1], phi[G:-1]
 
     # -- derivatives
@@ -374,9 +258,13 @@ class ConfigurationModel:
         """How force and modes answer to a change of a `BeamProblem`, at a solution of it."""
         K, G, M, Q = self.K, self.count, self.modes, self.columns
         force, modes = np.zeros((K, Q)), np.zeros((K, M, Q))
-        kappa = np.concatenate([self.rows, np.zeros((G + 3, *self.rows.shape[1:]))])
-        none = np.zeros_like(self.rows)
-        soft = np.concatenate([none, self.rows, self.stiff_end[None], none[:1], none[:1]])
+        kappa = np.concatenate(
+            [self._elements.rows, np.zeros((G + 3, *self._elements.rows.shape[1:]))]
+        )
+        none = np.zeros_like(self._elements.rows)
+        soft = np.concatenate(
+            [none, self._elements.rows, self._elements.stiff_end[None], none[:1], none[:1]]
+        )
         one = np.zeros((1, 2 * G + 3))
         angle, radius = one.copy(), one.copy()
         angle[0, -2], radius[0, -1] = 1.0, 1.0
@@ -400,18 +288,9 @@ class ConfigurationModel:
         modes[:, :, -1] = np.einsum("kms,ks->km", self.project, turned)
         return Sensitivities(force, modes)
 
-    def _free_at(self, s_m: FloatArray) -> SharedFreeShapes:
-        """Return free shapes at these places, ascending."""
-        key = s_m.tobytes()
-        if key not in self._free:
-            if len(self._free) >= MOST_KEPT:  # a camera that distorts asks at other s each time
-                self._free.clear()
-            self._free[key] = SharedFreeShapes(self.breaks, self.rows.shape[2], s_m)
-        return self._free[key]
-
     def _free_answers(self, beam: BeamProblem, k: int, solved: SolvedConditions) -> FloatArray:
-        kappa = self._kappa(beam, np.array([k]))[0]
-        x, y = self._free_at(solved.s_m[k]).answers(kappa, self.rows)
+        kappa = self._elements.free_curvature(beam, np.array([k]))[0]
+        x, y = self._elements.free_shapes(solved.s_m[k]).answers(kappa, self._elements.rows)
         cos, sin = np.cos(beam.tilt_rad[k]), np.sin(beam.tilt_rad[k])
         sideways = (cos * x - sin * y) * solved.nx[k] + (sin * x + cos * y) * solved.ny[k]
         result: FloatArray = self.project[k] @ sideways.T
@@ -449,13 +328,3 @@ def _nothing_held(K: int, G: int) -> ContactSolution:
         **{name: np.zeros((K, G)) for name in along},
         end_phi_rad=np.zeros(K),
     )
-
-
-def projection(s: FloatArray, modes: int) -> FloatArray:
-    """From values at s to coefficients of Legendre polynomials of unit mean square: (modes, n)."""
-    t = 2.0 * s / s[-1] - 1.0
-    count = min(modes, len(s))
-    V = legendre.legvander(t, count - 1) * np.sqrt(2.0 * np.arange(count) + 1.0)
-    result = np.zeros((modes, len(s)))
-    result[:count] = np.linalg.pinv(V)
-    return result

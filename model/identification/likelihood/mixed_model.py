@@ -91,7 +91,7 @@ def weigh(data: Data, log_sigma: FloatArray) -> Solution:
     WX = W @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
-    return Solution(beta=C @ _pull(data, WX), covariance=C, log_sigma=log_sigma, weights=W)
+    return Solution(beta=C @ _right_side(data, WX), covariance=C, log_sigma=log_sigma, weights=W)
 
 
 def effects(data: Data, solution: Solution) -> list[FloatArray]:
@@ -105,9 +105,10 @@ def effects(data: Data, solution: Solution) -> list[FloatArray]:
     ]
 
 
-def _pull(data: Data, WX: FloatArray) -> FloatArray:
-    pull: FloatArray = _stacked(WX).T @ data.y.ravel() - data.precision * data.away
-    return pull
+def _right_side(data: Data, WX: FloatArray) -> FloatArray:
+    """Return the right-hand side of the normal equations, (n,)."""
+    right: FloatArray = _stacked(WX).T @ data.y.ravel() - data.precision * data.away
+    return right
 
 
 def _stacked(X: FloatArray) -> FloatArray:
@@ -228,7 +229,7 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     WX = W @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
-    beta = C @ _pull(data, WX)
+    beta = C @ _right_side(data, WX)
     error = data.y - data.X @ beta
     We = (W @ error[:, :, None])[:, :, 0]
     away = (log_sigma - guess) / data.width

@@ -18,12 +18,12 @@ class BoardTimedRun:
     """The steps of a run as samples of its acquisition."""
 
     def __init__(
-        self, loop: Loop, first: int, course: Sequence[TimedVoltage], board_V: Sequence[float]
+        self, loop: Loop, first: int, waveform: Sequence[TimedVoltage], board_V: Sequence[float]
     ) -> None:
         """`first`: the sample of the run's time 0; `board_V`: of each voltage, at the board."""
         self._loop = loop
         self._first = first
-        self._course = course
+        self._waveform = waveform
         self._board_V = board_V
         self._clock = SampleClock(0.0, 0.0, 1.0)
 
@@ -34,7 +34,7 @@ class BoardTimedRun:
 
     def write(self, step: int) -> VoltageWrite:
         """Return a step's edge as a write that took no time, at its sample."""
-        edge = self._course[step]
+        edge = self._waveform[step]
         when_s = self._clock.time_of(edge.index)
         self._loop.output.reached(edge.volts)
         return VoltageWrite(edge.volts, self._board_V[step], when_s, when_s)
@@ -47,7 +47,7 @@ class BoardTimedRun:
         if self._loop.output.is_done():
             self._loop.output.write(0.0)
             return True
-        end_s = self._clock.time_of(self._course[-1].index)
+        end_s = self._clock.time_of(self._waveform[-1].index)
         overdue_s = LATE_S + _DRIFT * (end_s - self._clock.start_s)
         if self._loop.clock.now() > end_s + overdue_s:
             raise DeviceError(
@@ -70,12 +70,12 @@ def load_timed(loop: Loop, run: PlannedRun) -> BoardTimedRun | None:
         return None
     rate_hz = loop.devices.signals.rate_hz
     first = round(loop.timing.lead_in_s * rate_hz)
-    course = tuple(
+    waveform = tuple(
         TimedVoltage(first + round(step.time_s * rate_hz), step.voltage_V) for step in run.steps
     )
-    apart = all(a.index < b.index for a, b in pairwise(course))
-    if not apart or course[-1].volts != 0.0:
+    apart = all(a.index < b.index for a, b in pairwise(waveform))
+    if not apart or waveform[-1].volts != 0.0:
         return None
     what = f"gave run {run.index + 1} to the board, which puts it out by the clock of its inputs"
     loop.emit(ActionTaken(loop.clock.now(), "labrig", what))
-    return BoardTimedRun(loop, first, course, loop.output.load(course, rate_hz))
+    return BoardTimedRun(loop, first, waveform, loop.output.load(waveform, rate_hz))

@@ -17,7 +17,14 @@ from labrig.vision.calibration.optics import StripPlace
 from labrig.vision.facts import stated
 from labrig.vision.facts.catalogue import strip_facts
 from labrig.vision.facts.conformance import KEYS_OF_OPTICS, faults
-from labrig.vision.facts.contract import FactOf, FactOption, FactShape, FactTool, StripFact, Told
+from labrig.vision.facts.contract import (
+    FactOf,
+    FactOption,
+    FactShape,
+    FactTool,
+    SearchConstraints,
+    StripFact,
+)
 from tests.labrig.vision import drawn_strips
 
 PAGE = Path(__file__).parents[3] / "docs" / "howto" / "extending.md"
@@ -27,14 +34,14 @@ FOREIGN = '''
 
 from dataclasses import dataclass, replace
 
-from labrig.vision.facts.contract import FactOption, FactShape, StripFact, Told
+from labrig.vision.facts.contract import FactOption, FactShape, StripFact, SearchConstraints
 
 
 @dataclass(frozen=True, kw_only=True)
 class Course(StripFact):
-    def tells(self, value):
+    def constraints(self, value):
         *through, tip = value
-        return Told(through_px=tuple(through), tip_px=tip)
+        return SearchConstraints(through_px=tuple(through), tip_px=tip)
 
 
 class Broken(Course):
@@ -112,7 +119,7 @@ def test_a_faulty_fact_is_told_what_is_wrong():
         option=FactOption(flag="--silent", help="it"),
         order=1,
     )
-    assert faults(silent) == ["it has neither `tells` nor `directed`: it says nothing"]
+    assert faults(silent) == ["it has neither `constraints` nor `directed`: it says nothing"]
 
 
 def test_no_fact_has_the_name_of_another_key_of_optics_json():
@@ -123,11 +130,16 @@ def test_no_fact_has_the_name_of_another_key_of_optics_json():
 
 
 def test_what_facts_tell_is_put_together():
-    tips = Told.together([Told(tip_px=(1.0, 2.0)), Told(tip_px=(3.0, 4.0), through_px=((5, 6),))])
+    tips = SearchConstraints.together(
+        [
+            SearchConstraints(tip_px=(1.0, 2.0)),
+            SearchConstraints(tip_px=(3.0, 4.0), through_px=((5, 6),)),
+        ]
+    )
     assert tips.tip_px == (1.0, 2.0)
     assert tips.through_px == ((5, 6),)
     assert tips.length_measured
-    assert not Told.together([]).length_measured
+    assert not SearchConstraints.together([]).length_measured
 
 
 def test_a_file_with_facts_is_read_and_written_as_it_was():
@@ -154,7 +166,7 @@ def test_facts_of_a_strip_are_its_own_and_those_of_the_pictures_are_everybodys()
     a, b = optics.by_strip().values()
     assert (a.tip_px, b.tip_px) == ((8.0, 9.0), None)
     assert a.mask_px == b.mask_px == mask
-    assert b.told.length_measured
+    assert b.constraints.length_measured
     kept = optics.without_places()
     assert kept.by_strip()["a"].tip_px is None
     assert kept.mask_px == mask
@@ -274,12 +286,12 @@ def test_of_two_facts_of_one_name_the_second_is_left_out_with_a_sentence(install
 
 def test_a_fact_whose_objection_fails_is_named_and_the_curve_stays():
     class Failing(StripFact):
-        def tells(self, value):
-            return Told(objections=(lambda points: {}[value],))
+        def constraints(self, value):
+            return SearchConstraints(objections=(lambda points: {}[value],))
 
     tip = strip_facts()["tip_px"]
     ours = Failing(**{field: getattr(tip, field) for field in vars(tip)})
-    (objects,) = stated._told(ours, (1.0, 2.0)).objections
+    (objects,) = stated._constraints(ours, (1.0, 2.0)).objections
     with pytest.raises(KeyError):  # a fault of ours is none of the user's
         objects(np.zeros((2, 2)))
     with pytest.MonkeyPatch.context() as patch:  # of another distribution it is a sentence

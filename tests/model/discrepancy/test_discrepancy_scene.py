@@ -12,7 +12,8 @@ from model.effects import effect
 from model.effects.conformance import plausible
 from model.effects.interface import BeamProblem
 from model.identification.data.data_vector import look
-from model.identification.likelihood.contact_solution import ConfigurationModel, projection
+from model.identification.likelihood.configuration.stacked_curves import projection
+from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import AppliedEffect
 from model.identification.likelihood.row_index import WITHIN
@@ -213,7 +214,7 @@ def test_forces_solved_in_turn_are_those_of_the_physical_branch(studies, name: s
     some = scene.touching[np.any(beam.eibm[scene.touching] != 0.0, axis=1)]
     others = [replace(beam, eibm=level * beam.eibm) for level in LEVELS[WAYS_FROM_ONE[0],]]
     for found, other in zip(scene.forces_in_turn(others, some), others, strict=True):
-        scene._last = None  # from the free shape
+        scene._contacts.last = None  # from the free shape
         np.testing.assert_allclose(found[some], scene.forces(other)[some], rtol=1e-6, atol=1e-9)
 
 

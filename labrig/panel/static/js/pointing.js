@@ -26,7 +26,7 @@ export class Pointing {
     this.said = h(
       "p",
       { class: "pointing-said", role: "status" },
-      "Click in the picture, or move the cross with the arrow keys (Shift: 10) and press Enter.",
+      "Click in the image, or move the cross with the arrow keys (Shift: 10) and press Enter.",
     );
     const { canvas } = this.picture;
     canvas.tabIndex = 0;

@@ -10,8 +10,8 @@ from labrig.vision.facts.contract import (
     FactShape,
     FactTool,
     Polygon,
+    SearchConstraints,
     StripFact,
-    Told,
 )
 
 
@@ -25,9 +25,9 @@ class Mask(StripFact):
         """See `StripFact.joined`: what is masked in the file stays masked."""
         return before + stated
 
-    def tells(self, value: tuple[Polygon, ...]) -> Told:
-        """See `StripFact.tells`."""
-        return Told(hidden_px=value)
+    def constraints(self, value: tuple[Polygon, ...]) -> SearchConstraints:
+        """See `StripFact.constraints`."""
+        return SearchConstraints(hidden_px=value)
 
 
 FACT = Mask(

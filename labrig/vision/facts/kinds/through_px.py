@@ -9,8 +9,8 @@ from labrig.vision.facts.contract import (
     FactShape,
     FactTool,
     Point,
+    SearchConstraints,
     StripFact,
-    Told,
 )
 
 
@@ -18,9 +18,9 @@ from labrig.vision.facts.contract import (
 class Through(StripFact):
     """Places on the strip's middle."""
 
-    def tells(self, value: tuple[Point, ...]) -> Told:
-        """See `StripFact.tells`."""
-        return Told(through_px=value)
+    def constraints(self, value: tuple[Point, ...]) -> SearchConstraints:
+        """See `StripFact.constraints`."""
+        return SearchConstraints(through_px=value)
 
 
 FACT = Through(

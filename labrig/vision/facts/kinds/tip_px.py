@@ -9,8 +9,8 @@ from labrig.vision.facts.contract import (
     FactShape,
     FactTool,
     Point,
+    SearchConstraints,
     StripFact,
-    Told,
 )
 
 
@@ -18,9 +18,9 @@ from labrig.vision.facts.contract import (
 class Tip(StripFact):
     """The strip's end; its length is measured up to there."""
 
-    def tells(self, value: Point) -> Told:
-        """See `StripFact.tells`."""
-        return Told(tip_px=value)
+    def constraints(self, value: Point) -> SearchConstraints:
+        """See `StripFact.constraints`."""
+        return SearchConstraints(tip_px=value)
 
 
 FACT = Tip(

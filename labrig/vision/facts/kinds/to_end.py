@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from labrig.vision.facts.contract import FactOf, FactOption, FactShape, StripFact, Told
+from labrig.vision.facts.contract import FactOf, FactOption, FactShape, SearchConstraints, StripFact
 
 
 @dataclass(frozen=True, kw_only=True)
 class ToEnd(StripFact):
     """Whatever length is stated, the strip is followed to its visible end."""
 
-    def tells(self, value: bool) -> Told:
-        """See `StripFact.tells`."""
-        return Told(length_measured=value)
+    def constraints(self, value: bool) -> SearchConstraints:
+        """See `StripFact.constraints`."""
+        return SearchConstraints(length_measured=value)
 
 
 FACT = ToEnd(

@@ -28,7 +28,7 @@ const COLUMNS = [
   { key: "duration_s", name: "length", num: true, show: (s) => clock(s.duration_s) },
   {
     key: "largest_force_mN",
-    name: "largest, mN",
+    name: "largest force, mN",
     num: true,
     show: (s) => number(s.largest_force_mN, 2),
   },

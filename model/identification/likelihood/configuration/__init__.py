@@ -1,0 +1,1 @@
+"""What a configuration's solution is made of: elements, contacts, measured curves."""
