@@ -25,6 +25,11 @@ class BetweenSessions(Effect):
 
     from_first: bool = False
 
+    @property
+    def claims(self) -> int:
+        """See `Effect.claims`: values say that it is there, and that it differs."""
+        return 1 if self.from_first else 2
+
     def for_sessions(self, count: int) -> Effect | None:
         """See `Effect.for_sessions`."""
         if count < 2:

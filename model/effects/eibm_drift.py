@@ -6,20 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects._drift import SETTLES, SINCE, progress
-from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
+from model.effects._drift import SETTLES, SINCE, Drift, progress
+from model.effects.interface import AcquisitionTimes, EffectParameter, Values
 from model.measurements import FloatArray
 
 LEAST = 0.05  # of the EIBM is always left
 
 
 @dataclass(frozen=True)
-class EibmDrift(Effect):
-    """The EIBM changes linearly, 0 in the middle of the data."""
+class EibmDrift(Drift):
+    """The EIBM changes linearly, 0 in the middle of the session."""
 
     def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
-        change = p["relative_change"] * progress(clock, p[SINCE.name], p[SETTLES.name])
+        change = p["relative_change"] * progress(clock, p)
         bounded = np.maximum(change, LEAST - 1.0)
         return bounded, np.zeros_like(bounded)
 
@@ -48,7 +48,7 @@ EFFECT = EibmDrift(
     parameters=(
         EffectParameter(
             name="relative_change",
-            meaning="of the EIBM over the data",
+            meaning="of the EIBM over the session",
             unit="",
             prior_scale=0.1,
             low=-1.5,

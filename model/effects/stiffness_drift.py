@@ -6,20 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects._drift import SETTLES, SINCE, progress
-from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
+from model.effects._drift import SETTLES, SINCE, Drift, progress
+from model.effects.interface import AcquisitionTimes, EffectParameter, Values
 from model.measurements import FloatArray
 
 MOST = 2.2  # a dry sheet is stiffer than a wet one by no more than this factor
 
 
 @dataclass(frozen=True)
-class StiffnessDrift(Effect):
-    """B changes linearly, 0 in the middle of the data."""
+class StiffnessDrift(Drift):
+    """B changes linearly, 0 in the middle of the session."""
 
     def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
-        change = p["relative_change"] * progress(clock, p[SINCE.name], p[SETTLES.name])
+        change = p["relative_change"] * progress(clock, p)
         bounded = np.clip(change, 1.0 / MOST - 1.0, MOST - 1.0)
         return np.zeros_like(bounded), bounded
 
@@ -48,7 +48,7 @@ EFFECT = StiffnessDrift(
     parameters=(
         EffectParameter(
             name="relative_change",
-            meaning="of the stiffness over the data",
+            meaning="of the stiffness over the session",
             unit="",
             prior_scale=0.1,
             low=-1.0,

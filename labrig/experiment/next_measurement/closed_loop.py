@@ -14,9 +14,9 @@ from typing import Protocol
 
 from labrig.errors import ExitCode
 from model.discrepancy import Diagnosis, Next
+from model.discrepancy.thresholds import LEAST_GAIN_SIGMA
 
 MOST_ROUNDS = 3
-LEAST_GAIN_SIGMA = 0.5  # by which a measurement must separate the candidates further
 
 
 class MeasurementRig(Protocol):

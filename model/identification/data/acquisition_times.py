@@ -6,8 +6,8 @@ are in the order of the table.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -32,14 +32,15 @@ def run_key(condition: Condition | TimeSeries) -> RunKey:
 
 @dataclass(frozen=True, kw_only=True)
 class SessionTimes:
-    """Acquisition times of readings in the session.
+    """Acquisition times of readings, since their session began.
 
-    Where they are not recorded, runs are assumed to be in the order of the table.
+    Where they are not recorded, runs are assumed to be in the order of the table. The instruments
+    are set anew in each session and the sheet is mounted again, so a session has a beginning of its
+    own; its times are told in units of the longest one.
     """
 
-    first_s: float
-    last_s: float
-    runs: list[RunKey]  # in the order of the table; empty: times are known
+    spans_s: dict[int, tuple[float, float]]  # first and last reading of each session
+    runs: dict[int, list[RunKey]]  # of each session, in the order of the table; empty: dated
     worked_s: dict[RunKey, float]  # under voltage before each run
     driven_s: dict[RunKey, float]  # ... since the sheet was last wetted
 
@@ -47,25 +48,43 @@ class SessionTimes:
     def of(conditions: Sequence[Condition]) -> SessionTimes:
         """Of all readings of all configurations."""
         held = [c for c in conditions if c.position_m is not None]
-        times = [r.session_s for c in conditions for r in c.readings]
-        known = [t for t in times if t is not None]
-        first, last = (min(known), max(known)) if known else (0.0, 0.0)
-        runs = [] if known else list(dict.fromkeys(run_key(c) for c in held))
+        spans_s = _spans_s(conditions)
+        runs = dict[int, list[RunKey]]()
+        for c in () if spans_s else held:
+            own = runs.setdefault(c.session, [])
+            if run_key(c) not in own:
+                own.append(run_key(c))
         # a free shape of which nobody knows when it was acquired came before the positions
         dated = [c for c in conditions if c.position_m is not None or _is_timed(c)]
         worked_s, driven_s = _worked(dated)
-        return SessionTimes(
-            first_s=first, last_s=last, runs=runs, worked_s=worked_s, driven_s=driven_s
-        )
+        return SessionTimes(spans_s=spans_s, runs=runs, worked_s=worked_s, driven_s=driven_s)
+
+    @property
+    def longest_s(self) -> float:
+        """Length of the longest session; 0: unknown."""
+        return max((last - first for first, last in self.spans_s.values()), default=0.0)
 
     def share(self, condition: Condition, reading: Reading) -> float:
-        """0 to 1 over the session; 0.5 where only this reading's time is not known."""
-        key = run_key(condition)
-        if key in self.runs:
-            return (self.runs.index(key) + 0.5) / len(self.runs)
-        if reading.session_s is None or self.last_s <= self.first_s:
+        """0 to 1 over the longest session; 0.5 where only this reading's time is not known."""
+        own, key = self.runs.get(condition.session, []), run_key(condition)
+        if key in own:
+            return (own.index(key) + 0.5) / max(map(len, self.runs.values()))
+        if reading.session_s is None or self.longest_s <= 0.0:
             return 0.5
-        return (reading.session_s - self.first_s) / (self.last_s - self.first_s)
+        return (reading.session_s - self.spans_s[condition.session][0]) / self.longest_s
+
+    def overall(self, condition: Condition, share: float) -> float:
+        """0 to 1 over all sessions, of a time that is a share of the longest one."""
+        if self.spans_s:
+            first = min(first for first, _ in self.spans_s.values())
+            last = max(last for _, last in self.spans_s.values())
+            own = self.spans_s.get(condition.session, (first, last))[0]
+            return (own - first + share * self.longest_s) / (last - first) if last > first else 0.5
+        counts = {number: len(own) for number, own in self.runs.items()}
+        if not counts:
+            return 0.5
+        before = sum(n for number, n in counts.items() if number < condition.session)
+        return (before + share * max(counts.values())) / sum(counts.values())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +98,7 @@ class ReadingTimes:
     worked_s: float  # under voltage before the run
     driven_s: float = 0.0  # ... since the sheet was last wetted
     position_m: float = np.nan  # NaN: free
+    overall: Callable[[float], float] = field(default=lambda share: share)  # see `SessionTimes`
 
     def of(self, readings: list[Reading], session: list[float]) -> AcquisitionTimes:
         """Of readings in time order; those without times are taken as spaced by the pulses."""
@@ -112,6 +132,7 @@ class ReadingTimes:
             pulse=pulse, run_s=run_s, session=session, wetted_s=wetted, driven_s=dried,
             opposite=opposite, rise_s=np.full(shape, self.rise_s), worked_s=self.worked_s + driven,
             position_m=np.full(shape, self.position_m),
+            overall=np.array([self.overall(float(t)) for t in session]),
         )  # fmt: skip
 
 
@@ -119,6 +140,16 @@ def _channels(readings: Sequence[Reading]) -> dict[str, FloatArray]:
     """Return the values of further channels at each reading; NaN where there is none."""
     names = dict.fromkeys(name for r in readings for name in r.other_values)
     return {name: np.array([r.other_values.get(name, np.nan) for r in readings]) for name in names}
+
+
+def _spans_s(conditions: Sequence[Condition]) -> dict[int, tuple[float, float]]:
+    """Return the first and the last time of each session; none where nobody wrote any down."""
+    times = dict[int, list[float]]()
+    for c in conditions:
+        known = [r.session_s for r in c.readings if r.session_s is not None]
+        if known:
+            times.setdefault(c.session, []).extend(known)
+    return {number: (min(own), max(own)) for number, own in times.items()}
 
 
 def _is_timed(condition: Condition) -> bool:
