@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.effects.between_sessions import GOES_ON
 from model.effects.interface import (
     AcquisitionTimes,
     Effect,
@@ -39,18 +40,6 @@ SETTLES = EffectParameter(
 SETTLES_AFTER = 1.0 / 3.0  # its time constant, of the whole
 
 
-# What is set to zero, wetted or mounted before each session begins anew with it.
-GOES_ON = EffectParameter(
-    name="goes_on",
-    meaning="0: begins anew in each session; 1: goes on from session to session",
-    unit="",
-    prior_scale=0.0,
-    low=0.0,
-    high=1.0,
-    starting_values=(0.0, 1.0),
-)
-
-
 @dataclass(frozen=True)
 class Drift(Effect):
     """A slow change over the session."""
@@ -62,7 +51,9 @@ class Drift(Effect):
 
 def over_session(times: AcquisitionTimes | LoadCellInput, p: Values) -> FloatArray:
     """0 to 1: over the session, or over all of them where the change goes on."""
-    return np.asarray(times.overall if p.get(GOES_ON.name, 0.0) > 0.5 else times.session)
+    if p.get(GOES_ON.name, 0.0) <= 0.5:
+        return np.asarray(times.session)
+    return np.array(np.broadcast_to(times.overall, np.shape(times.session)))
 
 
 def progress(clock: AcquisitionTimes, p: Values) -> FloatArray:

@@ -145,18 +145,28 @@ def look(measurements: Measurements, configuration: str) -> DataVector:
     session = SessionTimes.of(every)
     zeros = first_pulses(own)
     ratio = opposite_ratio(own)
-    begun = min((session.share(c, r) for c in own for r in c.used()), default=0.5)
-    found = [_seen(c, sheet, session, zeros, ratio, begun) for c in own]
+    begun = {
+        number: min((session.share(c, r) for c in some for r in c.used()), default=0.5)
+        for number, some in _by_session(own).items()
+    }
+    found = [_seen(c, sheet, session, zeros, ratio, begun[c.session]) for c in own]
     seen = tuple(s for s in found if s is not None)
     if not seen:
         reasons = sorted({r.why for c in own for r in c.readings if r.why})
         why = f" ({'; '.join(reasons)})" if reasons else ""
         raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
-    zeros_N = (_load_cell_zero(c, session, begun) for c in own)
+    zeros_N = (_load_cell_zero(c, session, begun[c.session]) for c in own)
     seen += tuple(s for s in zeros_N if s is not None)
     series = [s for s in measurements.series if s.configuration == configuration and not s.extra]
     pulses = [p for s in series for p in _pulses(s, seen)]
     return DataVector(sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.longest_s)
+
+
+def _by_session(conditions: Sequence[Condition]) -> dict[int, list[Condition]]:
+    found: dict[int, list[Condition]] = {}
+    for one in conditions:
+        found.setdefault(one.session, []).append(one)
+    return found
 
 
 def means_of(whole: DataVector) -> DataVector:

@@ -59,7 +59,7 @@ class Neighbours(VerdictCheck):
 
 def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
     """Return the probability of each rival over the name's; above 1 where wordings are clear."""
-    every = [c for c in one.ranking if c.known and (_same_place(c, one) or _close(c, one))]
+    every = [c for c in one.ranking if c.known and (_same_place(c, one) or is_close(c, one))]
     effects = [c.score.candidate.effect for c in every]
     found = evidence(
         one.before, named.fitted.solution.log_sigma, [e for e in effects if e is not None]
@@ -74,12 +74,12 @@ def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
         if own is not None and {own.name, rival.name} <= found.keys():
             in_words = found[rival.name] - found[own.name]
             ahead = max(ahead, in_words if in_words > EQUAL_EVIDENCE_LN else min(in_words, 0.0))
-        if ahead > -_reach(rival) and _imitates(named, one, rival):
+        if ahead > -reach(rival) and _imitates(named, one, rival):
             result[rival.name] = float(np.exp(ahead / EVIDENCE_TEMPERATURE))
     return result
 
 
-def _reach(rival: RankedCandidate) -> float:
+def reach(rival: RankedCandidate) -> float:
     """Return how far (ln) a rival may be behind.
 
     What says more than a name, with evidence against all that it says more, is that name.
@@ -94,7 +94,7 @@ def _same_place(rival: RankedCandidate, one: Choice) -> bool:
     return where == one.effect.location and not location(where).in_time
 
 
-def _close(rival: RankedCandidate, one: Choice) -> bool:
+def is_close(rival: RankedCandidate, one: Choice) -> bool:
     """Return whether what acts at another place explains about as much."""
     places = (rival.score.candidate.location, one.effect.location)
     close = rival.gain > one.gain - NEIGHBOUR_EVIDENCE_LN
