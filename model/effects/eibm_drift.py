@@ -33,7 +33,8 @@ EFFECT = EibmDrift(
     form=(
         "Me = mean x (1 + c (tau - 1/2)), tau = 0 to 1 over the session, or over 13.2 s under"
         " voltage since the last wetting; or settling"
-        " exponentially, with a third of that as its time constant"
+        " exponentially, with a third of that as its time constant; of several sessions anew in"
+        " each, or on through all of them"
     ),
     location="time",
     signature=(

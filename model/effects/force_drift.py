@@ -39,7 +39,8 @@ EFFECT = ForceDrift(
     meaning="The load cell's zero rises (falls, when negative) as the session goes on.",
     form=(
         "F measured = F + c (tau - tau0), tau = 0 to 1 over the session, tau0 when the cell was"
-        " tared; or settling exponentially, with a third of the session as its time constant"
+        " tared; or settling exponentially, with a third of the session as its time constant; of"
+        " several sessions anew in each, or on through all of them"
     ),
     location="load_cell",
     signature=(

@@ -39,52 +39,58 @@ class SessionTimes:
     own; its times are told in units of the longest one.
     """
 
-    spans_s: dict[int, tuple[float, float]]  # first and last reading of each session
-    runs: dict[int, list[RunKey]]  # of each session, in the order of the table; empty: dated
+    dated: dict[int, float]  # first reading of each session whose times are recorded, s
+    begins_s: dict[int, float]  # of each session, one after the other
+    longest_s: float  # of the sessions, and all of them; where none is dated, in runs
+    whole_s: float
+    run_s: float
+    runs: dict[int, list[RunKey]]  # of each other session, in the order of the table
     worked_s: dict[RunKey, float]  # under voltage before each run
     driven_s: dict[RunKey, float]  # ... since the sheet was last wetted
 
     @staticmethod
     def of(conditions: Sequence[Condition]) -> SessionTimes:
         """Of all readings of all configurations."""
-        held = [c for c in conditions if c.position_m is not None]
-        spans_s = _spans_s(conditions)
-        runs = dict[int, list[RunKey]]()
-        for c in () if spans_s else held:
-            own = runs.setdefault(c.session, [])
-            if run_key(c) not in own:
-                own.append(run_key(c))
+        spans_s, runs = _spans_s(conditions), _runs(conditions)
+        lengths_s = {number: last - first for number, (first, last) in spans_s.items()}
+        rates = [length / len(runs[n]) for n, length in lengths_s.items() if length and runs.get(n)]
+        run_s, end_s = max(rates, default=1.0), 0.0
+        begins_s = dict[int, float]()
+        for number in sorted({c.session for c in conditions}):
+            begins_s[number] = max(end_s, spans_s.get(number, (0.0, 0.0))[0])
+            length_s = lengths_s.setdefault(number, run_s * len(runs.get(number, ())))
+            end_s = begins_s[number] + length_s
         # a free shape of which nobody knows when it was acquired came before the positions
-        dated = [c for c in conditions if c.position_m is not None or _is_timed(c)]
-        worked_s, driven_s = _worked(dated)
-        return SessionTimes(spans_s=spans_s, runs=runs, worked_s=worked_s, driven_s=driven_s)
+        timed = [c for c in conditions if c.position_m is not None or _is_timed(c)]
+        worked_s, driven_s = _worked(timed)
+        return SessionTimes(
+            dated={number: first for number, (first, _) in spans_s.items()}, begins_s=begins_s,
+            longest_s=max(lengths_s.values(), default=0.0),
+            whole_s=end_s - min(begins_s.values(), default=0.0), run_s=run_s,
+            runs={number: own for number, own in runs.items() if number not in spans_s},
+            worked_s=worked_s, driven_s=driven_s,
+        )  # fmt: skip
 
     @property
-    def longest_s(self) -> float:
+    def session_s(self) -> float:
         """Length of the longest session; 0: unknown."""
-        return max((last - first for first, last in self.spans_s.values()), default=0.0)
+        return self.longest_s if self.dated else 0.0
 
     def share(self, condition: Condition, reading: Reading) -> float:
         """0 to 1 over the longest session; 0.5 where only this reading's time is not known."""
         own, key = self.runs.get(condition.session, []), run_key(condition)
         if key in own:
-            return (own.index(key) + 0.5) / max(map(len, self.runs.values()))
+            return (own.index(key) + 0.5) * self.run_s / self.longest_s
         if reading.session_s is None or self.longest_s <= 0.0:
             return 0.5
-        return (reading.session_s - self.spans_s[condition.session][0]) / self.longest_s
+        return (reading.session_s - self.dated[condition.session]) / self.longest_s
 
     def overall(self, condition: Condition, share: float) -> float:
         """0 to 1 over all sessions, of a time that is a share of the longest one."""
-        if self.spans_s:
-            first = min(first for first, _ in self.spans_s.values())
-            last = max(last for _, last in self.spans_s.values())
-            own = self.spans_s.get(condition.session, (first, last))[0]
-            return (own - first + share * self.longest_s) / (last - first) if last > first else 0.5
-        counts = {number: len(own) for number, own in self.runs.items()}
-        if not counts:
+        if self.whole_s <= 0.0:
             return 0.5
-        before = sum(n for number, n in counts.items() if number < condition.session)
-        return (before + share * max(counts.values())) / sum(counts.values())
+        before_s = self.begins_s[condition.session] - min(self.begins_s.values())
+        return (before_s + share * self.longest_s) / self.whole_s
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,6 +156,15 @@ def _spans_s(conditions: Sequence[Condition]) -> dict[int, tuple[float, float]]:
         if known:
             times.setdefault(c.session, []).extend(known)
     return {number: (min(own), max(own)) for number, own in times.items()}
+
+
+def _runs(conditions: Sequence[Condition]) -> dict[int, list[RunKey]]:
+    """Return the runs of each session that touch the load cell, in the order of the table."""
+    found = dict[int, dict[RunKey, None]]()
+    for c in conditions:
+        if c.position_m is not None:
+            found.setdefault(c.session, {})[run_key(c)] = None
+    return {number: list(own) for number, own in found.items()}
 
 
 def _is_timed(condition: Condition) -> bool:

@@ -159,7 +159,7 @@ def look(measurements: Measurements, configuration: str) -> DataVector:
     seen += tuple(s for s in zeros_N if s is not None)
     series = [s for s in measurements.series if s.configuration == configuration and not s.extra]
     pulses = [p for s in series for p in _pulses(s, seen)]
-    return DataVector(sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.longest_s)
+    return DataVector(sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.session_s)
 
 
 def _by_session(conditions: Sequence[Condition]) -> dict[int, list[Condition]]:

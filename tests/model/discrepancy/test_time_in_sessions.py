@@ -57,6 +57,18 @@ def test_without_times_the_runs_of_each_session_are_counted_from_its_beginning()
     assert first[1].max() < second[1].min() < second[1].max() < 1.0
 
 
+@pytest.mark.slow
+def test_a_session_without_times_has_the_order_of_its_runs_beside_one_with_times():
+    for first, second in ((means_of(session()), session()), (session(), means_of(session()))):
+        both = look(together([(Path("a.h5"), first), (Path("b.h5"), second)]), "long")
+        (one, whole), (other, later) = (times(both, number) for number in (1, 2))
+        for own in (one, other):
+            assert own.min() >= 0.0
+            assert 0.3 < np.ptp(own) < 0.6  # of the long sheet, which is measured first
+        assert whole.max() < later.min()
+        assert later.max() <= 1.0
+
+
 def test_of_one_session_both_times_are_the_same():
     for one in look(session(), "long").seen:
         np.testing.assert_allclose(one.clock.overall, one.clock.session, atol=1e-12)
