@@ -39,7 +39,7 @@ def with_further(
         for day, extra in enumerate(extras, 1)
     ]  # fmt: skip
     before_s = np.cumsum([driven_s(one) for one in (first.case, *cases)]).tolist()
-    worn = [_on_day(c, past_s) for c, past_s in zip(cases, before_s, strict=False)]
+    worn = [on_day(c, past_s) for c, past_s in zip(cases, before_s, strict=False)]
     whole = _joined([first.measurements, *worn])
     plain = _joined([bare, *(hidden_session(c.bare).measurements for c in cases)])
     yardstick = Yardstick(plain, first.case.symmetric)
@@ -56,7 +56,7 @@ def driven_s(case: Case) -> float:
     return total
 
 
-def _on_day(case: Case, past_s: float) -> Measurements:
+def on_day(case: Case, past_s: float) -> Measurements:
     """Return a session of a sheet that was under voltage for so long before."""
 
     def tired(recipe: Recipe) -> None:
