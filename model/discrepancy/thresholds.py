@@ -192,6 +192,8 @@ SEPARATION_SIGMA = 4.0
 COMPARISON_SIGMA = 8.0
 # Separation that a proposed measurement must reach, over the present one.
 LEAST_IMPROVEMENT = 1.01
+# Standard deviations by which it must separate them further to be worth making.
+LEAST_GAIN_SIGMA = 0.5
 
 # -- What a report mentions (moves no verdict)
 

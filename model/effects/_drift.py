@@ -2,9 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
-from model.effects.interface import AcquisitionTimes, EffectParameter
+from model.effects.between_sessions import GOES_ON
+from model.effects.interface import (
+    AcquisitionTimes,
+    Effect,
+    EffectParameter,
+    LoadCellInput,
+    Values,
+)
 from model.measurements import FloatArray
 
 # The paper's 22 pulses of 0.6 s: the time under voltage over which a change since the last wetting
@@ -31,10 +40,27 @@ SETTLES = EffectParameter(
 SETTLES_AFTER = 1.0 / 3.0  # its time constant, of the whole
 
 
-def progress(clock: AcquisitionTimes, since_wetting: float, settles: float) -> FloatArray:
-    """-1/2 at the beginning, 1/2 at the end: of the data, or of a run's time under voltage."""
-    done = clock.driven_s / RUN_DRIVEN_S if since_wetting > 0.5 else clock.session
-    if settles > 0.5:
+@dataclass(frozen=True)
+class Drift(Effect):
+    """A slow change over the session."""
+
+    def for_sessions(self, count: int) -> Effect | None:
+        """See `Effect.for_sessions`: one session does not say what the next begins with."""
+        return self if count < 2 else replace(self, parameters=(*self.parameters, GOES_ON))
+
+
+def over_session(times: AcquisitionTimes | LoadCellInput, p: Values) -> FloatArray:
+    """0 to 1: over the session, or over all of them where the change goes on."""
+    if p.get(GOES_ON.name, 0.0) <= 0.5:
+        return np.asarray(times.session)
+    return np.array(np.broadcast_to(times.overall, np.shape(times.session)))
+
+
+def progress(clock: AcquisitionTimes, p: Values) -> FloatArray:
+    """-1/2 at the beginning, 1/2 at the end: of the session, or of a run's time under voltage."""
+    wetted = p[SINCE.name] > 0.5
+    done = clock.driven_s / RUN_DRIVEN_S if wetted else over_session(clock, p)
+    if p[SETTLES.name] > 0.5:
         done = settled(done)
     return np.asarray(done - 0.5)
 

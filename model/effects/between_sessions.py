@@ -12,6 +12,16 @@ from model.effects.interface import Effect, EffectParameter, Values
 from model.measurements import FloatArray
 
 LEAST_DIFFERENCE = 0.25  # of the largest value: less is one value of all sessions
+# What is set to zero, wetted or mounted before each session begins anew with it.
+GOES_ON = EffectParameter(
+    name="goes_on",
+    meaning="0: begins anew in each session; 1: goes on from session to session",
+    unit="",
+    prior_scale=0.0,
+    low=0.0,
+    high=1.0,
+    starting_values=(0.0, 1.0),
+)
 _NUMBER = re.compile(r"session_(\d+)")
 
 
@@ -24,6 +34,11 @@ class BetweenSessions(Effect):
     """
 
     from_first: bool = False
+
+    @property
+    def claims(self) -> int:
+        """See `Effect.claims`: values say that it is there, and that it differs."""
+        return 1 if self.from_first else 2
 
     def for_sessions(self, count: int) -> Effect | None:
         """See `Effect.for_sessions`."""
@@ -58,6 +73,12 @@ def one_a_session(size: EffectParameter) -> tuple[EffectParameter, ...]:
 def sessions_in(names: Iterable[str]) -> int:
     """Return how many sessions these parameters are of; 0: they are not of sessions."""
     return max((session_of(name) for name in names), default=0)
+
+
+def sessions_for(names: Iterable[str]) -> int:
+    """Return for how many sessions an effect has such parameters; 0: for one."""
+    some = tuple(names)
+    return max(sessions_in(some), 2 if GOES_ON.name in some else 0)
 
 
 def _of(size: EffectParameter, number: int) -> EffectParameter:

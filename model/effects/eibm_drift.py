@@ -6,20 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects._drift import SETTLES, SINCE, progress
-from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
+from model.effects._drift import SETTLES, SINCE, Drift, progress
+from model.effects.interface import AcquisitionTimes, EffectParameter, Values
 from model.measurements import FloatArray
 
 LEAST = 0.05  # of the EIBM is always left
 
 
 @dataclass(frozen=True)
-class EibmDrift(Effect):
-    """The EIBM changes linearly, 0 in the middle of the data."""
+class EibmDrift(Drift):
+    """The EIBM changes linearly, 0 in the middle of the session."""
 
     def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
-        change = p["relative_change"] * progress(clock, p[SINCE.name], p[SETTLES.name])
+        change = p["relative_change"] * progress(clock, p)
         bounded = np.maximum(change, LEAST - 1.0)
         return bounded, np.zeros_like(bounded)
 
@@ -33,7 +33,8 @@ EFFECT = EibmDrift(
     form=(
         "Me = mean x (1 + c (tau - 1/2)), tau = 0 to 1 over the session, or over 13.2 s under"
         " voltage since the last wetting; or settling"
-        " exponentially, with a third of that as its time constant"
+        " exponentially, with a third of that as its time constant; of several sessions anew in"
+        " each, or on through all of them"
     ),
     location="time",
     signature=(
@@ -48,7 +49,7 @@ EFFECT = EibmDrift(
     parameters=(
         EffectParameter(
             name="relative_change",
-            meaning="of the EIBM over the data",
+            meaning="of the EIBM over the session",
             unit="",
             prior_scale=0.1,
             low=-1.5,

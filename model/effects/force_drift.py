@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects._drift import SETTLES, settled
+from model.effects._drift import SETTLES, Drift, over_session, settled
 from model.effects._values import MILLI
-from model.effects.interface import Effect, EffectParameter, LoadCellInput, Values
+from model.effects.interface import EffectParameter, LoadCellInput, Values
 from model.measurements import FloatArray
 
 TARED_AT = EffectParameter(
@@ -23,12 +23,12 @@ TARED_AT = EffectParameter(
 
 
 @dataclass(frozen=True)
-class ForceDrift(Effect):
+class ForceDrift(Drift):
     """A straight line over the session, 0 when the cell was set to zero."""
 
     def force(self, weighed: LoadCellInput, p: Values) -> FloatArray:
         """See `Effect.force`."""
-        done, tared = weighed.session, np.array(p.get(TARED_AT.name, 0.0))
+        done, tared = over_session(weighed, p), np.array(p.get(TARED_AT.name, 0.0))
         if p[SETTLES.name] > 0.5:
             done, tared = settled(done), settled(tared)
         return np.asarray(p["force_mN"] * MILLI * (done - tared))
@@ -39,7 +39,8 @@ EFFECT = ForceDrift(
     meaning="The load cell's zero rises (falls, when negative) as the session goes on.",
     form=(
         "F measured = F + c (tau - tau0), tau = 0 to 1 over the session, tau0 when the cell was"
-        " tared; or settling exponentially, with a third of the session as its time constant"
+        " tared; or settling exponentially, with a third of the session as its time constant; of"
+        " several sessions anew in each, or on through all of them"
     ),
     location="load_cell",
     signature=(

@@ -138,6 +138,11 @@ class Effect:
         """The parameter that measures the size of the effect."""
         return self.parameters[0]
 
+    @property
+    def claims(self) -> int:
+        """How many things it says that could be so one without the other."""
+        return 1
+
     def for_sessions(self, count: int) -> Effect | None:
         """Return the effect for so many sessions analysed together; None: it needs more."""
         del count

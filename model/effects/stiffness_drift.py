@@ -6,20 +6,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects._drift import SETTLES, SINCE, progress
-from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
+from model.effects._drift import SETTLES, SINCE, Drift, progress
+from model.effects.interface import AcquisitionTimes, EffectParameter, Values
 from model.measurements import FloatArray
 
 MOST = 2.2  # a dry sheet is stiffer than a wet one by no more than this factor
 
 
 @dataclass(frozen=True)
-class StiffnessDrift(Effect):
-    """B changes linearly, 0 in the middle of the data."""
+class StiffnessDrift(Drift):
+    """B changes linearly, 0 in the middle of the session."""
 
     def course(self, clock: AcquisitionTimes, p: Values) -> tuple[FloatArray, FloatArray]:
         """See `Effect.course`."""
-        change = p["relative_change"] * progress(clock, p[SINCE.name], p[SETTLES.name])
+        change = p["relative_change"] * progress(clock, p)
         bounded = np.clip(change, 1.0 / MOST - 1.0, MOST - 1.0)
         return np.zeros_like(bounded), bounded
 
@@ -33,7 +33,8 @@ EFFECT = StiffnessDrift(
     form=(
         "B = mean x (1 + c (tau - 1/2)), tau = 0 to 1 over the session, or over 13.2 s under"
         " voltage since the last wetting, or settling exponentially with a third of that as its"
-        " time constant; never by more than a factor of 2.2"
+        " time constant; of several sessions anew in each, or on through all of them; never by"
+        " more than a factor of 2.2"
     ),
     location="time",
     signature=(
@@ -48,7 +49,7 @@ EFFECT = StiffnessDrift(
     parameters=(
         EffectParameter(
             name="relative_change",
-            meaning="of the stiffness over the data",
+            meaning="of the stiffness over the session",
             unit="",
             prior_scale=0.1,
             low=-1.0,

@@ -28,12 +28,13 @@ class AcquisitionTimes:
     pulse_s: FloatArray  # since this voltage was set
     pulse: FloatArray  # counts the pulses of the run, from 0; -1 while at 0 V from the start
     run_s: FloatArray  # since the run began
-    session: FloatArray  # 0 .. 1 over the data
+    session: FloatArray  # since its session began; 1: at the end of the longest one
     wetted_s: FloatArray  # since the sheet was last wetted
     driven_s: FloatArray  # under voltage since then
     opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
     rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
-    worked_s: FloatArray | float = 0.0  # under voltage in the whole session
+    worked_s: FloatArray | float = 0.0  # under voltage in all sessions
+    overall: FloatArray | float = 0.5  # 0 .. 1 over all sessions analysed together
     position_m: FloatArray | float = np.nan  # on the arc as stated; NaN: free
     channels: ChannelValues = field(default_factory=dict)
 
@@ -168,13 +169,14 @@ class LoadCellInput:
     gamma_rad: FloatArray
     position_m: FloatArray
     voltage_V: FloatArray
-    session: FloatArray  # 0 .. 1 over the data
+    session: FloatArray  # as of the acquisition times
     touching: FloatArray  # 1, or 0 without contact
     wetted_s: FloatArray | float = 0.0  # since the sheet was last wetted
     slid: FloatArray | float = 0.0  # which way along the sheet the rolls last slid: 1, to its end
     run_s: FloatArray | float = 0.0  # since the run began
     pulse_s: FloatArray | float = 0.0  # since this voltage was set
     session_number: FloatArray | float = 0.0  # as of the beam problem
+    overall: FloatArray | float = 0.5  # as of the acquisition times
     channels: ChannelValues = field(default_factory=dict)
 
     def channel(self, name: str, otherwise: float) -> FloatArray:
@@ -183,7 +185,10 @@ class LoadCellInput:
 
     def in_order(self, order: npt.NDArray[np.int64]) -> LoadCellInput:
         """Return the readings in another order."""
-        given = {f.name: getattr(self, f.name)[order] for f in fields(self) if f.name != "channels"}
+        given = {
+            f.name: np.broadcast_to(getattr(self, f.name), self.force_N.shape)[..., order]
+            for f in fields(self) if f.name != "channels"
+        }  # fmt: skip
         channels = {name: values[order] for name, values in self.channels.items()}
         return LoadCellInput(**given, channels=channels)
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects import Effect, catalogue
-from model.effects.between_sessions import sessions_in
+from model.effects.between_sessions import sessions_for
 from model.effects.interface import BeamProblem, ContactSolution
 from model.locations import location
 from model.measurements import FloatArray, ModelError, SheetGeometry
@@ -51,7 +51,7 @@ def effect_of(one: ActiveEffect) -> Effect:
         raise ModelError(f"the model includes the effect '{one.name}', unknown to this version")
     effect = known[one.name]
     values = one.parameters or next(iter(one.by_configuration.values()), {})
-    return effect.for_sessions(sessions_in(values)) or effect
+    return effect.for_sessions(sessions_for(values)) or effect
 
 
 def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:

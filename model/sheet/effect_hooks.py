@@ -229,7 +229,7 @@ def load_cell_input(
         run_s=np.broadcast_to(clock.run_s, of.shape),
         pulse_s=np.broadcast_to(clock.pulse_s, of.shape),
         session_number=np.broadcast_to(beam.session_number, beam.voltage_V.shape)[of],
-        channels=clock.channels,
+        overall=np.broadcast_to(clock.overall, of.shape), channels=clock.channels,
     )  # fmt: skip
 
 

@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from benchmarks.hidden_effects import Hidden, case, hidden_session
-from benchmarks.hidden_effects.further import with_further
+from benchmarks.hidden_effects.further import driven_s, on_day, with_further
 from benchmarks.hidden_effects.run import record
 from benchmarks.hidden_effects.score import APART, right_after_further
 from benchmarks.hidden_effects.suite import Task
 from benchmarks.hidden_effects.visits import FURTHER
 from labrig.config import parse_protocol
 from labrig.experiment.next_measurement.next_protocol import protocol_text
+from model import Measurements
 from model.discrepancy import Next
 from model.discrepancy.next_measurement.menu import MENU
 from protocols.planning.schedule import PlannedRun, Purpose
@@ -75,6 +76,23 @@ def test_weight_pulls_the_other_way_where_the_rig_is_turned_over() -> None:
             for m in (over, upright.measurements)
         ]
         assert np.allclose(*forces, rtol=0.0, atol=1e-12) == alike
+
+
+def swing_N(measured: Measurements) -> float:
+    """How far 2 V move the force at the first position."""
+    first_ = [c for c in measured.conditions if (c.configuration, c.position_m) == ("long", 0.0)]
+    mean = {c.voltage_V: np.mean([r.force_N for r in c.used()]) for c in first_}
+    return float(mean[2.0] - mean[0.0])
+
+
+def test_an_eibm_that_is_worn_off_in_one_session_is_lost_to_the_next() -> None:
+    wearing = case("eibm_drift", "for_good", size=0.2, seed=5)
+    past_s = driven_s(wearing)
+    assert past_s == pytest.approx(14 * 22 * 0.6)
+    fresh, worn = (swing_N(on_day(wearing, seconds)) for seconds in (0.0, past_s))
+    assert worn / fresh == pytest.approx(0.8, abs=0.01)
+    drying = case("eibm_drift", "line", size=0.2, seed=5)  # until it is wetted again
+    assert swing_N(on_day(drying, past_s)) == swing_N(on_day(drying, 0.0))
 
 
 def test_both_sessions_have_the_same_sheet_and_nothing_else_in_common() -> None:

@@ -14,9 +14,10 @@ from typing import Protocol
 
 from labrig.errors import ExitCode
 from model.discrepancy import Diagnosis, Next
+from model.discrepancy.thresholds import LEAST_GAIN_SIGMA
+from model.discrepancy.verdict.messages import shown_by
 
 MOST_ROUNDS = 3
-LEAST_GAIN_SIGMA = 0.5  # by which a measurement must separate the candidates further
 
 
 class MeasurementRig(Protocol):
@@ -69,8 +70,14 @@ def to_measure(found: Diagnosis) -> tuple[Next | None, str]:
     if found.verdict != "indistinguishable":
         return None, "the data allow a verdict"
     if proposed is None or proposed.expected < proposed.separation + LEAST_GAIN_SIGMA:
-        return None, "nothing on the menu would separate the candidates"
+        return None, f"nothing on the menu would separate the candidates{_besides(found)}"
     return proposed, ""
+
+
+def _besides(found: Diagnosis) -> str:
+    """Return in words what besides the menu shows each candidate."""
+    names = dict.fromkeys(n for one in found.effects for n in (one.name, *one.confusable_with))
+    return f". {shown_by(tuple(names))}" if names else ""
 
 
 def further_session(first: Path, number: int) -> Path:

@@ -47,7 +47,9 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
         chances[name] *= believed
     return ReportedSet(
         confidence=min(sum(chances[one] for one in names), 1.0),
-        confusable_with=tuple(one for one in names if one != name),
+        confusable_with=tuple(
+            sorted((one for one in names if one != name), key=lambda one: -chances[one])
+        ),
         or_else=or_else,
         probabilities=chances,
     )

@@ -86,6 +86,7 @@ def _longer(seen: ConditionData) -> ConditionData:
         voltage_V=np.full(count, clock.voltage_V[0]),
         pulse_s=np.full(count, clock.pulse_s[0]),
         session=np.full(count, float(np.mean(clock.session))),
+        overall=np.full(count, float(np.mean(clock.overall))),
         opposite=np.resize(clock.opposite, count),
         rise_s=np.full(count, np.broadcast_to(clock.rise_s, len(clock.voltage_V))[0]),
         pulse=on(clock.pulse, pulses),

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.thresholds import BOUNDS_FACTOR, UNEXPECTED_SIGN_LN
+from model.discrepancy.thresholds import BOUNDS_FACTOR, FURTHER_NAME_LN, UNEXPECTED_SIGN_LN
 from model.effects.interface import Effect, EffectParameter, Values
 from model.identification.likelihood.form_ways import atoms
 from model.identification.likelihood.forward_model import ForwardModel
@@ -187,7 +187,7 @@ def _score(candidate: Candidate, A: FloatArray, b: FloatArray) -> Score:
     c = U @ (variance * z / (1.0 + variance * D))
     return Score(
         candidate=candidate,
-        log_bayes=value,
+        log_bayes=value + beforehand(candidate.effect),
         amplitude=float(c[0]),
         scale=float(scales[best]),
         length=float(np.sqrt(max(A[0, 0], 0.0))),
@@ -222,14 +222,24 @@ def allowed(one: Score) -> bool:
     return min(size.low, BOUNDS_FACTOR * size.low) <= value <= BOUNDS_FACTOR * size.high
 
 
+def beforehand(effect: Effect | None) -> float:
+    """Ln of how much less likely an effect is beforehand than one that says one thing.
+
+    That something is there, and differs from session to session, are two names in one.
+    """
+    return 0.0 if effect is None else -FURTHER_NAME_LN * (effect.claims - 1)
+
+
 def surprise(one: Score) -> float:
-    """Ln of how much less likely it was beforehand: 0, unless its sign is not the usual one."""
+    """Ln of how much less likely it was beforehand: it says more, or its sign is unusual."""
     effect = one.candidate.effect
+    prior = beforehand(effect)
     if effect is None or effect.amplitude.expected_sign == 0.0:
-        return 0.0
+        return prior
     size = effect.amplitude
     value = unit_values(effect, one.candidate.values, one.amplitude)[size.name]
-    return UNEXPECTED_SIGN_LN if (value - size.neutral) * size.expected_sign < 0.0 else 0.0
+    unusual = (value - size.neutral) * size.expected_sign < 0.0
+    return prior + UNEXPECTED_SIGN_LN if unusual else prior
 
 
 def rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:

@@ -34,6 +34,7 @@ from model.discrepancy.thresholds import (
     CROSS_VALIDATED_NAMES,
     EXCESSIVE_SCATTER_RATIO,
     FEWEST_SETUPS,
+    LEAST_GAIN_SIGMA,
     NONPARAMETRIC_MARGIN_LN,
 )
 from model.discrepancy.verdict import prediction_error as gaps
@@ -267,11 +268,21 @@ class Finding:
         return _LeftOut(gap=both, closed=closed, floor=floor, chosen=chosen, rows=rows)
 
     def _next(self, named: Sequence[Named]) -> Next | None:
-        """Return the measurement that separates a name from the likeliest alternative."""
-        pairs = ((n.name, n.confusable_with[0]) for n in named if n.confusable_with)
+        """Return the measurement that separates a name from the likeliest alternative.
+
+        From the next one where nothing on the menu helps with that.
+        """
+        one = next((n for n in named if n.confusable_with), None)
+        if one is None:
+            return None
         effects: Mapping[str, Effect] = {e.name: e for e in self.effects}
-        pair = next(pairs, None)
-        return None if pair is None else self.separating([effects[name] for name in pair])
+        first: Next | None = None
+        for rival in one.confusable_with:
+            found = self.separating([effects[one.name], effects[rival]])
+            if found is not None and found.expected >= found.separation + LEAST_GAIN_SIGMA:
+                return found
+            first = first or found
+        return first
 
     def separating(self, between: Sequence[Effect]) -> Next | None:
         """Return the measurement that separates two effects best; None: there is none."""

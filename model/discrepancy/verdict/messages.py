@@ -17,7 +17,7 @@ from model.discrepancy.verdict.result import (
     Unknown,
     Verdict,
 )
-from model.effects import title
+from model.effects import catalogue, title
 from model.effects.between_sessions import session_of
 from model.parameter import Parameter
 
@@ -30,6 +30,13 @@ DIFFERS = {
 OTHER_ANSWERS = {
     UNKNOWN: "something that is not in the catalogue", NOTHING: "nothing of the kind",
 }  # fmt: skip
+
+
+def shown_by(names: Sequence[str]) -> str:
+    """Return a sentence about what shows each of some effects, whether it is on the menu or not."""
+    known = catalogue()
+    told = (f"{title(name)}: {known[name].isolates.rstrip('.')}" for name in names if name in known)
+    return f"What shows each of them by itself: {'; '.join(told)}."
 
 
 def sentence(

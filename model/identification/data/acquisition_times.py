@@ -6,8 +6,8 @@ are in the order of the table.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -32,40 +32,65 @@ def run_key(condition: Condition | TimeSeries) -> RunKey:
 
 @dataclass(frozen=True, kw_only=True)
 class SessionTimes:
-    """Acquisition times of readings in the session.
+    """Acquisition times of readings, since their session began.
 
-    Where they are not recorded, runs are assumed to be in the order of the table.
+    Where they are not recorded, runs are assumed to be in the order of the table. The instruments
+    are set anew in each session and the sheet is mounted again, so a session has a beginning of its
+    own; its times are told in units of the longest one.
     """
 
-    first_s: float
-    last_s: float
-    runs: list[RunKey]  # in the order of the table; empty: times are known
+    dated: dict[int, float]  # first reading of each session whose times are recorded, s
+    begins_s: dict[int, float]  # of each session, one after the other
+    longest_s: float  # of the sessions, and all of them; where none is dated, in runs
+    whole_s: float
+    run_s: float
+    runs: dict[int, list[RunKey]]  # of each other session, in the order of the table
     worked_s: dict[RunKey, float]  # under voltage before each run
     driven_s: dict[RunKey, float]  # ... since the sheet was last wetted
 
     @staticmethod
     def of(conditions: Sequence[Condition]) -> SessionTimes:
         """Of all readings of all configurations."""
-        held = [c for c in conditions if c.position_m is not None]
-        times = [r.session_s for c in conditions for r in c.readings]
-        known = [t for t in times if t is not None]
-        first, last = (min(known), max(known)) if known else (0.0, 0.0)
-        runs = [] if known else list(dict.fromkeys(run_key(c) for c in held))
+        spans_s, runs = _spans_s(conditions), _runs(conditions)
+        lengths_s = {number: last - first for number, (first, last) in spans_s.items()}
+        rates = [length / len(runs[n]) for n, length in lengths_s.items() if length and runs.get(n)]
+        run_s, end_s = max(rates, default=1.0), 0.0
+        begins_s = dict[int, float]()
+        for number in sorted({c.session for c in conditions}):
+            begins_s[number] = max(end_s, spans_s.get(number, (0.0, 0.0))[0])
+            length_s = lengths_s.setdefault(number, run_s * len(runs.get(number, ())))
+            end_s = begins_s[number] + length_s
         # a free shape of which nobody knows when it was acquired came before the positions
-        dated = [c for c in conditions if c.position_m is not None or _is_timed(c)]
-        worked_s, driven_s = _worked(dated)
+        timed = [c for c in conditions if c.position_m is not None or _is_timed(c)]
+        worked_s, driven_s = _worked(timed)
         return SessionTimes(
-            first_s=first, last_s=last, runs=runs, worked_s=worked_s, driven_s=driven_s
-        )
+            dated={number: first for number, (first, _) in spans_s.items()}, begins_s=begins_s,
+            longest_s=max(lengths_s.values(), default=0.0),
+            whole_s=end_s - min(begins_s.values(), default=0.0), run_s=run_s,
+            runs={number: own for number, own in runs.items() if number not in spans_s},
+            worked_s=worked_s, driven_s=driven_s,
+        )  # fmt: skip
+
+    @property
+    def session_s(self) -> float:
+        """Length of the longest session; 0: unknown."""
+        return self.longest_s if self.dated else 0.0
 
     def share(self, condition: Condition, reading: Reading) -> float:
-        """0 to 1 over the session; 0.5 where only this reading's time is not known."""
-        key = run_key(condition)
-        if key in self.runs:
-            return (self.runs.index(key) + 0.5) / len(self.runs)
-        if reading.session_s is None or self.last_s <= self.first_s:
+        """0 to 1 over the longest session; 0.5 where only this reading's time is not known."""
+        own, key = self.runs.get(condition.session, []), run_key(condition)
+        if key in own:
+            return (own.index(key) + 0.5) * self.run_s / self.longest_s
+        if reading.session_s is None or self.longest_s <= 0.0:
             return 0.5
-        return (reading.session_s - self.first_s) / (self.last_s - self.first_s)
+        return (reading.session_s - self.dated[condition.session]) / self.longest_s
+
+    def overall(self, condition: Condition, share: float) -> float:
+        """0 to 1 over all sessions, of a time that is a share of the longest one."""
+        if self.whole_s <= 0.0:
+            return 0.5
+        before_s = self.begins_s[condition.session] - min(self.begins_s.values())
+        return (before_s + share * self.longest_s) / self.whole_s
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +104,7 @@ class ReadingTimes:
     worked_s: float  # under voltage before the run
     driven_s: float = 0.0  # ... since the sheet was last wetted
     position_m: float = np.nan  # NaN: free
+    overall: Callable[[float], float] = field(default=lambda share: share)  # see `SessionTimes`
 
     def of(self, readings: list[Reading], session: list[float]) -> AcquisitionTimes:
         """Of readings in time order; those without times are taken as spaced by the pulses."""
@@ -112,6 +138,7 @@ class ReadingTimes:
             pulse=pulse, run_s=run_s, session=session, wetted_s=wetted, driven_s=dried,
             opposite=opposite, rise_s=np.full(shape, self.rise_s), worked_s=self.worked_s + driven,
             position_m=np.full(shape, self.position_m),
+            overall=np.array([self.overall(float(t)) for t in session]),
         )  # fmt: skip
 
 
@@ -119,6 +146,25 @@ def _channels(readings: Sequence[Reading]) -> dict[str, FloatArray]:
     """Return the values of further channels at each reading; NaN where there is none."""
     names = dict.fromkeys(name for r in readings for name in r.other_values)
     return {name: np.array([r.other_values.get(name, np.nan) for r in readings]) for name in names}
+
+
+def _spans_s(conditions: Sequence[Condition]) -> dict[int, tuple[float, float]]:
+    """Return the first and the last time of each session; none where nobody wrote any down."""
+    times = dict[int, list[float]]()
+    for c in conditions:
+        known = [r.session_s for r in c.readings if r.session_s is not None]
+        if known:
+            times.setdefault(c.session, []).extend(known)
+    return {number: (min(own), max(own)) for number, own in times.items()}
+
+
+def _runs(conditions: Sequence[Condition]) -> dict[int, list[RunKey]]:
+    """Return the runs of each session that touch the load cell, in the order of the table."""
+    found = dict[int, dict[RunKey, None]]()
+    for c in conditions:
+        if c.position_m is not None:
+            found.setdefault(c.session, {})[run_key(c)] = None
+    return {number: list(own) for number, own in found.items()}
 
 
 def _is_timed(condition: Condition) -> bool:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TypedDict
 
 import numpy as np
@@ -122,7 +122,7 @@ class DataVector:
     sheet: SheetGeometry
     seen: tuple[ConditionData, ...]
     pulses: tuple[PulseSeries, ...]
-    session_s: float = 0.0  # from the first reading of all configurations to the last; 0: unknown
+    session_s: float = 0.0  # from the first reading of the longest session to its last; 0: unknown
     trends: int = TRENDS  # of the readings of a condition, the mean among them
 
     @property
@@ -145,20 +145,28 @@ def look(measurements: Measurements, configuration: str) -> DataVector:
     session = SessionTimes.of(every)
     zeros = first_pulses(own)
     ratio = opposite_ratio(own)
-    begun = min((session.share(c, r) for c in own for r in c.used()), default=0.5)
-    found = [_seen(c, sheet, session, zeros, ratio, begun) for c in own]
+    begun = {
+        number: min((session.share(c, r) for c in some for r in c.used()), default=0.5)
+        for number, some in _by_session(own).items()
+    }
+    found = [_seen(c, sheet, session, zeros, ratio, begun[c.session]) for c in own]
     seen = tuple(s for s in found if s is not None)
     if not seen:
         reasons = sorted({r.why for c in own for r in c.readings if r.why})
         why = f" ({'; '.join(reasons)})" if reasons else ""
         raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
-    zeros_N = (_load_cell_zero(c, session, begun) for c in own)
+    zeros_N = (_load_cell_zero(c, session, begun[c.session]) for c in own)
     seen += tuple(s for s in zeros_N if s is not None)
     series = [s for s in measurements.series if s.configuration == configuration and not s.extra]
     pulses = [p for s in series for p in _pulses(s, seen)]
-    return DataVector(
-        sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.last_s - session.first_s
-    )
+    return DataVector(sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.session_s)
+
+
+def _by_session(conditions: Sequence[Condition]) -> dict[int, list[Condition]]:
+    found: dict[int, list[Condition]] = {}
+    for one in conditions:
+        found.setdefault(one.session, []).append(one)
+    return found
 
 
 def means_of(whole: DataVector) -> DataVector:
@@ -226,6 +234,7 @@ def _seen(
         voltage_V=condition.voltage_V, zeros=zeros.get(key, 0), ratio=ratio,
         rise_s=sheet.rise_time_s, worked_s=session.worked_s.get(key, 0.0),
         driven_s=session.driven_s.get(key, 0.0), position_m=np.nan if at_m is None else float(at_m),
+        overall=partial(session.overall, condition),
     )  # fmt: skip
     at = [session.share(condition, r) for r in readings]
     return ConditionData(
@@ -277,7 +286,10 @@ def _load_cell_zero(
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     times = [begun if r.session_s is None else session.share(condition, r) for r in readings]
-    timing = ReadingTimes(voltage_V=0.0, zeros=0, ratio=1.0, rise_s=0.0, worked_s=0.0)
+    timing = ReadingTimes(
+        voltage_V=0.0, zeros=0, ratio=1.0, rise_s=0.0, worked_s=0.0,
+        overall=partial(session.overall, condition),
+    )  # fmt: skip
     return ConditionData(
         name=name, configuration=condition.configuration, run=run_key(condition), position_m=np.nan,
         voltage_V=0.0, up=1.0, force_N=forces,

@@ -257,7 +257,8 @@ def _in_pulse(sample: AcquisitionTimes, at_s: FloatArray) -> AcquisitionTimes:
 def _in_time(clock: AcquisitionTimes, of: Index, look: DataVector) -> Index:
     keys = list(dict.fromkeys(o.run for o in look.seen))
     run = np.array([keys.index(look.seen[int(k)].run) for k in of])
-    return np.lexsort((clock.run_s, run, np.round(clock.session, 12)))
+    day = np.array([look.seen[int(k)].session for k in of])
+    return np.lexsort((clock.run_s, run, np.round(clock.session, 12), day))
 
 
 def _ints(values: list[int]) -> Index:

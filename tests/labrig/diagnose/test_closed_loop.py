@@ -13,6 +13,7 @@ from labrig.cli.follow import FOLLOWS
 from labrig.errors import BadInputError, ExitCode
 from labrig.experiment.next_measurement.closed_loop import MOST_ROUNDS, closed_loop
 from labrig.session import load_measurements, open_session
+from model.effects import effect
 from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig
 from tests.labrig.diagnose import made
 from tests.labrig.report_data import measure
@@ -74,7 +75,10 @@ def test_what_hardly_helps_is_not_measured():
     one = proposing("free_shapes")
     little = replace(one.next_measurement, separation=1.3, expected=1.6)
     rig = Pretended(replace(one, next_measurement=little))
-    assert "nothing on the menu" in closed_loop(FIRST, rig, lambda _: None).why
+    why = closed_loop(FIRST, rig, lambda _: None).why
+    assert "nothing on the menu" in why
+    for name in (one.effects[0].name, *one.effects[0].confusable_with):
+        assert effect(name).isolates.rstrip(".") in why  # what does, though nobody proposes it
     assert rig.measured == []
 
 

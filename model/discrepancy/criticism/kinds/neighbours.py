@@ -1,4 +1,4 @@
-"""Names of the same location that explain about as much."""
+"""Names that explain about as much, and the same."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     EQUAL_EVIDENCE_LN,
     EVIDENCE_TEMPERATURE,
+    FURTHER_NAME_LN,
     NEIGHBOUR_EVIDENCE_LN,
     SEPARATION_SIGMA,
 )
@@ -31,10 +32,11 @@ from model.measurements import FloatArray
 
 @dataclass(frozen=True)
 class Neighbours(VerdictCheck):
-    """What acts at the same place imitates a name, where nothing in the data tells them apart.
+    """Another name imitates one, where nothing in the data tells them apart.
 
     Two conditions make a rival: in one of its wordings its evidence comes close, and takes up what
-    the name adds to the data but for a few standard deviations.
+    the name adds to the data but for a few standard deviations. What acts at another place has to
+    come close in the catalogue's wording, too: it is no other word for the same.
     """
 
     def failures(self, named: NamedModel) -> Iterator[Failure]:
@@ -57,7 +59,7 @@ class Neighbours(VerdictCheck):
 
 def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
     """Return the probability of each rival over the name's; above 1 where wordings are clear."""
-    every = [c for c in one.ranking if c.known and _same_place(c, one)]
+    every = [c for c in one.ranking if c.known and (_same_place(c, one) or is_close(c, one))]
     effects = [c.score.candidate.effect for c in every]
     found = evidence(
         one.before, named.fitted.solution.log_sigma, [e for e in effects if e is not None]
@@ -72,14 +74,31 @@ def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
         if own is not None and {own.name, rival.name} <= found.keys():
             in_words = found[rival.name] - found[own.name]
             ahead = max(ahead, in_words if in_words > EQUAL_EVIDENCE_LN else min(in_words, 0.0))
-        if ahead > -NEIGHBOUR_EVIDENCE_LN and _imitates(named, one, rival):
+        if ahead > -reach(rival) and _imitates(named, one, rival):
             result[rival.name] = float(np.exp(ahead / EVIDENCE_TEMPERATURE))
     return result
+
+
+def reach(rival: RankedCandidate) -> float:
+    """Return how far (ln) a rival may be behind.
+
+    What says more than a name, with evidence against all that it says more, is that name.
+    """
+    effect = rival.score.candidate.effect
+    more = 0 if effect is None else effect.claims - 1
+    return FURTHER_NAME_LN if more else NEIGHBOUR_EVIDENCE_LN
 
 
 def _same_place(rival: RankedCandidate, one: Choice) -> bool:
     where = rival.score.candidate.location
     return where == one.effect.location and not location(where).in_time
+
+
+def is_close(rival: RankedCandidate, one: Choice) -> bool:
+    """Return whether what acts at another place explains about as much."""
+    places = (rival.score.candidate.location, one.effect.location)
+    close = rival.gain > one.gain - NEIGHBOUR_EVIDENCE_LN
+    return close and not any(location(where).in_time for where in places)
 
 
 def _imitates(named: NamedModel, one: Choice, rival: RankedCandidate) -> bool:
