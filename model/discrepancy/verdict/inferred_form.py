@@ -29,6 +29,11 @@ LOOK_AT_PICTURES = (
     " at the pictures with their curves: does each curve follow the sheet, does an elongation stay"
     " straight, do clamp and camera stand still?"
 )
+ALONG = {  # coordinates that follow from the sheet's state
+    "force": ", a function of the force",
+    "curvature": ", by how far the sheet is bent",
+    "bending": ", by how far the sheet is bent and which way",
+}
 Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
 
 
@@ -145,8 +150,7 @@ def dependence(location_name: str, part: str, along: str, under: str) -> str:
         return depends + (", the other way at the other polarity" if under == "polarity" else "")
     if under:
         depends = depends.removesuffix(", at all voltages")
-    depends += {"force": ", a function of the force", "curvature": ", by how far the sheet is bent"
-                }.get(along, "")  # fmt: skip
+    depends += ALONG.get(along, "")
     depends += ", as a moment" if part == "moment" else ""
     depends += ", only under voltage" if under == "voltage" else ""
     return depends + (", the other way at the other polarity" if under == "polarity" else "")
