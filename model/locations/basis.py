@@ -18,6 +18,8 @@ SPANS_S = {
     "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
 }  # fmt: skip
 LEAST_BENDING_PER_M = 1e-6
+# parts that several functions make up together
+EACH_POLARITY, WHICH_WAY = "each polarity", "bending, which way"
 STEEP = 8.0  # of what depends on which way the sheet is bent, and hardly on how far
 FALLING = 0.4  # by which each finer wave is smaller: 1/(1 + FALLING j)
 
@@ -143,7 +145,7 @@ def any_of_bending(location: Location, at: Linearised, amplitude: float) -> Iter
     ways = {"bending": either_way(amplitude), "curvature": [power(n, amplitude) for n in (1, 2)]}
     for along, functions in ways.items():
         yield from bases_of(
-            location, at, functions, along=along, part="bending, which way", shared=True,
+            location, at, functions, along=along, part=WHICH_WAY, shared=True,
             alone=True,
         )  # fmt: skip
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.locations.basis import (
+    EACH_POLARITY,
     any_of_bending,
     bases_of,
     bending_along,
@@ -71,7 +72,7 @@ class Compliance(Location):
             )  # fmt: skip
         for under in ("voltage", "polarity"):  # together they are anything at either polarity
             yield from bases_of(
-                self, at, few, along="s", part="each polarity", under=under, alone=True
+                self, at, few, along="s", part=EACH_POLARITY, under=under, alone=True
             )
         yield from any_of_bending(self, at, AMPLITUDE)
 

@@ -89,7 +89,7 @@ def test_what_is_odd_is_odd_about_the_middle():
     [
         (
             Foreign(stiffness=lambda bent, volts, s: 1.0 + 0.25 * (volts > 0.0) + 0.0 * bent),
-            "the other way at the other polarity",
+            "of its own at each polarity",
         ),
         (
             Foreign(stiffness=lambda bent, volts, s: 1.0 + 0.06 * np.tanh(bent / 6.0)),
