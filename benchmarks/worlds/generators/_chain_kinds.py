@@ -149,6 +149,10 @@ def _stiff_anode(plant: Plant, size: float) -> None:
     plant.stiffness.append(lambda c: 1.0 + size * np.maximum(c.risen(), 0.0))
 
 
+def _wetter_outwards(plant: Plant, size: float) -> None:
+    plant.stiffness.append(lambda c: 1.0 - size * ((c.position_m or 0.0) / 0.03) ** 0.7)
+
+
 # ---------------------------------------------------------------------- clamp, rolls, load cell
 
 
@@ -405,6 +409,9 @@ KINDS: dict[str, Kind] = {
     "one_sided": _kind(
         "Bending u = v/(1 + c (1 + tanh(v/6 per m))/2), v the moment over B: stiffer one way.",
         None, "compliance", (0.1, 1.5, "-"), _one_sided),
+    "wetter_outwards": _kind(
+        "Wet rolls soften more of the sheet the farther out they stand: B (1 - c (p/30 mm)^0.7).",
+        None, "compliance position", (0.05, 0.7, "-"), _wetter_outwards),
     "lead_screw": _kind(
         "The stage's screw errs by c sin(2 pi p/14 mm).", None, "position", (0.2, 4.0, "mm"),
         _screw),
