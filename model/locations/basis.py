@@ -18,9 +18,8 @@ SPANS_S = {
     "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
 }  # fmt: skip
 LEAST_BENDING_PER_M = 1e-6
-# parts whose sentence does not follow from their coordinate
+# parts that several functions make up together
 EACH_POLARITY, WHICH_WAY = "each polarity", "bending, which way"
-ON_ARC, STIFFNESS_ON_ARC = "on the arc", "stiffness, on the arc"
 STEEP = 8.0  # of what depends on which way the sheet is bent, and hardly on how far
 FALLING = 0.4  # by which each finer wave is smaller: 1/(1 + FALLING j)
 

@@ -9,14 +9,11 @@ import numpy as np
 
 from model.locations.basis import (
     EACH_POLARITY,
-    ON_ARC,
-    STIFFNESS_ON_ARC,
     any_of_bending,
     bases_of,
     bending_along,
     cosine_wave,
     perturbation,
-    polynomial,
     power,
     waves_along_sheet,
 )
@@ -26,7 +23,6 @@ from model.locations.quantities import BeamProblem, ContactSolution
 AMPLITUDE = 0.3  # relative
 WAVES_UNDER_VOLTAGE = 3  # along the sheet, of what is there under voltage only
 POWERS, POWERS_UNDER_VOLTAGE = (1, 2, 4, 8), (0, 1, 2)  # of the bending, over the largest
-AMPLITUDE_ON_ARC, DEGREES_ON_ARC = 0.1, (1, 2, 3)  # few: set-ups may differ by chance as well
 BENT_PER_M = 30.0  # bending at which a compliance that goes with it has changed by AMPLITUDE
 
 
@@ -36,15 +32,10 @@ class Compliance(Location):
 
     def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
         """See `Location.beam`."""
-        share = term.share(beam.voltage_V)
-        if term.along == "s":
-            return replace(beam, soft=beam.soft * (1.0 + share[:, None] * term(beam.s_m)))
-        if term.along != "position":
+        if term.along != "s":
             return beam
-        on_arc = share * term(np.nan_to_num(beam.stated_m))
-        if term.adds == "stiffness":  # of the same shape without load: EIBM and B alike
-            return replace(beam, stiffness=beam.stiffness * (1.0 + on_arc))
-        return replace(beam, soft=beam.soft * (1.0 + on_arc[:, None]))
+        share = term.share(beam.voltage_V)[:, None]
+        return replace(beam, soft=beam.soft * (1.0 + share * term(beam.s_m)))
 
     def bent(self, beam: BeamProblem, contact: ContactSolution, term: Term) -> BeamProblem:
         """See `Location.bent`."""
@@ -84,12 +75,6 @@ class Compliance(Location):
                 self, at, few, along="s", part=EACH_POLARITY, under=under, alone=True
             )
         yield from any_of_bending(self, at, AMPLITUDE)
-        for adds, part in (("", ON_ARC), ("stiffness", STIFFNESS_ON_ARC)):
-            functions = [polynomial(degree, AMPLITUDE_ON_ARC) for degree in DEGREES_ON_ARC]
-            yield from bases_of(
-                self, at, functions, along="position", part=part, adds=adds, shared=True,
-                alone=True,
-            )  # fmt: skip
 
 
 LOCATION = Compliance(

@@ -147,26 +147,6 @@ def test_an_elongation_that_gives_way_makes_the_sheet_softer(truth: SheetModel):
     assert abs(soft) < 0.95 * abs(stiff)
 
 
-@pytest.mark.parametrize(("adds", "bends"), [("", True), ("stiffness", False)])
-def test_a_stiffness_that_goes_with_the_position_on_the_arc(
-    truth: SheetModel, adds: str, bends: bool
-):
-    term = Profile(
-        along="position", at=(0.0, 2.0 * POSITION_M), values=(0.0, 0.2), sigma=(0.0,) * 2, unit="",
-        adds=adds,
-    )  # fmt: skip
-    model = truth.with_effects(unknown("compliance", term))
-    plain, other = (predict(m, "long", POSITION_M, 2.0) for m in (truth, model))
-    if not bends:  # EIBM and stiffness have grown alike
-        assert pytest.approx(1.1 * plain.F_N, rel=1e-9) == other.F_N
-    moved_m = float(np.max(np.abs(other.y_m - plain.y_m)))
-    assert (moved_m > 1e-5) == bends
-    assert (
-        pytest.approx(predict(truth, "long", 0.0, 2.0).F_N, rel=1e-9)
-        == predict(model, "long", 0.0, 2.0).F_N
-    )
-
-
 @pytest.mark.parametrize("location", ["compliance", "eibm"])
 def test_an_unknown_that_goes_with_the_way_the_sheet_is_bent_acts_one_way(
     truth: SheetModel, location: str

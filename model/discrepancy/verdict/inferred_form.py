@@ -19,7 +19,7 @@ from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location
-from model.locations.basis import EACH_POLARITY, ON_ARC, STIFFNESS_ON_ARC, WHICH_WAY
+from model.locations.basis import EACH_POLARITY, WHICH_WAY
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from model.sheet.beam_problem import Under
@@ -34,11 +34,9 @@ ALONG = {  # coordinates that follow from the sheet's state
     "force": ", a function of the force",
     "curvature": ", by how far the sheet is bent",
 }
-OF_PARTS = {  # whose functions are of several coordinates or voltages, or of the rig's
+OF_PARTS = {  # whose functions are of several coordinates, or of several voltages
     EACH_POLARITY: ", under voltage, and of its own at each polarity",
     WHICH_WAY: ", by how far the sheet is bent and which way",
-    ON_ARC: ", and from one position on the arc to the next",
-    STIFFNESS_ON_ARC: ", and from one position on the arc to the next, the EIBM with it",
 }
 Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
 

@@ -8,8 +8,6 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from benchmarks.worlds.cases import PAPER
-from benchmarks.worlds.registry import world
 from model.discrepancy import diagnose
 from model.discrepancy.thresholds import EVIDENCE_TEMPERATURE, LOCATION_FORM_SHARE
 from model.discrepancy.verdict.likely_locations import likely_locations
@@ -83,15 +81,6 @@ def test_what_is_odd_is_odd_about_the_middle():
     for function in either_way(0.3):
         np.testing.assert_allclose(function(t), -function(1.0 - t), atol=1e-15)
         assert np.max(function(t)) == pytest.approx(0.3, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_a_sheet_that_is_softer_farther_out_is_no_scatter_of_set_ups():
-    found = diagnose(world("chain").measure(PAPER, {"wetter_outwards": 0.35}, 9641))
-    assert found.verdict == "unknown_effect"
-    assert found.unknown.location == "compliance"
-    assert "from one position on the arc to the next" in found.unknown.depends
-    assert found.unknown.along == "position"
 
 
 @pytest.mark.slow
