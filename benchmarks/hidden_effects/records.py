@@ -50,6 +50,7 @@ class Unseen:
     along: str
     peak: float  # in mm, or in seconds
     confusable_with: list[str] = field(default_factory=list)  # names that it may be all the same
+    slots: dict[str, float] = field(default_factory=dict)  # where it may act, with each one's share
 
 
 @dataclass(frozen=True)

@@ -222,7 +222,7 @@ def unseen_of(unknown: Unknown | None) -> Unseen | None:
         return None
     return Unseen(
         unknown.location, unknown.configuration, unknown.along, unknown.peak_mm,
-        list(unknown.confusable_with),
+        list(unknown.confusable_with), dict(unknown.locations),
     )  # fmt: skip
 
 

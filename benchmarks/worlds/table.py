@@ -67,6 +67,7 @@ def rows(records: Sequence[Record]) -> list[Row]:
         at_least("outside, d >= 30: 'unknown' in the reported set", 0.95, beyond,
                  lambda r: UNKNOWN in r.reported),
         at_least("the unknown's location", 0.95, caught, located),
+        at_least("the unknown's location among those told", 0.95, caught, located_in_set),
         at_most("in the catalogue, d >= 12: 'unknown'", 0.04, [*single, *pairs], is_unknown),
         *_predicted(found),
         *_closed("left-out gap closed, recomputed, median", found),
@@ -84,6 +85,12 @@ def right(r: Record) -> bool:
 def located(r: Record) -> bool:
     """Whether the unknown was put where it acts."""
     return r.unknown is not None and r.unknown.slot in r.truth[0].accepted_slots
+
+
+def located_in_set(r: Record) -> bool:
+    """Whether a place where the unknown acts is among those it may be at."""
+    told = set() if r.unknown is None else {r.unknown.slot, *r.unknown.slots}
+    return bool(told & {*r.truth[0].accepted_slots})
 
 
 def confidently_wrong(r: Record) -> bool:

@@ -135,6 +135,9 @@ UNEXPLAINED_SHARE = 0.2
 # may be another one. On open worlds 20 right names missed 0.11 at most, four of seven wrong ones
 # 0.16 to 0.28.
 MISSED_BY_FORM_SHARE = 0.15
+# Share of the evidence of the best location's free form, by which ln of the shares of locations is
+# divided: what the basis of the right one may miss. And the share from which on one is told.
+LOCATION_FORM_SHARE, LEAST_LOCATION_SHARE = 0.05, 0.05
 # Names from which on they may together imitate one thing that no catalogue has; and the share of
 # what the best of them leaves to the others that one nonparametric term has to explain, too, to
 # stand for all of them.

@@ -6,8 +6,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
+from model.effects._values import finite
+from model.effects.interface import (
+    BeamProblem,
+    ContactSolution,
+    Effect,
+    EffectParameter,
+    ImagePoints,
+    Values,
+)
+from model.measurements import FloatArray
 
+IN_THE_JOINT, DRAWN_STRAIGHT = 1.0, 2.0  # values of `in_the_joint`
 SPREAD = 5  # power of s/L in which a hinge at the end acts before it: its mean place is 6/7 L
 
 
@@ -20,9 +30,30 @@ class ElongationFlexibility(Effect):
         del contact
         if beam.sheet.elongation_m <= 0.0:
             return beam
-        if p["in_the_joint"] > 0.5:
+        if p["in_the_joint"] == IN_THE_JOINT:
             return _hinged(beam, p["relative_compliance"])
         return replace(beam, elongation_soft=beam.elongation_soft + p["relative_compliance"])
+
+    def curve(self, points: ImagePoints, p: Values) -> tuple[FloatArray, FloatArray] | None:
+        """See `Effect.curve`: who takes the elongation as straight draws it so."""
+        if p["in_the_joint"] != DRAWN_STRAIGHT:
+            return None
+        less_m = -p["relative_compliance"] * _bent_away_m(points)
+        return less_m * points.normal_x, less_m * points.normal_y
+
+
+def _bent_away_m(points: ImagePoints) -> FloatArray:
+    """Return how far an elongation as soft as the sheet leaves the sheet's tangent: (K, S).
+
+    Its curvature is -N/B times the lever of the load, to first order in the slope.
+    """
+    length_m = finite(np.asarray(points.contact_m) - points.free_length_m)
+    length_m = np.maximum(length_m, 0.0)  # of what is bent: 0 where the sheet itself is touched
+    away_m = np.maximum(points.s_m - points.free_length_m, 0.0)
+    inside_m = np.minimum(away_m, length_m)
+    levers = 0.5 * length_m * inside_m**2 - inside_m**3 / 6.0
+    levers += 0.5 * length_m**2 * (away_m - inside_m)  # straight on from the contact
+    return np.asarray(-finite(np.asarray(points.pressed_per_m2)) * levers)
 
 
 def _hinged(beam: BeamProblem, compliance: float) -> BeamProblem:
@@ -49,12 +80,13 @@ EFFECT = ElongationFlexibility(
     meaning="The elongation, taken as rigid, gives way to the load on it.",
     form=(
         "k = c M/B beyond the free length, c = B over the elongation's stiffness; or a hinge at its"
-        " end that lets the contact go as far"
+        " end that lets the contact go as far; or the same, drawn straight in the picture"
     ),
     location="compliance",
     signature=(
         "Only with an elongation: it is bent in proportion to the force, most where it leaves the"
-        " sheet, and the sheet seems softer than it is."
+        " sheet, and the sheet seems softer than it is; or it is drawn straight in the picture, and"
+        " does not pass the point of the arc where the load cell is."
     ),
     isolates="The elongation's shape in the picture, held against free.",
     source=(
@@ -72,12 +104,15 @@ EFFECT = ElongationFlexibility(
         ),
         EffectParameter(
             name="in_the_joint",
-            meaning="0: all of it is soft; 1: only the joint, and goes as far",
+            meaning=(
+                "0: all of it is soft; 1: only the joint, and goes as far; 2: all of it is soft,"
+                " but the picture is drawn straight on from the sheet's end"
+            ),
             unit="",
             prior_scale=0.0,
             low=0.0,
-            high=1.0,
-            starting_values=(0.0, 1.0),
+            high=2.0,
+            starting_values=(0.0, IN_THE_JOINT, DRAWN_STRAIGHT),
         ),
     ),
     form_error_along=("position",),

@@ -18,6 +18,9 @@ SPANS_S = {
     "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
 }  # fmt: skip
 LEAST_BENDING_PER_M = 1e-6
+# parts that several functions make up together
+EACH_POLARITY, WHICH_WAY = "each polarity", "bending, which way"
+STEEP = 8.0  # of what depends on which way the sheet is bent, and hardly on how far
 FALLING = 0.4  # by which each finer wave is smaller: 1/(1 + FALLING j)
 
 
@@ -54,7 +57,35 @@ def power(exponent: int, amplitude: float) -> Function:
 
 def bending_per_m(contact: ContactSolution) -> FloatArray:
     """Return by how much the sheet is bent from its initial shape, 1/m, whichever way: (K, G)."""
-    return np.asarray(np.abs(contact.curvature - contact.at_rest))
+    return np.asarray(np.abs(bending_way_per_m(contact)))
+
+
+def bending_way_per_m(contact: ContactSolution) -> FloatArray:
+    """Return the same with its sign."""
+    return np.asarray(contact.curvature - contact.at_rest)
+
+
+def bending_along(along: str, contact: ContactSolution) -> FloatArray | None:
+    """Return the bending that is a term's coordinate, 1/m; None: its coordinate is another one."""
+    how = {"curvature": bending_per_m, "bending": bending_way_per_m}.get(along)
+    return None if how is None else how(contact)
+
+
+def odd(t: FloatArray) -> FloatArray:
+    """Return -1 .. 1 of 0 .. 1, and no more beyond."""
+    return np.asarray(np.clip(2.0 * t - 1.0, -1.0, 1.0))
+
+
+def either_way(amplitude: float) -> tuple[Function, ...]:
+    """Return functions of a coordinate 0 .. 1 that are odd about its middle.
+
+    The last one hardly goes with the size: one way it is the same everywhere.
+    """
+    return (
+        lambda t: amplitude * odd(t),
+        lambda t: amplitude * odd(t) ** 3,
+        lambda t: amplitude * np.tanh(STEEP * odd(t)),
+    )
 
 
 def decay(length: float, amplitude: float) -> Function:
@@ -106,9 +137,23 @@ def bases_of(
         )  # fmt: skip
 
 
+def any_of_bending(location: Location, at: Linearised, amplitude: float) -> Iterator[Basis]:
+    """Return what goes with the bending of the sheet and differs from one way to the other.
+
+    What acts one way alone is even and odd in the bending, half each: both are one part.
+    """
+    ways = {"bending": either_way(amplitude), "curvature": [power(n, amplitude) for n in (1, 2)]}
+    for along, functions in ways.items():
+        yield from bases_of(
+            location, at, functions, along=along, part=WHICH_WAY, shared=True,
+            alone=True,
+        )  # fmt: skip
+
+
 # factor from SI, and unit, in which a coordinate is reported
 _DISPLAYED = {
     "s": (1e3, "mm"), "position": (1e3, "mm"), "force": (1e3, "mN"), "curvature": (1.0, "1/m"),
+    "bending": (1.0, "1/m"),
 }  # fmt: skip
 
 
@@ -118,8 +163,9 @@ def _range(at: Linearised, along: str) -> tuple[float, float]:
         return at.positions_m
     if along == "force":
         return at.forces_N
-    if along == "curvature":
-        return 0.0, max(at.bent_per_m, LEAST_BENDING_PER_M)
+    if along in ("curvature", "bending"):
+        most = max(at.bent_per_m, LEAST_BENDING_PER_M)
+        return (0.0 if along == "curvature" else -most), most
     return 0.0, at.beam.sheet.free_length_m
 
 

@@ -11,6 +11,7 @@ from model.locations.basis import (
     LEAST_BENDING_PER_M,
     bases_of,
     cosine_wave,
+    either_way,
     perturbation,
     time_span,
 )
@@ -26,11 +27,7 @@ IMAGE_X_M, IMAGE_Y_M, BELOW_M = 0.05, 0.08, 0.03  # what the waves across the im
 AMPLITUDE_OF_AGE = 0.1  # of the EIBM
 WAVES_IN_SESSION = 4  # of the whole image
 SIDE_M = 2e-4  # towards the concave side, where the sheet is bent most
-SIDES: tuple[Function, ...] = (
-    lambda t: 1e3 * SIDE_M * _odd(t),
-    lambda t: 1e3 * SIDE_M * _odd(t) ** 3,
-    lambda t: 1e3 * SIDE_M * np.tanh(8.0 * _odd(t)),
-)  # of the curvature, from the largest one way to that the other way
+SIDES = either_way(1e3 * SIDE_M)  # of the curvature, from the largest one way to the other
 WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
 
 
@@ -120,11 +117,6 @@ def _curvature_per_m(points: ImagePoints) -> FloatArray:
     phi = np.unwrap(np.arctan2(-points.normal_x, points.normal_y), axis=-1)
     length, turned = np.gradient(points.s_m, axis=-1), np.gradient(phi, axis=-1)
     return np.asarray(np.where(length > 0.0, turned / np.where(length > 0.0, length, 1.0), 0.0))
-
-
-def _odd(t: FloatArray) -> FloatArray:
-    """Return -1 .. 1 of 0 .. 1, and no more beyond."""
-    return np.asarray(np.clip(2.0 * t - 1.0, -1.0, 1.0))
 
 
 def _only(number: int) -> Function:

@@ -8,8 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.locations.basis import (
+    EACH_POLARITY,
+    any_of_bending,
     bases_of,
-    bending_per_m,
+    bending_along,
     cosine_wave,
     perturbation,
     power,
@@ -37,10 +39,11 @@ class Compliance(Location):
 
     def bent(self, beam: BeamProblem, contact: ContactSolution, term: Term) -> BeamProblem:
         """See `Location.bent`."""
-        if term.along != "curvature":
+        bending = bending_along(term.along, contact)
+        if bending is None:
             return self.beam(beam, term)
         share = term.share(beam.voltage_V)[:, None]
-        return replace(beam, soft=beam.soft * (1.0 + share * term(bending_per_m(contact))))
+        return replace(beam, soft=beam.soft * (1.0 + share * term(bending)))
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
@@ -67,6 +70,11 @@ class Compliance(Location):
                 self, at, functions, along="curvature", part=part, under=under, shared=True,
                 alone=True,
             )  # fmt: skip
+        for under in ("voltage", "polarity"):  # together they are anything at either polarity
+            yield from bases_of(
+                self, at, few, along="s", part=EACH_POLARITY, under=under, alone=True
+            )
+        yield from any_of_bending(self, at, AMPLITUDE)
 
 
 LOCATION = Compliance(

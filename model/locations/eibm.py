@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.locations.basis import (
+    any_of_bending,
     bases_of,
-    bending_per_m,
+    bending_along,
     cosine_wave,
     power,
     waves_along_sheet,
@@ -39,10 +40,11 @@ class Eibm(Location):
 
     def bent(self, beam: BeamProblem, contact: ContactSolution, term: Term) -> BeamProblem:
         """See `Location.bent`."""
-        if term.along != "curvature":
+        bending = bending_along(term.along, contact)
+        if bending is None:
             return self.beam(beam, term)
         share = term.share(beam.voltage_V)[:, None]
-        return replace(beam, eibm=beam.eibm * (1.0 + share * term(bending_per_m(contact))))
+        return replace(beam, eibm=beam.eibm * (1.0 + share * term(bending)))
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
@@ -54,6 +56,7 @@ class Eibm(Location):
         yield from bases_of(
             self, at, by_bending, along="curvature", part="curvature", shared=True, alone=True
         )
+        yield from any_of_bending(self, at, AMPLITUDE_BENT)
 
 
 LOCATION = Eibm(

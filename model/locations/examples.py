@@ -143,7 +143,8 @@ def example_points() -> ImagePoints:
     return ImagePoints(
         s_m=np.broadcast_to(s, (2, len(s))), x_m=np.sin(k * s) / k, y_m=(1.0 - np.cos(k * s)) / k,
         normal_x=-np.sin(k * s), normal_y=np.cos(k * s), scale_m=LENGTH_M,
-        session_number=np.array([[1.0], [2.0]]),
+        free_length_m=0.8 * LENGTH_M, contact_m=np.array([[0.9 * LENGTH_M], [np.nan]]),
+        pressed_per_m2=np.array([[40.0], [np.nan]]), session_number=np.array([[1.0], [2.0]]),
     )  # fmt: skip
 
 

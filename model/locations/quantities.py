@@ -203,6 +203,11 @@ class ImagePoints:
     normal_x: FloatArray  # unit normal of the curve
     normal_y: FloatArray
     scale_m: float  # half the width of the image of the sheet
+    free_length_m: float = np.inf  # from here on the curve is that of the elongation
+    # (K, 1) the contact's place along the sheet, and its normal force over the stiffness, 1/m^2;
+    # NaN: nothing touches
+    contact_m: FloatArray | float = np.nan
+    pressed_per_m2: FloatArray | float = np.nan
     session_number: FloatArray | float = 0.0  # (K, 1) as of the beam problem
 
 

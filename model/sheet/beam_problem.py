@@ -16,8 +16,8 @@ from model.mechanics.field import Field
 from model.parameter import Parameter, finite
 
 Coordinate = Literal[
-    "s", "curvature", "position", "voltage", "configuration", "force", "pulse", "run", "session",
-    "driven", "time", "clamp", "image_x", "image_y",
+    "s", "curvature", "bending", "position", "voltage", "configuration", "force", "pulse", "run",
+    "session", "driven", "time", "clamp", "image_x", "image_y",
 ]  # fmt: skip
 Under = Literal["", "voltage", "polarity"]
 Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp", "moment"]
@@ -53,11 +53,11 @@ class ConditionProblem:
 class Profile:
     """Numbers along a coordinate: straight lines between nodes, constant beyond the outer ones.
 
-    Coordinates: s, m from the clamp; curvature, 1/m by which the sheet is bent; position, m on the
-    arc; voltage, V; force, N; pulse, run, s since the voltage was set, since the run began; driven,
-    s under voltage since the sheet was wetted; session, 0 .. 1; image_x, image_y, the number of a
-    wave across the image; configuration and clamp have one node. What goes with `time`, as older
-    files have it, is in no mean.
+    Coordinates: s, m from the clamp; curvature, 1/m by which the sheet is bent; bending, the same
+    with its sign; position, m on the arc; voltage, V; force, N; pulse, run, s since the voltage was
+    set, since the run began; driven, s under voltage since the sheet was wetted; session, 0 .. 1;
+    image_x, image_y, the number of a wave across the image; configuration and clamp have one node.
+    What goes with `time`, as older files have it, is in no mean.
     """
 
     along: Coordinate

@@ -98,14 +98,16 @@ def as_pictured(
 
 
 def camera_m(
-    effects: Sequence[ActiveEffect], setup: ConditionProblem, curves: Shapes, row: int = 0
+    effects: Sequence[ActiveEffect], found: SolvedProblems, curves: Shapes, row: int = 0
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the camera's contribution to the points of one of the curves."""
+    """Return the camera's contribution to the points of one of the curves of a solution."""
+    setup = found.setups[row]
     s_m, x_m, y_m, phi_rad = curves.s_m, curves.x_m[row], curves.y_m[row], curves.phi_rad[row]
     points = ImagePoints(
         s_m=s_m[None], x_m=x_m[None], y_m=y_m[None], normal_x=-np.sin(phi_rad)[None],
         normal_y=np.cos(phi_rad)[None], scale_m=setup.sheet.free_length_m,
-        session_number=float(setup.session),
+        free_length_m=setup.sheet.free_length_m, contact_m=found.s_hat_m[row],
+        pressed_per_m2=found.nu[row], session_number=float(setup.session),
     )  # fmt: skip
     (dx,), (dy,) = image_displacement_m(acting(effects, setup.sheet.configuration), points)
     return dx, dy

@@ -177,9 +177,10 @@ def _shape(
 
     setup = found.setups[0]
     then = as_pictured(setup, model.effects, position_m)
-    one = (found if then is setup else solved([then])).shapes(s_m)
+    seen = found if then is setup else solved([then])
+    one = seen.shapes(s_m)
     x, y = one.x_m[0], one.y_m[0]
-    dx, dy = camera_m(model.effects, setup, one)
+    dx, dy = camera_m(model.effects, seen, one)
     return x + dx, y + dy, one.curvature_per_m[0]
 
 

@@ -191,7 +191,8 @@ def _shapes(
         as_pictured(setup, model.effects, float(p))
         for setup, p in zip(setups, positions_m, strict=True)
     ]
-    one = solved(then).shapes(s_m)
-    moved = [camera_m(model.effects, setup, one, row) for row, setup in enumerate(setups)]
+    found = solved(then)
+    one = found.shapes(s_m)
+    moved = [camera_m(model.effects, found, one, row) for row in range(len(setups))]
     dx, dy = (np.stack([each[axis] for each in moved]) for axis in (0, 1))
     return one.x_m + dx, one.y_m + dy, one.curvature_per_m

@@ -147,6 +147,47 @@ def test_an_elongation_that_gives_way_makes_the_sheet_softer(truth: SheetModel):
     assert abs(soft) < 0.95 * abs(stiff)
 
 
+@pytest.mark.parametrize("location", ["compliance", "eibm"])
+def test_an_unknown_that_goes_with_the_way_the_sheet_is_bent_acts_one_way(
+    truth: SheetModel, location: str
+):
+    one_way = Profile(
+        along="bending", at=(-100.0, 0.0, 100.0), values=(0.0, 0.0, 0.4), sigma=(0.0,) * 3, unit=""
+    )
+    model = truth.with_effects(unknown(location, one_way))
+    for voltage_V, grows in ((2.0, True), (-2.0, False)):
+        (_, x, y), (_, other_x, other_y) = (
+            predict_free(m, "long", voltage_V) for m in (truth, model)
+        )
+        moved_m = float(np.max(np.hypot(other_x - x, other_y - y)))
+        assert moved_m > 1e-4 if grows else moved_m < 1e-9
+
+
+@pytest.mark.parametrize("voltage_V", [0.0, 2.0])
+def test_an_elongation_that_bends_may_be_drawn_straight_in_the_picture(
+    truth: SheetModel, voltage_V: float
+):
+    shown, drawn = (
+        predict(
+            truth.with_effects(
+                active("elongation_flexibility", relative_compliance=0.03, in_the_joint=how)
+            ),
+            "short", 0.03, voltage_V,
+        )
+        for how in (0.0, 2.0)
+    )  # fmt: skip
+    assert drawn.F_N == shown.F_N
+    sheet = drawn.s_m <= truth.sheet("short").sheet.free_length_m
+    np.testing.assert_array_equal(drawn.y_m[sheet], shown.y_m[sheet])
+    slopes = [np.arctan2(np.diff(one.y_m), np.diff(one.x_m)) for one in (shown, drawn)]
+    beyond = ~sheet[:-1]
+    bent, straight = (np.ptp(slope[beyond]) for slope in slopes)
+    assert straight < 5e-3 * bent
+    # it goes on from the sheet's end as the elongation does that is shown
+    first = int(np.flatnonzero(beyond)[0])
+    assert slopes[1][first] == pytest.approx(slopes[0][first], abs=0.05 * bent)
+
+
 def test_what_the_load_cell_adds_is_seen_and_not_felt(truth: SheetModel):
     model = truth.with_effects(active("force_offset", force_mN=0.3))
     plain, seen = (predict(m, "long", POSITION_M, 2.0) for m in (truth, model))
@@ -359,7 +400,7 @@ def test_an_effect_that_makes_no_sense_is_refused_with_its_name(truth: SheetMode
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        ({"profile": {"along": "up"}}, "one of s, curvature, position"),
+        ({"profile": {"along": "up"}}, "one of s, curvature, bending, position"),
         ({"profile": {"along": "s", "at": [0.0, 0.0], "value": [1, 1], "sigma": [0, 0]}}, "ascend"),
         ({"profile": {"along": "s", "at": [0.0], "value": [1, 1], "sigma": [0]}}, "equally long"),
         ({"by_configuration": 3}, "by_configuration: a table"),

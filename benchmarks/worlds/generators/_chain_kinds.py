@@ -85,6 +85,11 @@ def _softer(size: float) -> Bending:
     return lambda v: v / (1.0 + 4.0 * size * (v / 10.0) ** 2) ** 0.25
 
 
+def _one_sided(plant: Plant, size: float) -> None:
+    """The face that is pulled where the strip bends towards +y gives way less than the other."""
+    plant.bending = lambda v: np.asarray(v / (1.0 + 0.5 * size * (1.0 + np.tanh(v / 6.0))))
+
+
 # --------------------------------------------------------------------------------------- in time
 
 
@@ -138,6 +143,14 @@ def _stuttering(plant: Plant, size: float) -> None:
 
 def _charged_stiff(plant: Plant, size: float) -> None:
     plant.stiffness.append(lambda c: 1.0 + size * np.abs(c.risen()))
+
+
+def _stiff_anode(plant: Plant, size: float) -> None:
+    plant.stiffness.append(lambda c: 1.0 + size * np.maximum(c.risen(), 0.0))
+
+
+def _wetter_outwards(plant: Plant, size: float) -> None:
+    plant.stiffness.append(lambda c: 1.0 - size * ((c.position_m or 0.0) / 0.03) ** 0.7)
 
 
 # ---------------------------------------------------------------------- clamp, rolls, load cell
@@ -390,6 +403,15 @@ KINDS: dict[str, Kind] = {
     "charged_stiff": _kind(
         "The sheet is stiffer by c under 2 V, whatever the sign.", None, "compliance eibm",
         (0.1, 1.0, "-"), _charged_stiff),
+    "stiff_anode": _kind(
+        "The sheet is stiffer by c under +2 V, and not under -2 V.", None, "compliance eibm",
+        (0.1, 1.5, "-"), _stiff_anode),
+    "one_sided": _kind(
+        "Bending u = v/(1 + c (1 + tanh(v/6 per m))/2), v the moment over B: stiffer one way.",
+        None, "compliance", (0.1, 1.5, "-"), _one_sided),
+    "wetter_outwards": _kind(
+        "Wet rolls soften more of the sheet the farther out they stand: B (1 - c (p/30 mm)^0.7).",
+        None, "compliance position", (0.05, 0.7, "-"), _wetter_outwards),
     "lead_screw": _kind(
         "The stage's screw errs by c sin(2 pi p/14 mm).", None, "position", (0.2, 4.0, "mm"),
         _screw),

@@ -1,4 +1,4 @@
-"""What no catalogue knows."""
+"""What no catalogue knew when this world was made; a bar that is drawn on has a name since."""
 
 from __future__ import annotations
 
@@ -153,9 +153,9 @@ FURTHER: dict[str, Acting] = {
     "halo": _u(
         "Glare at the concave side draws the curve aside: c tanh(k/40 per m) along the normal.",
         ("camera",), sizes=(0.08, 1.0), unit="mm", image=_halo),
-    "bar_drawn_on": _u(
+    "bar_drawn_on": acting(
         "The elongation bends, thinner towards its end, from c/2 of the sheet's compliance on; the"
         " picture is drawn straight on from the sheet's end.",
-        ("camera", "compliance"), sizes=(0.02, 0.4), unit="",
+        "elongation_flexibility", ("compliance",), (0.02, 0.4), "",
         setting=lambda c: {"bar_compliance": c, "bar_drawn_on": True}),
 }  # fmt: skip

@@ -16,7 +16,7 @@ from labrig.report.page.summary import Card
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.table import fixed
 from model.discrepancy.thresholds import REPORTED_GAP_RATIO
-from model.discrepancy.verdict.messages import answer_title
+from model.discrepancy.verdict.messages import answer_title, located
 from model.discrepancy.verdict.result import Diagnosis
 
 # title, name of the gap, decimals
@@ -72,7 +72,13 @@ def _cards(found: Diagnosis) -> list[Card]:
         cards.append(
             Card(
                 "Unknown effect",
-                ((found.unknown.location.replace("_", " "), f"most at {where}", ""),),
+                (
+                    (located(found.unknown), f"most at {where}", ""),
+                    *(
+                        (f"or {name.replace('_', ' ')}", percent(share), "")
+                        for name, share in found.unknown.other_locations.items()
+                    ),
+                ),
             )
         )
     cards += [

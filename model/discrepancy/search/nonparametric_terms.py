@@ -146,7 +146,7 @@ def linearised(fitted: MixedModelFit, c: int) -> Linearised:
     measured_at[scene.unread] = scene.unread_clock.session
     return Linearised(
         beam=state.beam, contact=state.solved.contact, weighed=state.weighed,
-        points=forward.points(c, state.solved), clock=part.clock,
+        points=forward.points(c, state.beam, state.solved), clock=part.clock,
         position_m=scene.stated_m[part.reading_of], reading_of=part.reading_of,
         initial_curvature_per_m=scene.rest(scene.s_m),
         force_at_0V_N=np.nan_to_num(state.solved.force_N) - state.by_eibm,

@@ -29,6 +29,7 @@ from model.discrepancy.verdict.free_form_or_names import (
     misses_much,
 )
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
+from model.discrepancy.verdict.likely_locations import likely_locations
 from model.discrepancy.verdict.posterior import (
     Choice,
     Leftover,
@@ -108,7 +109,8 @@ class Judgement:
         free = rest.first if known is base or rest.last is None else rest.last
         at = base if free is rest.first else known
         final, known = with_free_form(known, free), with_shapes(known, named)
-        unknown = unknown_of(at, free)
+        others = self.outcome.turns[0].ranking if at is base else rest.ranking
+        unknown = replace(unknown_of(at, free), locations=likely_locations(free, others))
         return Decision(
             named=named, known=known, unknown=unknown, final=final, free=free, rest=rest
         )

@@ -19,6 +19,7 @@ from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location
+from model.locations.basis import EACH_POLARITY, WHICH_WAY
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from model.sheet.beam_problem import Under
@@ -29,6 +30,14 @@ LOOK_AT_PICTURES = (
     " at the pictures with their curves: does each curve follow the sheet, does an elongation stay"
     " straight, do clamp and camera stand still?"
 )
+ALONG = {  # coordinates that follow from the sheet's state
+    "force": ", a function of the force",
+    "curvature": ", by how far the sheet is bent",
+}
+OF_PARTS = {  # whose functions are of several coordinates, or of several voltages
+    EACH_POLARITY: ", under voltage, and of its own at each polarity",
+    WHICH_WAY: ", by how far the sheet is bent and which way",
+}
 Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
 
 
@@ -145,8 +154,9 @@ def dependence(location_name: str, part: str, along: str, under: str) -> str:
         return depends + (", the other way at the other polarity" if under == "polarity" else "")
     if under:
         depends = depends.removesuffix(", at all voltages")
-    depends += {"force": ", a function of the force", "curvature": ", by how far the sheet is bent"
-                }.get(along, "")  # fmt: skip
+    if part in OF_PARTS:
+        return depends + OF_PARTS[part]
+    depends += ALONG.get(along, "")
     depends += ", as a moment" if part == "moment" else ""
     depends += ", only under voltage" if under == "voltage" else ""
     return depends + (", the other way at the other polarity" if under == "polarity" else "")

@@ -47,8 +47,9 @@ def seen_at(
         added_N = 0.0 if cell is None else cell.added_N(own, volts)
         then = as_pictured(found.setups[k], model.effects, at_m)
         late = then is not found.setups[k]
-        curve, row = (solved([then]).shapes(s_m), 0) if late else (shapes, k)
-        dx_m, dy_m = camera_m(model.effects, then, curve, row)
+        seen, row = (solved([then]), 0) if late else (found, k)
+        curve = seen.shapes(s_m) if late else shapes
+        dx_m, dy_m = camera_m(model.effects, seen, curve, row)
         result.append(
             Seen(
                 F_N=float(found.force_N[k]) + added_N, s_m=s_m, x_m=curve.x_m[row] + dx_m,

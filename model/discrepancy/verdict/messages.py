@@ -74,8 +74,8 @@ def _unknown_sentence(
     same = listed([title(name) for name in unknown.confusable_with], "or")
     said = (
         f"An unknown effect{more} is in neither the model nor the catalogue. Location:"
-        f" {unknown.location.replace('_', ' ')} ({unknown.depends}); largest at"
-        f" {unknown.peak_mm:.3g} {unknown.at_unit}."
+        f" {located(unknown)} ({unknown.depends}); largest at"
+        f" {unknown.peak_mm:.3g} {unknown.at_unit}.{_or_elsewhere(unknown)}"
     )
     said += f" Other possible names: {same}." if same else ""
     said += f" {_gap(left_out)}."
@@ -84,6 +84,20 @@ def _unknown_sentence(
     elif closed is not None:
         said += f" {closed_sentence(closed)}"
     return f"{said} {unknown.advice}".rstrip()
+
+
+def located(unknown: Unknown) -> str:
+    """Return the location of something unknown, with its share where there are others."""
+    name = unknown.location.replace("_", " ")
+    share = unknown.locations.get(unknown.location)
+    return f"{name}, {percent(share)}" if share and unknown.other_locations else name
+
+
+def _or_elsewhere(unknown: Unknown) -> str:
+    """Return the other locations that explain the data about as well; empty: there are none."""
+    others = [f"{name.replace('_', ' ')}, {percent(p)}" for name, p in
+              unknown.other_locations.items()]  # fmt: skip
+    return f" It may act elsewhere: {listed(others, 'or')}." if others else ""
 
 
 def class_name(one: Named) -> str:

@@ -219,13 +219,13 @@ class ForwardModel:
             added_N = added_force_N([one], state.weighed, part.in_time)
             step = replace(step, force_N=step.force_N + added_N)
         if type(one.effect).curve is not Effect.curve:
-            dx, dy = image_displacement_m([one], self.points(c, state.solved))
+            dx, dy = image_displacement_m([one], self.points(c, state.beam, state.solved))
             step = replace(step, points_m=dx * state.solved.nx + dy * state.solved.ny)
         return step
 
-    def points(self, c: int, solved: SolvedConditions) -> ImagePoints:
-        """Return the points of all curves."""
-        return _points(self.scenes[c], solved)
+    def points(self, c: int, beam: BeamProblem, solved: SolvedConditions) -> ImagePoints:
+        """Return the points of all curves of a solved beam problem."""
+        return _points(self.scenes[c], beam, solved)
 
     def _rise_s(self, c: int) -> float:
         return max(self.scenes[c].sheet.rise_time_s, 1e-6)
@@ -315,11 +315,14 @@ class _Given:
         return values[0][None] if len(values) == 1 else np.stack(values)
 
 
-def _points(scene: ConfigurationModel, solved: SolvedConditions) -> ImagePoints:
+def _points(scene: ConfigurationModel, beam: BeamProblem, solved: SolvedConditions) -> ImagePoints:
     """Return the points of all curves, (K, S)."""
+    held = solved.contact
     return ImagePoints(
         s_m=solved.s_m, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx, normal_y=solved.ny,
-        scale_m=scene.length, session_number=scene.session_number[:, None],
+        scale_m=scene.length, free_length_m=scene.length, contact_m=held.s_hat_m[:, None],
+        pressed_per_m2=(held.normal_N / beam.stiffness)[:, None],
+        session_number=scene.session_number[:, None],
     )  # fmt: skip
 
 
@@ -334,7 +337,7 @@ def _pictured(
     Boggs, Byrd and Schnabel 1987, SIAM J. Sci. Stat. Comput. 8, 1052).
     """
     for _ in range(PLACED):
-        dx, dy = image_displacement_m(inner, _points(scene, solved))
+        dx, dy = image_displacement_m(inner, _points(scene, beam, solved))
         if not (np.any(dx) or np.any(dy)):
             return solved
         beyond_x, beyond_y = scene.curve_x - solved.x_m - dx, scene.curve_y - solved.y_m - dy

@@ -289,6 +289,18 @@ def test_where_in_time_something_unknown_shows_most_is_told_in_its_own_time(tmp_
     page = read(write_diagnosis(replace(one, unknown=late), tmp_path / "page"))
     assert "s into the period of 3.7 s." in page
     assert "into the run" not in page
+    assert "or compliance" not in page
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("words_only")
+def test_the_page_has_each_location_of_something_unknown_with_its_share(tmp_path):
+    one = made.unknown()
+    two = replace(one.unknown, locations={"eibm": 0.76, "even_moment": 0.24})
+    page = read(write_diagnosis(replace(one, unknown=two), tmp_path / "page"))
+    assert "eibm, 76 %" in page
+    assert "or even moment" in page
+    assert "24 %" in page
 
 
 # -- effects

@@ -40,8 +40,8 @@ KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_meas
 NAMED_KEYS = {"name", "title", "slot", "parameters", "interval90", "by_configuration",
               "confidence", "confusable_with", "or_else", "form_share", "parameters_of",
               "probabilities"}  # fmt: skip
-UNKNOWN_KEYS = {"slot", "s_mm", "profile", "band", "unit", "along", "configuration", "depends",
-                "confusable_with", "probabilities"}  # fmt: skip
+UNKNOWN_KEYS = {"slot", "slots", "s_mm", "profile", "band", "unit", "along", "configuration",
+                "depends", "confusable_with", "probabilities"}  # fmt: skip
 
 
 def names(found) -> list[str]:

@@ -122,6 +122,14 @@ class Unknown:
     # older diagnoses have none
     confusable_with: tuple[str, ...] = ()
     probabilities: Mapping[str, float] = field(default_factory=dict)
+    # where it may act, and the share of each location, the likeliest first; older diagnoses have
+    # none
+    locations: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def other_locations(self) -> Mapping[str, float]:
+        """Those that are not the reported one."""
+        return {name: p for name, p in self.locations.items() if name != self.location}
 
     @property
     def peak_mm(self) -> float:
@@ -132,6 +140,7 @@ class Unknown:
         """Return its object in a diagnosis."""
         return {
             "slot": self.location,
+            "slots": {k: round(p, 6) for k, p in self.locations.items()},
             "s_mm": self.s_mm.tolist(),
             "profile": self.profile.tolist(),
             "band": self.band.tolist(),
