@@ -55,6 +55,7 @@ class GuardedOutput:
         self.state = OutputState.UNKNOWN
         self.energised_once = False
         self.is_loaded = False  # the board has a run, and puts it out by itself
+        self._zero_since_s: float | None = None  # since when no other voltage was written
 
     @property
     def at_zero(self) -> bool:
@@ -69,10 +70,11 @@ class GuardedOutput:
         """
         if sheet_V != 0.0:
             self._begin_guarding()
+            self._zero_since_s = None
         self.state = OutputState.UNKNOWN  # should the write raise
         self.is_loaded = False  # a write ends it
         write = self._output.write(sheet_V)
-        self.state = OutputState.ARMED if sheet_V == 0.0 else OutputState.ENERGISED
+        self.reached(sheet_V)
         if sheet_V == 0.0:
             self._end_guarding()
         return write
@@ -93,13 +95,23 @@ class GuardedOutput:
         self.state = OutputState.UNKNOWN  # should it raise
         board_V = self._output.load(waveform, rate_hz)
         self.is_loaded = True
-        self.state = OutputState.ARMED
+        self.reached(0.0)
         self._begin_guarding()
         return board_V
 
     def reached(self, sheet_V: float) -> None:
-        """Note that the board has come to a voltage of the run it was given."""
+        """Note a voltage that was confirmed, or that the board has come to in its run."""
         self.state = OutputState.ARMED if sheet_V == 0.0 else OutputState.ENERGISED
+        if sheet_V != 0.0:
+            self._zero_since_s = None
+        elif self._zero_since_s is None:
+            self._zero_since_s = self._clock.now()
+
+    def at_zero_s(self) -> float:
+        """Return how long ago 0 V was confirmed with nothing else since; 0: not now."""
+        if not self.at_zero or self._zero_since_s is None:
+            return 0.0
+        return self._clock.now() - self._zero_since_s
 
     def is_done(self) -> bool:
         """Return whether the board has put out its run, up to the last 0 V: guarding ends then.

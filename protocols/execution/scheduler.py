@@ -30,7 +30,8 @@ PREPARING   0 V                           operator and stage may take any time; 
 LEADING_IN  0 V                           signals and camera are acquired before the first step
 RUNNING     as the schedule, or the       `beat` at least every 50 ms while energised
             controller says
-TAILING     0 V                           acquisition until the last reading is complete
+TAILING     0 V                           acquisition until the last reading is complete and the
+                                          read-back shows 0 V; one that does not: STOPPING
 PAUSED      0 V, read back                after TAILING, where a pause is asked for; then PREPARING
 STOPPING    0 V is written first          `make_safe` is called once; no other voltage is written
 FINISHED    0 V, read back                `SessionStopped` was the last event; `status` says why

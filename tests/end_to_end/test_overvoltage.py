@@ -1,4 +1,4 @@
-"""More voltage at the sheet than configured, whatever the cause, ends the run at once."""
+"""More voltage at the sheet than configured, or one that stays, ends the session at once."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from labrig.session import open_session
 from protocols.execution.events import Outcome, OutputState
-from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig
+from tests.end_to_end.small_rig import ONE_POSITION, TWO_POSITIONS, labrig, make_rig
 
 LONGEST_S = 0.1
 
@@ -35,3 +35,20 @@ def test_an_amplifier_with_more_gain_than_stated_is_noticed_at_the_first_step(
         assert np.max(np.abs(drive_V)) > 3.5
         above = np.count_nonzero(np.abs(drive_V) > 2.7)
         assert above / session.rate_hz < LONGEST_S
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("board", ["ni", "labjack"])
+def test_a_voltage_that_stays_after_0_v_was_written_ends_the_session_before_the_next_position(
+    tmp_path: Path, board: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The operator would be asked to move the load cell, at a sheet that is under voltage."""
+    stuck = '[[faults]]\nwhat = "output_stuck"\nsince = "first_voltage"\nfrom_s = 0.3\n'
+    folder = make_rig(tmp_path / "rig", TWO_POSITIONS, world=stuck, board=board)
+    files = [folder / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
+    assert labrig("run", *files, "-o", tmp_path / "session.h5") == 6
+    assert "switch the amplifier off by hand" in capsys.readouterr().err
+    with open_session(tmp_path / "session.h5") as session:
+        assert (session.outcome, session.output_state) == (Outcome.FAILED, OutputState.UNKNOWN)
+        assert [run.started for run in session.runs if run.planned.repeats is None] == [True, False]
+        assert "0 V was written" in session.reason

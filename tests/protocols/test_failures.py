@@ -138,12 +138,43 @@ def test_a_voltage_that_stays_at_the_sheet_is_found_by_the_read_back():
     rig = FakeRig()
     rig.signals.spoil = lambda times_s, volts: volts.__setitem__(2, 1.9)
     scheduler = rig.scheduler()
-    assert scheduler.run(short_schedule()) is Outcome.COMPLETED
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
     assert scheduler.status.state is RunState.UNKNOWN
     assert (
         "switch the amplifier off by hand; the drive voltage reads 1.900 V" in rig.events[-1].reason
     )
     assert rig.of_kind(OutputChanged)[-1].state is OutputState.UNKNOWN
+
+
+def test_a_sheet_that_keeps_its_voltage_ends_the_session_before_the_operator_is_asked_again():
+    rig = FakeRig()
+    stuck_V = [0.0]
+
+    def keep(_times_s, volts):
+        stuck_V.append(rig.output.last_V or stuck_V[-1])
+        volts[2] = stuck_V[-1]
+
+    rig.signals.spoil = keep
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule(0.0, 0.01)) is Outcome.FAILED
+    assert scheduler.status.state is RunState.UNKNOWN
+    assert len(rig.of_kind(RunStarted)) == 1
+    zero = rig.of_kind(VoltageSet)[-1]
+    assert zero.write.sheet_V == 0.0
+    (stopped,) = rig.of_kind(RunStopped)
+    assert stopped.time_s - zero.time_s < 0.7
+    assert "0 V was written" in rig.events[-1].reason
+
+
+def test_a_voltage_that_falls_slowly_after_the_last_step_delays_the_end_of_the_run_alone():
+    rig = FakeRig()
+
+    def lag(times_s, volts):
+        volts[2] = rig.output.volts_at(times_s - 0.35)
+
+    rig.signals.spoil = lag
+    assert rig.scheduler().run(short_schedule(0.0, 0.01)) is Outcome.COMPLETED
+    assert len(rig.of_kind(RunStarted)) == 2
 
 
 def test_a_read_back_that_is_no_number_is_not_taken_for_0_V():
