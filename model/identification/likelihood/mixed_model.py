@@ -24,6 +24,7 @@ LONGEST = 1.5  # change of any ln sigma in one step
 # Below these a cheaper way would lose digits: of a row's variance its own noise's share; the
 # reciprocal condition of a matrix.
 LEAST_SHARE, WELL_CONDITIONED = 1e-7, 1e-8
+MANY = 5  # columns of a scatter that is rather a covariance of few rows, as a wander in time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,43 +138,67 @@ class _Stack:
     Z: FloatArray  # (R, n, Q)
     of: FloatArray  # (Q, groups) 1 where a column belongs to a scatter
     D: FloatArray  # (R, n, masks)
+    variance: FloatArray  # (R, n, groups) by the scatters, of size one
+    few: Index  # columns of the scatters that have few
+    rows: Index  # (R, m) of each run, that the others touch, as a wander in time
+    within: FloatArray  # (groups, R, m, m) covariance of these by the others, of size one
 
     @staticmethod
     def of_data(data: Data) -> _Stack:
         R, n = data.y.shape
         Z = np.concatenate([np.zeros((R, n, 0)), *data.groups], axis=2)
-        of = np.zeros((Z.shape[2], len(data.groups)))
-        start = 0
-        for j, group in enumerate(data.groups):
-            of[start : start + group.shape[2], j] = 1.0
-            start += group.shape[2]
+        widths = [group.shape[2] for group in data.groups]
+        belongs = np.repeat(np.arange(len(widths)), widths)
+        of = np.eye(len(widths))[belongs]
         D = np.stack(data.masks, axis=2) if data.masks else np.zeros((R, n, 0))
-        return _Stack(Z, of, D)
+        variance = Z**2 @ of
+        many = [j for j, width in enumerate(widths) if width >= MANY]
+        touched = np.any(variance[:, :, many] != 0.0, axis=2)
+        m = int(np.max(np.sum(touched, axis=1)))
+        rows = np.argsort(~touched, axis=1, kind="stable")[:, :m]
+        within = np.zeros((len(data.groups), R, m, m))
+        for j in many:
+            own = data.groups[j][np.arange(R)[:, None], rows]
+            within[j] = own @ own.transpose(0, 2, 1)
+        few = np.flatnonzero(~np.isin(belongs, many))
+        return _Stack(Z, of, D, variance, few, rows, within)
 
 
 def _weights(data: Data, stack: _Stack, log_sigma: FloatArray) -> tuple[FloatArray, float]:
     """Inverse covariances (R, n, n), and ln of the product of the covariances' determinants.
 
-    By Woodbury's identity: there are fewer scatters than rows.
+    By Woodbury's identity: there are fewer scatters than rows, but for those of few rows.
     """
-    many, n = len(data.groups), np.arange(data.y.shape[1])
-    scaled = stack.Z * np.exp(stack.of @ log_sigma[:many])
-    noise = data.fixed + stack.D @ np.exp(2.0 * log_sigma[many:])
-    scatter = np.sum(scaled**2, axis=2)
-    few = 0 < 2 * scaled.shape[2] <= len(n)
-    if not few or np.any(noise <= LEAST_SHARE * (noise + scatter)):
+    groups, n = len(data.groups), np.arange(data.y.shape[1])
+    sizes, squares = np.exp(stack.of @ log_sigma[:groups]), np.exp(2.0 * log_sigma)
+    noise = data.fixed + stack.D @ squares[groups:]
+    scatter = stack.variance @ squares[:groups]
+    small = 0 < 2 * len(stack.few) <= len(n)
+    if not small or np.any(noise <= LEAST_SHARE * (noise + scatter)):
+        scaled = stack.Z * sizes
         V = scaled @ scaled.transpose(0, 2, 1)
         V[:, n, n] += noise
         return _inverted(V)
-    over = scaled / noise[:, :, None]
+    scaled = stack.Z[:, :, stack.few] * sizes[stack.few]
+    W, over = np.zeros((*noise.shape, len(n))), scaled / noise[:, :, None]
+    W[:, n, n] = 1.0 / noise
+    logdet = float(np.sum(np.log(noise)))
+    if stack.rows.shape[1]:
+        rows, R = stack.rows, np.arange(len(noise))[:, None]
+        block = np.tensordot(squares[:groups], stack.within, axes=1)
+        k = np.arange(rows.shape[1])
+        block[:, k, k] += noise[R, rows]
+        inverse, of_block = _inverted(block)
+        W[R[:, :, None], rows[:, :, None], rows[:, None, :]] = inverse
+        over[R, rows] = inverse @ scaled[R, rows]
+        logdet += of_block - float(np.sum(np.log(noise[R, rows])))
     inner = scaled.transpose(0, 2, 1) @ over
     q = np.arange(inner.shape[1])
     inner[:, q, q] += 1.0
-    half, logdet = _triangular(inner)
+    half, of_inner = _triangular(inner)
     less = half @ over.transpose(0, 2, 1)
-    W = -(less.transpose(0, 2, 1) @ less)
-    W[:, n, n] += 1.0 / noise
-    return W, logdet + float(np.sum(np.log(noise)))
+    W -= less.transpose(0, 2, 1) @ less
+    return W, logdet + of_inner
 
 
 @dataclass(frozen=True, kw_only=True)
