@@ -9,7 +9,7 @@ Thompson 1971), under wide priors that matter only where the data say nothing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -40,6 +40,15 @@ class Data:
     away: FloatArray  # (p,) how far the present parameters are from their prior mean
     # of the priors of ln sigma about their guess, where not the same for all
     width: FloatArray | float = PRIOR_WIDTH
+    # the scatters and noises side by side, for all data that have the same
+    stacks: list[_Stack] = field(default_factory=list, repr=False, compare=False)
+
+    @property
+    def stack(self) -> _Stack:
+        """Return the scatters and noises side by side; they are put so once."""
+        if not (self.stacks and self.stacks[-1].is_of(self)):
+            self.stacks[:] = [_Stack.of_data(self)]
+        return self.stacks[-1]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +60,7 @@ class Solution:
     log_sigma: FloatArray  # groups, then masks
     weights: FloatArray  # (R, n, n) inverse covariances
     deviance: float = np.nan  # -2 ln of the restricted likelihood times prior, where estimated
+    noise: _Covariance | None = field(default=None, repr=False, compare=False)
 
 
 def _inverted(V: FloatArray) -> tuple[FloatArray, float]:
@@ -88,11 +98,14 @@ def _triangular(V: FloatArray) -> tuple[FloatArray, float]:
 
 def weigh(data: Data, log_sigma: FloatArray) -> Solution:
     """Generalised least squares at given scatter."""
-    W, _ = _weights(data, _Stack.of_data(data), log_sigma)
-    WX = W @ data.X
+    noise = _Covariance.of(data, log_sigma)
+    WX = noise.weights @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
-    return Solution(beta=C @ _pull(data, WX), covariance=C, log_sigma=log_sigma, weights=W)
+    beta = C @ _pull(data, WX)
+    return Solution(
+        beta=beta, covariance=C, log_sigma=log_sigma, weights=noise.weights, noise=noise
+    )
 
 
 def effects(data: Data, solution: Solution) -> list[FloatArray]:
@@ -139,6 +152,8 @@ class _Stack:
     of: FloatArray  # (Q, groups) 1 where a column belongs to a scatter
     D: FloatArray  # (R, n, masks)
     variance: FloatArray  # (R, n, groups) by the scatters, of size one
+    groups: list[FloatArray]  # of which it is
+    masks: list[FloatArray]
     few: Index  # columns of the scatters that have few
     rows: Index  # (R, m) of each run, that the others touch, as a wander in time
     within: FloatArray  # (groups, R, m, m) covariance of these by the others, of size one
@@ -161,7 +176,11 @@ class _Stack:
             own = data.groups[j][np.arange(R)[:, None], rows]
             within[j] = own @ own.transpose(0, 2, 1)
         few = np.flatnonzero(~np.isin(belongs, many))
-        return _Stack(Z, of, D, variance, few, rows, within)
+        return _Stack(Z, of, D, variance, data.groups, data.masks, few, rows, within)
+
+    def is_of(self, data: Data) -> bool:
+        """Return whether data have these scatters and noises."""
+        return data.groups is self.groups and data.masks is self.masks
 
 
 def _weights(data: Data, stack: _Stack, log_sigma: FloatArray) -> tuple[FloatArray, float]:
@@ -202,11 +221,52 @@ def _weights(data: Data, stack: _Stack, log_sigma: FloatArray) -> tuple[FloatArr
 
 
 @dataclass(frozen=True, kw_only=True)
+class _Covariance:
+    """The covariance of all rows at given scatter, inverted."""
+
+    stack: _Stack
+    fixed: FloatArray  # known variances of the data
+    log_sigma: FloatArray
+    weights: FloatArray
+    logdet: float
+
+    @staticmethod
+    def of(data: Data, log_sigma: FloatArray) -> _Covariance:
+        W, logdet = _weights(data, data.stack, log_sigma)
+        return _Covariance(
+            stack=data.stack, fixed=data.fixed, log_sigma=log_sigma, weights=W, logdet=logdet
+        )
+
+    def is_of(self, data: Data, log_sigma: FloatArray) -> bool:
+        """Return whether it is that of data at given scatter."""
+        same = self.stack.is_of(data) and data.fixed is self.fixed
+        return same and np.array_equal(log_sigma, self.log_sigma)
+
+    @cached_property
+    def WZ(self) -> FloatArray:
+        """Of all scatters."""
+        return self.weights @ self.stack.Z
+
+    @cached_property
+    def curvature(self) -> FloatArray:
+        """Expected second derivatives of the deviance by ln sigma, without the priors."""
+        Z, of, WZ = self.stack.Z, self.stack.of, self.WZ
+        D = self.stack.D.transpose(0, 2, 1)
+        ZWZ = np.sum((Z.transpose(0, 2, 1) @ WZ) ** 2, axis=0)
+        cross = np.sum(D @ WZ**2, axis=0) @ of
+        DWD = np.sum(D @ self.weights**2 @ self.stack.D, axis=0)
+        X = np.block([[of.T @ ZWZ @ of, cross.T], [cross, DWD]])
+        variance = np.exp(2.0 * self.log_sigma)
+        curvature: FloatArray = 4.0 * variance[:, None] * variance * X
+        return curvature
+
+
+@dataclass(frozen=True, kw_only=True)
 class _DeviancePoint:
     """-2 ln of the restricted likelihood times prior; its derivatives where somebody asks."""
 
     data: Data
-    stack: _Stack
+    noise: _Covariance
     guess: FloatArray
     value: float
     WX: FloatArray
@@ -214,42 +274,31 @@ class _DeviancePoint:
     solution: Solution
 
     @cached_property
-    def _WZ(self) -> FloatArray:
-        return self.solution.weights @ self.stack.Z
-
-    @cached_property
     def gradient(self) -> FloatArray:
         """By ln sigma."""
-        Z, D, W, WX, We = self.stack.Z, self.stack.D, self.solution.weights, self.WX, self.We
-        C, log_sigma = self.solution.covariance, self.solution.log_sigma
+        stack, W, WX, We = self.noise.stack, self.noise.weights, self.WX, self.We
+        Z, D, C, log_sigma = stack.Z, stack.D, self.solution.covariance, self.noise.log_sigma
         turned = Z.transpose(0, 2, 1)
         ZX = turned @ WX
-        slopes = np.sum(Z * self._WZ, axis=(0, 1)) - np.sum((ZX @ C) * ZX, axis=(0, 2))
+        slopes = np.sum(Z * self.noise.WZ, axis=(0, 1)) - np.sum((ZX @ C) * ZX, axis=(0, 2))
         slopes -= np.sum((turned @ We[:, :, None]) ** 2, axis=(0, 2))
         known = np.einsum("nq,nq->n", _stacked(WX) @ C, _stacked(WX)).reshape(We.shape)
         rest = np.diagonal(W, axis1=1, axis2=2) - known - We**2
-        both = np.concatenate([slopes @ self.stack.of, np.tensordot(rest, D, axes=2)])
+        both = np.concatenate([slopes @ stack.of, np.tensordot(rest, D, axes=2)])
         away = 2.0 * (log_sigma - self.guess) / np.square(self.data.width)
         gradient: FloatArray = 2.0 * np.exp(2.0 * log_sigma) * both + away
         return gradient
 
-    @cached_property
+    @property
     def curvature(self) -> FloatArray:
         """Expected second derivatives."""
-        Z, of, WZ = self.stack.Z, self.stack.of, self._WZ
-        D = self.stack.D.transpose(0, 2, 1)
-        ZWZ = np.sum((Z.transpose(0, 2, 1) @ WZ) ** 2, axis=0)
-        cross = np.sum(D @ WZ**2, axis=0) @ of
-        DWD = np.sum(D @ self.solution.weights**2 @ self.stack.D, axis=0)
-        X = np.block([[of.T @ ZWZ @ of, cross.T], [cross, DWD]])
-        variance = np.exp(2.0 * self.solution.log_sigma)
-        curvature: FloatArray = 4.0 * variance[:, None] * variance * X
+        curvature = self.noise.curvature.copy()
         curvature[np.diag_indices_from(curvature)] += 2.0 / np.square(self.data.width)
         return curvature
 
 
-def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) -> _DeviancePoint:
-    W, logdet = _weights(data, stack, log_sigma)
+def _point(data: Data, noise: _Covariance, guess: FloatArray) -> _DeviancePoint:
+    W, log_sigma = noise.weights, noise.log_sigma
     WX = W @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
@@ -257,46 +306,56 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     error = data.y - data.X @ beta
     We = (W @ error[:, :, None])[:, :, 0]
     away = (log_sigma - guess) / data.width
-    value = logdet + float(np.linalg.slogdet(information)[1])
+    value = noise.logdet + float(np.linalg.slogdet(information)[1])
     value += float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
     value += float(away @ away)
-    solution = Solution(beta=beta, covariance=C, log_sigma=log_sigma, weights=W, deviance=value)
+    solution = Solution(
+        beta=beta, covariance=C, log_sigma=log_sigma, weights=W, deviance=value, noise=noise
+    )
     return _DeviancePoint(
-        data=data, stack=stack, guess=guess, value=value, WX=WX, We=We, solution=solution
+        data=data, noise=noise, guess=guess, value=value, WX=WX, We=We, solution=solution
     )
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:
     """-2 ln of the restricted likelihood times prior, and its gradient by ln sigma."""
-    point = _point(data, _Stack.of_data(data), log_sigma, guess)
+    point = _point(data, _Covariance.of(data, log_sigma), guess)
     return point.value, point.gradient
 
 
 def estimate(
-    data: Data, guess: FloatArray, start: FloatArray | None = None, accuracy: float = 1e-5
+    data: Data,
+    guess: FloatArray,
+    start: FloatArray | None = None,
+    accuracy: float = 1e-5,
+    *,
+    there: Solution | None = None,
 ) -> Solution:
     """REML: the scatter that explains the misfit, and beta weighed with it, by Fisher's scoring.
 
-    It ends when no more than `accuracy` of the deviance is to be had.
+    It ends when no more than `accuracy` of the deviance is to be had. `there` is a solution with
+    other columns, where it may begin: of the same scatter the covariance is the same.
     """
-    stack = _Stack.of_data(data)
     low, high = guess - 7.0, guess + 6.0
     at = np.clip(guess if start is None else start, low, high)
-    point, damping = _point(data, stack, at, guess), 1e-3
+    known = None if there is None else there.noise
+    if known is None or not known.is_of(data, at):
+        known = _Covariance.of(data, at)
+    point, damping = _point(data, known, guess), 1e-3
     for _ in range(60):
-        H = point.curvature.copy()  # not worked out at the last one, nor where the step was bad
+        H = point.curvature  # not worked out at the last one, nor where the step was bad
         H[np.diag_indices_from(H)] *= 1.0 + damping
         held = ((at <= low) & (point.gradient > 0.0)) | ((at >= high) & (point.gradient < 0.0))
         gradient = np.where(held, 0.0, point.gradient)
         step = -np.linalg.solve(H, gradient)
-        there = np.clip(at + step / max(1.0, float(np.max(np.abs(step))) / LONGEST), low, high)
-        expected = -0.5 * float(gradient @ (there - at))
+        further = np.clip(at + step / max(1.0, float(np.max(np.abs(step))) / LONGEST), low, high)
+        expected = -0.5 * float(gradient @ (further - at))
         if expected < accuracy:
             break
-        other = _point(data, stack, there, guess)
+        other = _point(data, _Covariance.of(data, further), guess)
         if other.value < point.value:
             done = point.value - other.value < accuracy
-            at, point, damping = there, other, max(damping / 5.0, 1e-4)
+            at, point, damping = further, other, max(damping / 5.0, 1e-4)
             if done:
                 break
         else:
@@ -316,12 +375,14 @@ class Spread:
 
 def spread(data: Data, solution: Solution, guess: FloatArray) -> Spread:
     """By differences about the estimate."""
-    h, size, stack = 0.05, len(solution.log_sigma), _Stack.of_data(data)
+    h, size = 0.05, len(solution.log_sigma)
     curvature, slopes = np.zeros((size, size)), []
     for k in range(size):
         step = np.zeros(size)
         step[k] = h
-        up, down = (_point(data, stack, solution.log_sigma + d, guess) for d in (step, -step))
+        up, down = (
+            _point(data, _Covariance.of(data, solution.log_sigma + d), guess) for d in (step, -step)
+        )
         curvature[k] = (up.gradient - down.gradient) / (2.0 * h)
         slopes.append((up.solution.covariance - down.solution.covariance) / (2.0 * h))
     values, vectors = np.linalg.eigh(0.25 * (curvature + curvature.T))
