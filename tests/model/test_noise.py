@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from model.identification.likelihood.mixed_model import (
-    Data,
     deviance,
     effects,
     estimate,
@@ -17,6 +16,7 @@ from model.identification.likelihood.mixed_model import (
     spread,
     weigh,
 )
+from model.identification.likelihood.row_covariance import Data
 
 
 def made(random, runs=40, u=0.3, tau=0.1):
