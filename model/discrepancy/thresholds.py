@@ -80,7 +80,7 @@ RESCORED_CANDIDATES = 8
 # Log Bayes factor from which on an effect, or an outlier, is among them.
 RESCORED_EVIDENCE_LN, RESCORED_OUTLIER_LN = -0.5, 3.0
 # Share of the best evidence, from so much (ln) on, below which the noise is not estimated beside a
-# candidate: it is too weak for any verdict.
+# candidate, nor is it fitted from other beginnings: it is too weak for any verdict.
 HOPELESS_SHARE, CLEAR_EVIDENCE_LN = 0.3, 30.0
 # Other starting values of an effect, about as good, that are fitted, too.
 OTHER_SHAPES = 2

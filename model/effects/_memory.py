@@ -38,5 +38,7 @@ def lagging(clock: AcquisitionTimes, tau_s: float, opposite: FloatArray | float)
 
 
 def spread_about(tau_s: float, spread: float) -> FloatArray:
-    """Time constants of a process that has several: three, apart by a factor."""
+    """Time constants of a process that has several: three, apart by a factor; one without."""
+    if spread == 1.0:
+        return np.array([tau_s])
     return tau_s * np.array([1.0 / spread, 1.0, spread])

@@ -92,16 +92,17 @@ def strains(
     """At 0 V, mean and half difference of the polarities, at the place of each: (K, G) each."""
     load = finite(contact.normal_N)[:, None] * finite(contact.lever) / beam.stiffness[:, None]
     strain = beam.soft * (beam.eibm + beam.bend - load)
-    at_zero, mean, half = (np.zeros_like(strain) for _ in range(3))
-    sign = np.sign(beam.voltage_V)
-    for k, at in enumerate(beam.stated_m):
-        same = np.isnan(beam.stated_m) if np.isnan(at) else np.abs(beam.stated_m - at) < SAME_M
-        zero, positive, negative = (same & (sign == v) for v in (0.0, 1.0, -1.0))
-        if np.any(zero):
-            at_zero[k] = strain[zero].mean(axis=0)
-        if np.any(positive) and np.any(negative):
-            both = strain[positive].mean(axis=0), strain[negative].mean(axis=0)
-            mean[k], half[k] = 0.5 * (both[0] + both[1]), 0.5 * (both[0] - both[1])
+    at, sign = beam.stated_m, np.sign(beam.voltage_V)
+    same = (np.abs(at[:, None] - at) < SAME_M) | (np.isnan(at)[:, None] & np.isnan(at))
+
+    def mean_at(v: float) -> tuple[FloatArray, FloatArray]:
+        """Return the mean of those at the same place, and whether there is any: (K, G), (K, 1)."""
+        use = (same & (sign == v)).astype(float)
+        count = np.sum(use, axis=1, keepdims=True)
+        return use @ strain / np.maximum(count, 1.0), np.minimum(count, 1.0)
+
+    (at_zero, _), (positive, one), (negative, other) = (mean_at(v) for v in (0.0, 1.0, -1.0))
+    mean, half = (0.5 * one * other * v for v in (positive + negative, positive - negative))
     return at_zero, mean, half
 
 

@@ -64,19 +64,7 @@ class Field:
         tolerance: float = 1e-13,
     ) -> Field:
         """Return a function of s; panels are halved until polynomials follow it to `tolerance`."""
-        inner = sorted(k for k in kinks_m if 0.0 < k < length_m)
-        edges = [0.0, *inner, float(length_m)]
-        todo, done = list(pairwise(edges))[::-1], []
-        while todo:
-            low, high = todo.pop()
-            coefficients, good = _interpolate(function, low, high, tolerance)
-            if good or high - low < length_m / 256:
-                done.append((low, high, coefficients))
-            else:
-                middle = 0.5 * (low + high)
-                todo += [(middle, high), (low, middle)]
-        breaks = np.array([done[0][0], *(high for _, high, _ in done)])
-        return Field(breaks, np.array([c for _, _, c in done]))
+        return smooth_each(function, length_m, kinks_m, tolerance)[0]
 
     @cached_property
     def length_m(self) -> float:
@@ -172,6 +160,16 @@ def for_each_field(make: Callable[[Field], Made], fields: Sequence[Field]) -> li
     return [made[id(one)] for one in fields]
 
 
+def values_of_each(fields: Sequence[Field], s_m: FloatArray) -> FloatArray:
+    """Return the values of fields of one length at s (n,): (K, n)."""
+    if any(not np.array_equal(f.breaks_m, fields[0].breaks_m) for f in fields[1:]):
+        return np.stack([f(s_m) for f in fields])
+    degree = max(f.coefficients.shape[1] for f in fields)
+    rows = np.stack([padded(f.coefficients, degree) for f in fields])
+    panel, t, _ = _places(fields[0].breaks_m, s_m)
+    return _horner(rows[:, panel], t)
+
+
 def merged_breaks(all_breaks: Iterable[FloatArray]) -> FloatArray:
     """Return the ends of all panels, those that coincide but for rounding counted once."""
     every = np.unique(np.concatenate([np.asarray(b, dtype=float) for b in all_breaks]))
@@ -220,22 +218,48 @@ def _powers(values: FloatArray) -> FloatArray:
     return np.where(np.abs(coefficients) > noise, coefficients, 0.0) @ to_powers.T
 
 
+def smooth_each(
+    function: Callable[[FloatArray], FloatArray],
+    length_m: float,
+    kinks_m: Iterable[float] = (),
+    tolerance: float = 1e-13,
+) -> list[Field]:
+    """Return several functions of s as `Field.smooth` does, all on the panels that the worst needs.
+
+    `function` returns the values of all of them at s (n,), an array (K, n); (n,) of one.
+    """
+    inner = sorted(k for k in kinks_m if 0.0 < k < length_m)
+    edges = [0.0, *inner, float(length_m)]
+    todo, done = list(pairwise(edges))[::-1], []
+    while todo:
+        low, high = todo.pop()
+        coefficients, good = _interpolate(function, low, high, tolerance)
+        if good or high - low < length_m / 256:
+            done.append((low, high, coefficients))
+        else:
+            middle = 0.5 * (low + high)
+            todo += [(middle, high), (low, middle)]
+    breaks = np.array([done[0][0], *(high for _, high, _ in done)])
+    return [Field(breaks, rows) for rows in np.stack([c for _, _, c in done], axis=1)]
+
+
 def _interpolate(
     function: Callable[[FloatArray], FloatArray], low: float, high: float, tolerance: float
 ) -> tuple[FloatArray, bool]:
-    """Powers of t for one panel, and whether they follow the function between the points too."""
+    """Powers of t for one panel (K, D), and whether they follow every function in between, too."""
     x = _chebyshev(HIGHEST_DEGREE + 1)[0]
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    values = np.broadcast_to(np.asarray(function(middle + half * x), dtype=float), x.shape)
-    if not np.all(np.isfinite(values)):
-        raise ModelError(f"a quantity along the sheet is not finite near s = {middle * 1e3:.3g} mm")
-    coefficients = _powers(values)
     between = np.linspace(-1.0, 1.0, 2 * len(x) + 1)
-    wanted = np.broadcast_to(
-        np.asarray(function(middle + half * between), dtype=float), (len(between),)
-    )
-    error = np.max(np.abs(_horner(coefficients, between) - wanted))
-    return coefficients, bool(error <= tolerance * max(np.max(np.abs(wanted)), 1e-300))
+    at_m = 0.5 * (low + high) + 0.5 * (high - low) * np.concatenate([x, between])
+    every = np.atleast_2d(np.asarray(function(at_m), dtype=float))
+    every = np.broadcast_to(every, (len(every), len(at_m)))
+    values, wanted = every[:, : len(x)], every[:, len(x) :]
+    if not np.all(np.isfinite(values)):
+        near_mm = 0.5e3 * (low + high)
+        raise ModelError(f"a quantity along the sheet is not finite near s = {near_mm:.3g} mm")
+    coefficients = _powers(values)
+    error = np.max(np.abs(_horner(coefficients[:, None], between) - wanted), axis=1)
+    most = np.maximum(np.max(np.abs(wanted), axis=1), 1e-300)
+    return coefficients, bool(np.all(error <= tolerance * most))
 
 
 def legendre_field(degree: int, length_m: float) -> Field:

@@ -22,7 +22,14 @@ from model.mechanics.equilibrium import (
     problems,
     solve,
 )
-from model.mechanics.field import Field, for_each_field, merged_breaks, padded
+from model.mechanics.field import (
+    Field,
+    for_each_field,
+    merged_breaks,
+    padded,
+    smooth_each,
+    values_of_each,
+)
 from model.mechanics.free_shape import free_shape
 from model.sheet.beam_problem import ConditionProblem
 
@@ -33,23 +40,33 @@ _BESIDE = 4  # rounds of placing a contact beside the arc; each gains a factor o
 
 def free_curvature(setup: ConditionProblem) -> Field:
     """k* = k0 + Me/B(s)."""
-    if setup.softness is None:
-        return setup.rest + setup.eibm * (1.0 / setup.B_Nm2)
-    soft, eibm = setup.softness, setup.eibm
-
-    def bend(s: FloatArray) -> FloatArray:
-        return eibm(s) * soft(s) / setup.B_Nm2
-
-    # a stated rest curvature has many panels, of which the product needs none
-    kinks = merged_breaks([soft.breaks_m, eibm.breaks_m])
-    return setup.rest + Field.smooth(bend, setup.rest.length_m, kinks)
+    return _free_curvatures([setup])[0]
 
 
 def _free_curvatures(setups: Sequence[ConditionProblem]) -> list[Field]:
     """Return each one's free curvature; setups that share their fields share it."""
     keys = [(id(s.rest), id(s.eibm), id(s.softness), s.B_Nm2) for s in setups]
-    made = {key: free_curvature(s) for key, s in dict(zip(keys, setups, strict=True)).items()}
+    each = dict(zip(keys, setups, strict=True))
+    made = {key: s.rest + s.eibm * (1.0 / s.B_Nm2) for key, s in each.items() if s.softness is None}
+    bent = {key: s for key, s in each.items() if s.softness is not None}
+    made |= dict(zip(bent, _softened(list(bent.values())), strict=True))
     return [made[key] for key in keys]
+
+
+def _softened(setups: Sequence[ConditionProblem]) -> list[Field]:
+    """Return the free curvature of setups with a softness, on panels that do for all of them."""
+    if not setups:
+        return []
+    soft, eibm = [s.softness for s in setups if s.softness is not None], [s.eibm for s in setups]
+    B_Nm2 = np.array([s.B_Nm2 for s in setups])[:, None]
+
+    def bend(s_m: FloatArray) -> FloatArray:
+        return values_of_each(eibm, s_m) * values_of_each(soft, s_m) / B_Nm2
+
+    # a stated rest curvature has many panels, of which the product needs none
+    kinks = merged_breaks([f.breaks_m for f in (*soft, *eibm)])
+    bends = smooth_each(bend, setups[0].rest.length_m, kinks)
+    return [one.rest + more for one, more in zip(setups, bends, strict=True)]
 
 
 def batch(setups: Sequence[ConditionProblem]) -> Problems:

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from model.identification.likelihood.mixed_model import (
-    Data,
     deviance,
     effects,
     estimate,
@@ -17,6 +16,7 @@ from model.identification.likelihood.mixed_model import (
     spread,
     weigh,
 )
+from model.identification.likelihood.row_covariance import Data
 
 
 def made(random, runs=40, u=0.3, tau=0.1):
@@ -202,6 +202,32 @@ def test_weights_are_the_inverse_of_the_covariance_however_they_are_found(scatte
     inverse = np.linalg.inv(V)
     sure = 1e-15 * np.linalg.cond(V)[:, None, None] * np.abs(inverse).max((1, 2), keepdims=True)
     assert np.all(np.abs(W - inverse) < 100.0 * sure)
+
+
+def wandering(random):
+    """Return runs of 14 numbers, the first few of which wander: none of the last run's."""
+    touched = np.arange(14) < np.array([4, 3, 4, 0])[:, None]
+    wander = [random.standard_normal((4, 14, q)) * touched[:, :, None] for q in (5, 6)]
+    return Data(
+        y=random.standard_normal((4, 14)),
+        X=random.standard_normal((4, 14, 2)),
+        groups=[random.standard_normal((4, 14, 1)), *wander, random.standard_normal((4, 14, 2))],
+        masks=[np.ones((4, 14))],
+        fixed=np.full((4, 14), 1e-3),
+        precision=np.zeros(2),
+        away=np.zeros(2),
+    )
+
+
+def test_a_scatter_of_more_columns_than_rows_is_weighed_as_any_other():
+    data, log_sigma = wandering(np.random.default_rng(3)), np.log([0.4, 0.5, 0.3, 0.6, 0.2])
+    inverse = np.linalg.inv(covariance(data, log_sigma))
+    np.testing.assert_allclose(weigh(data, log_sigma).weights, inverse, rtol=1e-9, atol=1e-9)
+    _, gradient = deviance(data, log_sigma, log_sigma)
+    for k in range(len(log_sigma)):  # of the determinant, too
+        h = np.eye(len(log_sigma))[k] * 1e-5
+        up, down = (deviance(data, at, at)[0] for at in (log_sigma + h, log_sigma - h))
+        assert gradient[k] == pytest.approx((up - down) / 2e-5, rel=1e-6, abs=1e-6)
 
 
 def test_an_inverse_is_good_where_a_direction_is_almost_unknown():

@@ -264,7 +264,8 @@ def _rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
     scale = one.scale
     while scale <= 1.01 * max(one.candidate.sizes):
         linear = with_columns(forward, fitted.linear, one.candidate.columns, scale**-2.0)
-        solution = estimate(linear.data, fitted.problem.guess, kept.log_sigma, 0.02)
+        guess = fitted.problem.guess
+        solution = estimate(linear.data, guess, kept.log_sigma, 0.02, there=kept)
         value = solution.deviance + 2.0 * q * float(np.log(scale)) - prior_terms(fitted)
         gain = 0.5 * (fitted.deviance - value)
         if gain <= best:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cache, partial
@@ -10,15 +10,17 @@ from itertools import islice
 
 import numpy as np
 
-from model.discrepancy.search.evidence import Candidate, Score, unit_values
+from model.discrepancy.search.evidence import Candidate, Score, rescored, unit_values
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.ranking import RankedCandidate, best_scores, usual_scatter
 from model.discrepancy.thresholds import (
+    CLEAR_EVIDENCE_LN,
     CURVATURE_SHARE,
     DOUBTFUL_FORM_SHARE,
     DOUBTFUL_SCATTER_RATIO,
     EQUAL_EVIDENCE_LN,
     FORM_SHARE_LIMIT,
+    HOPELESS_SHARE,
     REFINED_AT_USUAL_SCATTER,
     REFINED_CANDIDATES,
     REFINED_EVIDENCE_LN,
@@ -56,7 +58,8 @@ def refine_best(
     plain = _plain(fitted, known)
     chosen += [c for c in known if c.name in plain and c not in chosen]
     done = {c.name: refined(fitted, c, (c.score,), there) for c in chosen}
-    promising = _promising(fitted, list(done.values()))
+    ranked = {c.name: c.gain for c in chosen}
+    promising = _promising(fitted, list(done.values()), ranked, ranking[0].gain)
     done |= {name: refined(fitted, done[name], done[name].shapes, there) for name in promising}
     forces = cache(partial(by_forces, fitted))  # a fit of its own, which few need
     inside = set() if there is None else {one.effect.name for one in there.found}
@@ -275,18 +278,41 @@ def _beginning(
     )  # fmt: skip
 
 
-def _promising(fitted: MixedModelFit, done: list[RankedCandidate]) -> set[str]:
-    """Return the one that explains most, and those that would with the usual scatter."""
-    return {max(done, key=lambda c: c.gain).name, *_plain(fitted, done)}
+def _promising(
+    fitted: MixedModelFit,
+    done: list[RankedCandidate],
+    ranked: Mapping[str, float],
+    most: float,
+) -> set[str]:
+    """Return the one that explains most, and those that would with the usual scatter.
+
+    Not those that are too weak for any verdict (see `ranking`) beside `most`, the evidence of the
+    best candidate: refined, as they were `ranked`, and with the scatter estimated from the usual
+    one on.
+    """
+    top = max(done, key=lambda c: c.gain)
+    most = max(most, top.gain)
+    usual = replace(fitted, solution=usual_scatter(fitted))
+    scores = best_scores(usual, [c.score.candidate for c in done], usual.solution)
+    weak = HOPELESS_SHARE * most if most > CLEAR_EVIDENCE_LN else -np.inf
+    own = {c.name: max(c.gain, ranked[c.name]) for c in done}
+    return {top.name} | {
+        name for name in _foremost(scores)
+        if own[name] >= weak or rescored(usual, scores[name])[0] >= weak
+    }  # fmt: skip
 
 
 def _plain(fitted: MixedModelFit, contenders: list[RankedCandidate]) -> list[str]:
-    """Return the best candidates at the usual scatter: the first, and another that comes close."""
-    scores = best_scores(fitted, [c.score.candidate for c in contenders], usual_scatter(fitted))
+    """Return the best candidates at the usual scatter."""
+    every = [c.score.candidate for c in contenders]
+    return _foremost(best_scores(fitted, every, usual_scatter(fitted)))
+
+
+def _foremost(scores: Mapping[str, Score]) -> list[str]:
+    """Return the first of some names with their scores, and another one that comes close."""
     best = max((s.log_bayes for s in scores.values()), default=0.0)
-    return [name for name, s in scores.items() if s.log_bayes >= (1.0 - CURVATURE_SHARE) * best][
-        :REFINED_AT_USUAL_SCATTER
-    ]
+    close = [n for n, s in scores.items() if s.log_bayes >= (1.0 - CURVATURE_SHARE) * best]
+    return close[:REFINED_AT_USUAL_SCATTER]
 
 
 def _doubtful(contender: RankedCandidate) -> bool:

@@ -16,7 +16,6 @@ from model.effects.interface import BeamProblem
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.drive_rise import RISE, rise_columns
 from model.identification.likelihood.forward_model import ForwardModel
-from model.identification.likelihood.mixed_model import Data
 from model.identification.likelihood.model_state import (
     AppliedEffect,
     ModelState,
@@ -32,6 +31,7 @@ from model.identification.likelihood.random_effects import (
     restored,
     scatter_columns,
 )
+from model.identification.likelihood.row_covariance import Data
 from model.identification.likelihood.row_noise import RowNoise, width_of
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray

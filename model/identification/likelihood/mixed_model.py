@@ -9,36 +9,16 @@ Thompson 1971), under wide priors that matter only where the data say nothing.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 
+from model.identification.likelihood.row_covariance import Data, RowCovariance
 from model.measurements import FloatArray
 
-Index = npt.NDArray[np.int64]
-
-PRIOR_WIDTH = 2.5  # standard deviation of ln sigma about its guess
 LONGEST = 1.5  # change of any ln sigma in one step
-# Below these a cheaper way would lose digits: of a row's variance its own noise's share; the
-# reciprocal condition of a matrix.
-LEAST_SHARE, WELL_CONDITIONED = 1e-7, 1e-8
-
-
-@dataclass(frozen=True, kw_only=True)
-class Data:
-    """R runs of up to n numbers; rows that a run does not have are zero, with variance one."""
-
-    y: FloatArray  # (R, n)
-    X: FloatArray  # (R, n, p)
-    groups: list[FloatArray]  # of each scatter: Z (R, n, q)
-    masks: list[FloatArray]  # of each further noise: D (R, n), 0 or 1
-    fixed: FloatArray  # (R, n) known variances
-    precision: FloatArray  # (p,) of a Gaussian prior on beta about -away
-    away: FloatArray  # (p,) how far the present parameters are from their prior mean
-    # of the priors of ln sigma about their guess, where not the same for all
-    width: FloatArray | float = PRIOR_WIDTH
+WELL_CONDITIONED = 1e-8  # reciprocal condition of a matrix; below it a cheaper way loses digits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,48 +30,19 @@ class Solution:
     log_sigma: FloatArray  # groups, then masks
     weights: FloatArray  # (R, n, n) inverse covariances
     deviance: float = np.nan  # -2 ln of the restricted likelihood times prior, where estimated
-
-
-def _inverted(V: FloatArray) -> tuple[FloatArray, float]:
-    """Inverses of positive matrices, and ln of the product of their determinants; V is used up."""
-    from scipy.linalg.lapack import dpotrf, dpotri
-
-    for one in V:
-        # a symmetric matrix is its own transpose, which is what LAPACK works on without a copy
-        if dpotrf(one.T, lower=1, clean=0, overwrite_a=1)[1]:
-            raise np.linalg.LinAlgError("a covariance is not positive")
-    logdet = 2.0 * float(np.sum(np.log(np.diagonal(V, axis1=1, axis2=2))))
-    for one in V:
-        dpotri(one.T, lower=1, overwrite_c=1)
-    low, right = _below(V.shape[1])
-    V[:, low, right] = V[:, right, low]
-    return V, logdet
-
-
-@lru_cache(maxsize=8)
-def _below(n: int) -> tuple[Index, Index]:
-    """Return the places below the diagonal of an n by n matrix."""
-    return np.tril_indices(n, -1)
-
-
-def _triangular(V: FloatArray) -> tuple[FloatArray, float]:
-    """Inverses of Cholesky's factors, and ln of the product of the determinants."""
-    from scipy.linalg.lapack import dtrtri
-
-    L = np.linalg.cholesky(V)
-    n = np.arange(V.shape[1])
-    logdet = 2.0 * float(np.sum(np.log(L[:, n, n])))
-    # three times quicker than numpy's, which does not know that they are triangular
-    return np.stack([dtrtri(one, lower=1)[0] for one in L]), logdet
+    noise: RowCovariance | None = field(default=None, repr=False, compare=False)
 
 
 def weigh(data: Data, log_sigma: FloatArray) -> Solution:
     """Generalised least squares at given scatter."""
-    W, _ = _weights(data, _Stack.of_data(data), log_sigma)
-    WX = W @ data.X
+    noise = RowCovariance.of(data, log_sigma)
+    WX = noise.weights @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
-    return Solution(beta=C @ _right_side(data, WX), covariance=C, log_sigma=log_sigma, weights=W)
+    beta = C @ _right_side(data, WX)
+    return Solution(
+        beta=beta, covariance=C, log_sigma=log_sigma, weights=noise.weights, noise=noise
+    )
 
 
 def effects(data: Data, solution: Solution) -> list[FloatArray]:
@@ -131,58 +82,12 @@ def inverse_symmetric(A: FloatArray) -> FloatArray:
     return np.asarray(inner * scale[:, None] * scale[None, :], dtype=np.float64)
 
 
-@dataclass(frozen=True)
-class _Stack:
-    """All scatters side by side, all noises side by side: one product does for all."""
-
-    Z: FloatArray  # (R, n, Q)
-    of: FloatArray  # (Q, groups) 1 where a column belongs to a scatter
-    D: FloatArray  # (R, n, masks)
-
-    @staticmethod
-    def of_data(data: Data) -> _Stack:
-        R, n = data.y.shape
-        Z = np.concatenate([np.zeros((R, n, 0)), *data.groups], axis=2)
-        of = np.zeros((Z.shape[2], len(data.groups)))
-        start = 0
-        for j, group in enumerate(data.groups):
-            of[start : start + group.shape[2], j] = 1.0
-            start += group.shape[2]
-        D = np.stack(data.masks, axis=2) if data.masks else np.zeros((R, n, 0))
-        return _Stack(Z, of, D)
-
-
-def _weights(data: Data, stack: _Stack, log_sigma: FloatArray) -> tuple[FloatArray, float]:
-    """Inverse covariances (R, n, n), and ln of the product of the covariances' determinants.
-
-    By Woodbury's identity: there are fewer scatters than rows.
-    """
-    many, n = len(data.groups), np.arange(data.y.shape[1])
-    scaled = stack.Z * np.exp(stack.of @ log_sigma[:many])
-    noise = data.fixed + stack.D @ np.exp(2.0 * log_sigma[many:])
-    scatter = np.sum(scaled**2, axis=2)
-    few = 0 < 2 * scaled.shape[2] <= len(n)
-    if not few or np.any(noise <= LEAST_SHARE * (noise + scatter)):
-        V = scaled @ scaled.transpose(0, 2, 1)
-        V[:, n, n] += noise
-        return _inverted(V)
-    over = scaled / noise[:, :, None]
-    inner = scaled.transpose(0, 2, 1) @ over
-    q = np.arange(inner.shape[1])
-    inner[:, q, q] += 1.0
-    half, logdet = _triangular(inner)
-    less = half @ over.transpose(0, 2, 1)
-    W = -(less.transpose(0, 2, 1) @ less)
-    W[:, n, n] += 1.0 / noise
-    return W, logdet + float(np.sum(np.log(noise)))
-
-
 @dataclass(frozen=True, kw_only=True)
 class _DeviancePoint:
     """-2 ln of the restricted likelihood times prior; its derivatives where somebody asks."""
 
     data: Data
-    stack: _Stack
+    noise: RowCovariance
     guess: FloatArray
     value: float
     WX: FloatArray
@@ -190,42 +95,31 @@ class _DeviancePoint:
     solution: Solution
 
     @cached_property
-    def _WZ(self) -> FloatArray:
-        return self.solution.weights @ self.stack.Z
-
-    @cached_property
     def gradient(self) -> FloatArray:
         """By ln sigma."""
-        Z, D, W, WX, We = self.stack.Z, self.stack.D, self.solution.weights, self.WX, self.We
-        C, log_sigma = self.solution.covariance, self.solution.log_sigma
+        stack, W, WX, We = self.noise.stack, self.noise.weights, self.WX, self.We
+        Z, D, C, log_sigma = stack.Z, stack.D, self.solution.covariance, self.noise.log_sigma
         turned = Z.transpose(0, 2, 1)
         ZX = turned @ WX
-        slopes = np.sum(Z * self._WZ, axis=(0, 1)) - np.sum((ZX @ C) * ZX, axis=(0, 2))
+        slopes = np.sum(Z * self.noise.WZ, axis=(0, 1)) - np.sum((ZX @ C) * ZX, axis=(0, 2))
         slopes -= np.sum((turned @ We[:, :, None]) ** 2, axis=(0, 2))
         known = np.einsum("nq,nq->n", _stacked(WX) @ C, _stacked(WX)).reshape(We.shape)
         rest = np.diagonal(W, axis1=1, axis2=2) - known - We**2
-        both = np.concatenate([slopes @ self.stack.of, np.tensordot(rest, D, axes=2)])
+        both = np.concatenate([slopes @ stack.of, np.tensordot(rest, D, axes=2)])
         away = 2.0 * (log_sigma - self.guess) / np.square(self.data.width)
         gradient: FloatArray = 2.0 * np.exp(2.0 * log_sigma) * both + away
         return gradient
 
-    @cached_property
+    @property
     def curvature(self) -> FloatArray:
         """Expected second derivatives."""
-        Z, of, WZ = self.stack.Z, self.stack.of, self._WZ
-        D = self.stack.D.transpose(0, 2, 1)
-        ZWZ = np.sum((Z.transpose(0, 2, 1) @ WZ) ** 2, axis=0)
-        cross = np.sum(D @ WZ**2, axis=0) @ of
-        DWD = np.sum(D @ self.solution.weights**2 @ self.stack.D, axis=0)
-        X = np.block([[of.T @ ZWZ @ of, cross.T], [cross, DWD]])
-        variance = np.exp(2.0 * self.solution.log_sigma)
-        curvature: FloatArray = 4.0 * variance[:, None] * variance * X
+        curvature = self.noise.curvature.copy()
         curvature[np.diag_indices_from(curvature)] += 2.0 / np.square(self.data.width)
         return curvature
 
 
-def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) -> _DeviancePoint:
-    W, logdet = _weights(data, stack, log_sigma)
+def _point(data: Data, noise: RowCovariance, guess: FloatArray) -> _DeviancePoint:
+    W, log_sigma = noise.weights, noise.log_sigma
     WX = W @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
     C = inverse_symmetric(information)
@@ -233,46 +127,56 @@ def _point(data: Data, stack: _Stack, log_sigma: FloatArray, guess: FloatArray) 
     error = data.y - data.X @ beta
     We = (W @ error[:, :, None])[:, :, 0]
     away = (log_sigma - guess) / data.width
-    value = logdet + float(np.linalg.slogdet(information)[1])
+    value = noise.logdet + float(np.linalg.slogdet(information)[1])
     value += float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
     value += float(away @ away)
-    solution = Solution(beta=beta, covariance=C, log_sigma=log_sigma, weights=W, deviance=value)
+    solution = Solution(
+        beta=beta, covariance=C, log_sigma=log_sigma, weights=W, deviance=value, noise=noise
+    )
     return _DeviancePoint(
-        data=data, stack=stack, guess=guess, value=value, WX=WX, We=We, solution=solution
+        data=data, noise=noise, guess=guess, value=value, WX=WX, We=We, solution=solution
     )
 
 
 def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[float, FloatArray]:
     """-2 ln of the restricted likelihood times prior, and its gradient by ln sigma."""
-    point = _point(data, _Stack.of_data(data), log_sigma, guess)
+    point = _point(data, RowCovariance.of(data, log_sigma), guess)
     return point.value, point.gradient
 
 
 def estimate(
-    data: Data, guess: FloatArray, start: FloatArray | None = None, accuracy: float = 1e-5
+    data: Data,
+    guess: FloatArray,
+    start: FloatArray | None = None,
+    accuracy: float = 1e-5,
+    *,
+    there: Solution | None = None,
 ) -> Solution:
     """REML: the scatter that explains the misfit, and beta weighed with it, by Fisher's scoring.
 
-    It ends when no more than `accuracy` of the deviance is to be had.
+    It ends when no more than `accuracy` of the deviance is to be had. `there` is a solution with
+    other columns, where it may begin: of the same scatter the covariance is the same.
     """
-    stack = _Stack.of_data(data)
     low, high = guess - 7.0, guess + 6.0
     at = np.clip(guess if start is None else start, low, high)
-    point, damping = _point(data, stack, at, guess), 1e-3
+    known = None if there is None else there.noise
+    if known is None or not known.is_of(data, at):
+        known = RowCovariance.of(data, at)
+    point, damping = _point(data, known, guess), 1e-3
     for _ in range(60):
-        H = point.curvature.copy()  # not worked out at the last one, nor where the step was bad
+        H = point.curvature  # not worked out at the last one, nor where the step was bad
         H[np.diag_indices_from(H)] *= 1.0 + damping
         held = ((at <= low) & (point.gradient > 0.0)) | ((at >= high) & (point.gradient < 0.0))
         gradient = np.where(held, 0.0, point.gradient)
         step = -np.linalg.solve(H, gradient)
-        there = np.clip(at + step / max(1.0, float(np.max(np.abs(step))) / LONGEST), low, high)
-        expected = -0.5 * float(gradient @ (there - at))
+        further = np.clip(at + step / max(1.0, float(np.max(np.abs(step))) / LONGEST), low, high)
+        expected = -0.5 * float(gradient @ (further - at))
         if expected < accuracy:
             break
-        other = _point(data, stack, there, guess)
+        other = _point(data, RowCovariance.of(data, further), guess)
         if other.value < point.value:
             done = point.value - other.value < accuracy
-            at, point, damping = there, other, max(damping / 5.0, 1e-4)
+            at, point, damping = further, other, max(damping / 5.0, 1e-4)
             if done:
                 break
         else:
@@ -292,12 +196,15 @@ class Spread:
 
 def spread(data: Data, solution: Solution, guess: FloatArray) -> Spread:
     """By differences about the estimate."""
-    h, size, stack = 0.05, len(solution.log_sigma), _Stack.of_data(data)
+    h, size = 0.05, len(solution.log_sigma)
     curvature, slopes = np.zeros((size, size)), []
     for k in range(size):
         step = np.zeros(size)
         step[k] = h
-        up, down = (_point(data, stack, solution.log_sigma + d, guess) for d in (step, -step))
+        up, down = (
+            _point(data, RowCovariance.of(data, solution.log_sigma + d), guess)
+            for d in (step, -step)
+        )
         curvature[k] = (up.gradient - down.gradient) / (2.0 * h)
         slopes.append((up.solution.covariance - down.solution.covariance) / (2.0 * h))
     values, vectors = np.linalg.eigh(0.25 * (curvature + curvature.T))

@@ -238,14 +238,12 @@ def _pulse_levels(forward: ForwardModel) -> list[FloatArray]:
 
 def by_run(forward: ForwardModel, columns: list[FloatArray]) -> FloatArray:
     """Columns (N,) that touch one run each, or all: packed as (R, n, q)."""
-    layout, R = forward.layout, len(forward.layout.runs)
-    packed: list[list[FloatArray]] = [[] for _ in range(R)]
+    layout = forward.layout
+    taken = np.zeros(len(layout.runs), dtype=np.int64)  # of the columns of each run
+    flat = np.zeros((layout.size, max(1, len(columns))))
     for column in columns:
-        for r in np.unique(layout.run_of[np.flatnonzero(column)]):
-            packed[r].append(np.where(layout.run_of == r, column, 0.0))
-    q = max([1, *(len(p) for p in packed)])
-    flat = np.zeros((layout.size, q))
-    for own in packed:
-        for j, column in enumerate(own):
-            flat[:, j] += column
-    return layout.pad(flat)
+        rows = np.flatnonzero(column)
+        runs = layout.run_of[rows]
+        flat[rows, taken[runs]] = column[rows]
+        taken[np.unique(runs)] += 1
+    return layout.pad(flat[:, : max(1, int(np.max(taken)))])

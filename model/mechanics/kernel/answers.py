@@ -8,7 +8,7 @@ import numpy as np
 
 from model.jit import Array, jit, jit_inside
 from model.mechanics.kernel.newton import closure, sweep
-from model.mechanics.kernel.panel import Work, new_work, panel_of, polynomial
+from model.mechanics.kernel.panel import Work, is_something, new_work, panel_of, polynomial
 from model.mechanics.kernel.shape import (
     CurveBuffer,
     lever_integral,
@@ -80,11 +80,12 @@ def turning(
             p, low, high = strip.of[m], strip.edges[m], strip.edges[m + 1]
             half, h = 0.5 * (breaks[p + 1] - breaks[p]), high - low
             t_low = (low - breaks[p]) / half - 1.0
-            _, K_low, _ = polynomial(to.kappa[q, p], t_low, half)
+            moves = high > top and is_something(to.kappa[q, p])  # beyond the contact
+            K_low = polynomial(to.kappa[q, p], t_low, half)[1] if moves else 0.0
             for j in range(n):
                 t, i = t_low + h * rule.c[j] / half, n - 1 - j
                 if high > top:
-                    _, K, _ = polynomial(to.kappa[q, p], t, half)
+                    K = polynomial(to.kappa[q, p], t, half)[1] if moves else 0.0
                     dphi[m, q, j] = tail + K - K_low
                     continue
                 change = columns[p, i, 2 + q]
@@ -93,9 +94,8 @@ def turning(
                     k, _, _ = polynomial(kappa[p], t, half)
                     change -= (k - x[0] * strip.push[m, j]) * rule.c[j] * rate
                 dphi[m, q, j] = dx[q, 2] + change
-            if high > top:
-                _, K, _ = polynomial(to.kappa[q, p], t_low + h / half, half)
-                tail += K - K_low
+            if moves:
+                tail += polynomial(to.kappa[q, p], t_low + h / half, half)[1] - K_low
 
 
 @jit

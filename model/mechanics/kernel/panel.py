@@ -53,6 +53,15 @@ def polynomial(row: Array, t: float, half: float) -> tuple[float, float, float]:
 
 
 @jit
+def is_something(row: Array) -> bool:
+    """Return whether a panel's polynomial is not 0: most parameters change k*(s) or c(s) alone."""
+    for d in range(len(row)):  # noqa: SIM110 - numba has no generators
+        if row[d] != 0.0:
+            return True
+    return False
+
+
+@jit
 def evaluate(
     rule: Any, kappa: Array, soft: Array, psi: Array, t_top: float, half: float, h: float,
     a_top: float, w: Work,
@@ -138,13 +147,15 @@ def parameter_columns(
     """
     n = len(rule.c)
     for q in range(len(dkappa)):
-        _, K_top, _ = polynomial(dkappa[q], t_top, half)
-        _, K_bottom, _ = polynomial(dkappa[q], t_top - h / half, half)
-        w.ends[0, 2 + q] = K_bottom - K_top
-        for i in range(n):
-            _, K, _ = polynomial(dkappa[q], t_top - h * rule.c[i] / half, half)
-            w.rhs[i, 2 + q] += K - K_top
-        if dsoft.shape[1] > 0:
+        w.ends[0, 2 + q] = 0.0
+        if is_something(dkappa[q]):
+            _, K_top, _ = polynomial(dkappa[q], t_top, half)
+            _, K_bottom, _ = polynomial(dkappa[q], t_top - h / half, half)
+            w.ends[0, 2 + q] = K_bottom - K_top
+            for i in range(n):
+                _, K, _ = polynomial(dkappa[q], t_top - h * rule.c[i] / half, half)
+                w.rhs[i, 2 + q] += K - K_top
+        if is_something(dsoft[q]):
             for j in range(n):
                 dc, _, _ = polynomial(dsoft[q], t_top - h * rule.c[j] / half, half)
                 w.ends[0, 2 + q] += nu * h * rule.b[j] * dc * w.a[j]

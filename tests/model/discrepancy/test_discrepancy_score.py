@@ -20,7 +20,8 @@ from model.discrepancy.search.evidence import (
     unit_values,
 )
 from model.effects import catalogue, effect
-from model.identification.likelihood.mixed_model import Data, weigh
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.row_covariance import Data
 from tests.model.discrepancy.sessions import base_fit
 
 

@@ -91,6 +91,25 @@ def test_the_same_candidates_of_the_same_fit_are_ranked_once():
 
 
 @pytest.mark.slow
+def test_a_name_too_weak_for_any_verdict_is_not_fitted_from_other_beginnings(monkeypatch):
+    base, jointly = base_fit(), [1.0]  # evidence with the scatter estimated from the usual one on
+    monkeypatch.setattr(refinement, "_foremost", list)
+    monkeypatch.setattr(refinement, "rescored", lambda *_: (jointly[0], base.solution))
+    one, other = rank(base, [effect("gravity"), effect("clamp_angle")], locations=False)[:2]
+
+    def promising(ranked, top=100.0):
+        done = [replace(one, gain=top), replace(other, gain=1.0)]
+        return refinement._promising(base, done, {one.name: top, other.name: ranked}, top)
+
+    both = {one.name, other.name}
+    assert promising(1.0) == {one.name}
+    assert promising(31.0) == both  # a straight line leads to more than its fit
+    assert promising(1.0, top=29.0) == both  # nothing is clear
+    jointly[0] = 31.0
+    assert promising(1.0) == both
+
+
+@pytest.mark.slow
 def test_a_fit_that_does_not_settle_ends_at_the_best_of_its_places(monkeypatch):
     base = base_fit()
     monkeypatch.setattr(mixed_model_fit, "SMALL", 0.0)  # it never comes to rest
