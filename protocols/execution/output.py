@@ -107,11 +107,11 @@ class GuardedOutput:
         elif self._zero_since_s is None:
             self._zero_since_s = self._clock.now()
 
-    def at_zero_s(self) -> float:
-        """Return how long ago 0 V was confirmed with nothing else since; 0: not now."""
+    def at_zero_s(self, now_s: float) -> float:
+        """Return how long before a clock time 0 V was confirmed with nothing else since; 0: not."""
         if not self.at_zero or self._zero_since_s is None:
             return 0.0
-        return self._clock.now() - self._zero_since_s
+        return now_s - self._zero_since_s
 
     def is_done(self) -> bool:
         """Return whether the board has put out its run, up to the last 0 V: guarding ends then.

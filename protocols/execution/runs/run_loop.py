@@ -316,7 +316,7 @@ class RunLoop:
             drive_V = block.volts[self._rows.drive]
             check_drive(drive_V, loop.limit_V, loop.rules)
             self._drive_V = float(np.median(drive_V[-self._newest :]))
-            check_zero(self._drive_V, loop.output.at_zero_s(), loop.rules)
+            check_zero(self._drive_V, loop.output.at_zero_s(block.read_s), loop.rules)
             loop.devices.protect(block.volts[self._rows.force])
         elif now_s - self._last_sample_s > loop.timing.starved_s:
             raise DeviceTimeoutError(
