@@ -14,6 +14,9 @@ from model.effects import effect
 from model.effects.conformance import faults
 from model.identification.data.data_vector import DataVector, look
 from model.locations.examples import example_clock, example_weighed
+from model.parameter import Parameter
+from model.sheet.applied_effects import effect_of
+from model.sheet.beam_problem import ActiveEffect
 from tests.model.discrepancy.sessions import means_of, session
 
 DRIFTS = ("force_drift", "stiffness_drift", "eibm_drift")
@@ -114,3 +117,15 @@ def test_a_stiffness_that_drifts_since_the_last_wetting_knows_no_session():
         drift.course(later, {**p, "since_wetting": 1.0, "goes_on": goes})[1] for goes in (0.0, 1.0)
     ]
     np.testing.assert_array_equal(*wetted)
+
+
+def test_a_model_file_keeps_that_a_drift_goes_on():
+    own = {"force_mN": 1.0, "settles": 0.0, "tared_at": 0.0}
+    on = ActiveEffect(name="force_drift", parameters=as_parameters({**own, "goes_on": 1.0}))
+    assert effect_of(on).parameters[-1].name == "goes_on"
+    once = ActiveEffect(name="force_drift", parameters=as_parameters(own))
+    assert effect_of(once) is effect("force_drift")
+
+
+def as_parameters(values: dict[str, float]) -> dict[str, Parameter]:
+    return {name: Parameter(value=value, sigma=0.0, unit="") for name, value in values.items()}
