@@ -105,6 +105,20 @@ def test_a_session_that_is_deleted_under_the_run_comes_back_from_its_journal(
         assert len(session.runs[0].readings) == 5
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows renames no folder of open files")
+def test_a_folder_that_is_renamed_under_the_run_is_named(
+    rig: FaultyRig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = rig.folder / "rig"
+    moved = folder.with_name("moved")
+    when_driven(monkeypatch, lambda: folder.rename(moved))
+    left = rig.run()
+    assert left.code == 5
+    assert f"the folder {folder} was removed or renamed" in left.said
+    assert left.board_V == 0.0
+    assert labrig("recover", moved / "s.h5", "-o", moved / "whole.h5") == 0
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="a lock of POSIX")
 def test_a_session_that_another_program_locks_is_recorded_all_the_same(
     rig: FaultyRig, monkeypatch: pytest.MonkeyPatch

@@ -165,6 +165,12 @@ class SessionWriter:
         self.close()
 
     def _sentence(self, error: Exception) -> WriterError:
+        folder = self.path.parent
+        if not folder.is_dir():
+            return WriterError(
+                f"The session can no longer be recorded: the folder {folder} was removed or "
+                "renamed. Where it was renamed, run labrig recover on the session there"
+            )
         return WriterError(
             f"The session can no longer be recorded in {self.path}: {cause(error)}. What came "
             f"before is in the file and its journal; run: labrig recover {typed(self.path)}"
