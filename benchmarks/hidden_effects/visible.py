@@ -34,7 +34,7 @@ from model.identification.likelihood.mixed_model_fit import (
     MixedModelFit,
     fit_mixed_model,
 )
-from model.identification.likelihood.row_noise import noise_of
+from model.identification.likelihood.noise.row_noise import noise_of
 from model.measurements import FloatArray
 
 ROUNDS = 8

@@ -26,7 +26,7 @@ from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Bases, FurtherColumns, sensitivities
 from model.identification.likelihood.mixed_model_fit import FitProblem
 from model.identification.likelihood.model_state import Found
-from model.identification.likelihood.row_noise import noise_of
+from model.identification.likelihood.noise.row_noise import noise_of
 from model.identification.observations import Observed, observe
 from model.identification.starting_values import rest_field, start
 from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry

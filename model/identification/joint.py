@@ -24,8 +24,8 @@ from model.identification.likelihood.mixed_model_fit import (
     MixedModelFit,
     fit_at_set_ups,
 )
+from model.identification.likelihood.noise.row_noise import noise_of
 from model.identification.likelihood.random_effects import WIDE
-from model.identification.likelihood.row_noise import noise_of
 from model.identification.observations import Observed
 from model.identification.options import FitOptions
 from model.identification.starting_values import Earlier, are_known, rest_field, start

@@ -61,7 +61,7 @@ def _softened(setups: Sequence[ConditionProblem]) -> list[Field]:
     B_Nm2 = np.array([s.B_Nm2 for s in setups])[:, None]
 
     def bend(s_m: FloatArray) -> FloatArray:
-        return values_of_each(eibm, s_m) * values_of_each(soft, s_m) / B_Nm2
+        return np.asarray(values_of_each(eibm, s_m) * values_of_each(soft, s_m) / B_Nm2)
 
     # a stated rest curvature has many panels, of which the product needs none
     kinks = merged_breaks([f.breaks_m for f in (*soft, *eibm)])

@@ -16,7 +16,7 @@ from model.identification.likelihood.mixed_model import (
     spread,
     weigh,
 )
-from model.identification.likelihood.row_covariance import Data
+from model.identification.likelihood.noise.row_covariance import Data
 
 
 def made(random, runs=40, u=0.3, tau=0.1):

@@ -11,7 +11,7 @@ from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Bases, linearise
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import FitProblem, MixedModelFit
-from model.identification.likelihood.row_noise import noise_of
+from model.identification.likelihood.noise.row_noise import noise_of
 from model.measurements import FloatArray
 
 

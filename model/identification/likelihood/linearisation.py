@@ -21,6 +21,8 @@ from model.identification.likelihood.model_state import (
     ModelState,
     Mounting,
 )
+from model.identification.likelihood.noise.row_covariance import Data
+from model.identification.likelihood.noise.row_noise import RowNoise, width_of
 from model.identification.likelihood.random_effects import (
     EACH,
     Added,
@@ -31,8 +33,6 @@ from model.identification.likelihood.random_effects import (
     restored,
     scatter_columns,
 )
-from model.identification.likelihood.row_covariance import Data
-from model.identification.likelihood.row_noise import RowNoise, width_of
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 

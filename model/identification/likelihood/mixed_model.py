@@ -14,7 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from model.identification.likelihood.row_covariance import Data, RowCovariance
+from model.identification.likelihood.noise.row_covariance import Data, RowCovariance
 from model.measurements import FloatArray
 
 LONGEST = 1.5  # change of any ln sigma in one step

@@ -25,8 +25,8 @@ from model.identification.likelihood.mixed_model import (
     weigh,
 )
 from model.identification.likelihood.model_state import AppliedEffect, FitPlace, Found, moved
+from model.identification.likelihood.noise.row_noise import RowNoise, guess_of
 from model.identification.likelihood.random_effects import Added
-from model.identification.likelihood.row_noise import RowNoise, guess_of
 from model.measurements import FloatArray, ModelError
 
 ROUNDS = 12

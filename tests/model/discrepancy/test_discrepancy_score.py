@@ -21,7 +21,7 @@ from model.discrepancy.search.evidence import (
 )
 from model.effects import catalogue, effect
 from model.identification.likelihood.mixed_model import weigh
-from model.identification.likelihood.row_covariance import Data
+from model.identification.likelihood.noise.row_covariance import Data
 from tests.model.discrepancy.sessions import base_fit
 
 

@@ -42,7 +42,7 @@ class Data:
         return self.stacks[-1]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Stack:
     """All scatters side by side, all noises side by side: one product does for all."""
 
@@ -75,7 +75,10 @@ class Stack:
             own = data.groups[j][np.arange(R)[:, None], rows]
             within[j] = own @ own.transpose(0, 2, 1)
         few = np.flatnonzero(~np.isin(belongs, many))
-        return Stack(Z, of, D, variance, data.groups, data.masks, few, rows, within)
+        return Stack(
+            Z=Z, of=of, D=D, variance=variance, groups=data.groups, masks=data.masks, few=few,
+            rows=rows, within=within,
+        )  # fmt: skip
 
     def is_of(self, data: Data) -> bool:
         """Return whether data have these scatters and noises."""
