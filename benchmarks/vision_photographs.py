@@ -7,7 +7,7 @@ The photographs are in public repositories, named in benchmarks/photographs/trac
 licences; they are not copied here. FOLDER holds them as OWNER+NAME/PATH. Each is measured with the
 clamp's place and a ruler, and with nothing else; `--direction` states a second place on the strip;
 `--clicks N` states the tip and N places between it and the clamp, as somebody does who corrects a
-curve (each up to 2 pixels off the reading).
+curve (each up to 2 pixels off the reading); `--length` the length, of strips that end in the image.
 Right: within 2 pixels of the hand reading at each of its 13 places, and ended within 3 % of the
 length (and 3 pixels) of its last one; where the strip leaves the picture, anywhere beyond it.
 `--half` takes the photographs of half of the repositories, by the hash of their names: 0 to choose
@@ -178,11 +178,11 @@ def end_doubted(curve: NeutralCurve) -> bool:
 
 
 def asked(
-    photograph: Photograph, *, direction: bool, clicks: int | None = None
+    photograph: Photograph, *, direction: bool, clicks: int | None = None, length: bool = False
 ) -> tuple[Optics, StripGeometry]:
     """Return the optics and strip of somebody who states clamp and ruler, and no more.
 
-    With a number of clicks: also the tip, and so many places on the strip.
+    With a number of clicks: also the tip, and so many places on the strip. `length`: that, too.
     """
     trace = photograph.trace_px
     rows, columns = photograph.image.shape[:2]
@@ -204,7 +204,7 @@ def asked(
         *through, tip = map(tuple, np.round(inside, 1))
         optics |= {"through_px": tuple(through) or None, "tip_px": tip}
     return Optics(**optics), StripGeometry(
-        free_length_m=RULER_MM / 1000, length_known=False, thickness_known=False
+        free_length_m=RULER_MM / 1000, length_known=length, thickness_known=False
     )
 
 
@@ -215,6 +215,7 @@ def main() -> None:
     parser.add_argument("--untouched", action="store_true", help="only what was not")
     parser.add_argument("--direction", action="store_true", help="state the direction, too")
     parser.add_argument("--clicks", type=int, help="state the tip, and so many places before it")
+    parser.add_argument("--length", action="store_true", help="state the length, too")
     parser.add_argument("--half", type=int, choices=(0, 1), help="of the repositories")
     parser.add_argument("--extractor", default=BUILT_IN, help="which finds the curves")
     parser.add_argument("--overlays", type=Path)
@@ -234,7 +235,14 @@ def main() -> None:
             continue
         if options.half is not None and photograph.half != options.half:
             continue
-        known = asked(photograph, direction=options.direction, clicks=options.clicks)
+        if options.length and photograph.leaves_image:
+            continue
+        known = asked(
+            photograph,
+            direction=options.direction,
+            clicks=options.clicks,
+            length=options.length,
+        )
         if not taken:  # what is compiled or loaded once costs no search
             chosen.curve(photograph.image, *known)
         began = time.process_time()

@@ -215,6 +215,9 @@ OUTLINE_SEEN_SHARE_MIN: Final = 0.6  # of the blocks
 OUTLINE_BOTH_SHARE_MIN: Final = 0.75
 # of the length up to where the profile ends to that of the path that was searched
 END_EARLY_RATIO: Final = 0.4
+# of a stated length: how far from it a strip of unstated thickness may seem to end. On photographs
+# of training, paths that leave the strip seem to end 12 % and more before it.
+STATED_LENGTH_MAX_RATIO: Final = 0.1
 # from the stated direction at the clamp to that of the curve, in standard deviations of it
 START_TURN_SIGMAS: Final = 3.5
 START_TURN_MIN_RAD: Final = 0.1  # and of a smaller one, this
@@ -258,6 +261,10 @@ TIP_CONTRAST_MIN_RATIO: Final = 0.15
 TIP_CONTRAST_MIN_SIGMAS: Final = 4.0
 TIP_OTHER_MIN_RATIO: Final = 1.6
 TIP_GROUND_MAX_RATIO: Final = 0.35
+# Of a tip's middle, measured by its brightness: the strip's contrast over the ground's scatter, and
+# the share of the last thickness that shows two sides.
+TIP_CONTRAST_MIN_SCATTERS: Final = 3.0
+TIP_MIDDLE_SEEN_SHARE_MIN: Final = 0.6
 COURSE_SEEN_MIN: Final = 1.0  # log odds of a block whose edges are too faint, to be used
 # Of the strip's profile, shown on a way beyond a measured end: more is a strip that may go on. The
 # middle of the gap between right and wrong ends on half of the photographs, by their repositories.

@@ -70,21 +70,53 @@ def neutral_curve(
             return _finer(found, grey_image, optics, strip)
         return found if found.ok else _saturated(found, grey_image)
     if not strip.thickness_known:
-        seen_m = start.thickness_m if start is not None and start.ok else None
-        measured_m = seen_m or visible_thickness_m(grey_image, optics, strip)
-        measured = replace(strip, thickness_m=measured_m)
-    else:
-        measured = strip
-    thick = measured.thickness_m * optics.px_per_m > OUTLINE_THICKNESS_MIN_PX
-    if thick and strip.elongation_m == 0:
+        return _of_unstated_thickness(image, grey_image, optics, strip, start)
+    if _is_thick(strip, optics):
         found = _by_edges(image, grey_image, optics, strip, start)
         if found.ok:
             return found
-    found = _by_intensities(grey_image, optics, measured, start)
-    if not found.ok and not strip.thickness_known and not thick:
-        by_edges = _by_edges(image, grey_image, optics, strip, start)
-        found = by_edges if by_edges.ok else found
+    found = _by_intensities(grey_image, optics, strip, start)
     return found if found.ok else _saturated(found, grey_image)
+
+
+def _is_thick(strip: StripGeometry, optics: Optics) -> bool:
+    """Return whether the edges of a strip show more than its intensities do."""
+    thickness_px = strip.thickness_m * optics.px_per_m
+    return thickness_px > OUTLINE_THICKNESS_MIN_PX and strip.elongation_m == 0
+
+
+def _of_unstated_thickness(
+    image: npt.NDArray[Any],
+    grey_image: GreyImage,
+    optics: Optics,
+    strip: StripGeometry,
+    start: NeutralCurve | None,
+) -> NeutralCurve:
+    """Return the curve of a strip of which the length is stated: by its edges, then finer.
+
+    What the path from the clamp seems thick is often another thing. A thin strip that is followed
+    is measured by its intensities, as before.
+    """
+    followed = start is not None and start.ok
+    by_edges = None
+    if start is not None and start.ok:
+        strip = replace(strip, thickness_m=start.thickness_m)
+    if _is_thick(strip, optics) if followed else strip.elongation_m == 0:
+        by_edges = _by_edges(image, grey_image, optics, strip, start)
+        if by_edges.ok:
+            return by_edges if followed else _finer(by_edges, grey_image, optics, strip)
+    if not followed:
+        thickness_m = visible_thickness_m(grey_image, optics, strip)
+        strip = replace(strip, thickness_m=thickness_m)
+    found = _by_intensities(grey_image, optics, strip, start)
+    if found.ok:
+        return found
+    by_edges = by_edges or _by_edges(image, grey_image, optics, strip, start)
+    if by_edges.ok:
+        return by_edges
+    # of what was followed it says more why it is no strip than that nothing was found
+    told = found if by_edges.why.startswith("search failed") else by_edges
+    return _saturated(told, grey_image)
 
 
 def _place_outside(optics: Optics, image: GreyImage) -> str:
@@ -139,7 +171,13 @@ def _finer(
         "clamp_angle_rad": heading,
         "clamp_angle_sigma_rad": FOUND_ANGLE_SIGMA_RAD,
     }
-    thickness_m = strip.thickness_m if strip.thickness_known else found.thickness_m
+    thickness_m = strip.thickness_m
+    if not strip.thickness_known:
+        # edges that are few pixels apart look further apart than they are
+        stated = optics.clamp_angle_known
+        thickness_m = (
+            visible_thickness_m(grey_image, optics, strip) if stated else found.thickness_m
+        )
     there = optics.model_copy(update=known)
     finer = _by_intensities(grey_image, there, replace(strip, thickness_m=thickness_m), None)
     if not finer.ok:

@@ -31,6 +31,7 @@ from labrig.vision.thresholds import (
     OUTLINE_WIDTH_SCATTER_MAX_RATIO,
     START_TURN_MIN_RAD,
     START_TURN_SIGMAS,
+    STATED_LENGTH_MAX_RATIO,
     STATED_PLACE_MAX_PX,
 )
 from labrig.vision.uncertainty.parts import calibration_m
@@ -151,17 +152,32 @@ def has_rival(outline: Outline) -> bool:
 def _end_fault(outline: Outline, optics: Optics, strip: StripGeometry, total: float) -> str:
     if not strip.length_known:
         return ""
+    beyond = _beyond_px(outline, total)
+    most = 0.0 if strip.thickness_known else STATED_LENGTH_MAX_RATIO * total
+    if abs(beyond) <= most:  # of a strip that tapers or ends on another thing; a warning says so
+        return ""
+    return (
+        f"check of the end failed: {_ends_elsewhere(optics, beyond, total)}; check the length and "
+        "px_per_mm, or measure it (--to-end)."
+        if beyond
+        else ""
+    )
+
+
+def _beyond_px(outline: Outline, total: float) -> float:
+    """Return how far the strip is seen beyond its stated length; 0 where that is no further."""
     beyond = outline.end_px - total
     allowed = max(
         LENGTH_ERROR_MAX_PX, LENGTH_ERROR_MAX_RATIO * total, 0.5 * outline.located.thickness_px
     )
-    if abs(beyond) <= allowed:
-        return ""
-    side = "after" if beyond > 0 else "before"
+    return beyond if abs(beyond) > allowed else 0.0
+
+
+def _ends_elsewhere(optics: Optics, beyond_px: float, total_px: float) -> str:
+    side = "after" if beyond_px > 0 else "before"
     return (
-        f"check of the end failed: the strip ends {abs(beyond) / optics.px_per_mm:.1f} mm {side} "
-        f"the stated {total / optics.px_per_mm:.1f} mm; check the length and px_per_mm, or measure "
-        "it (--to-end)."
+        f"the strip ends {abs(beyond_px) / optics.px_per_mm:.1f} mm {side} the stated "
+        f"{total_px / optics.px_per_mm:.1f} mm"
     )
 
 
@@ -213,6 +229,10 @@ def outline_in_metres(
         )
     )
     warned = (*_assumed(outline, optics, strip), *((BY_PATH,) if outline.by_path else ()))
+    beyond = _beyond_px(outline, shape.basis.total_px) if strip.length_known else 0.0
+    if beyond:
+        where = _ends_elsewhere(optics, beyond, shape.basis.total_px)
+        warned += (f"as its profile shows, {where}, up to which the curve was taken",)
     if said.why:
         return NeutralCurve(ok=False, why=said.why)
     return NeutralCurve(

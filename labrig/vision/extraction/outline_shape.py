@@ -16,9 +16,10 @@ from labrig.vision.extraction.faint_tip import BEGIN_WIDTHS, tip_beyond
 from labrig.vision.extraction.first_shape import cut, first_shape
 from labrig.vision.extraction.likeliest_paths import CLAMP_REACH_PX
 from labrig.vision.extraction.path_fit import fit_path
+from labrig.vision.extraction.tip_middle import tip_middle_px
 from labrig.vision.fit.course import StripCourse, completed, course_along
 from labrig.vision.fit.leading_on import led_on_by_profile
-from labrig.vision.fit.outline import ROUNDS, OutlineFit, fit_outline
+from labrig.vision.fit.outline import ROUNDS, OutlineFit, fit_outline, smooth_fit
 from labrig.vision.fit.outline_blocks import Blocks
 from labrig.vision.fit.rival_edges import rival_px
 from labrig.vision.fit.stated_places import StatedPlaces
@@ -44,6 +45,7 @@ WIDTH_CHANGES = (0.8, 1.25)  # from a located width to the fitted one, at most
 BEGIN_SHARE = 1 / 16  # of the length, in which a clamp may hide where the strip begins
 LED_ON_RATIO = 1.5  # of what is led on by the profile, to how far the strip is looked for
 TIP_SIGMA_PX, TIP_ROOM_WIDTHS = 3.0, 0.5  # how well a tip is stated; how far off it may be seen
+TIP_SEEN_SIGMA_PX, TIP_SEEN_SIGMA_WIDTHS = 1.0, 0.06  # of a tip's middle, across the strip
 OWN_EDGE_WIDTHS = 0.4  # at the clamp and the tip, where these have edges of their own
 
 
@@ -133,6 +135,19 @@ class _Fitter:
             fit, course = longer, self.course(longer.shape)
         return fit, course
 
+    def through_tip(self, fit: OutlineFit) -> OutlineFit:
+        """Return a fit through the middle of its tip, where that is seen."""
+        shape = fit.shape
+        aside = tip_middle_px(shape, self.images, self.optics, self.width_px)
+        if aside is None:
+            return fit
+        left = np.array([-math.sin(shape.phi[-1]), math.cos(shape.phi[-1])])
+        tip = np.array([shape.x[-1], shape.y[-1]]) + aside * left
+        sigma = math.hypot(TIP_SEEN_SIGMA_PX, TIP_SEEN_SIGMA_WIDTHS * self.width_px)
+        places = replace(self.places, tip_seen_px=tip, tip_seen_sigma_px=sigma)
+        prior = _coarse_prior(self.width_px)
+        return smooth_fit(fit.beside, fit.blocks, prior, fit.taper, places)
+
     def to_faint_tip(self, shape: CurveShape, end: float) -> tuple[CurveShape, float]:
         """Return a curve led on along a tip that becomes thinner or fades, and how far."""
         last, more = end, max(TIP_WIDTHS * self.width_px, TIP_MIN_PX)
@@ -190,10 +205,7 @@ def fitted_outline(
     width = min(max(fit.width_px, least * width), most * width)
     fitter = replace(fitter, width_px=width)
     if strip.length_known:
-        # a strip that continues beyond its stated length is another one, or longer
-        further = cut(fit.shape, length + BEYOND_WIDTHS * width + END_ROOM_RATIO * length, width)
-        course = fitter.course(further)
-        return _outline(_with_rivals(fit, images, there), fitter, located, course, course.end)
+        return _to_stated_length(fit, fitter, located, strip)
     if optics.tip_px is None:
         fit, course = fitter.followed(fit)
         end, sigma = course.end
@@ -214,7 +226,24 @@ def fitted_outline(
     again = fitter.fit(cut(whole, end, width, begin_px=begin), rounds=4, whole=True)
     if again is None:
         return None
+    if optics.tip_px is None and not _at_border(course, end):
+        again = fitter.through_tip(again)
     return _outline(_with_rivals(again, images, there), fitter, located, course, (end, sigma))
+
+
+def _to_stated_length(
+    fit: OutlineFit, fitter: _Fitter, located: Located, strip: StripGeometry
+) -> Outline:
+    """Return the curve of a strip whose length is stated, and where it is seen to end."""
+    length, width = strip.length_m * fitter.optics.px_per_m, fitter.width_px
+    # a strip that continues beyond its stated length is another one, or longer
+    further = cut(fit.shape, length + BEYOND_WIDTHS * width + END_ROOM_RATIO * length, width)
+    course = fitter.course(further)
+    if strip.elongation_m == 0:
+        again = fitter.fit(cut(fit.shape, length, width), rounds=4, whole=True)
+        fit = fit if again is None else fitter.through_tip(again)
+    fit = _with_rivals(fit, fitter.images, fitter.optics)
+    return _outline(fit, fitter, located, course, course.end)
 
 
 def outline_along_path(optics: Optics, likeliest: Sequence[Located]) -> Outline:
@@ -282,8 +311,13 @@ def _outline(
         end_px=end,
         end_sigma_px=sigma,
         goes_on=course.goes_on,
-        leaves_image=course.leaves_image and end > course.total_px - 0.5 * fitter.width_px - 2,
+        leaves_image=_at_border(course, end),
     )
+
+
+def _at_border(course: StripCourse, end_px: float) -> bool:
+    """Return whether a strip ends where it leaves the image."""
+    return course.leaves_image and end_px > course.total_px - 0.5 * course.width_px - 2
 
 
 def _with_rivals(fit: OutlineFit, images: Sequence[GreyImage], optics: Optics) -> OutlineFit:

@@ -62,6 +62,7 @@ class OutlineFit:
     """A fitted curve with what was measured along it."""
 
     shape: CurveShape
+    beside: CurveShape  # the one before it, beside which the blocks were measured
     taper: FloatArray  # (nodes,) see `fitted_taper`
     blocks: Blocks
     normal: FloatArray
@@ -267,6 +268,7 @@ def smooth_fit(
     moved = shape.moved(wanted)
     return OutlineFit(
         shape=moved,
+        beside=shape,
         stated_node=np.empty(0, np.int64) if places is None else places.nodes(moved),
         stated_apart_px=0.0 if places is None else places.apart_px(moved),
         taper=taper,
@@ -290,7 +292,7 @@ def _end_pulls_px(
     known = max(places.clamp_sigma_px, CLAMP_SIGMA_MIN_PX)
     for away, offset, sigma, most in (
         (s, clamp, known, CLAMP_APART_SIGMAS),
-        (total - s, tip, places.sigma_px, TIP_APART_SIGMAS),
+        (total - s, tip, places.tip_sigma_px, TIP_APART_SIGMAS),
     ):
         if offset is not None:
             pulls += likeliest_pull_px(

@@ -39,6 +39,8 @@ class StatedPlaces:
     on_strip_px: FloatArray  # (places, 2)
     sigma_px: float  # of each of these
     tip_stated: bool = False  # the last of these is the end
+    tip_seen_px: FloatArray | None = None  # (2,) the middle of a tip that is not stated
+    tip_seen_sigma_px: float = 0.0
 
     @classmethod
     def of(cls, optics: Optics, width_px: float) -> StatedPlaces:
@@ -62,14 +64,18 @@ class StatedPlaces:
 
     def information(self, shape: CurveShape) -> tuple[FloatArray, FloatArray]:
         """Return what all places add to the normal matrix and the right-hand side of a fit."""
-        clamp = self.clamp_px[None]
-        node = np.concatenate([self._clamp_node(shape), self.nodes(shape)])
-        offset = _offset(shape, node, np.concatenate([clamp, self.on_strip_px]))
-        weight = np.full(len(node), 1 / self.sigma_px)
-        weight[0] = (self.clamp_offset_px(shape) is not None) / self.clamp_sigma_px
-        modes = shape.normal_modes()[node] * weight[:, None]
-        normal = modes.T @ modes
-        return normal, modes.T @ (weight * offset) + normal @ shape.parameters
+        known = self.clamp_offset_px(shape) is not None
+        node = [self._clamp_node(shape), self.nodes(shape)]
+        at = [self.clamp_px[None], self.on_strip_px]
+        weight = [
+            np.array([known / self.clamp_sigma_px]),
+            np.full(len(self.on_strip_px), 1 / self.sigma_px),
+        ]
+        if self.tip_seen_px is not None:
+            node.append(_last_node(shape))
+            at.append(self.tip_seen_px[None])
+            weight.append(np.array([1 / self.tip_seen_sigma_px]))
+        return _information(shape, np.concatenate(node), np.concatenate(at), np.concatenate(weight))
 
     def clamp_offset_px(self, shape: CurveShape) -> float | None:
         """Return how far to the left of a curve the clamp lies; None where it says nothing."""
@@ -77,11 +83,14 @@ class StatedPlaces:
         return offset if abs(offset) < CLAMP_SIGMAS_MAX * self.clamp_sigma_px else None
 
     def tip_offset_px(self, shape: CurveShape) -> float | None:
-        """Return how far to the left of a curve's end the tip lies; None where it is not stated."""
-        if not self.tip_stated:
-            return None
-        end = np.array([len(shape.x) - 1])
-        return float(_offset(shape, end, self.on_strip_px[-1:])[0])
+        """Return how far to the left of a curve's end the tip lies; None where it is not known."""
+        tip = self.on_strip_px[-1] if self.tip_stated else self.tip_seen_px
+        return None if tip is None else float(_offset(shape, _last_node(shape), tip[None])[0])
+
+    @property
+    def tip_sigma_px(self) -> float:
+        """Standard deviation of the tip, across the strip."""
+        return self.sigma_px if self.tip_stated else self.tip_seen_sigma_px
 
     def apart_px(self, shape: CurveShape) -> float:
         """Return the RMS distance of the places from a curve, less what they are known to."""
@@ -105,6 +114,19 @@ class StatedPlaces:
             beside = np.abs(s[node] - s[at]) < near
             found |= beside & (np.abs(middle_px - offset) > most)
         return found
+
+
+def _information(
+    shape: CurveShape, node: IntArray, places_px: FloatArray, weight: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    modes = shape.normal_modes()[node] * weight[:, None]
+    normal = modes.T @ modes
+    offset = _offset(shape, node, places_px)
+    return normal, modes.T @ (weight * offset) + normal @ shape.parameters
+
+
+def _last_node(shape: CurveShape) -> IntArray:
+    return np.array([len(shape.x) - 1])
 
 
 def _nearest(shape: CurveShape, places_px: FloatArray, among: int) -> IntArray:

@@ -14,6 +14,7 @@ from labrig.vision.search.ridge_tracing import ridge_maps, shape_through, trace_
 from labrig.vision.thresholds import THICKNESS_CHANGE_MIN_PX
 
 LINE_SPREAD_WIDTH_PX = 2.7  # full width at half height of the thinnest sheet, by lens and smoothing
+THINNEST_PX = 1.0  # a thinner line looks the same
 WIDTH_REACH_PX = 30
 
 
@@ -47,7 +48,7 @@ def visible_thickness_m(image: GreyImage, optics: Optics, strip: StripGeometry) 
     if not seen.any():
         return strip.thickness_m
     full_px = float(np.median(width[seen]))
-    thickness_px = float(np.sqrt(max(full_px**2 - LINE_SPREAD_WIDTH_PX**2, 0.0)))
+    thickness_px = float(np.sqrt(max(full_px**2 - LINE_SPREAD_WIDTH_PX**2, THINNEST_PX**2)))
     if abs(thickness_px - guess_px) < THICKNESS_CHANGE_MIN_PX:
         return strip.thickness_m
     return min(thickness_px / optics.px_per_m, 0.3 * strip.free_length_m)

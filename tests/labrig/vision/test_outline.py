@@ -15,6 +15,7 @@ from labrig.vision.curve.shape import make_basis, make_shape
 from labrig.vision.fit.outline import fit_outline
 from labrig.vision.fit.outline_blocks import measure_blocks, without_lonely
 from labrig.vision.fit.stated_places import StatedPlaces
+from labrig.vision.fit.thickness import visible_thickness_m
 from labrig.vision.image.image import read_grey_image
 from labrig.vision.search.work import OutlineWork
 
@@ -99,6 +100,31 @@ def test_the_clamp_within_20_pixels_is_enough():
     curve = neutral_curve(drawn(line, 6), stated((CLAMP[0] + 9, CLAMP[1] + 14)), UNKNOWN)
     assert curve.ok, curve.why
     assert beside_px(curve, line).max() < 0.6
+
+
+def of_length(length_px, **known):
+    """What is stated of a strip that is as long as that at 2 pixels a millimetre."""
+    optics = Optics(px_per_mm=2.0, clamp_px=CLAMP, roll_rad=-0.3, clamp_angle_sigma_rad=0.1)
+    strip = dataclasses.replace(UNKNOWN, free_length_m=length_px / 2000, length_known=True)
+    return optics, dataclasses.replace(strip, **known)
+
+
+@pytest.mark.parametrize("thick_px", [5, pytest.param(14, marks=pytest.mark.thorough)])
+def test_a_stated_length_takes_the_place_of_an_end_that_is_seen_nearby(thick_px):
+    line = arc(150, 0.8)
+    image = drawn(line, thick_px)
+    curve = neutral_curve(image, *of_length(140))  # such as before a fitting at the tip
+    assert curve.ok, curve.why
+    assert curve.s_m[-1] * 2000 == pytest.approx(140, abs=0.5)
+    assert beside_px(curve, line).max() < 0.6
+    assert any("after the stated 70.0 mm" in text for text in curve.warnings)
+    as_stated = neutral_curve(image, *of_length(150))
+    assert not any("the stated 75.0 mm" in text for text in as_stated.warnings)
+
+
+def test_a_strip_that_ends_far_from_its_stated_length_is_refused():
+    image = drawn(arc(150, 0.8), 14)
+    assert "after the stated" in neutral_curve(image, *of_length(120)).why
 
 
 def test_a_curve_that_leaves_the_clamp_in_another_direction_than_stated_is_refused():
@@ -399,3 +425,10 @@ def test_where_a_clamp_has_edges_of_its_own_its_stated_place_counts(side):
     assert abs(without.shape.y[0]) > 0.8
     assert abs(fit.shape.y[0]) < 0.7 * abs(without.shape.y[0])
     assert np.abs(fit.shape.y[40:]).max() < 0.3
+
+
+def test_a_line_thinner_than_a_pixel_has_a_thickness():
+    line = arc(150, 0.4)
+    optics, strip = of_length(150, thickness_m=0.003)
+    image = read_grey_image(drawn(line, 1.0, noise=0.5), optics)
+    assert visible_thickness_m(image, optics, strip) * 2000 >= 1.0
