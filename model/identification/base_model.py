@@ -7,7 +7,7 @@ polynomials along the sheet; and a change of the initial curvature k0, likewise.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.drive_rise import RISE
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import BaseParameters, Bases
+from model.identification.priors.shared_widths import SharedWidth
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import legendre_field
 
@@ -52,8 +53,28 @@ def bases_of(forward: ForwardModel, known: Sequence[bool], options: BaseOptions)
         part, place = _part(scene, place, options, stated=stated)
         parts.append(part)
     if any(look.pulses for look in forward.looks):
-        return Bases(tuple(parts), place + len(RISE), rise=place)
-    return Bases(tuple(parts), place)
+        return Bases(parts=tuple(parts), size=place + len(RISE), rise=place)
+    return Bases(parts=tuple(parts), size=place)
+
+
+def with_shared_widths(bases: Bases) -> Bases:
+    """Return the base model with widths, as the data tell them, of what may not be there.
+
+    That is how the EIBM changes along the sheet, and how k0 differs from what is stated. The widths
+    that it has are the largest.
+    """
+    shapes = [
+        i for one in bases.parts for first, _ in one.eibm.values()
+        for i in range(first + 1, first + len(one.forms))
+    ]  # fmt: skip
+    rests = [i for one in bases.parts for i in one.rest if one.prior[i][0] == 0.0]
+    shared = []
+    for places in (shapes, rests):
+        some = tuple(dict.fromkeys(places))
+        if some:
+            largest = max(one.prior[i][1] for one in bases.parts for i in some if i in one.prior)
+            shared.append(SharedWidth(places=some, largest=largest, width=largest))
+    return replace(bases, shared=tuple(shared))
 
 
 def _part(
