@@ -57,24 +57,20 @@ def bases_of(forward: ForwardModel, known: Sequence[bool], options: BaseOptions)
     return Bases(parts=tuple(parts), size=place)
 
 
-def with_shared_widths(bases: Bases) -> Bases:
-    """Return the base model with widths, as the data tell them, of what may not be there.
+def with_shared_width(bases: Bases) -> Bases:
+    """Return the base model with a width, as the data tell it, of how the EIBM changes along.
 
-    That is how the EIBM changes along the sheet, and how k0 differs from what is stated. The widths
-    that it has are the largest.
+    The one that it has is the largest. That of k0 stays: how exactly somebody stated it is not to
+    be seen in shapes that a tilt of the clamp bends as well.
     """
-    shapes = [
+    places = tuple(dict.fromkeys(
         i for one in bases.parts for first, _ in one.eibm.values()
         for i in range(first + 1, first + len(one.forms))
-    ]  # fmt: skip
-    rests = [i for one in bases.parts for i in one.rest if one.prior[i][0] == 0.0]
-    shared = []
-    for places in (shapes, rests):
-        some = tuple(dict.fromkeys(places))
-        if some:
-            largest = max(one.prior[i][1] for one in bases.parts for i in some if i in one.prior)
-            shared.append(SharedWidth(places=some, largest=largest, width=largest))
-    return replace(bases, shared=tuple(shared))
+    ))  # fmt: skip
+    if not places:
+        return bases
+    shared = SharedWidth(places=places, largest=FORM_PER_M, width=FORM_PER_M)
+    return replace(bases, shared=(shared,))
 
 
 def _part(

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.identification.base_model import BaseOptions, bases_of, weighs, with_shared_widths
+from model.identification.base_model import BaseOptions, bases_of, weighs, with_shared_width
 from model.identification.data.data_vector import look, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
@@ -263,7 +263,7 @@ def joint_fit(
         rest_sigma_per_m=options.initial_curvature_sigma_per_m,
         stiffness_Nm2=options.stiffness_Nm2,
     )
-    bases = with_shared_widths(bases_of(forward, known, base))
+    bases = with_shared_width(bases_of(forward, known, base))
     problem = FitProblem.of(forward, bases, noise_of(forward, WIDE))
     fitted = None if earlier is None else _fitted_from(earlier, problem, observed, known)
     if fitted is None:

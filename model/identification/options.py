@@ -18,7 +18,7 @@ class FitOptions:
     eibm_form: Literal["along", "constant"] = "along"
     symmetric: bool = False  # one |EIBM| for both polarities
     measured_curvature: bool = False  # find k0 from the curves at 0 V although sheet.toml states it
-    # how far k0 may be from what sheet.toml says, each term of it, at most: the data tell; 0: exact
+    # how far k0 may be from what sheet.toml says, each term of it; 0: exact
     initial_curvature_sigma_per_m: float = 1.0
     # conditions not used: (configuration, position) or (configuration, position, voltage)
     held_out: tuple[tuple[str, float] | tuple[str, float, float], ...] = ()
