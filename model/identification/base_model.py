@@ -7,7 +7,7 @@ polynomials along the sheet; and a change of the initial curvature k0, likewise.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.drive_rise import RISE
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import BaseParameters, Bases
+from model.identification.priors.shared_widths import SharedWidth
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import legendre_field
 
@@ -52,8 +53,24 @@ def bases_of(forward: ForwardModel, known: Sequence[bool], options: BaseOptions)
         part, place = _part(scene, place, options, stated=stated)
         parts.append(part)
     if any(look.pulses for look in forward.looks):
-        return Bases(tuple(parts), place + len(RISE), rise=place)
-    return Bases(tuple(parts), place)
+        return Bases(parts=tuple(parts), size=place + len(RISE), rise=place)
+    return Bases(parts=tuple(parts), size=place)
+
+
+def with_shared_width(bases: Bases) -> Bases:
+    """Return the base model with a width, as the data tell it, of how the EIBM changes along.
+
+    The one that it has is the largest. That of k0 stays: how exactly somebody stated it is not to
+    be seen in shapes that a tilt of the clamp bends as well.
+    """
+    places = tuple(dict.fromkeys(
+        i for one in bases.parts for first, _ in one.eibm.values()
+        for i in range(first + 1, first + len(one.forms))
+    ))  # fmt: skip
+    if not places:
+        return bases
+    shared = SharedWidth(places=places, largest=FORM_PER_M, width=FORM_PER_M)
+    return replace(bases, shared=(shared,))
 
 
 def _part(

@@ -10,6 +10,7 @@ import numpy as np
 from model.identification.along_runs import eibm_along_runs
 from model.identification.base_model import not_weighed, weighs
 from model.identification.data.outlier_readings import without_outliers
+from model.identification.data.swinging_shapes import without_swinging
 from model.identification.fit_result import ConfigurationFit, Fit
 from model.identification.joint import Joint, joint_fit
 from model.identification.joint_deviations import deviations
@@ -52,7 +53,7 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     """Identify every configuration; `ModelError` names the missing data."""
     options = options or FitOptions()
     cleaned = without_outliers(measurements)
-    measurements = cleaned.measurements
+    measurements, swinging = without_swinging(cleaned.measurements, where_touched=True)
     used, held_out = _without(measurements, options)
     names = options.configurations or tuple(
         n for n in used.sheets if any(c.configuration == n for c in used.conditions)
@@ -89,7 +90,11 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
             for name, one in configurations.items()
         }
         done.append(replace(model, merit=_merit(errors, kind, rows), own_merit=own))
-    notes = (*cleaned.sentences(), *_notes(measurements, parts, configurations, rows, ratio))
+    notes = (
+        *cleaned.sentences(),
+        *swinging,
+        *_notes(measurements, parts, configurations, rows, ratio),
+    )
     return Fit(
         model=done[0], varying_model=done[1], configurations=configurations, residuals=rows,
         rmse=errors, scatter=joint.scatter(), noise=joint.noise(), bootstrap_ratio=ratio,

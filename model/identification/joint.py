@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.identification.base_model import BaseOptions, bases_of, weighs
+from model.identification.base_model import BaseOptions, bases_of, weighs, with_shared_width
 from model.identification.data.data_vector import look, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
@@ -136,7 +136,8 @@ class Joint:
     def bootstrap(self, count: int, seed: int) -> FloatArray:
         """Deviations of the parameters (count, p) in sessions simulated with the noise found.
 
-        Linear in the parameters; the scatter is estimated anew in each.
+        Linear in the parameters, which scatter as their priors say; the scatter of set-ups is
+        estimated anew in each.
         """
         random = np.random.default_rng(seed)
         linear, solution = self.fitted.linear.data, self.fitted.solution
@@ -146,7 +147,8 @@ class Joint:
         for b in range(count):
             y = (factor @ random.standard_normal((*linear.y.shape, 1)))[:, :, 0]
             y[empty] = 0.0
-            data = replace(linear, y=y, away=np.zeros_like(linear.away))
+            away = random.standard_normal(len(linear.away)) / np.sqrt(linear.precision)
+            data = replace(linear, y=y, away=away)
             result[b] = estimate(data, self.fitted.problem.guess, solution.log_sigma).beta
         return result
 
@@ -261,7 +263,7 @@ def joint_fit(
         rest_sigma_per_m=options.initial_curvature_sigma_per_m,
         stiffness_Nm2=options.stiffness_Nm2,
     )
-    bases = bases_of(forward, known, base)
+    bases = with_shared_width(bases_of(forward, known, base))
     problem = FitProblem.of(forward, bases, noise_of(forward, WIDE))
     fitted = None if earlier is None else _fitted_from(earlier, problem, observed, known)
     if fitted is None:

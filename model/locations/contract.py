@@ -60,6 +60,9 @@ class Term(Protocol):
     def part(self, voltage_V: FloatArray) -> FloatArray:
         """Return the share of the voltage at which it was inferred, at most 1."""
 
+    def even(self, voltage_V: FloatArray) -> FloatArray:
+        """Return the share of what is the same at both polarities, at most 1."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BasisTerm:
@@ -87,6 +90,10 @@ class BasisTerm:
 
     def part(self, voltage_V: FloatArray) -> FloatArray:
         """Return 1: it is a function of what was measured."""
+        return np.ones_like(voltage_V)
+
+    def even(self, voltage_V: FloatArray) -> FloatArray:
+        """Return 1, as `part`."""
         return np.ones_like(voltage_V)
 
 

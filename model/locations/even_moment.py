@@ -39,8 +39,10 @@ class EvenMoment(Location):
     def _added(self, beam: BeamProblem, term: Term, values: FloatArray) -> BeamProblem:
         driven = beam.voltage_V != 0.0
         typical = float(np.mean(np.abs(beam.eibm[driven]))) if np.any(driven) else 0.0
-        # the size of the EIBM goes with the voltage, what is even in it with its square
-        share = typical * driven * term.share(beam.voltage_V) * term.part(beam.voltage_V)
+        # the size of the EIBM goes with the voltage already
+        volts = beam.voltage_V
+        beyond = term.even(volts) / np.where(driven, term.part(volts), 1.0)
+        share = typical * driven * term.share(volts) * beyond
         return replace(beam, bend=beam.bend + share[:, None] * values)
 
     def bases(self, at: Linearised) -> Iterator[Basis]:

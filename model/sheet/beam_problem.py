@@ -22,6 +22,7 @@ Coordinate = Literal[
 Under = Literal["", "voltage", "polarity"]
 Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp", "moment"]
 UNKNOWN = "unknown"  # the name of what is in no catalogue
+TINY = 1e-12
 STANDARD = 0.6827  # probability of an interval of one standard uncertainty to each side
 
 
@@ -69,7 +70,7 @@ class Profile:
     adds: Adds = ""  # to what it is added, where that does not follow from the coordinate
     configurations: tuple[str, ...] = ()  # in which it acts; empty: all
     # the least voltage at which it was inferred; what is odd in the voltage goes in proportion to
-    # it below that, what is even with its square; 0: it is the same at all
+    # it below that, what is even as `even` says; 0: it is the same at all
     full_V: float = 0.0
 
     def __call__(self, at: FloatArray) -> FloatArray:
@@ -81,14 +82,26 @@ class Profile:
     def share(self, voltage_V: FloatArray) -> FloatArray:
         """1, 0 or -1: which way it acts at these voltages."""
         sign, part = np.sign(voltage_V), self.part(voltage_V)
-        some = {"": np.ones_like(sign), "voltage": np.abs(sign) * part**2, "polarity": sign * part}
-        return some[self.under]
+        if self.under == "voltage":
+            return np.abs(sign) * self.even(voltage_V)
+        return np.ones_like(sign) if not self.under else sign * part
 
     def part(self, voltage_V: FloatArray) -> FloatArray:
         """Share of the least voltage at which it was inferred, 1 from there on."""
         if not self.full_V:
             return np.ones_like(voltage_V)
         return np.minimum(np.abs(voltage_V) / self.full_V, 1.0)
+
+    def even(self, voltage_V: FloatArray) -> FloatArray:
+        """Share of what is the same at both polarities.
+
+        Nothing measured says how it begins: with the charge, or with its square. It is the mean
+        over all powers between the two, x (x - 1)/ln x.
+        """
+        x = self.part(voltage_V)
+        log = np.minimum(np.log(np.maximum(x, TINY)), -TINY)
+        mean: FloatArray = np.where(x < 1.0, x * np.expm1(log) / log, 1.0)
+        return mean
 
     def to_dict(self) -> dict[str, Any]:
         """For a model file."""

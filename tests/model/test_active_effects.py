@@ -14,6 +14,7 @@ from model.effects import catalogue
 from model.sheet.beam_problem import ActiveEffect, Profile
 
 POSITION_M = 0.01
+MEAN_POWER = 0.25 / np.log(2.0)  # of 1/2, over all powers from 1 to 2
 # they are 0 in the middle of a session, or at the sampling point, or a matter of the rise time
 NOT_IN_MEANS = {"force_drift", "stiffness_drift", "eibm_drift", "back_relaxation", "frame_delay"}
 
@@ -355,13 +356,35 @@ def test_a_form_along_the_sheet_may_take_an_effect_away_or_double_it(truth: Shee
     assert same[0] == pytest.approx(same[1], rel=1e-9)
 
 
-def test_what_is_even_in_the_voltage_goes_with_its_square_between_those_measured(truth: SheetModel):
+def test_what_is_even_in_the_voltage_begins_with_a_mean_of_powers(truth: SheetModel):
     flat = replace(along(0.2, 0.2, along="position"), unit="mN", full_V=2.0)
-    for under, shares in (("voltage", (1.0, 0.25)), ("polarity", (1.0, 0.5)), ("", (1.0, 1.0))):
+    begun = {"voltage": (1.0, MEAN_POWER), "polarity": (1.0, 0.5), "": (1.0, 1.0)}
+    for under, shares in begun.items():
         model = truth.with_effects(unknown("load_cell", replace(flat, under=under)))
         for voltage, share in zip((2.0, 1.0), shares, strict=True):
             forces = [predict(m, "long", POSITION_M, voltage).F_N for m in (model, truth)]
             assert 1e3 * (forces[0] - forces[1]) == pytest.approx(0.2 * share, abs=1e-9)
+
+
+def test_an_even_share_rises_from_nothing_to_all_and_stays():
+    term = replace(along(0.2, 0.2), under="voltage", full_V=2.0)
+    volts = np.array([0.0, 1e-9, 0.5, 1.0, 1.999999, 2.0, 3.0])
+    powers = np.linspace(1.0, 2.0, 2001)
+    mean = [np.trapezoid(np.minimum(v / 2.0, 1.0) ** powers, powers) for v in volts]
+    np.testing.assert_allclose(term.share(volts), mean, rtol=1e-6, atol=1e-12)
+    np.testing.assert_array_equal(term.share(-volts), term.share(volts))
+
+
+def test_an_even_moment_begins_with_a_mean_of_powers(truth: SheetModel):
+    at_1_V = [
+        predict(truth.with_effects(unknown("even_moment", term)), "long", POSITION_M, 1.0).F_N
+        for term in (
+            replace(along(0.1, 0.1), full_V=2.0),
+            # without `full_V` it goes with the size of the EIBM, half as large there
+            along(0.2 * MEAN_POWER, 0.2 * MEAN_POWER),
+        )
+    ]
+    assert at_1_V[0] == pytest.approx(at_1_V[1], rel=1e-9)
 
 
 def test_a_file_says_the_version_that_it_needs_and_the_older_one_is_read(truth: SheetModel):

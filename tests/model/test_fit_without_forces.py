@@ -35,9 +35,7 @@ def test_shapes_determine_the_ratio_of_eibm_and_stiffness():
     found = fitted().configurations["long"]
     for voltage, wanted in EIBM_OVER_B_PER_M.items():
         ratio = found.eibm_over_B[voltage]
-        low, high = ratio.interval()
-        assert low < wanted < high
-        assert ratio.sigma < 0.03 * abs(wanted)
+        assert abs(ratio.value - wanted) < 3.0 * ratio.sigma < 0.015 * abs(wanted)
     assert fitted().rmse["constant"].curve_m < 5e-5
 
 

@@ -9,6 +9,7 @@ from typing import Any
 from labrig.analysis.results.parameters import plain_parameter
 from model import Fit, FitOptions, Measurements, ModelError
 from model.identification.base_model import not_weighed, weighs
+from model.identification.data.swinging_shapes import without_swinging
 from model.identification.joint import Joint, joint_fit
 from model.identification.observations import observe
 
@@ -124,6 +125,7 @@ class _Fits:
         whole = self._whole
         if whole and len(measurements.conditions) == self._all and whole.forward.names == names:
             return whole
-        observed = [observe(measurements, name) for name in names]
-        self._last = joint_fit(measurements, observed, self._options, self._last)
+        still, _ = without_swinging(measurements, where_touched=True)
+        observed = [observe(still, name) for name in names]
+        self._last = joint_fit(still, observed, self._options, self._last)
         return self._last

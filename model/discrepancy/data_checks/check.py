@@ -25,7 +25,6 @@ from model.discrepancy.data_checks.quick_fit import (
     fit_with,
     quick_fit,
 )
-from model.discrepancy.data_checks.swinging_shapes import without_swinging
 from model.discrepancy.thresholds import (
     FAILED_CURVE_SHARE,
     FAILED_FORCE_SHARE,
@@ -33,6 +32,7 @@ from model.discrepancy.thresholds import (
     SUSPICIOUS_MISFIT,
 )
 from model.identification.data.outlier_readings import without_outliers
+from model.identification.data.swinging_shapes import without_swinging
 from model.measurements import Measurements
 
 SAME_SIGMA, SAME_SHARE = 5.0, 0.02  # within which two configurations ask for the same value

@@ -33,6 +33,7 @@ from model.identification.likelihood.random_effects import (
     restored,
     scatter_columns,
 )
+from model.identification.priors.shared_widths import SharedWidth
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 
@@ -98,7 +99,7 @@ class FurtherColumns:
         return found
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Bases:
     """Places of all base parameters."""
 
@@ -106,6 +107,7 @@ class Bases:
     size: int
     rise: int | None = None  # first place of what is not known of all pulses' rise alike
     further: FurtherColumns | None = None
+    shared: tuple[SharedWidth, ...] = ()  # widths that are not those of `parts`
 
     def beam(self, forward: ForwardModel, c: int, theta: FloatArray) -> BeamProblem:
         """Return the beam problem of the base model of a configuration."""
@@ -227,6 +229,8 @@ def linearise(
 def priors_of(bases: Bases) -> tuple[FloatArray, FloatArray]:
     """Return middle and width of the priors of all base parameters."""
     mean, width = np.array([_prior(bases, i) for i in range(bases.size)]).T
+    for one in bases.shared:
+        width[list(one.places)] = one.width
     return mean, width
 
 

@@ -27,6 +27,7 @@ from model.identification.likelihood.mixed_model import (
 from model.identification.likelihood.model_state import AppliedEffect, FitPlace, Found, moved
 from model.identification.likelihood.noise.row_noise import RowNoise, guess_of
 from model.identification.likelihood.random_effects import Added
+from model.identification.priors.shared_widths import told
 from model.measurements import FloatArray, ModelError
 
 ROUNDS = 12
@@ -171,8 +172,10 @@ def fit_at_set_ups(
         for _ in range(ROUNDS):
             here = _Iteration.of(at, noise, FAIR)
             noise = here.log_sigma
-            added = _added(problem, here.linear, here.solution)
-            at = _LinearisationPoint(problem=problem, theta=here.end()[0], found=(), added=added)
+            at = _LinearisationPoint(
+                problem=_with_widths_told(here), theta=here.end()[0], found=(),
+                added=_added(problem, here.linear, here.solution),
+            )  # fmt: skip
             if here.moves < QUIET:
                 return _finished(at, noise)
     return fit_mixed_model(problem, theta)
@@ -308,6 +311,13 @@ class _Iteration:
         found, largest = moved(self.at.found, beta, self.sigma, self.spans)
         step = _bounded(self.at.problem, self.solution.beta[: self.at.problem.bases.size])
         return self.at.theta + self.share * step, found, largest
+
+
+def _with_widths_told(here: _Iteration) -> FitProblem:
+    """Return the problem with the shared widths of priors that the data ask for there."""
+    problem = here.at.problem
+    shared = told(problem.bases.shared, here.linear.data, here.solution)
+    return replace(problem, bases=replace(problem.bases, shared=shared))
 
 
 def _added(problem: FitProblem, linear: Linearisation, solution: Solution) -> Added:

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from benchmarks._moving_dynamics import session, true_model
+from model import fit
 from model.discrepancy import DiagnoseOptions, check_data, diagnose
 from model.discrepancy.at_rest.at_rest import at_rest
-from model.discrepancy.data_checks.swinging_shapes import without_swinging
+from model.identification.data.swinging_shapes import without_swinging
 from model.measurements import Measurements
 
 SEED = 31
@@ -66,6 +67,15 @@ def test_shapes_at_rest_stay():
     found = check_data(replace(data, conditions=calm))
     assert free_voltages(found.measurements) == {0.0, 2.0, -2.0}
     assert not any("left out" in note for note in found.notes)
+
+
+@pytest.mark.slow
+def test_a_fit_leaves_out_what_swings_and_says_so():
+    data = swinging()
+    rest = tuple(c for c in data.conditions if c.position_m is not None or not c.voltage_V)
+    found, without = fit(data), fit(replace(data, conditions=rest))
+    assert "free shapes of 'long' under voltage are left out: they still swing" in found.notes
+    assert found.configurations["long"].B.value == without.configurations["long"].B.value
 
 
 @pytest.mark.slow

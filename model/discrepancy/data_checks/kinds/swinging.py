@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from model.discrepancy.data_checks.contract import DataCheck, Suspicion
-from model.discrepancy.data_checks.swinging_shapes import moves_m
+from model.identification.data.swinging_shapes import swings_m
 from model.measurements import Measurements
 
 
@@ -16,13 +16,9 @@ class Swinging(DataCheck):
 
     def suspicions(self, measurements: Measurements) -> Iterator[Suspicion]:
         """See `DataCheck.suspicions`."""
-        free = [c for c in measurements.conditions if c.position_m is None]
-        for name in dict.fromkeys(c.configuration for c in free):
-            moving = {
-                c.voltage_V: moves_m(c) for c in free if c.configuration == name and moves_m(c)
-            }
-            if not moving:
-                continue
+        found = swings_m(measurements)
+        for name in dict.fromkeys(name for name, _ in found):
+            moving = {volts: size for (other, volts), size in found.items() if other == name}
             volts = max(moving, key=lambda v: moving[v])
             yield Suspicion(
                 check=self.name, severity="warn", where="curves.csv, free shapes",
