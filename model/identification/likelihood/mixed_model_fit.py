@@ -27,7 +27,7 @@ from model.identification.likelihood.mixed_model import (
 from model.identification.likelihood.model_state import AppliedEffect, FitPlace, Found, moved
 from model.identification.likelihood.noise.row_noise import RowNoise, guess_of
 from model.identification.likelihood.random_effects import Added
-from model.identification.priors.shared_widths import told
+from model.identification.priors.shared_widths import estimated_widths
 from model.measurements import FloatArray, ModelError
 
 ROUNDS = 12
@@ -316,7 +316,7 @@ class _Iteration:
 def _with_widths_told(here: _Iteration) -> FitProblem:
     """Return the problem with the shared widths of priors that the data ask for there."""
     problem = here.at.problem
-    shared = told(problem.bases.shared, here.linear.data, here.solution)
+    shared = estimated_widths(problem.bases.shared, here.linear.data, here.solution)
     return replace(problem, bases=replace(problem.bases, shared=shared))
 
 

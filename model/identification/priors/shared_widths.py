@@ -29,12 +29,14 @@ class SharedWidth:
     width: float
 
 
-def told(shared: Sequence[SharedWidth], data: Data, solution: Solution) -> tuple[SharedWidth, ...]:
+def estimated_widths(
+    shared: Sequence[SharedWidth], data: Data, solution: Solution
+) -> tuple[SharedWidth, ...]:
     """Return the widths that data ask for, with scatter and noise as a solution has them."""
     weighed = solution.weights @ data.X
     rows = data.X.reshape(-1, data.X.shape[2])
     information = rows.T @ weighed.reshape(rows.shape)
-    pull = weighed.reshape(rows.shape).T @ data.y.ravel()
+    right_side = weighed.reshape(rows.shape).T @ data.y.ravel()
     precision, result = data.precision.copy(), list[SharedWidth]()
     for one in shared:
         at = list(one.places)
@@ -42,7 +44,7 @@ def told(shared: Sequence[SharedWidth], data: Data, solution: Solution) -> tuple
         deviances = np.zeros(STEPS)
         for i, width in enumerate(widths):
             precision[at] = width**-2.0
-            deviances[i] = _deviance(information, pull, precision, data.away)
+            deviances[i] = _deviance(information, right_side, precision, data.away)
             deviances[i] += 2.0 * len(at) * np.log(width)
         likely = np.exp(-0.5 * (deviances - deviances.min()))
         width = float(np.exp(likely @ np.log(widths) / np.sum(likely)))
@@ -52,12 +54,12 @@ def told(shared: Sequence[SharedWidth], data: Data, solution: Solution) -> tuple
 
 
 def _deviance(
-    information: FloatArray, pull: FloatArray, precision: FloatArray, away: FloatArray
+    information: FloatArray, right_side: FloatArray, precision: FloatArray, away: FloatArray
 ) -> float:
     """-2 ln of the likelihood by the prior, of parameters by which it is integrated."""
     whole = information + np.diag(precision)
     scale = 1.0 / np.sqrt(np.diag(whole))
-    scaled, towards = whole * scale[:, None] * scale, scale * (pull - precision * away)
+    scaled, towards = whole * scale[:, None] * scale, scale * (right_side - precision * away)
     _, logdet = np.linalg.slogdet(scaled)
     quadratic = float(towards @ np.linalg.solve(scaled, towards))
     return (
