@@ -9,7 +9,7 @@ import pytest
 
 from model import FitOptions, fit
 from model.identification.likelihood.mixed_model import Data, weigh
-from model.identification.priors.shared_widths import SharedWidth, told
+from model.identification.priors.shared_widths import SharedWidth, estimated_widths
 
 TERMS, NOISE = 20, 1.0
 ANY = SharedWidth(places=tuple(range(1, TERMS + 1)), largest=60.0, width=60.0)
@@ -27,15 +27,15 @@ def data_of(terms, random) -> Data:
     )  # fmt: skip
 
 
-def width_told(data: Data) -> float:
+def width_found(data: Data) -> float:
     solution = weigh(data, np.log([NOISE]))
-    return told([ANY], data, solution)[0].width
+    return estimated_widths([ANY], data, solution)[0].width
 
 
 @pytest.mark.parametrize("size", [0.3, 5.0])
 def test_the_width_is_the_size_of_terms_that_are_there(size):
     random = np.random.default_rng(1)
-    found = [width_told(data_of(size * random.standard_normal(TERMS), random)) for _ in range(8)]
+    found = [width_found(data_of(size * random.standard_normal(TERMS), random)) for _ in range(8)]
     assert np.mean(np.log(found)) == pytest.approx(np.log(size), abs=0.15)
 
 
@@ -43,7 +43,7 @@ def test_terms_that_are_not_there_have_a_width_within_their_noise():
     random = np.random.default_rng(2)
     data = data_of(np.zeros(TERMS), random)
     each = float(np.sqrt(weigh(data, np.log([NOISE])).covariance[1, 1]))
-    assert width_told(data) < 0.5 * each
+    assert width_found(data) < 0.5 * each
 
 
 def test_the_width_does_not_depend_on_where_the_model_is_linearised():
@@ -52,7 +52,7 @@ def test_the_width_does_not_depend_on_where_the_model_is_linearised():
     data = data_of(terms, random)
     step = 0.7 * random.standard_normal(TERMS)  # the parameters are there already
     moved = replace(data, y=data.y - data.X[:, :, 1:] @ step, away=data.away + np.append(0.0, step))
-    assert width_told(moved) == pytest.approx(width_told(data), rel=1e-6)
+    assert width_found(moved) == pytest.approx(width_found(data), rel=1e-6)
 
 
 @pytest.mark.slow
