@@ -130,6 +130,6 @@ def _left(
 
 CHECK = Neighbours(
     name="neighbours",
-    meaning="the data tell each name from others of the same location",
+    meaning="the data tell each name from others that explain about as much",
     order=26,
 )
