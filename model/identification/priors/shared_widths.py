@@ -13,7 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.identification.likelihood.mixed_model import Data, Solution
+from model.identification.likelihood.mixed_model import Solution
+from model.identification.likelihood.noise.row_covariance import Data
 from model.measurements import FloatArray
 
 LEAST_SHARE = 1e-4  # of the largest width; shapes show no less
