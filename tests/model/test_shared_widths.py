@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from model import FitOptions, fit
-from model.identification.likelihood.mixed_model import Data, weigh
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.noise.row_covariance import Data
 from model.identification.priors.shared_widths import SharedWidth, estimated_widths
 
 TERMS, NOISE = 20, 1.0
