@@ -27,7 +27,7 @@ from model.identification.likelihood.linearisation import Bases, FurtherColumns,
 from model.identification.likelihood.mixed_model_fit import FitProblem
 from model.identification.likelihood.model_state import Found
 from model.identification.likelihood.noise.row_noise import noise_of
-from model.identification.observations import Observed, observe
+from model.identification.observations import Observed, not_driven, observe
 from model.identification.starting_values import rest_field, start
 from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
 from model.sheet.applied_effects import effect_of
@@ -89,7 +89,7 @@ def prepare(
     if not looks:
         raise ModelError("; ".join(dict.fromkeys(why)))
     notes += [f"left out: {sentence}" for sentence in why]
-    notes += _lacks(looks, options)
+    notes += _lacks(measurements, looks, options)
     known = [stated for _, stated in rests]
     forward = ForwardModel(looks, [rest for rest, _ in rests])
     base = BaseOptions(symmetric=options.symmetric, stiffness_Nm2=options.stiffness_Nm2)
@@ -186,16 +186,13 @@ def _check_curves(one: DataVector) -> None:
             )
 
 
-def _lacks(looks: list[DataVector], options: Options) -> list[str]:
+def _lacks(measurements: Measurements, looks: list[DataVector], options: Options) -> list[str]:
     """Return messages about questions that these data cannot answer."""
     notes = []
     for one in looks:
         name, seen = one.sheet.configuration, [s for s in one.seen if not s.zero]
         if not one.voltages_V:
-            raise ModelError(
-                f"configuration '{name}' was measured at 0 V alone: that fixes B, but says nothing"
-                " of the EIBM; measure it under voltage, too, or leave it out"
-            )
+            raise ModelError(f"{not_driven(measurements, name)}, or leave it out")
         if not any(s.curve is not None for s in seen):
             notes.append(
                 f"'{name}' has no curves: where along the sheet something is missing cannot be seen"

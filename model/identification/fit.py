@@ -14,7 +14,7 @@ from model.identification.data.swinging_shapes import without_swinging
 from model.identification.fit_result import ConfigurationFit, Fit
 from model.identification.joint import Joint, joint_fit
 from model.identification.joint_deviations import deviations
-from model.identification.observations import Observed, observe
+from model.identification.observations import Observed, not_driven, observe
 from model.identification.options import FitOptions
 from model.identification.paper import PaperFit, identify
 from model.identification.residuals import ConditionResidual, Kind, Rmse, residuals, rmse
@@ -27,26 +27,6 @@ from model.sheet.sheet_model import SheetModel
 NODES = 51  # of a quantity along the sheet, as handed on
 UNSETTLED = 0.02  # relative scatter of single readings' EIBM from which on it is said
 POOR = 0.25  # relative uncertainty from which on a parameter is said not to be fixed
-
-
-def _not_driven(measurements: Measurements, name: str) -> str:
-    """Return why nothing is known of the EIBM of a configuration."""
-    driven = [
-        reading
-        for c in measurements.conditions
-        if c.configuration == name and c.voltage_V != 0.0
-        for reading in c.readings
-    ]
-    why = next((reading.why for reading in driven if reading.why), "")
-    if why:
-        return (
-            f"none of the {len(driven)} readings of configuration '{name}' under voltage counts"
-            f" (the first: {why}); measure it again, or leave it out with --configuration"
-        )
-    return (
-        f"configuration '{name}' was measured at 0 V alone, which says nothing of the EIBM;"
-        " measure it under voltage, too, or leave it out with --configuration"
-    )
 
 
 def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
@@ -65,7 +45,8 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     observed = [observe(used, name) for name in names]
     for one in observed:
         if not one.voltages_V:
-            raise ModelError(_not_driven(measurements, one.sheet.configuration))
+            why = not_driven(measurements, one.sheet.configuration)
+            raise ModelError(f"{why}, or leave it out with --configuration")
     joint = joint_fit(used, observed, options)
     parts = {o.sheet.configuration: _Part(joint, n, o, options) for n, o in enumerate(observed)}
     ratio = _bootstrap(joint, options)

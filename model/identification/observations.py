@@ -181,3 +181,23 @@ def checked_curve(curve: Curve, where: str) -> Curve:
         sigma_m=thin(curve.sigma_m),
         curvature_sigma_per_m=thin(curve.curvature_sigma_per_m),
     )
+
+
+def not_driven(measurements: Measurements, name: str) -> str:
+    """Return why nothing is known of the EIBM of a configuration, and what to measure."""
+    driven = [
+        reading
+        for c in measurements.conditions
+        if c.configuration == name and c.voltage_V != 0.0
+        for reading in c.readings
+    ]
+    why = next((reading.why for reading in driven if reading.why), "")
+    if why:
+        return (
+            f"none of the {len(driven)} readings of configuration '{name}' under voltage counts"
+            f" (the first: {why}); measure it again"
+        )
+    return (
+        f"configuration '{name}' was measured at 0 V alone: that fixes B, but says nothing of the"
+        " EIBM; measure it under voltage, too"
+    )

@@ -339,6 +339,17 @@ def test_zero_volts_alone_are_refused():
         prepare(kept(session(), lambda c: c.voltage_V == 0.0), Options())
 
 
+def test_readings_under_voltage_that_do_not_count_are_not_called_unmeasured():
+    def spoilt(c):
+        off = [replace(r, valid=False, why="the drive reads back 0.2 V") for r in c.readings]
+        return c if c.voltage_V == 0.0 else replace(c, readings=tuple(off))
+
+    found = session()
+    spoilt_all = replace(found, conditions=tuple(map(spoilt, found.conditions)))
+    with pytest.raises(ModelError, match=r"under voltage counts .*reads back 0\.2 V"):
+        prepare(spoilt_all, Options())
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("condition", "said"),
