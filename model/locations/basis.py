@@ -57,17 +57,17 @@ def power(exponent: int, amplitude: float) -> Function:
 
 def bending_per_m(contact: ContactSolution) -> FloatArray:
     """Return by how much the sheet is bent from its initial shape, 1/m, whichever way: (K, G)."""
-    return np.asarray(np.abs(bending_way_per_m(contact)))
+    return np.asarray(np.abs(signed_bending_per_m(contact)))
 
 
-def bending_way_per_m(contact: ContactSolution) -> FloatArray:
+def signed_bending_per_m(contact: ContactSolution) -> FloatArray:
     """Return the same with its sign."""
     return np.asarray(contact.curvature - contact.at_rest)
 
 
 def bending_along(along: str, contact: ContactSolution) -> FloatArray | None:
     """Return the bending that is a term's coordinate, 1/m; None: its coordinate is another one."""
-    how = {"curvature": bending_per_m, "bending": bending_way_per_m}.get(along)
+    how = {"curvature": bending_per_m, "bending": signed_bending_per_m}.get(along)
     return None if how is None else how(contact)
 
 
@@ -76,7 +76,7 @@ def odd(t: FloatArray) -> FloatArray:
     return np.asarray(np.clip(2.0 * t - 1.0, -1.0, 1.0))
 
 
-def either_way(amplitude: float) -> tuple[Function, ...]:
+def odd_functions(amplitude: float) -> tuple[Function, ...]:
     """Return functions of a coordinate 0 .. 1 that are odd about its middle.
 
     The last one hardly goes with the size: one way it is the same everywhere.
@@ -137,12 +137,12 @@ def bases_of(
         )  # fmt: skip
 
 
-def any_of_bending(location: Location, at: Linearised, amplitude: float) -> Iterator[Basis]:
+def bending_bases(location: Location, at: Linearised, amplitude: float) -> Iterator[Basis]:
     """Return what goes with the bending of the sheet and differs from one way to the other.
 
     What acts one way alone is even and odd in the bending, half each: both are one part.
     """
-    ways = {"bending": either_way(amplitude), "curvature": [power(n, amplitude) for n in (1, 2)]}
+    ways = {"bending": odd_functions(amplitude), "curvature": [power(n, amplitude) for n in (1, 2)]}
     for along, functions in ways.items():
         yield from bases_of(
             location, at, functions, along=along, part=WHICH_WAY, shared=True,

@@ -11,7 +11,7 @@ from model.locations.basis import (
     LEAST_BENDING_PER_M,
     bases_of,
     cosine_wave,
-    either_way,
+    odd_functions,
     perturbation,
     time_span,
 )
@@ -27,7 +27,7 @@ IMAGE_X_M, IMAGE_Y_M, BELOW_M = 0.05, 0.08, 0.03  # what the waves across the im
 AMPLITUDE_OF_AGE = 0.1  # of the EIBM
 WAVES_IN_SESSION = 4  # of the whole image
 SIDE_M = 2e-4  # towards the concave side, where the sheet is bent most
-SIDES = either_way(1e3 * SIDE_M)  # of the curvature, from the largest one way to the other
+SIDES = odd_functions(1e3 * SIDE_M)  # of the curvature, from the largest one way to the other
 WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from model.locations.basis import (
     EACH_POLARITY,
-    any_of_bending,
     bases_of,
     bending_along,
+    bending_bases,
     cosine_wave,
     perturbation,
     power,
@@ -74,7 +74,7 @@ class Compliance(Location):
             yield from bases_of(
                 self, at, few, along="s", part=EACH_POLARITY, under=under, alone=True
             )
-        yield from any_of_bending(self, at, AMPLITUDE)
+        yield from bending_bases(self, at, AMPLITUDE)
 
 
 LOCATION = Compliance(

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.locations.basis import (
-    any_of_bending,
     bases_of,
     bending_along,
+    bending_bases,
     cosine_wave,
     power,
     waves_along_sheet,
@@ -56,7 +56,7 @@ class Eibm(Location):
         yield from bases_of(
             self, at, by_bending, along="curvature", part="curvature", shared=True, alone=True
         )
-        yield from any_of_bending(self, at, AMPLITUDE_BENT)
+        yield from bending_bases(self, at, AMPLITUDE_BENT)
 
 
 LOCATION = Eibm(

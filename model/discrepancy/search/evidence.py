@@ -187,7 +187,7 @@ def _score(candidate: Candidate, A: FloatArray, b: FloatArray) -> Score:
     c = U @ (variance * z / (1.0 + variance * D))
     return Score(
         candidate=candidate,
-        log_bayes=value + beforehand(candidate.effect),
+        log_bayes=value + log_prior(candidate.effect),
         amplitude=float(c[0]),
         scale=float(scales[best]),
         length=float(np.sqrt(max(A[0, 0], 0.0))),
@@ -222,7 +222,7 @@ def allowed(one: Score) -> bool:
     return min(size.low, BOUNDS_FACTOR * size.low) <= value <= BOUNDS_FACTOR * size.high
 
 
-def beforehand(effect: Effect | None) -> float:
+def log_prior(effect: Effect | None) -> float:
     """Ln of how much less likely an effect is beforehand than one that says one thing.
 
     That something is there, and differs from session to session, are two names in one.
@@ -233,7 +233,7 @@ def beforehand(effect: Effect | None) -> float:
 def surprise(one: Score) -> float:
     """Ln of how much less likely it was beforehand: it says more, or its sign is unusual."""
     effect = one.candidate.effect
-    prior = beforehand(effect)
+    prior = log_prior(effect)
     if effect is None or effect.amplitude.expected_sign == 0.0:
         return prior
     size = effect.amplitude

@@ -8,7 +8,7 @@ import numpy as np
 
 from model.jit import Array, jit, jit_inside
 from model.mechanics.kernel.newton import closure, sweep
-from model.mechanics.kernel.panel import Work, is_something, new_work, panel_of, polynomial
+from model.mechanics.kernel.panel import Work, is_nonzero, new_work, panel_of, polynomial
 from model.mechanics.kernel.shape import (
     CurveBuffer,
     lever_integral,
@@ -80,7 +80,7 @@ def turning(
             p, low, high = strip.of[m], strip.edges[m], strip.edges[m + 1]
             half, h = 0.5 * (breaks[p + 1] - breaks[p]), high - low
             t_low = (low - breaks[p]) / half - 1.0
-            moves = high > top and is_something(to.kappa[q, p])  # beyond the contact
+            moves = high > top and is_nonzero(to.kappa[q, p])  # beyond the contact
             K_low = polynomial(to.kappa[q, p], t_low, half)[1] if moves else 0.0
             for j in range(n):
                 t, i = t_low + h * rule.c[j] / half, n - 1 - j

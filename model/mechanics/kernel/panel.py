@@ -53,7 +53,7 @@ def polynomial(row: Array, t: float, half: float) -> tuple[float, float, float]:
 
 
 @jit
-def is_something(row: Array) -> bool:
+def is_nonzero(row: Array) -> bool:
     """Return whether a panel's polynomial is not 0: most parameters change k*(s) or c(s) alone."""
     for d in range(len(row)):  # noqa: SIM110 - numba has no generators
         if row[d] != 0.0:
@@ -148,14 +148,14 @@ def parameter_columns(
     n = len(rule.c)
     for q in range(len(dkappa)):
         w.ends[0, 2 + q] = 0.0
-        if is_something(dkappa[q]):
+        if is_nonzero(dkappa[q]):
             _, K_top, _ = polynomial(dkappa[q], t_top, half)
             _, K_bottom, _ = polynomial(dkappa[q], t_top - h / half, half)
             w.ends[0, 2 + q] = K_bottom - K_top
             for i in range(n):
                 _, K, _ = polynomial(dkappa[q], t_top - h * rule.c[i] / half, half)
                 w.rhs[i, 2 + q] += K - K_top
-        if is_something(dsoft[q]):
+        if is_nonzero(dsoft[q]):
             for j in range(n):
                 dc, _, _ = polynomial(dsoft[q], t_top - h * rule.c[j] / half, half)
                 w.ends[0, 2 + q] += nu * h * rule.b[j] * dc * w.a[j]

@@ -13,7 +13,7 @@ from model.discrepancy.thresholds import EVIDENCE_TEMPERATURE, LOCATION_FORM_SHA
 from model.discrepancy.verdict.likely_locations import likely_locations
 from model.discrepancy.verdict.messages import located, sentence
 from model.discrepancy.verdict.result import BeforeAfter, Gap, Unknown
-from model.locations.basis import either_way
+from model.locations.basis import odd_functions
 from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
 
 
@@ -78,7 +78,7 @@ def test_a_single_location_has_no_share():
 
 def test_what_is_odd_is_odd_about_the_middle():
     t = np.linspace(0.0, 1.0, 11)
-    for function in either_way(0.3):
+    for function in odd_functions(0.3):
         np.testing.assert_allclose(function(t), -function(1.0 - t), atol=1e-15)
         assert np.max(function(t)) == pytest.approx(0.3, rel=1e-3)
 

@@ -12,13 +12,13 @@ from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.reported_set import of_name
 from model.discrepancy.criticism.criticise import Criticism
-from model.discrepancy.criticism.kinds.neighbours import is_close, reach
+from model.discrepancy.criticism.kinds.neighbours import explains_as_much, reach
 from model.discrepancy.search.evidence import (
     Candidate,
     Projected,
     Score,
-    beforehand,
     candidates,
+    log_prior,
     score,
     surprise,
 )
@@ -51,14 +51,14 @@ def ranked(name: str, gain: float) -> RankedCandidate:
 
 @pytest.mark.parametrize("name", EACH)
 def test_a_value_of_each_session_says_two_things_and_is_less_likely_beforehand(name: str):
-    assert beforehand(effect(name)) == -FURTHER_NAME_LN
+    assert log_prior(effect(name)) == -FURTHER_NAME_LN
     assert surprise(ranked(name, 1.0).score) == -FURTHER_NAME_LN
 
 
 @pytest.mark.parametrize("name", [*DIFFERENCES, "camera_scale", "force_offset"])
 def test_a_difference_between_sessions_or_a_value_of_all_says_one_thing(name: str):
-    assert beforehand(effect(name)) == 0.0
-    assert beforehand(None) == 0.0
+    assert log_prior(effect(name)) == 0.0
+    assert log_prior(None) == 0.0
 
 
 @pytest.mark.slow
@@ -85,7 +85,7 @@ def test_what_acts_at_another_place_is_a_rival_where_it_explains_about_as_much(
     rival: str, behind: float, is_one: bool
 ):
     named = SimpleNamespace(effect=effect("arc_error"), gain=13.0)
-    assert is_close(ranked(rival, 13.0 - behind), named) is is_one
+    assert explains_as_much(ranked(rival, 13.0 - behind), named) is is_one
 
 
 def test_of_names_that_may_be_meant_the_likeliest_comes_first():

@@ -59,7 +59,9 @@ class Neighbours(VerdictCheck):
 
 def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
     """Return the probability of each rival over the name's; above 1 where wordings are clear."""
-    every = [c for c in one.ranking if c.known and (_same_place(c, one) or is_close(c, one))]
+    every = [
+        c for c in one.ranking if c.known and (_same_place(c, one) or explains_as_much(c, one))
+    ]
     effects = [c.score.candidate.effect for c in every]
     found = evidence(
         one.before, named.fitted.solution.log_sigma, [e for e in effects if e is not None]
@@ -94,7 +96,7 @@ def _same_place(rival: RankedCandidate, one: Choice) -> bool:
     return where == one.effect.location and not location(where).in_time
 
 
-def is_close(rival: RankedCandidate, one: Choice) -> bool:
+def explains_as_much(rival: RankedCandidate, one: Choice) -> bool:
     """Return whether what acts at another place explains about as much."""
     places = (rival.score.candidate.location, one.effect.location)
     close = rival.gain > one.gain - NEIGHBOUR_EVIDENCE_LN
