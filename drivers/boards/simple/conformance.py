@@ -22,7 +22,7 @@ from drivers.conformance import Checks
 from drivers.interfaces import Clock, DeviceError
 
 _SAFE_BELOW_V = 0.05
-_FREE_S = 0.2  # a box needs a moment to see that a connection has ended
+_FREE_S, _RETRY_S = 2.0, 0.05  # a box needs a moment to see that a connection has ended
 
 
 def simple_board_faults(
@@ -38,18 +38,16 @@ def simple_board_faults(
 
     def on_open(check: Callable[[BoardConnection], list[str]]) -> list[str]:
         boards = connection()
-        boards.open()
+        _open_when_free(boards, clock)
         try:
             return check(boards)
         finally:
             boards.close()
-            clock.sleep_until(clock.now() + _FREE_S)
 
     found = faults(family) or family_faults(family, settings, clock)
     found = found or connection_faults(connection(), clock)
     if found:
         return found
-    clock.sleep_until(clock.now() + _FREE_S)
     signals = family.inputs(settings)
     try:
         return [
@@ -63,17 +61,27 @@ def simple_board_faults(
         return [str(fault)]
 
 
+def _open_when_free(boards: BoardConnection, clock: Clock) -> None:
+    """Open the board once nobody has it."""
+    until_s = clock.now() + _FREE_S
+    while True:
+        try:
+            return boards.open()
+        except DeviceError:
+            if clock.now() > until_s:
+                raise
+        clock.sleep_until(clock.now() + _RETRY_S)
+
+
 def _shared(first: BoardConnection, second: BoardConnection, clock: Clock) -> list[str]:
     """Return how two programs share a board; they must not."""
     checks = Checks(clock)
-    checks.call("open", first.open, OPEN_S)
+    _open_when_free(first, clock)
     checks.refuse("open while another program has the board", second.open, within_s=OPEN_S)
     second.close()
     first.close()
-    checks.wait(_FREE_S)
-    checks.call("open once the other program has let go", second.open, OPEN_S)
+    checks.call("open once the other has let go", lambda: _open_when_free(second, clock), OPEN_S)
     second.close()
-    checks.wait(_FREE_S)
     return checks.faults
 
 
