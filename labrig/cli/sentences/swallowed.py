@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import Any
 
 
@@ -19,7 +20,7 @@ def swallowed(app: Any, arguments: Sequence[str]) -> str:
     options = [each for each in command.params if each.param_type_name == "option"]
     known = {name for each in options for name in (*each.opts, *each.secondary_opts)}
     takes_value = {name for each in options if not _is_switch(each) for name in each.opts}
-    for option, value in zip(rest, rest[1:], strict=False):
+    for option, value in pairwise(rest):
         if option == "--":
             break
         if option in takes_value and value in known:
