@@ -23,7 +23,8 @@ from tests.processes import last_words
 
 pytestmark = pytest.mark.slow
 
-PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "boards.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "howto" / "boards.md").read_text(encoding="utf-8")
 FAMILY, PROJECT, BOX = re.findall(r"```(?:python|toml)\n(.*?)```", PAGE, re.DOTALL)
 
 
@@ -68,7 +69,7 @@ def rig(box, tmp_path, monkeypatch):
     (tmp_path / "labrig_acme.py").write_text(FAMILY, encoding="utf-8")
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-acme\nVersion: 0.1\n")
     (info / "entry_points.txt").write_text(f"[labrig.boards]\n{name} = {where}\n")
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(Path.cwd())]))
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(ROOT)]))
     monkeypatch.syspath_prepend(str(tmp_path))
     assert labrig("init", tmp_path / "rig", "--board", "acme") == 0
     file = tmp_path / "rig" / "rig.toml"
