@@ -18,9 +18,10 @@ from typer.exceptions import TyperException
 from labrig.cli.app import app_for
 from labrig.cli.screen import warn
 from labrig.cli.sentences.compiling import compiling_is_told
+from labrig.cli.sentences.swallowed import swallowed
 from labrig.cli.sentences.usage_errors import usage_sentence
 from labrig.cli.sentences.user_warnings import shown_as_sentences
-from labrig.errors import ExitCode, LabrigError
+from labrig.errors import BadInputError, ExitCode, LabrigError
 from labrig.files import family_of
 from labrig.own_packages import hidden
 
@@ -89,6 +90,8 @@ def run(arguments: list[str]) -> int:
 def _run(arguments: list[str]) -> int:
     try:
         app = app_for(arguments)
+        if said := swallowed(app, arguments):
+            raise BadInputError(said)
         result = app.main(arguments, prog_name="labrig", standalone_mode=False)
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # of a group: its help is its message

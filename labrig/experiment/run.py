@@ -276,7 +276,7 @@ def _scheduler(job: _Job, pause: PauseFile) -> Scheduler:
         job.stop,
         SafetyLimits(limits.sheet_voltage_V, limits.time_under_voltage_s),
         shutdown.make_safe,
-        rules=Rules(late_edge_s=plan.protocol.rules.late_edge_s),
+        rules=Rules(late_edge_s=plan.protocol.rules.late_edge_s, safe_below_V=limits.safe_below_V),
         beat=shutdown.watchdog.beat,
         on_energised=shutdown.watchdog.energised,
         pause=Pause(pause, lambda: _confirm_zero(rig)),

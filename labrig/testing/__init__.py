@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import section_content_faults as section_content_faults
     from labrig.testing.conformance import section_faults as section_faults
     from labrig.testing.conformance import signal_faults as signal_faults
+    from labrig.testing.conformance import simple_board_faults as simple_board_faults
     from labrig.testing.conformance import simulated_board_faults as simulated_board_faults
     from labrig.testing.conformance import simulated_family_faults as simulated_family_faults
     from labrig.testing.conformance import (
@@ -86,6 +87,7 @@ _HOMES = {
         "section_content_faults",
         "section_faults",
         "signal_faults",
+        "simple_board_faults",
         "simulated_board_faults",
         "simulated_family_faults",
         "simulated_serial_device_faults",

@@ -17,6 +17,7 @@ from drivers.boards.conformance import (
 )
 from drivers.boards.contract import faults as board_kind_faults
 from drivers.boards.read_back_conformance import read_back_faults
+from drivers.boards.simple.conformance import simple_board_faults
 from drivers.cameras.conformance import camera_faults
 from drivers.cameras.contract import faults as camera_kind_faults
 from drivers.force_sensors.conformance import force_sensor_faults
@@ -74,6 +75,7 @@ __all__ = [
     "section_content_faults",
     "section_faults",
     "signal_faults",
+    "simple_board_faults",
     "simulated_board_faults",
     "simulated_family_faults",
     "simulated_serial_device_faults",

@@ -20,7 +20,9 @@ class Rules:
 
     late_edge_s: float = 0.005  # an edge written later spoils its reading
     drive_tolerance_V: float = 0.2  # of the read-back against the voltage that was written
+    safe_below_V: float = 0.05  # a read-back below this shows 0 V
     zero_within_s: float = 0.5  # after 0 V was written the read-back must have shown it
+    unseen_s: float = 0.5  # a read-back that is no number for so long shows nothing
     frame_periods: float = 1.5  # a frame further from the sampling point is not its frame
     blank_frame: float = 0.01  # of full scale: a picture that varies less shows nothing
     position_tolerance_m: float = 0.0005  # of the stage's report; beyond it the operator is warned
@@ -79,19 +81,6 @@ def check_drive(drive_V: FloatArray, limit_V: float, rules: Rules) -> None:
             f"the drive reads back {seen_V:.3g} V, beyond the limit of {limit_V:g} V; measure the "
             "amplifier's gain, correct [amplifier] gain or the wiring of the read-back"
         )
-
-
-def check_zero(drive_V: float, at_zero_s: float, rules: Rules) -> None:
-    """Raise OvervoltageError when the sheet keeps a voltage long after 0 V was written."""
-    if at_zero_s > rules.zero_within_s and keeps_voltage(drive_V, rules):
-        raise OvervoltageError(
-            f"0 V was written {at_zero_s:.1f} s ago, and the drive still reads back {drive_V:.3g} V"
-        )
-
-
-def keeps_voltage(drive_V: float, rules: Rules) -> bool:
-    """Whether a read-back is not 0 V; one that is no number says nothing."""
-    return abs(drive_V) > rules.drive_tolerance_V
 
 
 def bad_frame(frame: Frame, before: Frame | None, reach_s: float, rules: Rules) -> Iterator[str]:

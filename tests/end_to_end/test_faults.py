@@ -54,7 +54,7 @@ CASES = [
     Case("output_stuck", FOR_GOOD, UNKNOWN, "the drive voltage reads"),
     # ---- what they measure
     Case("force_nan", FOR_GOOD, FAILED, "the force input delivers no numbers"),
-    Case("drive_nan", FOR_GOOD, UNKNOWN, "read back as nan V", "samples were lost"),
+    Case("drive_nan", FOR_GOOD, UNKNOWN, "nobody sees which voltage", "samples were lost"),
     Case("drive_nan", FOR_A_MOMENT, DONE, "samples were lost", "samples were lost"),
     Case("current_saturated", FOR_GOOD, DONE, "the current input is at", "end of its range"),
     Case("cell_unplugged", FROM_THE_BEGINNING, BEFORE, "broken wire"),

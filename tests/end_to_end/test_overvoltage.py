@@ -38,13 +38,15 @@ def test_an_amplifier_with_more_gain_than_stated_is_noticed_at_the_first_step(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("board", ["ni", "labjack"])
+@pytest.mark.parametrize(("board", "pulse_V"), [("ni", 2.0), ("labjack", 2.0), ("ni", 0.15)])
 def test_a_voltage_that_stays_after_0_v_was_written_ends_the_session_before_the_next_position(
-    tmp_path: Path, board: str, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, board: str, pulse_V: float, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """The operator would be asked to move the load cell, at a sheet that is under voltage."""
     stuck = '[[faults]]\nwhat = "output_stuck"\nsince = "first_voltage"\nfrom_s = 0.3\n'
-    folder = make_rig(tmp_path / "rig", TWO_POSITIONS, world=stuck, board=board)
+    pulses = f"[pulse_train]\nvoltages_V = [{pulse_V}, -{pulse_V}]\n"
+    protocol = TWO_POSITIONS.replace("[pulse_train]\n", pulses)
+    folder = make_rig(tmp_path / "rig", protocol, world=stuck, board=board)
     files = [folder / name for name in ("rig.toml", "protocol.toml", "sheet.toml")]
     assert labrig("run", *files, "-o", tmp_path / "session.h5") == 6
     assert "switch the amplifier off by hand" in capsys.readouterr().err

@@ -174,3 +174,24 @@ def test_a_broken_command_is_left_out_with_one_sentence(
     assert "of counting" in shown.stderr
     assert why in shown.stderr
     assert len(shown.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["run", "--resume", "--yes"], "--resume needs a value, --yes is another option"),
+        (["fit", "s.h5", "-o", "--json"], "-o needs a value, --json is another option"),
+    ],
+)
+def test_an_option_whose_value_was_forgotten_does_not_take_the_next_option(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(arguments) == 2
+    assert f"{said}; see labrig {arguments[0]} -h." in capsys.readouterr().err
+
+
+def test_a_value_that_looks_like_an_option_can_still_be_given(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run(["run", "--resume=--yes"]) == 2
+    assert "--yes: there is no such file" in capsys.readouterr().err

@@ -134,3 +134,8 @@ class Plant:
         for change in self.stiffness:
             factor = factor * change(course)
         return factor
+
+
+def only(sheet: Sheet, name: str) -> float:
+    """Return 1 for this sheet, 0 for others."""
+    return 1.0 if sheet.name == name else 0.0

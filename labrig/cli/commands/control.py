@@ -62,38 +62,24 @@ def control(
     """
     from labrig.control.controller_file import (
         FASTEST_HZ,
-        HIGHEST_V,
         LONGEST_DELAY_MS,
         SLOWEST_HZ,
         save_controller,
     )
     from labrig.control.sheet_loop import (
-        DEFAULT_LIMIT_V,
         LoopGoal,
         controller_config,
         design_loop,
         linear_sheet,
-        rig_limit_V,
     )
 
     _within("--rate-hz", rate_hz, SLOWEST_HZ, FASTEST_HZ)
     _within("--delay-ms", delay_ms, 0.0, LONGEST_DELAY_MS)
-    if limit_V is not None and not 0.0 < limit_V <= HIGHEST_V:
-        raise BadInputError(
-            f"--limit-V {limit_V:g}: a positive voltage of at most {HIGHEST_V:g} V is needed."
-        )
-    allowed_V = HIGHEST_V if rig is None else rig_limit_V(rig)
-    if limit_V is not None and limit_V > allowed_V:
-        raise BadInputError(
-            f"--limit-V {limit_V:g}: {rig} allows {allowed_V:g} V at the sheet at most ([limits]"
-            " sheet_voltage_V); give no more."
-        )
-    most_V = min(DEFAULT_LIMIT_V, allowed_V)
     loop = LoopGoal(
         method=method.value,
         rate_hz=rate_hz,
         delay_s=1e-3 * delay_ms,
-        limit_V=most_V if limit_V is None else limit_V,
+        limit_V=_limit_V(limit_V, rig),
     )
     sheet = linear_sheet(model, configuration, 1e-3 * position_mm)
     made = design_loop(sheet, loop, model)
@@ -112,6 +98,24 @@ def control(
         ],
     )
     say(f"wrote {path}")
+
+
+def _limit_V(limit_V: float | None, rig: Path | None) -> float:
+    """Return the largest voltage of the controller: what was asked for, and the rig allows."""
+    from labrig.control.controller_file import HIGHEST_V
+    from labrig.control.sheet_loop import DEFAULT_LIMIT_V, rig_limit_V
+
+    if limit_V is not None and not 0.0 < limit_V <= HIGHEST_V:
+        raise BadInputError(
+            f"--limit-V {limit_V:g}: a positive voltage of at most {HIGHEST_V:g} V is needed."
+        )
+    allowed_V = HIGHEST_V if rig is None else rig_limit_V(rig)
+    if limit_V is not None and limit_V > allowed_V:
+        raise BadInputError(
+            f"--limit-V {limit_V:g}: {rig} allows {allowed_V:g} V at the sheet at most ([limits]"
+            " sheet_voltage_V); give no more."
+        )
+    return min(DEFAULT_LIMIT_V, allowed_V) if limit_V is None else limit_V
 
 
 def _within(option: str, value: float, low: float, high: float) -> None:

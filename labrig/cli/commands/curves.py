@@ -107,12 +107,7 @@ def curves(
     if page is not None:
         others = (sources, optics, sheet, batch, output, summary, overlay, method, strip)
         ways = (configuration, look, extractor, channel, as_json, every > 1)
-        if any((*others, *ways, *facts.values())):
-            raise BadInputError(
-                "--page FOLDER takes no images and no options but --port and --open: what is known "
-                "of the photographs lies beside them, or is clicked on the page; the built-in "
-                "extractor finds their curves."
-            )
+        _refuse_beside_page((*others, *ways, *facts.values()))
         serve_page(page, port, open_it=open_it)
         return
     from labrig.cli.curves.options import strips_of
@@ -138,26 +133,35 @@ def curves(
         _compare(sources, method, options, output, extra=(batch, summary, overlay, extractor))
         return
     if batch is not None:
-        if sources or output is None:
-            raise BadInputError("--batch FOLDER takes -o FOLDER and no further images.")
-        if summary is not None:
-            raise BadInputError("--batch writes summary.csv into its folder; leave --summary out.")
-        _batch(batch, output, options)
+        _batch(batch, sources, output, summary, options)
         return
     if not sources:
         raise BadInputError("no image was given; give files, a folder, or --batch FOLDER.")
     if [path.suffix.lower() for path in sources] == [".h5"]:
         of_images = (optics, sheet, configuration, look, summary, overlay, strip, channel)
-        if any((*of_images, *facts.values(), every > 1)):
-            raise BadInputError(
-                "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
-                f"--look, --summary, --overlay, --strip, {', '.join(flags_of_facts())}, --channel "
-                "and --every are for images."
-            )
+        _refuse_beside_session((*of_images, *facts.values(), every > 1))
         session_curves(sources[0], output, name, as_json=as_json)
         return
     found = _of_images(sources, options, overlay, as_json=as_json)
     _write_tables(found, output, summary)
+
+
+def _refuse_beside_page(others: tuple[object, ...]) -> None:
+    if any(others):
+        raise BadInputError(
+            "--page FOLDER takes no images and no options but --port and --open: what is known "
+            "of the photographs lies beside them, or is clicked on the page; the built-in "
+            "extractor finds their curves."
+        )
+
+
+def _refuse_beside_session(of_images: tuple[object, ...]) -> None:
+    if any(of_images):
+        raise BadInputError(
+            "a session holds its own optics and sheet: --optics, --sheet, --configuration, "
+            f"--look, --summary, --overlay, --strip, {', '.join(flags_of_facts())}, --channel "
+            "and --every are for images."
+        )
 
 
 def _compare(
@@ -225,9 +229,19 @@ def _summary(curve: NeutralCurve) -> str:
     )
 
 
-def _batch(folder: Path, output: Path, options: BatchOptions) -> None:
+def _batch(
+    folder: Path,
+    sources: list[Path] | None,
+    output: Path | None,
+    summary: Path | None,
+    options: BatchOptions,
+) -> None:
     from labrig.vision import extract_curves
 
+    if sources or output is None:
+        raise BadInputError("--batch FOLDER takes -o FOLDER and no further images.")
+    if summary is not None:
+        raise BadInputError("--batch writes summary.csv into its folder; leave --summary out.")
     if not folder.is_dir():
         raise BadInputError(f"{folder}: there is no such folder.")
     count = 0

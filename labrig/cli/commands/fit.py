@@ -134,7 +134,6 @@ def fit(
     holds the sheet in time, for simulate --time, response and control.
     """
     from labrig.api.fit import fitted_data
-    from labrig.model_file import save_model
     from labrig.report.figures.fit import make_folder, write_fit_figures
     from labrig.report.parts.style import known_formats
 
@@ -178,12 +177,7 @@ def fit(
         )  # fmt: skip
     found, measurements = data.fit, data.measurements
     suspicious = warn_of_suspicions(measurements)
-    written = []
-    if output is not None:
-        chosen = {None: found.preferred_model, True: found.varying_model, False: found.model}
-        save_model(chosen[varying], output)
-        warn_of_misses(errors_of(chosen[varying], found.configurations))
-        written.append(output)
+    written = [] if output is None else [_save(found, output, varying=varying)]
     if figures is not None:
         written += write_fit_figures(figures, found, measurements, wanted)
     if as_json:
@@ -194,6 +188,16 @@ def fit(
         say(f"{output} holds the EIBM along the sheet: with a constant one the model misses.")
     for path in written:
         say(f"wrote {path}")
+
+
+def _save(found: Fit, output: Path, *, varying: bool | None) -> Path:
+    """Write the model that was asked for, and warn where it misses the data."""
+    from labrig.model_file import save_model
+
+    chosen = {None: found.preferred_model, True: found.varying_model, False: found.model}
+    save_model(chosen[varying], output)
+    warn_of_misses(errors_of(chosen[varying], found.configurations))
+    return output
 
 
 def _print(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | None) -> None:

@@ -65,12 +65,7 @@ def run(
     from labrig.config import ReplayConfig, load_rig
     from labrig.experiment.plan import ControlFiles
 
-    if diagnose and resume is not None:
-        raise BadInputError("--diagnose and --resume exclude each other; diagnose what is resumed.")
-    if (controller is None) is not (reference is None):
-        raise BadInputError("--controller and --reference go together; give both.")
-    if controller is not None and (resume is not None or diagnose):
-        raise BadInputError("--controller goes neither with --resume nor with --diagnose.")
+    _refuse_together(resume, controller, reference, diagnose=diagnose)
     if resume is not None and rig is None:
         finish(resume_and_follow(resume, None, output, yes=yes, about=about))
         return
@@ -98,6 +93,18 @@ def run(
         from labrig.cli.follow_up import follow_up
 
         follow_up(output, rig, sheet, yes=yes, about=about)
+
+
+def _refuse_together(
+    resume: Path | None, controller: Path | None, reference: Path | None, *, diagnose: bool
+) -> None:
+    """Raise BadInputError for options of which one makes no sense with, or without, the other."""
+    if diagnose and resume is not None:
+        raise BadInputError("--diagnose and --resume exclude each other; diagnose what is resumed.")
+    if (controller is None) is not (reference is None):
+        raise BadInputError("--controller and --reference go together; give both.")
+    if controller is not None and (resume is not None or diagnose):
+        raise BadInputError("--controller goes neither with --resume nor with --diagnose.")
 
 
 def _free(output: Path | None) -> Path:

@@ -145,7 +145,14 @@ class RunRecord(Displayed):
         if channel not in self.channels:
             known = ", ".join(self.channels)
             raise BadInputError(f"{self._path}: no channel {channel} among {known}.")
-        return read_array(self._column(f"signals/{channel}"), self._path)
+        column = self._column(f"signals/{channel}")
+        if column.shape[0] != self.samples:
+            raise BadInputError(
+                f"{self._path}: in run {self.planned.index + 1} signals/{channel} has "
+                f"{column.shape[0]} samples, signals/time has {self.samples}; the file was changed "
+                "after its recording: fetch the original again."
+            )
+        return read_array(column, self._path)
 
     @property
     def time_s(self) -> FloatArray:

@@ -127,7 +127,7 @@ def read_setup(file: Any, path: Path) -> SessionSetup:
     shape = scalar("frame_shape") if has_frames else None
     frame_dtype = read_text(file, f"{layout.SETUP}/frame_dtype", path) if has_frames else "uint8"
     try:
-        resolved = _json(file, "resolved", path)
+        resolved = _resolved(file, path)
         schedule = from_plain(Schedule, _json(file, "schedule", path), "schedule")
         if f"{layout.SETUP}/extras" in file:
             schedule = with_extras(schedule, _json(file, "extras", path))
@@ -149,6 +149,18 @@ def read_setup(file: Any, path: Path) -> SessionSetup:
         )
     except (ScheduleError, TypeError, ValueError, IndexError) as error:
         raise BadInputError(f"{path}: what was planned cannot be read: {error}.") from None
+    except BadInputError as error:
+        if str(path) in str(error):
+            raise
+        said = str(error)
+        raise BadInputError(f"{path}: {said[:1].lower()}{said[1:]}") from None
+
+
+def _resolved(file: Any, path: Path) -> Any:
+    resolved = _json(file, "resolved", path)
+    if not isinstance(resolved, dict):
+        raise BadInputError(f"{path}: {layout.SETUP}/resolved is no table.")
+    return resolved
 
 
 def _devices(file: Any, version: int, path: Path) -> tuple[RecordedDevice, ...]:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.checks.seen_outline import OutlineContext, SeenOutline
@@ -64,20 +65,9 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
     unseen = "" if optics.stated_places_px else _unseen_fault(blocks)
     if unseen:
         return unseen
-    if fit.width_scatter_px > OUTLINE_WIDTH_SCATTER_MAX_RATIO * width:
-        return (
-            f"check of the width failed: what was followed is {width:.1f} pixels thick and changes "
-            f"by {fit.width_scatter_px:.1f} from place to place; state the thickness, or choose "
-            "another colour channel (--channel)."
-        )
-    thicker_and_thinner = float(np.abs(np.diff(fit.taper)).sum())
-    once_or_twice, frayed = OUTLINE_TAPER_SUM_MAX_RATIOS
-    if thicker_and_thinner > max(once_or_twice, frayed * total / fit.width_px):
-        return (
-            f"check of the width failed: what was followed is {width:.1f} pixels thick and becomes "
-            "thinner and thicker again along its length; state the thickness, mask what lies "
-            "beside it (--mask), or choose another colour channel (--channel)."
-        )
+    wide = _width_fault(outline)
+    if wide:
+        return wide
     if fit.residual_px > max(1.0, OUTLINE_RESIDUAL_MAX_RATIO * width):
         return (
             f"check of the fit failed: the best curve misses the strip by {fit.residual_px:.1f} "
@@ -127,6 +117,26 @@ def _unseen_fault(blocks: Blocks) -> str:
         return (
             "check of the start failed: the first eighth of the best path shows no two edges; "
             "check clamp_px."
+        )
+    return ""
+
+
+def _width_fault(outline: Outline) -> str:
+    """Return why a strip does not change its width like this; empty where it may."""
+    fit, width = outline.fit, outline.located.thickness_px
+    if fit.width_scatter_px > OUTLINE_WIDTH_SCATTER_MAX_RATIO * width:
+        return (
+            f"check of the width failed: what was followed is {width:.1f} pixels thick and changes "
+            f"by {fit.width_scatter_px:.1f} from place to place; state the thickness, or choose "
+            "another colour channel (--channel)."
+        )
+    thicker_and_thinner = float(np.abs(np.diff(fit.taper)).sum())
+    once_or_twice, frayed = OUTLINE_TAPER_SUM_MAX_RATIOS
+    if thicker_and_thinner > max(once_or_twice, frayed * fit.shape.basis.total_px / fit.width_px):
+        return (
+            f"check of the width failed: what was followed is {width:.1f} pixels thick and becomes "
+            "thinner and thicker again along its length; state the thickness, mask what lies "
+            "beside it (--mask), or choose another colour channel (--channel)."
         )
     return ""
 
@@ -204,12 +214,7 @@ def outline_in_metres(
     fit, shape, ppm = outline.fit, outline.fit.shape, optics.px_per_m
     covariance = fit.covariance
     unit = np.concatenate([[1 / ppm, 1.0], np.full(shape.basis.size - 2, ppm)])
-    seen = np.zeros(len(shape.x), dtype=bool)
-    many = max(1, int(np.median(np.diff(fit.blocks.node))))
-    for node in fit.blocks.node[fit.blocks.seen]:
-        seen[max(0, node - many // 2 - 1) : node + many // 2 + 2] = True
-    if outline.by_path:
-        seen[:] = False
+    seen = _seen_nodes(outline)
     contrast = float(np.median(fit.blocks.strength[fit.blocks.seen]))
     sigma_m = np.hypot(
         fit.sigma_px / ppm, calibration_m(shape.x / ppm, shape.y / ppm, shape.phi, optics)
@@ -262,6 +267,18 @@ def outline_in_metres(
         lateral_bias_px=np.zeros(len(seen)),
         side_face_px=np.zeros(len(seen)),
     )
+
+
+def _seen_nodes(outline: Outline) -> npt.NDArray[np.bool_]:
+    """Return (nodes,) where the strip's edges were seen; nowhere along a path without them."""
+    blocks = outline.fit.blocks
+    seen = np.zeros(len(outline.fit.shape.x), dtype=bool)
+    if outline.by_path:
+        return seen
+    many = max(1, int(np.median(np.diff(blocks.node))))
+    for node in blocks.node[blocks.seen]:
+        seen[max(0, node - many // 2 - 1) : node + many // 2 + 2] = True
+    return seen
 
 
 def _assumed(outline: Outline, optics: Optics, strip: StripGeometry) -> list[str]:

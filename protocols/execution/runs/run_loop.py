@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from drivers.interfaces import (
     Camera,
     CameraCounts,
@@ -24,10 +22,10 @@ from protocols.execution.events import (
     VoltageSet,
 )
 from protocols.execution.readings import ReadingMaker
-from protocols.execution.rules import check_drive, check_zero, keeps_voltage
 from protocols.execution.runs.control_loop import ControlLoop, FeedbackLaw
 from protocols.execution.runs.exposures import Exposures
 from protocols.execution.runs.loop import Loop, Stopped
+from protocols.execution.runs.read_back import ReadBack
 from protocols.execution.runs.timed_run import BoardTimedRun, load_timed
 from protocols.execution.states import RunState
 from protocols.execution.stop import StopLevel
@@ -35,7 +33,6 @@ from protocols.planning.schedule import PlannedMove, PlannedRun
 
 # Making safe continues, and may take its time; until then only hands can act.
 NOT_ZERO = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand ({why})"
-NEWEST_S = 0.02  # of the read-back: its newest samples
 OVERDUE_S = 0.5  # service so long overdue happens although an edge is near
 
 
@@ -69,8 +66,7 @@ class RunLoop:
         self._zero_s = 0.0  # clock time of the run's time 0
         self._next_service_s = 0.0
         self._last_sample_s = 0.0
-        self._newest = 1  # samples in NEWEST_S
-        self._drive_V = 0.0  # the newest read-back
+        self._read_back: ReadBack | None = None
         self._cost_s = 0.0  # of servicing, recently
         self._keep_all_frames = loop.keep_all_frames or run.keep_all_frames
         self._exposures: Exposures | None = None  # of a camera that is triggered
@@ -104,8 +100,8 @@ class RunLoop:
                 devices.camera.want_all()
         self._timed = load_timed(loop, self._run)
         sample_clock = devices.signals.start()
-        self._newest = max(1, round(NEWEST_S * sample_clock.rate_hz))
         now_s = loop.clock.now()
+        self._read_back = ReadBack(loop.rules, loop.limit_V, sample_clock.rate_hz, now_s)
         self._zero_s = now_s + loop.timing.lead_in_s
         if self._timed is not None:
             self._zero_s = self._timed.begin(sample_clock)
@@ -246,9 +242,12 @@ class RunLoop:
         loop.enter(RunState.TAILING)
         self._until(loop.clock.now() + loop.timing.tail_s, maker, patient=True)
         # Ends: signals that stay away and a voltage that stays raise, frames become overdue.
-        while maker.waiting or keeps_voltage(self._drive_V, loop.rules):
+        while maker.waiting or not self._shows_zero():
             self._until(loop.clock.now() + loop.timing.service_s, maker, patient=True)
             self._service(maker)
+
+    def _shows_zero(self) -> bool:
+        return self._read_back is not None and self._read_back.shows_zero
 
     def _until(self, when_s: float, maker: ReadingMaker, *, patient: bool = False) -> bool:
         """Wait and service the devices until a moment; False as soon as the run is to end.
@@ -313,10 +312,9 @@ class RunLoop:
             self._last_sample_s = now_s
             maker.add_block(block)
             loop.emit(SignalsArrived(block.read_s, self._run.index, block))
-            drive_V = block.volts[self._rows.drive]
-            check_drive(drive_V, loop.limit_V, loop.rules)
-            self._drive_V = float(np.median(drive_V[-self._newest :]))
-            check_zero(self._drive_V, loop.output.at_zero_s(block.read_s), loop.rules)
+            if self._read_back is not None:
+                at_zero_s = loop.output.at_zero_s(block.read_s)
+                self._read_back.take(block.volts[self._rows.drive], block.read_s, at_zero_s)
             loop.devices.protect(block.volts[self._rows.force])
         elif now_s - self._last_sample_s > loop.timing.starved_s:
             raise DeviceTimeoutError(

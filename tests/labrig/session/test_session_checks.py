@@ -112,7 +112,19 @@ def broken_schedule(file):
     file["session/setup/schedule"][()] = old.replace(b'"runs"', b'"rums"')
 
 
+def stated(name, text):
+    def change(file):
+        del file[f"session/setup/{name}"]
+        file[f"session/setup/{name}"] = np.bytes_(text)
+
+    return change
+
+
 BAD_FILES = {
+    "resolved is no table": edited(stated("resolved", b"[]")),
+    "a sample rate of nan Hz cannot": edited(
+        lambda file: file["session/setup/rate_hz"].__setitem__((), np.nan)
+    ),
     "there is no such file": lambda path, _: None,
     "a folder": lambda path, _: path.mkdir(),
     "this is an empty file": lambda path, _: write(path, b""),
@@ -141,6 +153,18 @@ def test_what_is_no_session_is_refused_in_a_sentence(said, recorded, tmp_path):
     assert str(path) in str(caught.value)
     assert "\n" not in str(caught.value)
     assert [check.ok for check in verify(path)][-1] is False
+
+
+def test_a_signal_that_was_cut_is_a_sentence(session):
+    with h5py.File(session, "r+") as file:
+        whole = file["session/run_001/signals/force"][:100]
+        del file["session/run_001/signals/force"]
+        file["session/run_001/signals/force"] = whole
+    with (
+        open_session(session) as found,
+        pytest.raises(BadInputError, match=r"signals/force has 100 samples, signals/time has \d+"),
+    ):
+        found.run(1).signal_V("force")
 
 
 def test_a_damaged_signal_is_a_sentence_too(session):

@@ -1,28 +1,22 @@
-"""Fit the side face: the stripe that a wide sheet shows beside its near edge.
-
-A camera sees the sheet in perspective, so a stripe of its face shows on the side of the vanishing
-point of the lines square to its plane. Two numbers give the width of the stripe along the whole
-sheet. Taken for a part of the edge it would pull the curve to its side by up to half its width.
-Lit from the front it is grey; in a silhouette it is as dark as the edge, and only its geometry
-tells the two apart.
-"""
+"""The search for the side face beside a curve, and how far one that is not seen may pull it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.curve.shape import CurveShape
-from labrig.vision.fit.context import CrossSection, FitContext, Pixels, measured, pixels_beside
+from labrig.vision.fit.context import CrossSection, FitContext
 from labrig.vision.fit.curve_fit import CurveFit
+from labrig.vision.fit.side_face.face import SideFace
+from labrig.vision.fit.side_face.pixels import SHIFT_MAX_PX, PixelsBeside, cells_to_explain
+from labrig.vision.fit.side_face.residuals import PIECE_CELLS, BandResiduals
+from labrig.vision.fit.side_face.simplex import lowest
 from labrig.vision.thresholds import (
     CAMERA_TILT_CHI2_MAX,
     FOCUS_BLUR_MAX_PX,
-    FREE_PART_USED_SHARE_MIN,
     LIT_EDGE_FACE_MAX_RATIO,
     LOCAL_STRUCTURE_GAIN_MIN,
     SIDE_FACE_BIAS_MIN_PX,
@@ -34,7 +28,6 @@ from labrig.vision.thresholds import (
 )
 
 FloatArray = npt.NDArray[np.float64]
-BoolArray = npt.NDArray[np.bool_]
 
 # to begin with: the sheet's width over the far edge's distance, and the face's grey over the
 # edge's; a faint guess gains something with any face, a strong one only near the truth
@@ -42,40 +35,10 @@ SIDE_FACE_GUESSES = ((0.012, 0.15), (0.012, 0.6), (0.018, 0.9), (0.025, 0.2), (0
 GUESS_PRIOR_PROBABILITY = 0.2  # the odds of each guess before the image is checked
 DEPTH_RATIO_MIN, DEPTH_RATIO_MAX = 1e-4, 0.12
 FACE_RATIO_MIN, FACE_RATIO_MAX = 0.02, 1.0
-SIDE_FACE_WIDTH_MAX_PX = 24.0
 CENTRE_SIGMA_RATIO = 0.06  # of the image's width: how square the camera looks at the plane
 BIAS_SIGMA_FACTOR = 2.0  # widths and greys of one pull are hard to tell apart
-PIECE_CELLS = 24
 EVALUATIONS_MAX = 130
-SHIFT_MAX_PX = 6.0  # from the middle of edge and face to the edge's own
-LINEAR_RANGE_PX = 0.25  # so far a displacement, or another blur, has the effect of its derivative
 BLUR_MIN_PX = 0.5
-SWING_BLUR_MAX_PX = 0.4  # that a swing adds at the tip; more is no band any more
-
-
-@dataclass(frozen=True, kw_only=True)
-class SideFace:
-    """How the side face shows; lengths in pixels of the sheet's plane."""
-
-    depth: float
-    share: float
-    centre: tuple[float, float]
-    blur: float  # of the edges, which is less when the face is not taken for blur
-    elongation_half: float  # half the elongation's visible thickness, which nobody knows
-
-    def widths(self, shape: CurveShape) -> FloatArray:
-        """Return (cells,) visible width, to the side of its sign."""
-        x, y = 0.5 * (shape.x[1:] + shape.x[:-1]), 0.5 * (shape.y[1:] + shape.y[:-1])
-        phi = 0.5 * (shape.phi[1:] + shape.phi[:-1])
-        towards = (self.centre[1] - y) * np.cos(phi) - (self.centre[0] - x) * np.sin(phi)
-        return np.asarray(
-            np.clip(self.depth * towards, -SIDE_FACE_WIDTH_MAX_PX, SIDE_FACE_WIDTH_MAX_PX)
-        )
-
-    def on(self, section: CrossSection, shape: CurveShape) -> CrossSection:
-        """Return a band with this face."""
-        looking = section.with_look(self.blur, self.elongation_half)
-        return replace(looking, side_face=self.widths(shape), side_face_share=self.share)
 
 
 class SideFaceSearch:
@@ -85,7 +48,8 @@ class SideFaceSearch:
     """
 
     def __init__(self, fit: CurveFit, context: FitContext) -> None:
-        self.context, self.noise, self.used = context, fit.noise, _cells_to_explain(fit)
+        self.context, self.used = context, cells_to_explain(fit)
+        self.residuals = BandResiduals(self.used, fit.noise)
         rows, columns = context.image.grey.shape
         optics = context.optics
         away = optics.vanishing_px((columns, rows))
@@ -94,9 +58,8 @@ class SideFaceSearch:
         self.silhouette = optics.look == "silhouette"
         self.most_share = LIT_EDGE_FACE_MAX_RATIO if optics.look == "lit_edge" else FACE_RATIO_MAX
         self.plain = replace(fit.section, side_face=np.zeros(len(fit.used)), side_face_share=0.0)
-        self.seen = _PixelsBeside(fit, context, self.plain.reach + SHIFT_MAX_PX, on_edge=False)
-        self.swing = _swing(len(fit.used))
-        self.nothing = self._residual_squares(self.seen, self.plain, tuned=True, swinging=True)
+        self.seen = PixelsBeside(fit, context, self.plain.reach + SHIFT_MAX_PX, on_edge=False)
+        self.nothing = self.residuals.squares(self.seen, self.plain, tuned=True, swinging=True)
         self.wider_px = 0.0  # than stated, as which the sheet looks without a face
         self.possible_bias_px = 0.0  # how far a face that is not seen may pull the curve
         self.guessed: tuple[list[SideFace], list[float]] = ([], [])  # and what each gains
@@ -119,10 +82,10 @@ class SideFaceSearch:
 
     def again(self, fit: CurveFit, side_face: SideFace) -> SideFace | None:
         """Return the likeliest face beside the curve that was fitted with the last one."""
-        seen = _PixelsBeside(fit, self.context, self.seen.reach, on_edge=True)
+        seen = PixelsBeside(fit, self.context, self.seen.reach, on_edge=True)
         return self._accepted(seen, self._refined(seen, side_face))
 
-    def _accepted(self, seen: _PixelsBeside, side_face: SideFace) -> SideFace | None:
+    def _accepted(self, seen: PixelsBeside, side_face: SideFace) -> SideFace | None:
         """Return a face that explains enough, and more than one place; else None.
 
         `possible_bias_px` is then how well it is known, else how far the curve may be off without.
@@ -211,7 +174,7 @@ class SideFaceSearch:
         blur = float(np.sqrt(max(section.blur**2 - more, BLUR_MIN_PX**2)))
         return replace(side_face, blur=blur, elongation_half=half)
 
-    def _refined(self, seen: _PixelsBeside, side_face: SideFace) -> SideFace:
+    def _refined(self, seen: PixelsBeside, side_face: SideFace) -> SideFace:
         """Return the likeliest face, from a guess."""
         start = np.array(
             [
@@ -230,10 +193,10 @@ class SideFaceSearch:
         def unlikely(p: FloatArray) -> float:
             outside = max(0.0, p[1] - self.most_share) + max(0.0, FACE_RATIO_MIN - p[1])
             side_face = self._face(p)
-            left = float(self._residual_squares(seen, side_face.on(self.plain, seen.shape)).sum())
+            left = float(self.residuals.squares(seen, side_face.on(self.plain, seen.shape)).sum())
             return left + self._prior_cost(side_face) + 100.0 * float(outside)
 
-        return self._face(_lowest(unlikely, start, steps, used, EVALUATIONS_MAX))
+        return self._face(lowest(unlikely, start, steps, used, EVALUATIONS_MAX))
 
     def _prior_cost(self, side_face: SideFace) -> float:
         off = (np.array(side_face.centre) - self.centre) / self.spread
@@ -262,12 +225,12 @@ class SideFaceSearch:
         steps = np.array([-0.3, 0.5, 0.3])
 
         def unlikely(p: FloatArray) -> float:
-            return float(self._residual_squares(self.seen, section(p)).sum())
+            return float(self.residuals.squares(self.seen, section(p)).sum())
 
-        best = section(_lowest(unlikely, start, steps, used, 60))
+        best = section(lowest(unlikely, start, steps, used, 60))
         before, self.nothing = (
             self.nothing,
-            self._residual_squares(self.seen, best, tuned=True, swinging=True),
+            self.residuals.squares(self.seen, best, tuned=True, swinging=True),
         )
         if float((before - self.nothing).sum()) > SIDE_FACE_GAIN_MIN:
             self.wider_px = max(0.0, 2 * (float(best.half_width[0]) - thin))
@@ -286,116 +249,11 @@ class SideFaceSearch:
             elongation_half=max(float(p[5]), 0.5),
         )
 
-    def _gains(self, seen: _PixelsBeside, side_face: SideFace) -> FloatArray:
+    def _gains(self, seen: PixelsBeside, side_face: SideFace) -> FloatArray:
         """Return (pieces,) what a face explains, twice the log-likelihood."""
-        return self.nothing - self._residual_squares(
+        return self.nothing - self.residuals.squares(
             seen, side_face.on(self.plain, seen.shape), tuned=True
         )
-
-    def _residual_squares(
-        self,
-        seen: _PixelsBeside,
-        section: CrossSection,
-        *,
-        tuned: bool = False,
-        swinging: bool = False,
-    ) -> FloatArray:
-        """Return (pieces,) squared residuals over the noise's, each piece displaced a little.
-
-        `tuned`: also with the blur, and an elongation's width, that suit the band best;
-        `swinging`: and with a blur that grows towards the tip, as in the mean image of a sheet
-        that swings. That looks wider at the tip on both sides, a face on one.
-        """
-        # weights that forgive little would count a missing face as an outlier
-        cells = measured(seen.pixels_for(section), section, 3 * self.noise, self.used)
-        cells = np.where(self.used[:, None], cells, 0.0)
-        pieces = np.arange(0, len(cells), PIECE_CELLS)
-        information, pull, left = (
-            np.add.reduceat(cells[:, column], pieces) for column in (3, 4, 5)
-        )
-        left = left - _gained(pull, information, _step(pull, information))
-        if tuned:
-            gained = np.zeros(len(cells))
-            for part in (section.elongation, ~section.elongation):
-                steeper, sharpness = cells[part, 7], cells[part, 8]
-                step = _step(steeper.sum(), sharpness.sum())
-                gained[part] = _gained(steeper, sharpness, step)
-                if swinging:
-                    step = _growing(steeper, sharpness, self.swing[part])
-                    also = _gained(steeper, sharpness, step)
-                    gained[part] = also if also.sum() > gained[part].sum() else gained[part]
-            left = left - np.add.reduceat(gained, pieces)
-        return np.asarray(np.maximum(left, 0.0) / self.noise**2)
-
-
-class _PixelsBeside:
-    """The pixels beside a curve."""
-
-    def __init__(self, fit: CurveFit, context: FitContext, reach: float, *, on_edge: bool) -> None:
-        self.shape, self.reach, self.on_edge = fit.shape, reach, on_edge
-        self.pixels = pixels_beside(fit.shape, context, reach)
-
-    def pixels_for(self, section: CrossSection) -> Pixels:
-        """Return the pixels with distances from the edge's middle, where the curve may not run."""
-        if self.on_edge or section.side_face_share == 0:
-            return self.pixels
-        value, distance, first = self.pixels
-        return value, distance + np.repeat(self.lateral_bias_px(section), np.diff(first)), first
-
-    def lateral_bias_px(self, section: CrossSection) -> FloatArray:
-        """Return (cells,) from the edge's middle to that of edge and face."""
-        thick, grey = 2 * section.half_width, section.side_face_share * np.abs(section.side_face)
-        middle = (
-            np.sign(section.side_face)
-            * grey
-            * (thick + np.abs(section.side_face))
-            / 2
-            / (thick + grey)
-        )
-        return np.asarray(np.clip(middle, -SHIFT_MAX_PX, SHIFT_MAX_PX))
-
-
-def _cells_to_explain(fit: CurveFit) -> BoolArray:
-    """Return (cells,) what tells of a face.
-
-    Also a free sheet that looks wide, where there is little.
-    """
-    section = fit.section
-    free = ~section.elongation & fit.in_view
-    if section.corrupted is not None:
-        free &= ~section.corrupted
-    free[: round(2.5 * section.blur) + 1] = False  # the clamp's blurred edge
-    hardly_used = free.any() and fit.used[free].mean() < FREE_PART_USED_SHARE_MIN
-    return fit.used | free if section.elongation.any() and hardly_used else fit.used
-
-
-def _step(pull: Any, information: Any) -> FloatArray:
-    """Return the best small step along a derivative."""
-    return np.asarray(
-        np.clip(pull / np.maximum(information, 1e-9), -LINEAR_RANGE_PX, LINEAR_RANGE_PX)
-    )
-
-
-def _growing(steeper: FloatArray, sharpness: FloatArray, swing: FloatArray) -> FloatArray:
-    """Return (cells,) the best small step that is the same everywhere, and one that grows."""
-    both = np.array([np.ones_like(swing), swing])
-    normal = (both * sharpness) @ both.T + 1e-9 * np.eye(2)
-    same, more = np.linalg.solve(normal, both @ steeper)
-    if more <= 0:
-        return np.zeros_like(swing)
-    same, more = np.clip([same, more], -LINEAR_RANGE_PX, [LINEAR_RANGE_PX, SWING_BLUR_MAX_PX])
-    return np.asarray(same + more * swing)
-
-
-def _swing(cells: int) -> FloatArray:
-    """Return (cells,) how much a swing in the first mode blurs the mean image, against the tip."""
-    along = np.arange(cells) / max(cells - 1, 1)
-    return np.asarray((along**2 * (6 - 4 * along + along**2) / 3) ** 2)
-
-
-def _gained(pull: FloatArray, information: FloatArray, step: FloatArray) -> FloatArray:
-    """Return what squared residuals lose by a small step."""
-    return np.asarray(2 * step * pull - step**2 * information)
 
 
 def _spread(thick: float, wide: FloatArray, share: float) -> FloatArray:
@@ -406,29 +264,3 @@ def _spread(thick: float, wide: FloatArray, share: float) -> FloatArray:
     grey = share * wide
     apart = thick * grey / (thick + grey) * ((thick + wide) / 2) ** 2
     return np.asarray((grey * wide**2 / 12 + apart) / (thick + grey))
-
-
-def _lowest(
-    cost: Callable[[FloatArray], float],
-    start: FloatArray,
-    steps: FloatArray,
-    used: slice,
-    evaluations: int,
-) -> FloatArray:
-    """Return the parameters of least cost by a simplex from `start`.
-
-    Only those `used` are moved.
-    """
-    from scipy import optimize
-
-    def whole(part: FloatArray) -> FloatArray:
-        out = start.copy()
-        out[used] = part
-        return out
-
-    first = start[used]
-    simplex = first + np.vstack([np.zeros(len(first)), np.diag(steps[used])])
-    options: Any = {"initial_simplex": simplex, "maxfev": evaluations}
-    minimize: Any = optimize.minimize
-    best = minimize(lambda part: cost(whole(part)), first, method="Nelder-Mead", options=options)
-    return whole(np.asarray(best.x, dtype=np.float64))
