@@ -72,9 +72,16 @@ def without(measurements: Measurements, place_m: float) -> Measurements:
     )
 
 
-def left_out(measurements: Measurements, place_m: float) -> list[TrueCondition]:
-    """Return what was measured at a position."""
-    return list(_there(measurements, place_m))
+def left_out(
+    one: World, hidden: Mapping[str, float], seed: int, recorded: Design, place_m: float
+) -> list[TrueCondition]:
+    """Return what is true at a position amid the session that was recorded.
+
+    A prediction is one of that time. The session came to the position at another time, when what
+    goes on in its course was smaller or larger.
+    """
+    exact = one.measure(replace(recorded, series=False), hidden, seed, exact=True)
+    return list(_there(exact, place_m))
 
 
 def _there(measurements: Measurements, place_m: float) -> Iterator[TrueCondition]:

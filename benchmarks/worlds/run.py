@@ -153,13 +153,16 @@ def _foretold(one: Made, said: Answer) -> Foretold:
 
 
 def _left_out(one: Made, ask: Method) -> Foretold | None:
-    """Ask again without one position, and compare with what was measured there."""
+    """Ask again without one position, and compare with what is true there."""
     positions = sorted({c.position_m for c in one.session.conditions if c.position_m is not None})
     place = positions[one.task.seed % len(positions)]
     part, bare = without(one.session, place), without(one.bare, place)
-    truth, plain = left_out(one.session, place), left_out(one.bare, place)
+    truth, plain = (
+        left_out(one.world, hidden, one.task.seed, one.task.design, place)
+        for hidden in (one.sizes, {})
+    )
     said = ask(part)
-    if said.foretell is None:
+    if said.foretell is None or not (truth and plain):
         return None
     floor = errors(_base(bare), plain)
     if not np.all(np.isfinite(floor)):

@@ -58,11 +58,24 @@ def test_conditions_that_nobody_measured_lie_between_those_of_the_session() -> N
 
 
 def test_a_position_that_is_left_out_is_in_neither_conditions_nor_series() -> None:
-    whole = WORLD.measure(Design(readings=2, curve_points=9), {}, 4)
+    design = Design(readings=2, curve_points=9)
+    whole = WORLD.measure(design, {}, 4)
     part = without(whole, 0.01)
     assert all(c.position_m != 0.01 for c in (*part.conditions, *part.series))
-    assert len(left_out(whole, 0.01)) == 6
+    assert len(left_out(WORLD, {}, 4, design, 0.01)) == 6
     assert len(part.conditions) == len(whole.conditions) - 6
+
+
+def test_a_position_that_is_left_out_is_judged_amid_the_session() -> None:
+    """A prediction is one of that time, and the sheet has dried by the last position."""
+    there = {}
+    for turn in (1, -1):
+        design = Design(readings=2, curve_points=9)
+        places = {name: own[::turn] for name, own in design.positions_m.items()}
+        design = replace(design, positions_m=places)
+        there[turn] = left_out(WORLD, {"drying": 0.4}, 4, design, 0.03)
+    forces = [{(c.configuration, c.voltage_V): c.force_N for c in there[t]} for t in (1, -1)]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-9)
 
 
 def _record(**other: object) -> Record:

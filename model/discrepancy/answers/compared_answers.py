@@ -14,8 +14,9 @@ from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.families import Family, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group, group_amplitudes
 from model.discrepancy.criticism.named_model import MOUNTING, NamedModel, limited_scatter
+from model.discrepancy.search.beside_others import apart
 from model.discrepancy.search.form_share import form_share
-from model.discrepancy.search.forward_selection import SearchResult, apart
+from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.ranking import RankedCandidate, best_scores
 from model.discrepancy.thresholds import COMPARED_NAMES

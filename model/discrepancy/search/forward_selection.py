@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from model.discrepancy.search.beside_others import apart
 from model.discrepancy.search.cross_validation import predictive_gains
-from model.discrepancy.search.evidence import Projected, score
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.nonparametric_terms import (
     is_nonparametric,
@@ -23,14 +23,11 @@ from model.discrepancy.thresholds import (
     FORM_SHARE_LIMIT,
     FURTHER_EFFECT_LN,
     LOOSE_FORM_SHARE,
-    NEIGHBOUR_FORM_SHARE,
     ONE_POSITION_SHARE,
     OUTLIER_ROUNDS,
 )
 from model.effects import title
 from model.effects.interface import Effect
-from model.identification.likelihood.form_error import whole_step
-from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import (
     FitProblem,
     MixedModelFit,
@@ -192,39 +189,6 @@ def _left_out(outcome: SearchResult, fitted: MixedModelFit, numbers: list[int]) 
     nothing_new = len(fitted.found) == len(base.found)
     outcome.base = again if nothing_new else fit_mixed_model(problem, base.theta, base.found)
     return again
-
-
-def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
-    """Return the evidence of a further effect where the contributions of the others are uncertain.
-
-    An effect that is small against them everywhere may be a remainder of their form.
-    """
-    if not fitted.found:
-        return contender.gain
-    forward, data = fitted.problem.forward, fitted.linear.data
-    # with the usual scatter, in which nothing hides
-    usual = np.minimum(fitted.solution.log_sigma, fitted.problem.guess)
-    doubt = forward.layout.pad((NEIGHBOUR_FORM_SHARE * _rows(fitted)) ** 2)
-    worth = []
-    for one in (data, replace(data, fixed=data.fixed + doubt)):
-        projected = Projected.of(forward, fitted.linear, weigh(one, usual))
-        worth.append(score(forward, projected, contender.score.candidate).log_bayes)
-    certain, doubted = worth
-    kept = float(np.clip(doubted / certain, 0.0, 1.0)) if certain > 0.0 else 1.0
-    return kept * contender.gain
-
-
-def _rows(fitted: MixedModelFit) -> FloatArray:
-    """Return the contribution of all effects of a model to the rows, (N,)."""
-    forward, active = fitted.problem.forward, fitted.active
-    rows = np.zeros(forward.layout.size)
-    for one in active:
-        others = tuple(a for a in active if a is not one)
-        for c, state in enumerate(fitted.linear.states):
-            if forward.names[c] in one.values:
-                step = whole_step(forward, c, state, state.base, others, one)
-                rows += np.abs(forward.rows_of(c, state, step))
-    return rows
 
 
 def _worth(turn: SelectionStep, threshold: float) -> RankedCandidate | None:

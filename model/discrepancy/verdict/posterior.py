@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.criticism.picture_noise import with_usual_noise
+from model.discrepancy.search.beside_others import apart, apart_at_usual_noise
 from model.discrepancy.search.evidence import Score
-from model.discrepancy.search.forward_selection import SearchResult, SelectionStep, apart
+from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
 from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement import refine_best, settled
 from model.discrepancy.thresholds import (
@@ -247,7 +248,8 @@ class Leftover:
         return replace(
             self, gain=pictures.gain, total=max(self.total, explained + pictures.gain),
             location=pictures.score.candidate.location, last=pictures,
-            first=pictures if final is base else self.first, apart=apart(judge, pictures),
+            first=pictures if final is base else self.first,
+            apart=apart_at_usual_noise(judge, pictures),
             ranking=sorted([pictures, *self.ranking], key=lambda c: -c.gain),
         )  # fmt: skip
 
