@@ -70,7 +70,7 @@ EFFECT = RollSticking(
             unit="mm",
             prior_scale=25.0,
             neutral=np.inf,
-            starting_values=(10.0, 15.0, 20.0, 25.0, 30.0),
+            starting_values=(5.0, 10.0, 15.0, 20.0, 25.0, 30.0),
         ),
         EffectParameter(
             name="kind",

@@ -107,3 +107,11 @@ def test_every_kind_stays_finite_up_to_its_largest_size() -> None:
             shown = [r for c in found.conditions for r in c.readings if r.valid]
             assert len(shown) > 0.7 * sum(len(c.readings) for c in found.conditions), name
             assert all(np.isfinite(r.force_N) and abs(r.force_N) < 0.1 for r in shown), name
+
+
+def test_a_sheet_that_sticks_is_weighed_as_any_where_nothing_touches_it() -> None:
+    few = Design(positions_m={"long": (0.0, 0.025)}, readings=2, free_shapes=1)
+    found = WORLD.measure(few, {"roll_sticking": 0.5}, 5)
+    free = [r for c in found.conditions if c.position_m is None for r in c.readings]
+    assert free
+    assert all(np.isfinite(r.force_N) for r in free)

@@ -129,7 +129,8 @@ def _since_slot_before(values: Array, at: Samples) -> Array:
 def _sticks(load: Load, size_mN: float) -> Array:
     hold = size_mN * 1e-3
     change = np.tanh(_since_slot_before(load.force_N, load.samples) / hold)
-    return load.force_N - hold * step(load.position_m, STUCK_FROM_M, 0.5e-3) * change
+    at_m = np.nan_to_num(load.position_m)  # without the load cell nothing sticks
+    return load.force_N - hold * step(at_m, STUCK_FROM_M, 0.5e-3) * change
 
 
 def _behind(load: Load, size_mN: float) -> Array:
