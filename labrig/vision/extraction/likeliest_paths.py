@@ -20,7 +20,7 @@ from labrig.vision.search.locate import (
     searched_broadly,
 )
 from labrig.vision.search.located import Located
-from labrig.vision.search.stated_places import located_through
+from labrig.vision.search.stated_places import locate_through
 from labrig.vision.search.straightened import distances, resampled
 from labrig.vision.search.work import OutlineWork
 
@@ -90,22 +90,14 @@ def _signs(optics: Optics) -> tuple[float, ...]:
 def _through_places(
     images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, mask: MaskArray
 ) -> list[Located]:
-    """Return the clearest strips of each channel through the stated places."""
+    """Return the clearest strip of each channel through the stated places."""
     places = (optics.clamp_px, *optics.stated_places_px)
     thickness_px = strip.thickness_m * optics.px_per_m if strip.thickness_known else None
-    # a tip alone does not tell the strip from what ends beside it
-    most = OF_A_CHANNEL_MAX if optics.through_px else 1
-    found: list[Located] = []
-    for image in images:
-        through = located_through(
-            image, places, mask=mask, signs=_signs(optics), thickness_px=thickness_px
-        )
-        of_channel: list[Located] = []
-        for each in sorted(through, key=lambda each: -each.worth):
-            if len(of_channel) < most and not any(_alike(each, one) for one in of_channel):
-                of_channel.append(each)
-        found += of_channel
-    return found
+    found = [
+        locate_through(image, places, mask=mask, signs=_signs(optics), thickness_px=thickness_px)
+        for image in images
+    ]
+    return [each for each in found if each is not None]
 
 
 def _sought(optics: Optics, strip: StripGeometry, mask: MaskArray) -> Sought:

@@ -29,7 +29,6 @@ class Located:
     clearness: float = 0.0  # its edges over what changes beside it
     scale_px: float = 0.0  # the width at which its path was searched; 0: it was not
     aside_px: float = 0.0  # from the stated place to where it begins
-    places_away_px: float = 0.0  # from it to further stated places
 
     @property
     def length_px(self) -> float:
@@ -52,7 +51,7 @@ class Located:
 
     @property
     def _share_px(self) -> float:
-        near = _nearness(self.aside_px) * _nearness(self.places_away_px)
+        near = _nearness(self.aside_px)
         # a path that was searched at another width than it shows is a rough one
         apart = math.log(self.thickness_px / self.scale_px) if self.scale_px else 0.0
         fitting = math.exp(-0.5 * (apart / SCALE_SPREAD) ** 2)

@@ -7,7 +7,7 @@ width. Of several widths, and both polarities, the clearest pair of edges is tak
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -19,7 +19,7 @@ from labrig.vision.search.edge_width import measured_along
 from labrig.vision.search.locate import widths_tried
 from labrig.vision.search.located import Located
 from labrig.vision.search.ridge_tracing import RidgeMaps, ridge_maps
-from labrig.vision.search.straightened import distances, resampled, smoothed
+from labrig.vision.search.straightened import resampled, smoothed
 
 FloatArray = npt.NDArray[np.float64]
 MapArray = npt.NDArray[np.float32]
@@ -33,18 +33,19 @@ CLICK_PX, CLICK_WIDTHS = 3.0, 0.5  # how far beside the middle a place may be st
 ROOM_SHARE = 0.6  # of two places' distance: how far beside both the path may go
 
 
-def located_through(
+def locate_through(
     image: GreyImage,
     places_px: Sequence[Point],
     *,
     mask: MaskArray | None = None,
     signs: tuple[float, ...],
     thickness_px: float | None,
-) -> Iterator[Located]:
-    """Yield what leads through places (raw pixels, the clamp first) at each width, either sign.
+) -> Located | None:
+    """Return the clearest strip through places (raw pixels, the clamp first); None: none is seen.
 
     The path is the whole one up to the last place. `mask`, `signs`: as in `locate.locate`.
     """
+    best: tuple[float, Located] | None = None
     longest = min(_chord_px(places_px), max(image.grey.shape))
     filled = image.filled()
     for width in widths_tried(image, thickness_px, longest):
@@ -55,18 +56,13 @@ def located_through(
             path = _path(ridges, sign, places_px, width)
             clamp = places_px[0]
             found = measured_along(image, path, width, sign, fixed=thickness_px, clamp=clamp)
-            if found is not None:
+            if found is not None and (best is None or found.worth > best[0]):
                 # the strip goes on to the last place, however faint it is before
                 step = max(1.0, 0.25 * width)
                 whole = smoothed(resampled(path, step), round(2 * width / step))
                 whole = _beginning_at(whole, np.array(clamp), width)
-                away = _away_px(whole, places_px[1:])
-                yield replace(found, path_px=whole, leaves_image=False, places_away_px=away)
-
-
-def _away_px(path: FloatArray, places_px: Sequence[Point]) -> float:
-    """Return how far places lie from a path, the root of the mean square."""
-    return float(np.sqrt(np.mean(distances(np.array(places_px), path).min(axis=1) ** 2)))
+                best = found.worth, replace(found, path_px=whole, leaves_image=False)
+    return None if best is None else best[1]
 
 
 def _beginning_at(path: FloatArray, clamp: FloatArray, width: float) -> FloatArray:

@@ -43,18 +43,6 @@ def test_the_curve_passes_the_places_that_are_stated(forked):
     assert curve.s_m[-1] * 2000 == pytest.approx(150, abs=4)
 
 
-def test_places_tell_a_pale_strip_from_what_is_clearer_beside_it():
-    pale = arc(150, 0.5)
-    image = drawn(pale, 20, light=85.0).astype(float)
-    seam = drawn(pale + np.array([0.0, 14.0]), 7, noise=0.0).astype(float)
-    image -= 0.5 * (seam - seam.min())  # a dark one along its lower edge
-    through = tuple(at(pale, share) for share in (0.25, 0.5, 0.75))
-    places = stated(through_px=through, tip_px=at(pale, 1.0))
-    curve = neutral_curve(np.clip(image, 0, 255).astype(np.uint8), places, UNKNOWN)
-    assert curve.ok, curve.why
-    assert np.median(beside_px(curve, pale)) < 0.5
-
-
 def test_a_strip_ends_where_its_tip_is_stated_though_it_looks_as_if_it_went_on():
     line = arc(160, 0.8)
     curve = neutral_curve(drawn(line, 6), stated(tip_px=at(line, 0.6)), UNKNOWN)
