@@ -58,12 +58,14 @@ def tip_beyond(
     across = np.asarray(np.arange(-many, many + 1) * unit)
     greys = greys_beside(_at(shape, s), images, optics, across)
     known = s < end_px - LAST_WIDTHS * width_px
-    share, ground = _contrast(greys, across, known, width_px)
     narrow = max(1, round(max(NARROW_WIDTHS * width_px, NARROW_MIN_PX) / unit / 2))
+    if known.sum() < 2 * narrow:
+        return None
+    share, ground = _contrast(greys, across, known, width_px)
+    if not np.isfinite(share[known]).all():
+        return None
     narrow_share = _running_mean(share, narrow)
     beside = _beside(across, width_px)
-    if known.sum() < 2 * narrow or not np.isfinite(share[known]).all():
-        return None
     least = max(
         TIP_CONTRAST_MIN_RATIO, TIP_CONTRAST_MIN_SIGMAS * narrow_share[known][:, beside].std()
     )

@@ -26,11 +26,11 @@ def fading():
     return 80 * np.clip((TIP - along()) / (TIP - END), 0, 1)
 
 
-def found(image, aside_px=0.0):
-    """The tip beyond END of a straight curve that lies so far beside the strip."""
+def found(image, aside_px=0.0, end_px=END):
+    """The tip beyond an end of a straight curve that lies so far beside the strip."""
     basis = make_basis(185.0, 185.0, 6, 1.0)
     shape = make_shape(basis, np.array([0.0, aside_px]), 0.0, np.zeros(basis.size))
-    return tip_beyond(shape, float(END), [grey(image)], OPTICS, THICK)
+    return tip_beyond(shape, float(end_px), [grey(image)], OPTICS, THICK)
 
 
 @pytest.mark.parametrize("image", [picture(narrowing(), 80.0), picture(THICK, fading())])
@@ -63,3 +63,7 @@ def test_where_the_ground_changes_it_is_not_known_what_goes_on():
     image = picture(narrowing(), 80.0)
     image[:, BEGIN + END :] += 60
     assert found(image) is None
+
+
+def test_a_curve_shorter_than_the_strip_is_wide_shows_no_tip_and_warns_of_nothing():
+    assert found(picture(narrowing(), 80.0), end_px=0.8 * THICK) is None
