@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 import struct
 from collections.abc import Iterator
@@ -17,7 +18,7 @@ from labrig.errors import BadInputError
 
 IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
 TIFF_SUFFIXES = (".tif", ".tiff")
-VIDEO_SUFFIXES = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg")
+VIDEO_SUFFIXES = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg", ".gif")
 
 Pixels = npt.NDArray[Any]
 
@@ -148,8 +149,26 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     image = cv2.imdecode(data, _flags()) if data.size else None
     if image is None:
+        image = _decoded_by_pillow(data)
+    if image is None:
         raise BadInputError(f"{path}: not an image, or damaged.")
     return np.asarray(image)
+
+
+def _decoded_by_pillow(data: npt.NDArray[np.uint8]) -> Pixels | None:
+    """Return an image of a kind that OpenCV does not read, such as a TIFF of 4 bits; or None."""
+    from PIL import Image, ImageOps
+
+    try:
+        with Image.open(io.BytesIO(data.tobytes())) as opened:
+            image = ImageOps.exif_transpose(opened)
+            if image.mode.startswith(("I", "F")):  # 16 or 32 bit, or floats
+                return np.asarray(image)
+            grey = image.mode in ("1", "L", "LA")
+            pixels = np.asarray(image.convert("L" if grey else "RGB"))
+    except (OSError, ValueError, SyntaxError, MemoryError, Image.DecompressionBombError):
+        return None  # Pillow's words for a file that it does not know, or that is damaged
+    return pixels if grey else np.ascontiguousarray(pixels[..., ::-1])  # blue first, as OpenCV
 
 
 def _tiff_directories(data: npt.NDArray[np.uint8]) -> list[bytes]:

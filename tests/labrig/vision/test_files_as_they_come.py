@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import struct
 
 import cv2
 import numpy as np
@@ -216,6 +217,41 @@ def test_each_nth_frame_keeps_its_number_and_time(folder, capsys):
         ("film_000004", 0.16),
     ]
     assert [line["state"] for line in table(folder / "s.csv")] == ["refused"] * 3
+
+
+def test_an_animated_gif_has_frames_with_times(folder):
+    frames = [Image.fromarray(marked() + rise) for rise in (0, 20, 40)]
+    frames[0].save(folder / "gif.gif", save_all=True, append_images=frames[1:], duration=80)
+    read = list(pictures_in(folder / "gif.gif"))
+    assert [picture.label.time_s for picture in read] == pytest.approx([0, 0.08, 0.16])
+    assert [int(picture.image.min()) for picture in read] == pytest.approx([0, 20, 40], abs=3)
+
+
+def tiff_of_4_bits(image):
+    """Return a TIFF of 4 bits a pixel, which OpenCV does not read."""
+    rows, columns = image.shape
+    pixels = (image[:, ::2] << 4 | image[:, 1::2]).astype(np.uint8).tobytes()
+    entries = [
+        (256, columns), (257, rows), (258, 4), (259, 1), (262, 1), (273, 8), (277, 1),
+        (278, rows), (279, len(pixels)),
+    ]  # fmt: skip
+    directory = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in entries)
+    header = struct.pack("<2sHI", b"II", 42, 8 + len(pixels))
+    return header + pixels + struct.pack("<H", len(entries)) + directory + bytes(4)
+
+
+def test_a_tiff_of_4_bits_is_read(folder):
+    image = marked() // 16
+    (folder / "few.tif").write_bytes(tiff_of_4_bits(image))
+    read = read_image(folder / "few.tif")
+    assert np.array_equal(read, image * 17)  # from 0 to 255
+
+
+def test_colours_that_pillow_reads_are_in_the_same_order(folder):
+    colours = np.zeros((8, 8, 3), np.uint8)
+    colours[..., 0] = 250  # red
+    Image.fromarray(colours).save(folder / "red.sgi")
+    assert read_image(folder / "red.sgi")[0, 0].tolist() == [0, 0, 250]
 
 
 def test_a_video_without_a_frame_has_a_row_that_says_so(folder):
