@@ -18,7 +18,7 @@ from typer.exceptions import TyperException
 from labrig.cli.app import app_for
 from labrig.cli.screen import warn
 from labrig.cli.sentences.compiling import compiling_is_told
-from labrig.cli.sentences.swallowed import swallowed
+from labrig.cli.sentences.missing_values import missing_value
 from labrig.cli.sentences.usage_errors import usage_sentence
 from labrig.cli.sentences.user_warnings import shown_as_sentences
 from labrig.errors import BadInputError, ExitCode, LabrigError
@@ -90,7 +90,7 @@ def run(arguments: list[str]) -> int:
 def _run(arguments: list[str]) -> int:
     try:
         app = app_for(arguments)
-        if said := swallowed(app, arguments):
+        if said := missing_value(app, arguments):
             raise BadInputError(said)
         result = app.main(arguments, prog_name="labrig", standalone_mode=False)
     except TyperException as error:

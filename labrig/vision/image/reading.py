@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import struct
+import warnings
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -147,7 +148,10 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
 
     # what is wrong with a file is said below, in a sentence
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    image = cv2.imdecode(data, _flags()) if data.size else None
+    try:
+        image = cv2.imdecode(data, _flags()) if data.size else None
+    except cv2.error:  # such as a header that states more pixels than OpenCV takes
+        image = None
     if image is None:
         image = _decoded_by_pillow(data)
     if image is None:
@@ -156,11 +160,14 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
 
 
 def _decoded_by_pillow(data: npt.NDArray[np.uint8]) -> Pixels | None:
-    """Return an image of a kind that OpenCV does not read, such as a TIFF of 4 bits; or None."""
+    """Return a TIFF of a kind that OpenCV does not read, such as one of 4 bits; else None."""
     from PIL import Image, ImageOps
 
     try:
-        with Image.open(io.BytesIO(data.tobytes())) as opened:
+        with (
+            warnings.catch_warnings(action="ignore"),  # what is wrong is said by the caller
+            Image.open(io.BytesIO(data.tobytes()), formats=["TIFF"]) as opened,
+        ):
             image = ImageOps.exif_transpose(opened)
             if image.mode.startswith(("I", "F")):  # 16 or 32 bit, or floats
                 return np.asarray(image)

@@ -14,7 +14,7 @@ from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.families import Family, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group, group_amplitudes
 from model.discrepancy.criticism.named_model import MOUNTING, NamedModel, limited_scatter
-from model.discrepancy.search.beside_others import apart
+from model.discrepancy.search.beside_others import evidence_beside
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.nonparametric_terms import unknowns
@@ -66,7 +66,7 @@ class ComparedAnswers:
         free = _free_gain(one.before, ranking)
         failed = self._failed(one.effect.name)
         unknown = self._unknown(ranking, free, considered=False, failed=failed)
-        worth = apart(one.before, ranking[0]) if ranking else 0.0
+        worth = evidence_beside(one.before, ranking[0]) if ranking else 0.0
         nothing = _nothing(one.gain, worth, further=len(self.named) > 1, considered=False)
         return ChoiceSet(one.effect.name, (*names, unknown, nothing))
 
@@ -75,7 +75,7 @@ class ComparedAnswers:
         ranking = self._last_ranking
         free = max((c.gain for c in ranking if _is_free(c)), default=0.0)
         best = ranking[0] if ranking else None
-        worth = 0.0 if best is None else apart(self.known, best)
+        worth = 0.0 if best is None else evidence_beside(self.known, best)
         nothing = _nothing(
             0.0 if best is None else best.gain, worth,
             further=bool(self.named), considered=not self.unknown,

@@ -18,7 +18,7 @@ from model.measurements import FloatArray
 ROUGH = 0.02  # of the deviance, to which the scatter is estimated
 
 
-def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
+def evidence_beside(fitted: MixedModelFit, contender: RankedCandidate) -> float:
     """Return the evidence of a further effect where the contributions of the others are uncertain.
 
     An effect that is small against them everywhere may be a remainder of their form. The scatter is
@@ -30,7 +30,7 @@ def apart(fitted: MixedModelFit, contender: RankedCandidate) -> float:
     return _kept(contender, *(rescored(one, contender.score)[0] for one in both))
 
 
-def apart_at_usual_noise(fitted: MixedModelFit, contender: RankedCandidate) -> float:
+def evidence_beside_at_usual_noise(fitted: MixedModelFit, contender: RankedCandidate) -> float:
     """Return the same for what hides in noise: it is what it usually is, where it is not less."""
     if not fitted.found:
         return contender.gain

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from model.discrepancy.search.beside_others import apart
+from model.discrepancy.search.beside_others import evidence_beside
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.nonparametric_terms import (
@@ -198,7 +198,7 @@ def _worth(turn: SelectionStep, threshold: float) -> RankedCandidate | None:
     for one in turn.ranking:
         if not one.known or one.fitted is None:
             continue
-        worth, share = apart(turn.before, one), form_share(one.fitted, -1)
+        worth, share = evidence_beside(turn.before, one), form_share(one.fitted, -1)
         # beside others a deviation may be what is left of theirs: then the form itself must count
         itself = (1.0 - share) * worth if turn.before.found else 0.0
         if share > FORM_SHARE_LIMIT and itself < threshold:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.criticism.picture_noise import with_usual_noise
-from model.discrepancy.search.beside_others import apart, apart_at_usual_noise
+from model.discrepancy.search.beside_others import evidence_beside, evidence_beside_at_usual_noise
 from model.discrepancy.search.evidence import Score
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
 from model.discrepancy.search.ranking import RankedCandidate, rank
@@ -143,7 +143,7 @@ def choices(
         ranking = refine_best(without, rank(without, effects, locations=False), final)
         own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
         gain = 0.5 * (without.deviance - final.deviance)
-        if min(gain, apart(without, own)) < threshold + FURTHER_EFFECT_LN:
+        if min(gain, evidence_beside(without, own)) < threshold + FURTHER_EFFECT_LN:
             shorter = SearchResult(outcome.base, turns[:i] + turns[i + 1 :], without)
             return choices(shorter, effects, threshold, rests)
         result.append(choice(own, ranking if own is not turn.chosen else turn.ranking, without))
@@ -249,7 +249,7 @@ class Leftover:
             self, gain=pictures.gain, total=max(self.total, explained + pictures.gain),
             location=pictures.score.candidate.location, last=pictures,
             first=pictures if final is base else self.first,
-            apart=apart_at_usual_noise(judge, pictures),
+            apart=evidence_beside_at_usual_noise(judge, pictures),
             ranking=sorted([pictures, *self.ranking], key=lambda c: -c.gain),
         )  # fmt: skip
 
@@ -269,7 +269,7 @@ def leftover(
     rest = max(last, key=lambda c: c.gain, default=None)
     gain = rest.gain if rest is not None else 0.0
     total = max(best.gain, explained + max(gain, 0.0))
-    beside = apart(final, rest) if rest is not None else 0.0
+    beside = evidence_beside(final, rest) if rest is not None else 0.0
     return Leftover(
         gain=gain,
         total=total,

@@ -247,11 +247,28 @@ def test_a_tiff_of_4_bits_is_read(folder):
     assert np.array_equal(read, image * 17)  # from 0 to 255
 
 
-def test_colours_that_pillow_reads_are_in_the_same_order(folder):
+def test_the_colours_of_a_tiff_that_opencv_does_not_read_are_in_its_order(folder, monkeypatch):
     colours = np.zeros((8, 8, 3), np.uint8)
     colours[..., 0] = 250  # red
-    Image.fromarray(colours).save(folder / "red.sgi")
-    assert read_image(folder / "red.sgi")[0, 0].tolist() == [0, 0, 250]
+    Image.fromarray(colours).save(folder / "red.tif")
+    monkeypatch.setattr(cv2, "imdecode", lambda data, flags: None)
+    assert read_image(folder / "red.tif")[0, 0].tolist() == [0, 0, 250]
+
+
+def test_a_damaged_tiff_is_refused_in_our_sentence_alone(folder, recwarn):
+    whole = tiff_of_4_bits(marked() // 16)
+    (folder / "cut.tif").write_bytes(whole[:-70])
+    with pytest.raises(BadInputError, match="not an image, or damaged"):
+        read_image(folder / "cut.tif")
+    assert not recwarn.list
+
+
+def test_a_header_that_states_too_many_pixels_is_refused(folder):
+    data = bytearray(cv2.imencode(".bmp", marked())[1].tobytes())
+    data[18:26] = struct.pack("<ii", 2**20, 2**20)  # columns, rows
+    (folder / "large.bmp").write_bytes(data)
+    with pytest.raises(BadInputError, match="not an image, or damaged"):
+        read_image(folder / "large.bmp")
 
 
 def test_a_video_without_a_frame_has_a_row_that_says_so(folder):

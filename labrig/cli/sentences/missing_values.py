@@ -1,4 +1,4 @@
-"""An option whose value was forgotten takes the next option for it, silently."""
+"""Options without their value: what reads the command line takes the next option for it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from itertools import pairwise
 from typing import Any
 
 
-def swallowed(app: Any, arguments: Sequence[str]) -> str:
-    """Return which option took another for its value, as a sentence; empty: none did.
+def missing_value(app: Any, arguments: Sequence[str]) -> str:
+    """Return which option has no value, as a sentence; empty: all have one.
 
     `app`: the group of the commands, as typer has it. A value that looks like an option of the
     same command can still be given as --option=VALUE.
