@@ -309,7 +309,7 @@ def test_beside_others_the_form_itself_must_count(monkeypatch, share, worth, nam
     """Half of what a lag seems to be may be a third effect that is not in the model yet."""
     one = SimpleNamespace(known=True, fitted=base_fit(), gain=worth, name="charging_lag")
     before = SimpleNamespace(found=(SimpleNamespace(effect=effect("gravity")),))
-    for name, value in (("form_share", share), ("apart", worth), ("supported", True)):
+    for name, value in (("form_share", share), ("evidence_beside", worth), ("supported", True)):
         monkeypatch.setattr(searching, name, lambda *_, value=value: value)
     assert (searching._worth(SelectionStep(before, [one]), 6.0) is one) == named
 
