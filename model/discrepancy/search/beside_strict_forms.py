@@ -11,11 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from model.discrepancy.search.beside_others import ROUGH
-from model.discrepancy.search.ranking import rank
+from model.discrepancy.search.evidence import candidates
+from model.discrepancy.search.ranking import RankedCandidate, best_scores, rank, usual_scatter
 from model.discrepancy.search.refinement import STRICT
 from model.effects.interface import Effect
 from model.identification.likelihood.mixed_model import estimate
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, prior_terms
+
+# Log Bayes factor with the usual scatter, below which a name is too weak with any other
+WORTH_RANKING_LN = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,28 +31,46 @@ class HiddenName:
     ahead: float  # how much more they explain with it than forms that differ do without it, ln
 
 
+@dataclass(frozen=True, kw_only=True)
+class StrictForms:
+    """A model whose forms hardly differ from the catalogue's, and what may be added to it."""
+
+    fitted: MixedModelFit
+    lost: float  # how much less evidence it has, ln; at least 0
+    ranking: Sequence[RankedCandidate]  # names that may be there besides, the best first
+
+    @staticmethod
+    def of(fitted: MixedModelFit, effects: Sequence[Effect]) -> StrictForms:
+        """At the states of a model with names; it is made once."""
+        kept, of = fitted.linear.at_states, (fitted.solution, *effects)
+        key = ("strict forms", *map(id, of))
+        if key not in kept:  # with all of it, so that nothing else can have their identity
+            strict = _with_strict_forms(fitted)
+            lost = max(0.5 * (strict.deviance - fitted.deviance), 0.0)
+            made = StrictForms(fitted=strict, lost=lost, ranking=_ranking(strict, effects))
+            kept[key] = of, made
+        result: StrictForms = kept[key][1]
+        return result
+
+
 def hidden_names(fitted: MixedModelFit, effects: Sequence[Effect]) -> list[HiddenName]:
     """Return the further names beside those of a model, the best first; none: it has no names."""
     if not fitted.found:
         return []
-    strict, lost = with_strict_forms(fitted)
+    strict = StrictForms.of(fitted, effects)
     return [
-        HiddenName(name=one.name, gain=one.gain, ahead=one.gain - lost)
-        for one in rank(strict, effects, locations=False)
-        if one.known
+        HiddenName(name=one.name, gain=one.gain, ahead=one.gain - strict.lost)
+        for one in strict.ranking
     ]
 
 
-def with_strict_forms(fitted: MixedModelFit) -> tuple[MixedModelFit, float]:
-    """Return a model whose forms hardly differ from the catalogue's, at the same states.
-
-    And how much less evidence it has; not less than none. It is made once.
-    """
-    kept, key = fitted.linear.at_states, ("strict forms", id(fitted.solution))
-    if key not in kept:  # with it, so that nothing else can have its identity
-        kept[key] = fitted.solution, _with_strict_forms(fitted)
-    strict: MixedModelFit = kept[key][1]
-    return strict, max(0.5 * (strict.deviance - fitted.deviance), 0.0)
+def _ranking(strict: MixedModelFit, effects: Sequence[Effect]) -> list[RankedCandidate]:
+    """Return names ranked with the scatter estimated, if the usual one leaves them anything."""
+    inside = {one.effect.name for one in strict.found}
+    every = candidates(strict, [one for one in effects if one.name not in inside])
+    usual = best_scores(strict, every, usual_scatter(strict))
+    some = [e for e in effects if e.name in usual and usual[e.name].log_bayes > WORTH_RANKING_LN]
+    return [one for one in rank(strict, some, locations=False) if one.known] if some else []
 
 
 def _with_strict_forms(fitted: MixedModelFit) -> MixedModelFit:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from model.discrepancy.search.beside_others import evidence_beside
-from model.discrepancy.search.beside_strict_forms import with_strict_forms
+from model.discrepancy.search.beside_strict_forms import StrictForms
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.nonparametric_terms import (
@@ -138,13 +138,12 @@ def _with_hidden(
     """
     if len(outcome.chosen) != 1 or most < 2 or outcome.nonparametric_suffices:
         return outcome
-    before, lost = with_strict_forms(outcome.final)
-    turn = SelectionStep(before, rank(before, effects, locations=False))
-    best = max((c.gain for c in turn.ranking if c.known), default=-np.inf)
-    if best < threshold + FURTHER_EFFECT_LN + lost:
+    strict = StrictForms.of(outcome.final, effects)
+    best = max((one.gain for one in strict.ranking), default=-np.inf)
+    if best < threshold + FURTHER_EFFECT_LN + strict.lost:
         return outcome
-    turn.ranking = refine_best(before, turn.ranking)
-    turn.chosen = _worth(turn, threshold + lost)
+    turn = SelectionStep(strict.fitted, refine_best(strict.fitted, list(strict.ranking)))
+    turn.chosen = _worth(turn, threshold + strict.lost)
     if turn.chosen is None or turn.chosen.fitted is None:
         return outcome
     turns = [*(one for one in outcome.turns if one.chosen is not None), turn]

@@ -11,7 +11,7 @@ from benchmarks.worlds.generators import elements, shooting
 from model.discrepancy import diagnose
 from model.discrepancy.answers import hidden_names as module
 from model.discrepancy.search import forward_selection as selection
-from model.discrepancy.search.beside_strict_forms import HiddenName, hidden_names
+from model.discrepancy.search.beside_strict_forms import HiddenName, StrictForms, hidden_names
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
 from tests.model.discrepancy.sessions import base_fit
 
@@ -51,8 +51,8 @@ def test_a_second_name_has_to_explain_more_than_a_form_that_differs(
     monkeypatch, gain, lost, names, more
 ):
     first, second = (SimpleNamespace(name=n, known=True, gain=gain, fitted=n) for n in "ab")
-    monkeypatch.setattr(selection, "with_strict_forms", lambda _: ("strict", lost))
-    monkeypatch.setattr(selection, "rank", lambda *_, **__: [second])
+    strict = StrictForms(fitted="strict", lost=lost, ranking=[second])  # type: ignore[arg-type]
+    monkeypatch.setattr(selection.StrictForms, "of", lambda *_: strict)
     monkeypatch.setattr(selection, "refine_best", lambda _, ranking: ranking)
     monkeypatch.setattr(selection, "_worth", lambda *_: second)
     monkeypatch.setattr(selection, "nonparametric_replaces_names", lambda *_: False)
