@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from model.discrepancy.search.beside_others import ROUGH
+from model.discrepancy.search.beside_others import ROUGH, evidence_beside
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.ranking import RankedCandidate, best_scores, rank, usual_scatter
 from model.discrepancy.search.refinement import STRICT
@@ -54,14 +54,15 @@ class StrictForms:
 
 
 def hidden_names(fitted: MixedModelFit, effects: Sequence[Effect]) -> list[HiddenName]:
-    """Return the further names beside those of a model, the best first; none: it has no names."""
+    """Return the further names beside those of a model, the best first; none: it has no names.
+
+    Their evidence is that where the contributions of the others are uncertain by a few per cent.
+    """
     if not fitted.found:
         return []
     strict = StrictForms.of(fitted, effects)
-    return [
-        HiddenName(name=one.name, gain=one.gain, ahead=one.gain - strict.lost)
-        for one in strict.ranking
-    ]
+    worth = [(one.name, evidence_beside(strict.fitted, one)) for one in strict.ranking]
+    return [HiddenName(name=n, gain=gain, ahead=gain - strict.lost) for n, gain in worth]
 
 
 def _ranking(strict: MixedModelFit, effects: Sequence[Effect]) -> list[RankedCandidate]:

@@ -80,7 +80,8 @@ class Judgement:
         return replace(
             found,
             nonparametric_explains_more=self.outcome.best_nonparametric > self.outcome.best_name,
-            hidden=hidden_chances(found.known, self.effects) if found.named else {},
+            # what several names leave may be anything
+            hidden=hidden_chances(found.known, self.effects) if len(found.named) == 1 else {},
         )
 
     def uncriticised(self) -> Decision:
