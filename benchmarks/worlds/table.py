@@ -56,6 +56,8 @@ def rows(records: Sequence[Record]) -> list[Row]:
                  lambda r: r.names[0] in r.reported | {*r.not_ruled_out}),
         mean_at_most("single, d >= 12: mean size of the set", 1.3,
                      [len(r.reported) for r in single if r.reported]),
+        mean_at_most("the same, with what is not ruled out", 1.3,
+                     [len(r.reported | {*r.not_ruled_out}) for r in single if r.reported]),
         at_most("confidently wrong (0.9), all cases", 0.01, judged, confidently_wrong),
         *reliability("named: it is there", _named(judged)),
         at_least("pairs, both d >= 12: exactly both", 0.85, pairs, exactly),

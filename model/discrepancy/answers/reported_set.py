@@ -96,6 +96,9 @@ def not_ruled_out(decision: Decision, reported: Collection[str]) -> dict[str, fl
         for name in told:
             if name != NOTHING and name not in reported:
                 chances[name] = max(chances.get(name, 0.0), judged.probabilities[name])
+    for name, chance in decision.hidden.items():
+        if name not in reported:
+            chances[name] = max(chances.get(name, 0.0), chance)
     return dict(sorted(chances.items(), key=lambda one: -one[1]))
 
 

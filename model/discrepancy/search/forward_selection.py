@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from model.discrepancy.search.beside_others import evidence_beside
+from model.discrepancy.search.beside_strict_forms import StrictForms
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.nonparametric_terms import (
@@ -110,6 +111,14 @@ def search(
     the share of the search that is done at least.
     """
     fitted = fit_mixed_model(problem, theta, found)
+    outcome = _several_forms(fitted, effects, threshold, most, report)
+    return _with_hidden(outcome, effects, threshold, most)
+
+
+def _several_forms(
+    fitted: MixedModelFit, effects: Sequence[Effect], threshold: float, most: int, report: Report
+) -> SearchResult:
+    """Return the names, without those whose forms stand for several others."""
     outcome = _forward(fitted, effects, threshold, most, report)
     loose = {c.name for c in outcome.chosen if _share(c) > LOOSE_FORM_SHARE}
     if not loose or most < 2 or outcome.nonparametric_suffices:
@@ -118,6 +127,27 @@ def search(
     other = _forward(fitted, rest, threshold, most, report, LOOSE_FORM_SHARE)
     several = len(other.chosen) > 1 and all(_share(c) <= LOOSE_FORM_SHARE for c in other.chosen)
     return other if several and other.gain > outcome.gain + EQUAL_EVIDENCE_LN else outcome
+
+
+def _with_hidden(
+    outcome: SearchResult, effects: Sequence[Effect], threshold: float, most: int
+) -> SearchResult:
+    """Return the search with a second name that the form of the first one hides, if there is one.
+
+    In the catalogue's form it has to explain more with it than in another form without it.
+    """
+    if len(outcome.chosen) != 1 or most < 2 or outcome.nonparametric_suffices:
+        return outcome
+    strict = StrictForms.of(outcome.final, effects)
+    best = max((one.gain for one in strict.ranking), default=-np.inf)
+    if best < threshold + FURTHER_EFFECT_LN + strict.lost:
+        return outcome
+    turn = SelectionStep(strict.fitted, refine_best(strict.fitted, list(strict.ranking)))
+    turn.chosen = _worth(turn, threshold + strict.lost)
+    if turn.chosen is None or turn.chosen.fitted is None:
+        return outcome
+    turns = [*(one for one in outcome.turns if one.chosen is not None), turn]
+    return replace(outcome, turns=turns, final=turn.chosen.fitted)
 
 
 def _share(contender: RankedCandidate) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from model.discrepancy.answers.calibrated_answers import Judged, calibrated, is_name
 from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
+from model.discrepancy.answers.hidden_names import hidden_chances
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.criticism.picture_noise import of_pictures, unusual_pictures
@@ -61,6 +62,7 @@ class Decision:
     answers: tuple[Judged, ...] = ()  # to each of them
     # a nonparametric term explains more than any name: several names may imitate one thing
     nonparametric_explains_more: bool = False
+    hidden: Mapping[str, float] = field(default_factory=dict)  # see `hidden_chances`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,9 +76,12 @@ class Judgement:
 
     def decision(self) -> Decision:
         """Return the effects named, the unknown term, or both, after the criticism."""
+        found = self._revised(self.uncriticised())
         return replace(
-            self._revised(self.uncriticised()),
+            found,
             nonparametric_explains_more=self.outcome.best_nonparametric > self.outcome.best_name,
+            # what several names leave may be anything
+            hidden=hidden_chances(found.known, self.effects) if len(found.named) == 1 else {},
         )
 
     def uncriticised(self) -> Decision:

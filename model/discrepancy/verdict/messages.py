@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
@@ -124,11 +124,12 @@ def improbable(considered: str, judged: Judged) -> str:
     )
 
 
-def open_answers(others: Collection[str], named: Sequence[Named]) -> Iterator[str]:
+def open_answers(others: Mapping[str, float], named: Sequence[Named]) -> Iterator[str]:
     """Yield what may be in the data besides, or although nothing is named."""
     if others:
         besides = " besides" if named else ""
-        yield f"not ruled out{besides}: {', '.join(map(answer_title, others))}"
+        told = (f"{answer_title(name)} ({percent(chance)})" for name, chance in others.items())
+        yield f"not ruled out{besides}: {', '.join(told)}"
 
 
 def answer_title(name: str) -> str:

@@ -201,7 +201,7 @@ class _LinearisationPoint:
         for one in self.found:
             columns, precision, away = effect_columns(problem.forward, linear, one, active)
             first = linear.columns.shape[1]
-            precision[len(one.parameters()) :] /= self.form**2
+            precision[len(one.parameters()) :] /= (self.form * one.form) ** 2
             linear = with_columns(problem.forward, linear, columns, precision, away)
             spans.append(slice(first, linear.columns.shape[1]))
         return linear, spans

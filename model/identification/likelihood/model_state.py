@@ -110,6 +110,7 @@ class Found:
     sigma: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     given: tuple[Profile, ...] | None = None  # the form that it is known to have; None: not known
     ways: tuple[FormWay, ...] = ()  # in which its form is inferred to differ; states have them
+    form: float = 1.0  # how much of the tolerance of its form there is
 
     @property
     def active(self) -> AppliedEffect:

@@ -64,6 +64,7 @@ def decided(
         nonparametric_explains_more=many,
         criticism=Criticism(failures=failures),
         choice_sets=(ChoiceSet("gravity", ()),), answers=(Judged(probabilities, answers),),
+        hidden={},
     )  # fmt: skip
 
 
@@ -220,6 +221,10 @@ def test_answers_of_the_set_that_are_not_reported_are_not_ruled_out():
     assert not_ruled_out(found, ()) == {"clamp_angle": 0.15, "gravity": 0.05}
     assert not_ruled_out(found, {"clamp_angle"}) == {"gravity": 0.05}
     assert not_ruled_out(found, {"gravity"}) == {}  # its set is reported with it
+    found.hidden = {"gravity": 0.3, "charging_lag": 0.2}
+    told = not_ruled_out(found, ())
+    assert told == {"gravity": 0.3, "charging_lag": 0.2, "clamp_angle": 0.15}
+    assert list(told) == ["gravity", "charging_lag", "clamp_angle"]  # the likeliest first
     found.unknown = True
     assert not_ruled_out(found, ()) == {}
 

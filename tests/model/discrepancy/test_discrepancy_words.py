@@ -173,8 +173,8 @@ def test_what_is_not_likely_enough_is_told_with_the_other_answers():
 
 
 def test_what_is_not_ruled_out_is_told_beside_nothing_and_beside_names():
-    assert [*open_answers({"gravity": 0.1}, [])] == ["not ruled out: gravity"]
-    assert [*open_answers({"gravity": 0.1}, [NAMED])] == ["not ruled out besides: gravity"]
+    assert [*open_answers({"gravity": 0.1}, [])] == ["not ruled out: gravity (10 %)"]
+    assert [*open_answers({"gravity": 0.1}, [NAMED])] == ["not ruled out besides: gravity (10 %)"]
     assert [*open_answers({}, [])] == []
 
 
