@@ -1,4 +1,4 @@
-"""Look for a strip of which little is stated at a second size of the picture, too.
+"""Look for a strip of which little is stated in the picture made smaller, too.
 
 A strip does not end elsewhere, or lead elsewhere, because the picture is made smaller. Where it
 seems to, one of both curves went on along another thing or stopped short, and its own sigma, which
