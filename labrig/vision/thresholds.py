@@ -277,3 +277,4 @@ SIZES_APART_MIN_PX: Final = 2.0  # beside each other, or the share below of the 
 SIZES_APART_RATIO: Final = 0.02
 SIZES_ENDS_APART_MIN_PX: Final = 4.0  # from end to end, or the share below of the length
 SIZES_ENDS_APART_RATIO: Final = 0.04
+SIZES_THICKNESS_RATIO: Final = 1.7  # of their thicknesses; more: they are not of one strip

@@ -34,6 +34,7 @@ from labrig.vision.thresholds import (
     SIZES_APART_RATIO,
     SIZES_ENDS_APART_MIN_PX,
     SIZES_ENDS_APART_RATIO,
+    SIZES_THICKNESS_RATIO,
 )
 
 FloatArray = npt.NDArray[np.float64]
@@ -98,6 +99,9 @@ def _contradicted(
         return ""
     smaller = _at_size(SMALLER, images, optics, strip)
     if smaller.ok:
+        ratio = smaller.thickness_m / found.thickness_m
+        if not 1 / SIZES_THICKNESS_RATIO < ratio < SIZES_THICKNESS_RATIO:
+            return ""  # another thing, such as two strips that look like one
         return apart(found.points_px, smaller.points_px)
     if smaller.why != TWO_WAYS and smaller.why.startswith(UNSEEN):
         return ""
