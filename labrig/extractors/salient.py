@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy.typing as npt
 
-from labrig.vision import NeutralCurve, Optics, StripGeometry, neutral_curve
+from labrig.vision import NeutralCurve, Optics, StripGeometry
 
 
 @dataclass(frozen=True)
@@ -32,10 +32,11 @@ class Salient:
         start: NeutralCurve | None = None,
     ) -> NeutralCurve:
         """Return the neutral curve; see `labrig.vision.salience.second_look`."""
+        from labrig.vision.extraction.extract import unconfirmed_curve
         from labrig.vision.salience.second_look import seen_again
 
-        first = neutral_curve(image, optics, strip, start=start)
-        return seen_again(first, image, optics, strip)
+        first = unconfirmed_curve(image, optics, strip, start=start)
+        return seen_again(first, image, optics, strip).confirmed()
 
 
 EXTRACTOR = Salient()

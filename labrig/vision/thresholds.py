@@ -270,3 +270,11 @@ COURSE_SEEN_MIN: Final = 1.0  # log odds of a block whose edges are too faint, t
 # middle of the gap between right and wrong ends on half of the photographs, by their repositories.
 STRIP_GOES_ON_MIN: Final = 0.23
 STRIP_GOES_ON_GROUND_RATIO: Final = 1.8  # and at least so much of what the ground beside shows
+
+# A curve in the picture and in the picture made smaller: further apart, one of both is wrong. Set
+# before it was tried; of 64 right curves of photographs that were looked at none is further apart.
+SIZES_APART_MIN_PX: Final = 2.0  # beside each other, or the share below of the length
+SIZES_APART_RATIO: Final = 0.02
+SIZES_ENDS_APART_MIN_PX: Final = 4.0  # from end to end, or the share below of the length
+SIZES_ENDS_APART_RATIO: Final = 0.04
+SIZES_THICKNESS_RATIO: Final = 1.7  # of their thicknesses; more: they are not of one strip

@@ -111,6 +111,11 @@ class NeutralCurve(Displayed):
     )  # the side face's visible width, by point
     side_face_share: float = 0.0  # its grey over the edge's
     wires: tuple[BackgroundLine, ...] = ()  # that hide parts of the sheet
+    doubt: str = ""  # why it is refused unless another look confirms it; a user's curve has none
+
+    def confirmed(self) -> NeutralCurve:
+        """Return it, or the refusal where there is a doubt."""
+        return NeutralCurve(ok=False, why=self.doubt) if self.doubt else self
 
     def summary(self) -> Summary:
         """Return length, tip, how much was seen, and the warnings; or why there is no curve."""

@@ -15,9 +15,9 @@ from labrig.vision.checks.verdict import Verdict
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extraction.curve_search import CurveSearch
 from labrig.vision.extraction.metric_curve import refused, reported
-from labrig.vision.extraction.outline_curve import outline_curve
 from labrig.vision.extraction.refinement import CurveCandidate
 from labrig.vision.extraction.second_sheet import second_sheet_contrast
+from labrig.vision.extraction.second_size import outline_curve
 from labrig.vision.fit.curve_fit import fit_intensities
 from labrig.vision.fit.thickness import visible_thickness_m
 from labrig.vision.image.downscaling import (
@@ -55,6 +55,17 @@ def neutral_curve(
     and given up for a search from the clamp where its curve fails the self-check. What cannot be
     measured comes back with `ok` False and the reason, never raised.
     """
+    return unconfirmed_curve(image, optics, strip, start=start).confirmed()
+
+
+def unconfirmed_curve(
+    image: npt.NDArray[Any],
+    optics: Optics,
+    strip: StripGeometry,
+    *,
+    start: NeutralCurve | None = None,
+) -> NeutralCurve:
+    """Return the same for another look at the picture, with a doubt in place of its refusal."""
     try:
         grey_image = read_grey_image(image, optics)
     except ImageError as error:

@@ -53,6 +53,10 @@ UNSEEN_THROUGH = (
     "search failed: both edges of a strip are nowhere seen together between the stated places; "
     "check them (through_px, tip_px), or light the strip."
 )
+TWO_WAYS = (
+    "search failed: two ways that lead away from the clamp look equally like a strip; "
+    "state the direction (--along-px) or the thickness, or mask what confuses (--mask)."
+)
 TOO_MUCH = (
     "search failed: too much in the image looks like the edges of a strip; mask what confuses "
     "(--mask), state length, thickness and direction (--along-px), or crop the image."
@@ -87,28 +91,27 @@ class _Tried:
         return optics.world_to_pixel(np.stack([shape.x, shape.y], axis=1) / optics.px_per_m)
 
 
-def outline_curve(
-    images: Sequence[GreyImage],
-    optics: Optics,
-    strip: StripGeometry,
-    *,
-    start: NeutralCurve | None = None,
+def followed_outline(
+    images: Sequence[GreyImage], optics: Optics, strip: StripGeometry, start: NeutralCurve
+) -> NeutralCurve:
+    """Return the curve between the strip's edges beside that of an image shortly before."""
+    images = _without_rolls(images, optics)
+    followed = _tried(images, optics, strip, _from_before(start), OutlineWork())
+    if followed is None or followed.why:
+        return _refused(UNSEEN if followed is None else followed.why)
+    return outline_in_metres(followed.outline, images, optics, strip)
+
+
+def searched_outline(
+    images: Sequence[GreyImage], optics: Optics, strip: StripGeometry
 ) -> NeutralCurve:
     """Return the curve between the strip's edges, or why there is none.
 
     `images`: the same one in each channel in which the strip may show, the likeliest first.
-    `start`: the curve of an image shortly before.
     """
     mask = roll_mask(optics, images[0].grey.shape)
-    if mask.any():
-        images = [image.without(mask) for image in images]
+    images = _without_rolls(images, optics)
     work = OutlineWork()
-    if start is not None:
-        followed = _tried(images, optics, strip, _from_before(start), work)
-        if followed is not None and not followed.why:
-            found = outline_in_metres(followed.outline, images, optics, strip)
-            if found.ok:
-                return found
     likeliest = likeliest_first(images, optics, strip, mask, work)
     if not likeliest:
         return _refused(NOTHING_THROUGH if optics.stated_places_px else NOTHING_FOUND)
@@ -126,6 +129,11 @@ def outline_curve(
     if why or best is None:
         return _refused(why)
     return outline_in_metres(best.outline, images, optics, strip)
+
+
+def _without_rolls(images: Sequence[GreyImage], optics: Optics) -> Sequence[GreyImage]:
+    mask = roll_mask(optics, images[0].grey.shape)
+    return [image.without(mask) for image in images] if mask.any() else images
 
 
 def _all_tried(
@@ -188,10 +196,7 @@ def _chosen(tried: list[_Tried]) -> tuple[str, _Tried]:
             return each.why, each
     for each in passing:
         if each is not best and each.worth > AS_GOOD_RATIO * best.worth and _leaves(each, best):
-            return (
-                "search failed: two ways that lead away from the clamp look equally like a strip; "
-                "state the direction (--along-px) or the thickness, or mask what confuses (--mask)."
-            ), best
+            return TWO_WAYS, best
     return "", best
 
 

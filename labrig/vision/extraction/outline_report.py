@@ -47,6 +47,10 @@ BY_PATH = (
     "the strip's edges are too faint to be measured: the curve follows what looks most like a "
     "strip from one stated place to the next"
 )
+START_UNSEEN = (
+    "check of the start failed: the first eighth of the best path shows no two edges; "
+    "check clamp_px."
+)
 STATED_RIVAL_RATIO = 2.0  # of the largest sigma, with rival edges, of a strip that is stated
 RIVAL_STEP = "check of the edges failed"  # the step that a refusal for rival edges names
 
@@ -114,10 +118,7 @@ def _unseen_fault(blocks: Blocks) -> str:
             "the direction (--along-px), state the length or mask what confuses."
         )
     if blocks.seen[:eighth].mean() < OUTLINE_START_SHARE_MIN:
-        return (
-            "check of the start failed: the first eighth of the best path shows no two edges; "
-            "check clamp_px."
-        )
+        return START_UNSEEN
     return ""
 
 

@@ -152,6 +152,8 @@ class _Fitter:
         """Return a curve led on along a tip that becomes thinner or fades, and how far."""
         last, more = end, max(TIP_WIDTHS * self.width_px, TIP_MIN_PX)
         for _ in range(TIP_PASSES):
+            if last <= BEGIN_WIDTHS * self.width_px:
+                break  # nothing of the strip lies before it
             before = cut(shape, last - BEGIN_WIDTHS * self.width_px, self.width_px)
             on = cut(before, end + more, self.width_px)
             tip = tip_beyond(on, last, self.images, self.optics, self.width_px)

@@ -31,18 +31,18 @@ def downscaling_factor(thickness_px: float) -> int:
     )
 
 
-def downscaled_image(image: GreyImage, by: int) -> GreyImage:
-    """Return the means of squares of pixels."""
+def downscaled_image(image: GreyImage, by: float) -> GreyImage:
+    """Return the means of squares of pixels, with parts of those at their borders."""
     import cv2
 
-    rows, columns = (each // by for each in image.grey.shape)
-    whole = image.grey[: rows * by, : columns * by]
+    rows, columns = (int(each / by) for each in image.grey.shape)
+    whole = image.grey[: round(rows * by), : round(columns * by)]
     grey = np.asarray(cv2.resize(whole, (columns, rows), interpolation=cv2.INTER_AREA))
     noise = pixel_noise(grey, image.full_scale)
     return replace(image, grey=grey, noise=noise, downscaling=by, full_resolution=image.grey)
 
 
-def downscaled_optics(optics: Optics, by: int) -> Optics:
+def downscaled_optics(optics: Optics, by: float) -> Optics:
     """Return what a camera with pixels `by` times as large has for a calibration."""
     small = np.array([[1 / by, 0, 0.5 / by - 0.5], [0, 1 / by, 0.5 / by - 0.5], [0, 0, 1.0]])
 
@@ -96,9 +96,9 @@ def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
     )
 
 
-def in_camera_pixels(curve: NeutralCurve, by: int) -> NeutralCurve:
+def in_camera_pixels(curve: NeutralCurve, by: float) -> NeutralCurve:
     """Return a curve found in a downscaled image, for who knows the whole one only."""
-    note = f"pixels here are those of the image downscaled {by} times"
+    note = f"pixels here are those of the image downscaled {by:.3g} times"
 
     def noted(text: str) -> str:
         if "pixel" not in text:

@@ -36,7 +36,7 @@ class GreyImage:
     full_scale: float
     clipped: float  # share of the pixels at full scale
     warnings: tuple[str, ...]
-    downscaling: int = 1  # times, against the camera's
+    downscaling: float = 1  # times, against the camera's
     full_resolution: MapArray | None = None  # the camera's own, of a downscaled image
 
     @cached_property

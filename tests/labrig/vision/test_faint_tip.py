@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from labrig.vision.curve.shape import make_basis, make_shape
+from labrig.vision.extraction import outline_shape
 from labrig.vision.extraction.faint_tip import tip_beyond
+from labrig.vision.fit.stated_places import StatedPlaces
+from labrig.vision.search.work import OutlineWork
 from tests.labrig.vision.test_strip_end import BEGIN, COLUMNS, OPTICS, grey, picture
 
 END, TIP = 140, 160  # px from the clamp: of the strip's whole width, and of its tip
@@ -67,3 +70,16 @@ def test_where_the_ground_changes_it_is_not_known_what_goes_on():
 
 def test_a_curve_shorter_than_the_strip_is_wide_shows_no_tip_and_warns_of_nothing():
     assert found(picture(narrowing(), 80.0), end_px=0.8 * THICK) is None
+
+
+def test_a_strip_that_ends_at_its_clamp_has_no_tip():
+    basis = make_basis(185.0, 185.0, 6, 1.0)
+    shape = make_shape(basis, np.zeros(2), 0.0, np.zeros(basis.size))
+    fitter = outline_shape._Fitter(
+        images=[grey(picture(THICK, 80.0))],
+        optics=OPTICS,
+        width_px=THICK,
+        places=StatedPlaces.of(OPTICS, THICK),
+        work=OutlineWork(),
+    )
+    assert fitter.to_faint_tip(shape, 0.3 * THICK) == (shape, 0.0)

@@ -77,6 +77,14 @@ def test_a_curve_that_ends_early_is_led_on_to_the_tip(shows):
     )
 
 
+def test_what_stands_out_settles_a_doubt_and_a_look_that_shows_nothing_does_not(shows):
+    doubted = replace(curve_along(arc()[:200]), doubt="it ends elsewhere.")
+    shows(strip_map(arc()))
+    assert shows.then(doubted).confirmed().ok
+    shows(np.zeros(SIZE))
+    assert shows.then(doubted).confirmed().why == "it ends elsewhere."
+
+
 def test_what_was_said_of_the_end_that_is_no_longer_so_is_left_out(shows):
     assert STRIP_GOES_ON.warning.startswith(GOES_ON)
     shows(strip_map(arc()))

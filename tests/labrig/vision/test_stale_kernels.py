@@ -10,7 +10,9 @@ from pathlib import Path
 import pytest
 
 VISION = Path(__file__).parents[3] / "labrig" / "vision"
-COPIED = ("jit", "thresholds", "search/path_search", "search/straight_ridges")
+COPIED = (
+    "jit", "thresholds", "search/beam_selection", "search/path_search", "search/straight_ridges",
+)  # fmt: skip
 RUN = """
 import numpy as np
 from labrig.vision.search.straight_ridges import _direction
