@@ -23,11 +23,13 @@ from labrig.cli.sentences.usage_errors import usage_sentence
 from labrig.cli.sentences.user_warnings import shown_as_sentences
 from labrig.errors import BadInputError, ExitCode, LabrigError
 from labrig.files import family_of
+from labrig.garbage import look_for_garbage_seldom
 from labrig.own_packages import hidden
 
 
 def main() -> None:
     """Run the program; end the process with a documented exit code."""
+    look_for_garbage_seldom()
     from labrig.experiment.signals import ignore_stop_signals
 
     show_what_can_be_shown()

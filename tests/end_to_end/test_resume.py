@@ -41,6 +41,7 @@ def failed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "about.toml").write_text('title = "as it was begun"\n')
     assert labrig("run", *(folder / f for f in FILES), "-o", folder / "s.h5") == 5
     (folder / "world.toml").write_text("seed = 1\n")
+    (folder / "about.toml").write_text('title = "edited since"\n')
     with open_session(folder / "s.h5") as session:
         assert [run.completed for run in session.runs] == [True, False, False]
     return folder
@@ -57,6 +58,7 @@ def test_a_resumed_session_is_whole_and_keeps_what_was_complete(failed: Path) ->
         assert new.output_state is OutputState.SAFE
         assert [run.completed for run in new.runs] == [True] * 3
         assert new.identifier != old.identifier
+        assert new.about.title == old.about.title == "as it was begun"
         first = new.events[0]
         assert (first.kind, old.identifier in first.text) == ("resumed", True)
         kept, copied = old.runs[0], new.runs[0]
@@ -91,13 +93,18 @@ def test_a_resumed_session_that_fails_can_be_resumed_itself(failed: Path, tmp_pa
         assert [run.completed for run in session.runs] == [True] * 3
 
 
-def test_the_files_may_be_given_when_they_are_those_of_the_session(
+def test_the_files_may_be_given_when_they_are_those_of_the_session_and_others_of_people_and_sample(
     failed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     folder = tmp_path / "rig"
     shutil.copytree(failed, folder)
+    (folder / "other.toml").write_text('title = "by another person"\n')
     files = [folder / name for name in FILES]
-    assert labrig("run", *files, "--resume", folder / "s.h5", "-o", folder / "whole.h5") == 0
+    more = ("-o", folder / "whole.h5", "--about", folder / "other.toml")
+    assert labrig("run", *files, "--resume", folder / "s.h5", *more) == 0
+    with open_session(folder / "whole.h5") as session:
+        assert session.about.title == "by another person"
+        assert [run.completed for run in session.runs] == [True] * 3
     text = (folder / "protocol.toml").read_text()
     (folder / "protocol.toml").write_text(text.replace("zero_readings = 1", "zero_readings = 2"))
     capsys.readouterr()
@@ -127,20 +134,3 @@ def test_what_is_missing_is_said(
 ) -> None:
     assert labrig(*arguments) == 2
     assert said in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("more", "title"), [((), "as it was begun"), (("--about", "other.toml"), "by another person")]
-)
-def test_people_and_sample_stay_those_of_the_session_unless_others_are_given(
-    failed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: tuple[str, ...], title: str
-) -> None:
-    folder = tmp_path / "rig"
-    shutil.copytree(failed, folder)  # begun with a title
-    monkeypatch.chdir(folder)
-    Path("about.toml").write_text('title = "edited since"\n')
-    Path("other.toml").write_text('title = "by another person"\n')
-    assert labrig("run", *FILES, "--resume", "s.h5", "-o", "whole.h5", *more) == 0
-    with open_session(Path("whole.h5")) as session:
-        assert session.about.title == title
-        assert [run.completed for run in session.runs] == [True] * 3

@@ -51,9 +51,14 @@ def chromium():
 
 
 @pytest.fixture(scope="session")
-def kept_pages(chromium: Any) -> tuple[KeptPage, KeptPage]:
-    """Pages that the tests of a worker use one after the other; the second is for `enter`."""
-    return KeptPage(chromium), KeptPage(chromium, bypass_csp=True)
+def kept_pages(request: pytest.FixtureRequest, chromium: Any) -> tuple[KeptPage, KeptPage]:
+    """Pages that the tests of a worker use one after the other; the second is for `enter`.
+
+    That one, on a real rig, draws ten times a second unless a test measures what users are
+    promised: tests of how often a page draws have a panel without a rig.
+    """
+    seldom = not any(map(is_alone, request.session.items))
+    return KeptPage(chromium), KeptPage(chromium, seldom=seldom, bypass_csp=True)
 
 
 @pytest.fixture

@@ -11,6 +11,12 @@ from urllib.parse import urlsplit
 POLLING_MS = 50  # as it is shipped it looks at each frame, and so has the browser make frames
 WAIT_MS = 30_000  # a shared machine may be slow; nothing waits longer than it must
 FORGET = "localStorage.clear(); sessionStorage.clear()"
+FRAME_MS = 100
+# A page that follows a run takes 0.4 of a processor; half of that is for more frames than these.
+SELDOM = f"""
+window.requestAnimationFrame = (draw) => setTimeout(() => draw(performance.now()), {FRAME_MS});
+window.cancelAnimationFrame = clearTimeout;
+"""
 Visit = Callable[..., Any]
 
 
@@ -49,9 +55,10 @@ class KeptPage:
     that are compiled anew. It is left as if nobody had used it, else the next test gets another.
     """
 
-    def __init__(self, chromium: Any, **context: Any) -> None:
+    def __init__(self, chromium: Any, *, seldom: bool = False, **context: Any) -> None:
         self.context = context
         self._chromium = chromium
+        self._seldom = seldom  # it draws ten times a second
         self._page: Any = None
 
     def get(self, width: int, height: int, dark: bool) -> Any:
@@ -59,6 +66,8 @@ class KeptPage:
         if self._page is None:
             context = self._chromium.new_context(reduced_motion="reduce", **self.context)
             context.set_default_timeout(WAIT_MS)
+            if self._seldom:
+                context.add_init_script(SELDOM)
             self._page = context.new_page()
         self._page.set_viewport_size({"width": width, "height": height})
         self._page.emulate_media(color_scheme="dark" if dark else "light", reduced_motion="reduce")

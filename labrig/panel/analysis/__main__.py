@@ -12,6 +12,7 @@ import threading
 from typing import TextIO
 
 from labrig.errors import LabrigError
+from labrig.garbage import look_for_garbage_seldom
 from labrig.left_out import listen, told_of
 from labrig.panel.analysis.order import AnalysisOrder
 from labrig.panel.analysis.work import WORK
@@ -41,6 +42,7 @@ class Messages:
 def main() -> None:
     """Read the order and do it."""
     be_ended_first()
+    look_for_garbage_seldom()
     messages = Messages(_own_output())
     text = sys.stdin.readline()
     listen()

@@ -7,11 +7,14 @@ import sys
 import threading
 from queue import SimpleQueue
 
+from labrig.garbage import look_for_garbage_seldom
+
 LINES = 2  # the rig, then the order
 
 
 def main() -> int:
     """Do what is ordered."""
+    look_for_garbage_seldom()
     lines: SimpleQueue[str] = SimpleQueue()
     threading.Thread(target=_hear, args=(lines,), name="job-order", daemon=True).start()
     from labrig.panel.job.perform import perform

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from contextlib import suppress
 
+from labrig.garbage import look_for_garbage_seldom
 from labrig.panel.live.event_stream import Message
 from labrig.panel.live.packing import BrokenConnectionError, Header, pack, read, write
 from labrig.panel.live.strip_chart import StripChart, strip_from
@@ -43,6 +44,7 @@ def _take(model: ModelBesideRun, message: Message) -> None:
 def main() -> None:
     """Serve until the input ends."""
     be_ended_first()
+    look_for_garbage_seldom()
     model = ModelBesideRun()
     source, sink = sys.stdin.buffer, sys.stdout.buffer
     with suppress(BrokenConnectionError, OSError, KeyboardInterrupt):
