@@ -76,7 +76,7 @@ def test_a_force_that_goes_with_the_position_is_unknown_beside_a_name():
     assert "times the usual one, and what it takes up is smooth or comes back" in found.sentence
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_noise_of_the_load_cell_without_an_order_names_nothing_new():
     found = beside_a_name("chance")
     assert [one.name for one in found.effects] == ["nonuniform_eibm"]
