@@ -169,6 +169,13 @@ TOLERATED_SCATTER_RATIO = 2.0
 LEFT_OUT_CHI2_RATIO, LEFT_OUT_SIGMA = 1.8, 5.0
 # Scatter between set-ups over the usual one, beside a name, at which something else hides in it.
 ALARMING_SCATTER_RATIO = 6.0
+# Noise of the load cell over the usual one, beside a name, from which on what it takes up is asked
+# for an order.
+UNUSUAL_CELL_RATIO = 3.0
+# Log Bayes factor of an order against noise of any size: of noise one in 50 has more by chance.
+ORDER_OF_NOISE_LN = 4.0
+# Share of the noise that may be left beside a term that explains what the noise took up.
+NOISE_LEFT_SHARE = 0.5
 # Ratio of an effect's amplitudes in two parts of the data below which it is another effect: of one
 # whose form may differ in time, along the sheet, and of others. Right names in other forms have
 # 0.22, 0.52 and 0.9 at least. Its distance from that in standard deviations.

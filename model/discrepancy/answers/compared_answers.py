@@ -26,6 +26,7 @@ from model.identification.likelihood.mixed_model_fit import MixedModelFit
 
 MOST_FAILURES = 3
 LEAST_EVIDENCE_LN = 10.0  # a share of less says nothing
+ALLOWED = ("noticed", "alike", "told")  # failures that speak against no name
 SURE_SIGMA, MOST_UNEVEN = 2.0, 2.0
 _KINDS_OF_PART: tuple[Callable[[Family], str], ...] = (
     lambda f: f.quantity, lambda f: f.configuration, lambda f: f"{f.voltage_V:g} V",
@@ -75,14 +76,22 @@ class ComparedAnswers:
         ranking = self._last_ranking
         free = max((c.gain for c in ranking if _is_free(c)), default=0.0)
         best = ranking[0] if ranking else None
-        worth = 0.0 if best is None else evidence_beside(self.known, best)
         nothing = _nothing(
-            0.0 if best is None else best.gain, worth,
+            0.0 if best is None else best.gain, self._worth(best),
             further=bool(self.named), considered=not self.unknown,
         )  # fmt: skip
         unknown = self._unknown(ranking, free, considered=self.unknown)
         considered = UNKNOWN if self.unknown else NOTHING
         return ChoiceSet(considered, (*self._names(self.known, ranking, ""), unknown, nothing))
+
+    def _worth(self, best: RankedCandidate | None) -> float:
+        """Return the evidence of what is best beside the names, these being uncertain."""
+        if best is None:
+            return 0.0
+        hidden = self.judged.cell_noise if self.judged.plain is not None else None
+        if self.rest is not None and hidden is not None and best is hidden.term:
+            return self.rest.apart  # the model has it already
+        return evidence_beside(self.known, best)
 
     @property
     def _last_ranking(self) -> Sequence[RankedCandidate]:
@@ -96,7 +105,7 @@ class ComparedAnswers:
     ) -> list[Alternative]:
         known = sorted((c for c in ranking if c.known), key=lambda c: -c.gain)
         asked = bool(named) or not self.named  # beside names that are in place no other is chosen
-        chosen = votes(before, known, self.known.solution.log_sigma, named) if asked else {}
+        chosen = votes(before, known, self.judged.log_sigma, named) if asked else {}
         some = known[:COMPARED_NAMES]
         some += [c for c in known[COMPARED_NAMES:] if c.name == named]
         return [self._name(c, known[0], named, chosen) for c in some]
@@ -126,7 +135,7 @@ class ComparedAnswers:
         return Alternative(one.name, attributes)
 
     def _failed(self, name: str) -> float:
-        against = [f for f in self.criticism.failures if f.consequence not in ("noticed", "alike")]
+        against = [f for f in self.criticism.failures if f.consequence not in ALLOWED]
         own = [f for f in against if not f.effects or name in f.effects]
         return float(min(len(own), MOST_FAILURES))
 
@@ -139,7 +148,9 @@ class ComparedAnswers:
         failed: float = 0.0,
     ) -> Alternative:
         best = max((c.gain for c in ranking if c.known), default=0.0)
-        beside, share = (0.0, 0.0) if self.rest is None else (self.rest.apart, self.rest.share)
+        # what the load cell's noise hid is in the model, and no part of a name's question
+        there = self.rest is not None and (considered or self.judged.plain is None)
+        beside, share = (self.rest.apart, self.rest.share) if self.rest and there else (0.0, 0.0)
         beside = max(beside, 0.0)
         attributes = {
             "unknown": 1.0,

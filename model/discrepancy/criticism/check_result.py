@@ -11,8 +11,9 @@ from typing import Any, Literal
 # doubt: so it is, unless the answers, which count failed checks, are sure of the name all the same
 # one_of: rivals are as good, the class is the answer
 # alike: nothing in the data tells rivals apart; that speaks against none of them
+# told: it is odd, and speaks against none of the names
 # cannot_tell: the data do not allow a verdict
-Consequence = Literal["unknown", "noticed", "doubt", "one_of", "alike", "cannot_tell"]
+Consequence = Literal["unknown", "noticed", "doubt", "one_of", "alike", "told", "cannot_tell"]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from model.discrepancy.criticism.cell_noise import CellNoise, unusual_cell_noise
 from model.discrepancy.criticism.predictive import Predictive
 from model.discrepancy.search.cross_validation import position_groups
 from model.discrepancy.search.evidence import Candidate, candidates
@@ -33,12 +34,23 @@ class NamedModel:
 
     outcome: SearchResult
     named: Sequence[Choice]
-    fitted: MixedModelFit  # with the named effects
+    fitted: MixedModelFit  # with the named effects, and a term that the load cell's noise hid
+    plain: MixedModelFit | None = None  # without that term; None: there is none
 
     @cached_property
     def predictive(self) -> Predictive:
         """Residuals of left-out positions, with scatter limited to what set-ups usually have."""
         return Predictive(self.fitted, limited_scatter(self.fitted), position_groups(self.fitted))
+
+    @property
+    def cell_noise(self) -> CellNoise | None:
+        """The load cell's noise beside the names; None: it is as usual."""
+        return unusual_cell_noise(self.plain or self.fitted)
+
+    @property
+    def log_sigma(self) -> FloatArray:
+        """Ln of all standard deviations beside the names, for models without the term."""
+        return (self.plain or self.fitted).solution.log_sigma
 
     @property
     def found(self) -> tuple[Found, ...]:

@@ -11,6 +11,7 @@ from model.discrepancy.answers.calibrated_answers import Judged, calibrated, is_
 from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
 from model.discrepancy.answers.hidden_names import hidden_chances
+from model.discrepancy.criticism.cell_noise import unusual_cell_noise
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.criticism.picture_noise import of_pictures, unusual_pictures
@@ -76,7 +77,7 @@ class Judgement:
 
     def decision(self) -> Decision:
         """Return the effects named, the unknown term, or both, after the criticism."""
-        found = self._revised(self.uncriticised())
+        found = self._revised(self._beside_cell_noise(self.uncriticised()))
         return replace(
             found,
             nonparametric_explains_more=self.outcome.best_nonparametric > self.outcome.best_name,
@@ -120,12 +121,32 @@ class Judgement:
             named=named, known=known, unknown=unknown, final=final, free=free, rest=rest
         )
 
+    def _beside_cell_noise(self, found: Decision) -> Decision:
+        """Return the decision with what the load cell's noise hides beside the names.
+
+        It takes the place of something unknown that was found with so much noise;
+        what hides in the noise of curves stays.
+        """
+        in_pictures = found.free is not None and of_pictures(found.free)
+        hidden = unusual_cell_noise(found.known) if found.named and not in_pictures else None
+        if found.rest is None or hidden is None or hidden.term is None:
+            return found
+        rest = found.rest.instead(hidden.ranking, found.known, self.outcome.base)
+        return self._with_unknown(found.named, found.known, rest)
+
+    def _judged(self, found: Decision) -> NamedModel:
+        """Return the names with their model, and what the load cell's noise hides beside them."""
+        hidden = unusual_cell_noise(found.known) if found.named and found.unknown else None
+        if hidden is None or found.free is not hidden.term:
+            return NamedModel(self.outcome, found.named, found.known)
+        return NamedModel(self.outcome, found.named, found.final, found.known)
+
     def _revised(self, found: Decision, *, settled: bool = False) -> Decision:
         """Return the decision without names that the checks reject.
 
         Unless it is `settled`, a name gives way to a likelier one of the same question first.
         """
-        judged = NamedModel(self.outcome, found.named, found.known)
+        judged = self._judged(found)
         criticism = criticise(judged)
         choice_sets = ComparedAnswers(
             judged=judged, rest=found.rest, unknown=found.unknown is not None, criticism=criticism
@@ -133,9 +154,11 @@ class Judgement:
         answers = tuple(calibrated().judged(one) for one in choice_sets)
         other = None
         if not settled:
-            other = self._as_one(judged, found) or self._with_likelier(found, answers, criticism)
+            # what the load cell's noise hides is looked for again beside the other name
+            those = found if judged.plain is None else replace(found, unknown=None)
+            other = self._as_one(judged, found) or self._with_likelier(those, answers, criticism)
         if other is not None:
-            return self._revised(other, settled=True)
+            return self._revised(self._beside_cell_noise(other), settled=True)
         names = [one.effect.name for one in found.named]
         asked = dict(zip(names, answers, strict=False))
         wrong = {name for name, one in asked.items() if improbable(one)}
@@ -227,6 +250,9 @@ class Judgement:
         rest = self._with_pictures(leftover(self.outcome, known, self.effects), known)
         if rest is not None and self._alone(rest, named, known):
             named, known = [], base
+        hidden = unusual_cell_noise(known) if named else None
+        if rest is not None and hidden is not None and hidden.term is not None:
+            rest = rest.instead(hidden.ranking, known, base)
         if rest is None or self._worth(rest, known) < self.threshold:
             if not rejected:
                 return found  # doubtful names, and nothing better
@@ -250,7 +276,7 @@ class Judgement:
         if rest is None or self._unexplained(rest):
             return rest
         pictures = unusual_pictures(known)
-        return rest if pictures is None else rest.instead(pictures, known, self.outcome.base)
+        return rest if pictures is None else rest.instead([pictures], known, self.outcome.base)
 
     def _alone(self, rest: Leftover, named: Sequence[Choice], known: MixedModelFit) -> bool:
         """Return whether a nonparametric term stands for all names.

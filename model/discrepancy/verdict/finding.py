@@ -12,6 +12,7 @@ import numpy as np
 from model.discrepancy.answers.choice_set import NOTHING
 from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
 from model.discrepancy.criticism.catalogue import origins as origins_of_checks
+from model.discrepancy.criticism.cell_noise import unusual_cell_noise
 from model.discrepancy.criticism.picture_noise import of_pictures
 from model.discrepancy.next_measurement.choice import next_measurement
 from model.discrepancy.next_measurement.separation import Suspect, separated
@@ -45,6 +46,7 @@ from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
     DIFFERS,
     improbable,
+    noisy,
     not_written,
     notes,
     open_answers,
@@ -229,13 +231,17 @@ class Finding:
         for asked, judged in zip(decision.choice_sets, decision.answers, strict=True):
             if asked.considered != judged.likeliest and NOTHING not in judged.answers:
                 return improbable(asked.considered, judged)
-        if criticism.failures:  # what is wrong with the names has no place of its own
-            return criticism.failures[0].sentence
+        against = [one for one in criticism.failures if one.consequence != "told"]
+        if against:  # what is wrong with the names has no place of its own
+            return against[0].sentence
         log_sigma, usual = decision.final.solution.log_sigma, decision.final.problem.guess
         times = dict(zip(ASSUMED, np.exp(log_sigma - usual).tolist(), strict=False))
         most = max(DIFFERS, key=lambda name: times[name])
         if times[most] > EXCESSIVE_SCATTER_RATIO:
             return scattered(most, times[most], followed(decision.final, most))
+        noise = unusual_cell_noise(decision.final)
+        if noise is not None and noise.times > EXCESSIVE_SCATTER_RATIO:
+            return noisy(noise.name, noise.times)
         best = next((c for c in self.outcome.turns[0].ranking if c.known), None)
         if best is not None and best.gain > self.threshold + NONPARAMETRIC_MARGIN_LN:
             return refused(best.name)

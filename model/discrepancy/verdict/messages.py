@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
+from model.discrepancy.criticism.cell_noise import CELL
 from model.discrepancy.thresholds import FEWEST_SETUPS, REPORTED_FORM_SHARE, REPORTED_GAP_RATIO
 from model.discrepancy.verdict.result import (
     BeforeAfter,
@@ -227,6 +228,14 @@ def too_few(setups: int) -> str:
     return (
         f"there are {setups} set-ups of the load cell, too few to estimate the scatter between"
         f" set-ups; measure at least {FEWEST_SETUPS} positions, or repeat three of them"
+    )
+
+
+def noisy(name: str, times: float) -> str:
+    """Return why noise of the load cell that is larger than usual allows no verdict."""
+    return (
+        f"the {CELL[name]} is {times:.0f} times the usual one, so that a missing force may hide"
+        " in it"
     )
 
 

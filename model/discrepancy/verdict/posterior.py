@@ -241,16 +241,21 @@ class Leftover:
         return max(self.gain, 0.0) / max(self.total, 1e-9)
 
     def instead(
-        self, pictures: RankedCandidate, final: MixedModelFit, base: MixedModelFit
+        self, hidden: Sequence[RankedCandidate], final: MixedModelFit, base: MixedModelFit
     ) -> Leftover:
-        """Return the same with what hides in the noise of curves as the nonparametric term."""
-        judge, explained = with_usual_noise(final, pictures), 0.5 * (base.deviance - final.deviance)
+        """Return the same with what hides in noise as the nonparametric term, the first of them.
+
+        They stand for those of their locations.
+        """
+        best, explained = hidden[0], 0.5 * (base.deviance - final.deviance)
+        names = {one.name for one in hidden[1:]}
+        others = [one for one in self.ranking if one.name not in names]
         return replace(
-            self, gain=pictures.gain, total=max(self.total, explained + pictures.gain),
-            location=pictures.score.candidate.location, last=pictures,
-            first=pictures if final is base else self.first,
-            apart=evidence_beside_at_usual_noise(judge, pictures),
-            ranking=sorted([pictures, *self.ranking], key=lambda c: -c.gain),
+            self, gain=best.gain, total=max(self.total, explained + best.gain),
+            location=best.score.candidate.location, last=best,
+            first=best if final is base else self.first,
+            apart=evidence_beside_at_usual_noise(with_usual_noise(final, best), best),
+            ranking=sorted([*hidden, *others], key=lambda c: -c.gain),
         )  # fmt: skip
 
 

@@ -71,7 +71,7 @@ def _left_out(named: NamedModel) -> list[Index]:
 def _other(named: NamedModel, runs: Index, own: set[str]) -> str:
     """Return the name that all other runs choose where it is clearly another one; else none."""
     base = named.outcome.base
-    judge = replace(base, solution=weigh(base.linear.data, named.fitted.solution.log_sigma))
+    judge = replace(base, solution=weigh(base.linear.data, named.log_sigma))
     best: dict[str, float] = {}
     for one in scores_without(judge, named.rivals, runs):
         name = one.candidate.name

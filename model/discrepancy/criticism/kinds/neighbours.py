@@ -63,9 +63,7 @@ def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
         c for c in one.ranking if c.known and (_same_place(c, one) or explains_as_much(c, one))
     ]
     effects = [c.score.candidate.effect for c in every]
-    found = evidence(
-        one.before, named.fitted.solution.log_sigma, [e for e in effects if e is not None]
-    )
+    found = evidence(one.before, named.log_sigma, [e for e in effects if e is not None])
     own = next((c for c in every if c.name == one.effect.name), None)
     result = {}
     for rival in every:

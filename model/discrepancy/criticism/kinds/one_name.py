@@ -57,7 +57,7 @@ def _ahead_in_words(named: NamedModel, one: SingleName) -> float:
     """
     if len(named.named) != PAIR:
         return -np.inf
-    base, log_sigma = named.outcome.base, named.fitted.solution.log_sigma
+    base, log_sigma = named.outcome.base, named.log_sigma
     first, second = sorted(named.named, key=lambda choice: -choice.gain)
     rival = one.candidate.score.candidate.effect
     effects = [first.effect, *([] if rival is None else [rival])]
