@@ -44,6 +44,7 @@ from model.discrepancy.verdict.inferred_form import form_of
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
     DIFFERS,
+    cut_short,
     improbable,
     not_written,
     notes,
@@ -173,6 +174,7 @@ class Finding:
                 *remarks(self.measurements, base),
                 *map(promise_note, promises),
                 *worse(apart.gap, apart.floor),
+                *cut_short(base.problem.effort),
                 *not_written(self.written.without, self.written.unsolved),
                 *notes(named, outliers, apart.chosen),
                 *open_answers(open_still, named),
