@@ -21,9 +21,9 @@ class ContactSearch:
     def __init__(self, look: DataVector, elements: SheetElements) -> None:
         self._look, self._sheet, self._elements = look, look.sheet, elements
         self._stated_m = np.array([o.position_m for o in look.seen])
-        # conditions, angles and solution where contacts were last beside the point on the arc
-        self._last_beside: tuple[Index, FloatArray, Equilibria] | None = None
         self.last: Equilibria | None = None
+        # conditions, angles and solution where contacts were last beside the point on the arc
+        self.last_beside: tuple[Index, FloatArray, Equilibria] | None = None
 
     def polar_angle(self, beam: BeamProblem, rows: Index) -> FloatArray:
         """Polar angle of the point on the arc, seen along the clamp."""
@@ -58,7 +58,7 @@ class ContactSearch:
             if np.max(np.abs(gamma - before)) < SAME_RAD:
                 break
         assert found is not None  # noqa: S101 - there is a round
-        self._last_beside = rows, gamma, found
+        self.last_beside = rows, gamma, found
         return found
 
     def _begun_beside(self, rows: Index) -> tuple[FloatArray, Equilibria | None]:
@@ -66,9 +66,9 @@ class ContactSearch:
 
         The conditions are in ascending order.
         """
-        if self._last_beside is None or not np.all(np.isin(rows, self._last_beside[0])):
+        if self.last_beside is None or not np.all(np.isin(rows, self.last_beside[0])):
             return np.zeros(len(rows)), None
-        known, gamma, last = self._last_beside
+        known, gamma, last = self.last_beside
         if len(known) == len(rows):
             return gamma, last
         places = np.searchsorted(known, rows)
