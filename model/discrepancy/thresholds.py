@@ -91,6 +91,10 @@ REFINED_CANDIDATES = 4
 REFINED_AT_USUAL_SCATTER = 2
 # Share of the evidence by which linearisation may misjudge the shape of a strong effect.
 CURVATURE_SHARE = 0.1
+# Solutions of the whole model after which nothing more is tried: neither a further effect nor
+# another beginning. Of 59 open sessions the median takes 33 and the most 147; two with three strong
+# effects at once took about 200.
+MOST_SOLUTIONS = 200
 # Times its bounds to which linearisation may lead an amplitude.
 BOUNDS_FACTOR = 10.0
 # Share of model-form error, and scatter over the usual one, from which on a fit may have ended at

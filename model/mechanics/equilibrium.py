@@ -53,9 +53,10 @@ class Problems:
     breaks_m: FloatArray  # (P + 1,) from 0 to l
     kappa: FloatArray  # (K, P, D) k* as coefficients of t, see `field`
     softness: FloatArray  # (1 or K, P, Dc) c(s); Dc = 0: 1 everywhere
-    radius_m: float
+    radius_m: float  # the least
     reach_m: float  # the visible end of sheet or elongation
     angle_rad: FloatArray  # (K,) beta
+    radii_m: FloatArray | None = None  # (K,) of each; None: all have the same
     turn_rad: float | None = None  # bound of what a panel of kappa turns; None: to be worked out
 
     def __len__(self) -> int:
@@ -65,6 +66,11 @@ class Problems:
     def length_m(self) -> float:
         """The free length l."""
         return float(self.breaks_m[-1])
+
+    @property
+    def each_radius_m(self) -> FloatArray:
+        """The radius of all (1,), or of each (K,)."""
+        return np.array([self.radius_m]) if self.radii_m is None else self.radii_m
 
 
 def problems(
@@ -212,7 +218,10 @@ class Equilibria:
         """Return some of them."""
         p = self.problems
         soft = p.softness if len(p.softness) == 1 else p.softness[rows]
-        some = replace(p, kappa=p.kappa[rows], softness=soft, angle_rad=p.angle_rad[rows])
+        radii = None if p.radii_m is None else p.radii_m[rows]
+        some = replace(
+            p, kappa=p.kappa[rows], softness=soft, angle_rad=p.angle_rad[rows], radii_m=radii
+        )
         return replace(
             self, problems=some, status=self.status[rows], nu=self.nu[rows],
             s_hat_m=self.s_hat_m[rows], phi_hat_rad=self.phi_hat_rad[rows], psi=self.psi[rows],
@@ -251,7 +260,7 @@ class Equilibria:
         good = self.status == SolverStatus.SOLVED
         _engine(engine).describe_many(
             breaks=p.breaks_m, kappa=p.kappa, soft=p.softness, rule=rule(self.nodes),
-            R=p.radius_m, angles=p.angle_rad, psi=self.psi, x=state, good=good, s=s, to=to,
+            R=p.each_radius_m, angles=p.angle_rad, psi=self.psi, x=state, good=good, s=s, to=to,
             out=out, lever=lever, dx=dx, dout=dout,
         )  # fmt: skip
         shapes = Shapes(
@@ -306,18 +315,20 @@ def _share(
 ) -> int:
     """Run the engine on slices of the batch, one thread each; returns how many are left."""
     same = {
-        "breaks": batch.breaks_m, "rule": rule(nodes), "R": batch.radius_m,
-        "reach": batch.reach_m * (1.0 + 1e-12),
+        "breaks": batch.breaks_m, "rule": rule(nodes), "reach": batch.reach_m * (1.0 + 1e-12),
     }  # fmt: skip
+    radii = batch.each_radius_m
     if workers <= 1 or len(batch) < 2 * LEAST_SHARE:
         return engine(
-            kappa=batch.kappa, soft=batch.softness, angles=batch.angle_rad, **arrays, **same
-        )
+            kappa=batch.kappa, soft=batch.softness, R=radii, angles=batch.angle_rad, **arrays,
+            **same,
+        )  # fmt: skip
 
     def part(rows: slice) -> int:
         soft = batch.softness if len(batch.softness) == 1 else batch.softness[rows]
         return engine(
             kappa=batch.kappa[rows], soft=soft, angles=batch.angle_rad[rows],
+            R=radii if len(radii) == 1 else radii[rows],
             **{name: values[rows] for name, values in arrays.items()}, **same,
         )  # fmt: skip
 

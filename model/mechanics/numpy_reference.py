@@ -41,12 +41,12 @@ class Case:
         return replace(self, **{name: getattr(self, name)[rows] for name in names})
 
 
-def _case(breaks: Numbers, kappa: Numbers, soft: Numbers, R: float, angles: Numbers) -> Case:
+def _case(breaks: Numbers, kappa: Numbers, soft: Numbers, R: Numbers, angles: Numbers) -> Case:
     K = len(angles)
     soft = np.broadcast_to(soft, (K, *soft.shape[1:]))
     return Case(
-        breaks=breaks, kappa=kappa, soft=soft, R=np.full(K, R), length=np.full(K, breaks[-1]),
-        angle=angles,
+        breaks=breaks, kappa=kappa, soft=soft, R=np.broadcast_to(R, K),
+        length=np.full(K, breaks[-1]), angle=angles,
     )  # fmt: skip
 
 
@@ -187,26 +187,28 @@ def _follow(case: Case, u: Numbers, start: Case, r: Rule) -> tuple[Numbers, Numb
 
 
 def solve_many(
-    breaks: Numbers, kappa: Numbers, soft: Numbers, rule: Rule, R: float, reach: float,
+    breaks: Numbers, kappa: Numbers, soft: Numbers, rule: Rule, R: Numbers, reach: float,
     angles: Numbers, warm: Numbers, psi: Numbers, x: Numbers, status: Numbers,
 ) -> int:  # fmt: skip
     """As `kernel.solve_many`."""
     case = _case(breaks, kappa, soft, R, angles)
     free, polar = _free(case, rule)
     u = free.copy()
-    share = 1.0 - max(0.0, 1.0 - breaks[-1] / R) ** 3
+    share, each = 1.0 - np.maximum(0.0, 1.0 - breaks[-1] / R) ** 3, case.R[:, None]
     u[:, -2] = 3.0 * (polar - angles) / share
-    started = np.concatenate([psi.reshape(len(psi), -1), x[:, :1] * R * R, x[:, 1:2] / R], axis=1)
+    started = np.concatenate(
+        [psi.reshape(len(psi), -1), x[:, :1] * each**2, x[:, 1:2] / each], axis=1
+    )
     u[warm] = started[warm]
     u, done = _newton(case, u, rule)
-    sure = done & ((u[:, -1] * R <= breaks[-1]) | (np.abs(polar - angles) < 1.0))
-    status[:] = np.where(sure & (u[:, -1] * R <= reach), SOLVED, FAILED)
+    sure = done & ((u[:, -1] * case.R <= breaks[-1]) | (np.abs(polar - angles) < 1.0))
+    status[:] = np.where(sure & (u[:, -1] * case.R <= reach), SOLVED, FAILED)
     _store(case, u, rule, psi, x, np.arange(len(u)), status == SOLVED)
     return int(np.count_nonzero(status == FAILED))
 
 
 def rescue_many(
-    breaks: Numbers, kappa: Numbers, soft: Numbers, rule: Rule, R: float, reach: float,
+    breaks: Numbers, kappa: Numbers, soft: Numbers, rule: Rule, R: Numbers, reach: float,
     angles: Numbers, psi: Numbers, x: Numbers, status: Numbers,
 ) -> int:  # fmt: skip
     """As `kernel.rescue_many`."""
@@ -226,7 +228,7 @@ def rescue_many(
             v, one = _follow(there, straight, flat, rule)
             v, done = _follow(case, v, there, rule)
             done &= one
-        found = np.where(v[:, -1] * R <= reach, SOLVED, SLIPPED)
+        found = np.where(v[:, -1] * case.R <= reach, SOLVED, SLIPPED)
         status[left] = np.where(done, found, status[left])
         _store(case, v, rule, psi, x, left, done)
     return int(np.count_nonzero(status == FAILED))
@@ -297,13 +299,14 @@ def _tail(case: Case, x: Any, y: Any, phi: Any, top: Any, place: float, r: Rule)
 
 
 def describe_many(
-    breaks: Numbers, kappa: Numbers, soft: Numbers, rule: Rule, R: float, angles: Numbers,
+    breaks: Numbers, kappa: Numbers, soft: Numbers, rule: Rule, R: Numbers, angles: Numbers,
     psi: Numbers, x: Numbers, good: Numbers, s: Numbers, to: Any,
     out: Numbers, lever: Numbers, dx: Numbers, dout: Numbers,
 ) -> None:  # fmt: skip
     """As `kernel.describe_many`; derivatives by a complex step along solution and parameter."""
     case = _case(breaks, kappa, soft, R, angles)
-    u = np.concatenate([psi.reshape(len(psi), -1), x[:, :1] * R * R, x[:, 1:2] / R], axis=1)
+    each = case.R[:, None]
+    u = np.concatenate([psi.reshape(len(psi), -1), x[:, :1] * each**2, x[:, 1:2] / each], axis=1)
     for k in np.flatnonzero(good).tolist():
         rows, places = np.array([k]), s[min(k, len(s) - 1)]
         one = case.pick(rows)

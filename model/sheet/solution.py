@@ -1,7 +1,7 @@
 """Solves setups of one configuration, wherever their contacts and clamps are.
 
-Setups whose contacts lie on the arc itself are one batch. One whose neutral curve passes beside
-that point (`offset_m`) has a contact at a radius of its own, and is solved by itself.
+Setups whose contacts lie on the arc itself are one batch, those whose neutral curves pass beside
+that point (`offset_m`) another one, in which each contact has a radius of its own.
 """
 
 from __future__ import annotations
@@ -223,17 +223,26 @@ def _groups(setups: Sequence[ConditionProblem]) -> list[tuple[npt.NDArray[np.int
             on_arc.setdefault(s.reach_m, []).append(i)
     groups = [(np.array(own), solve(batch([setups[i] for i in own]))) for own in on_arc.values()]
     beside = [i for i, s in enumerate(setups) if s.touches and s.offset_m != 0.0]
-    return groups + [(np.array([i]), _beside(setups[i])) for i in beside]
+    if not beside:
+        return groups
+    return [*groups, (np.array(beside), _beside([setups[i] for i in beside]))]
 
 
-def _beside(setup: ConditionProblem) -> Equilibria:
+def _beside(setups: Sequence[ConditionProblem]) -> Equilibria:
     """r(s_hat) + offset n_hat = p_hat, n_hat turning with the sheet."""
-    d, R, gamma = setup.offset_m, setup.sheet.arc_radius_m + setup.reach_m, 0.0
+    d = np.array([s.offset_m for s in setups])
+    R = np.array([s.sheet.arc_radius_m + s.reach_m for s in setups])
+    angle = np.array([s.angle_rad - s.clamp_rad for s in setups])
+    gamma, made = np.zeros(len(setups)), _batch(setups, angle.tolist(), float(np.min(R)))
+    found: Equilibria | None = None
     for _ in range(_BESIDE):
         along, outward = -d * np.cos(gamma), R + d * np.sin(gamma)
-        angle = setup.angle_rad + float(np.arctan2(along, outward)) - setup.clamp_rad
-        found = solve(_batch([setup], [angle], float(np.hypot(along, outward))))
-        if found.status[0] != SolverStatus.SOLVED:
-            break
-        gamma = float(found.phi_hat_rad[0]) + setup.clamp_rad - setup.angle_rad
+        radii = np.hypot(along, outward)
+        made = replace(
+            made, angle_rad=angle + np.arctan2(along, outward), radii_m=radii,
+            radius_m=float(np.min(radii)),
+        )  # fmt: skip
+        found = solve(made, found)
+        gamma = np.where(found.status == SolverStatus.SOLVED, found.phi_hat_rad - angle, gamma)
+    assert found is not None  # noqa: S101 - there is a round
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -47,6 +48,23 @@ def test_unreachable_places_are_told_apart_by_both_engines():
         found = solve(far, engine=engine)
         assert found.status.tolist() == [0, 1]
         assert np.isnan(found.nu[1])
+
+
+@pytest.mark.parametrize("engine", ["compiled", "numpy"])
+def test_problems_with_radii_of_their_own_are_what_they_are_alone(engine):
+    """Contacts beside their points on the arc are."""
+    many, radii = batch(4), R * np.array([1.0, 1.01, 0.98, 1.03])
+    found = solve(replace(many, radii_m=radii, radius_m=float(np.min(radii))), engine=engine)
+    for k, radius in enumerate(radii):
+        rows = np.array([k])
+        alone = replace(many, kappa=many.kappa[rows], angle_rad=many.angle_rad[rows])
+        one = solve(replace(alone, radius_m=float(radius)), engine=engine)
+        assert found.nu[k] * R * R == pytest.approx(one.nu[0] * R * R, abs=1e-9)
+        assert abs(found.nu[k] - solve(many).nu[k]) * R * R > 1e-3 or radius == R
+        for of_one, of_many in ((found.of(rows), one), (found.of(rows[[0, 0]]), one)):
+            shapes = [each.shapes(np.array([0.01, 0.05]), engine) for each in (of_one, of_many)]
+            np.testing.assert_allclose(shapes[0].x_m[-1], shapes[1].x_m[0], atol=1e-12)
+            np.testing.assert_allclose(shapes[0].y_m[-1], shapes[1].y_m[0], atol=1e-12)
 
 
 def test_importing_the_model_compiles_nothing_and_imports_nothing_slow():

@@ -24,11 +24,13 @@ from model.discrepancy.thresholds import (
     FORM_SHARE_LIMIT,
     FURTHER_EFFECT_LN,
     LOOSE_FORM_SHARE,
+    MOST_SOLUTIONS,
     ONE_POSITION_SHARE,
     OUTLIER_ROUNDS,
 )
 from model.effects import title
 from model.effects.interface import Effect
+from model.identification.likelihood.effort import Effort
 from model.identification.likelihood.mixed_model_fit import (
     FitProblem,
     MixedModelFit,
@@ -108,8 +110,10 @@ def search(
 
     An effect that is mostly deviation from its form may stand for several others: these are tried
     without it, and replace it where they explain more. `report` is called before each step, with
-    the share of the search that is done at least.
+    the share of the search that is done at least. Nothing more is tried after so many solutions of
+    the model: see `Effort`.
     """
+    problem = replace(problem, effort=Effort(MOST_SOLUTIONS))
     fitted = fit_mixed_model(problem, theta, found)
     outcome = _several_forms(fitted, effects, threshold, most, report)
     return _with_hidden(outcome, effects, threshold, most)
@@ -121,7 +125,8 @@ def _several_forms(
     """Return the names, without those whose forms stand for several others."""
     outcome = _forward(fitted, effects, threshold, most, report)
     loose = {c.name for c in outcome.chosen if _share(c) > LOOSE_FORM_SHARE}
-    if not loose or most < 2 or outcome.nonparametric_suffices:
+    spent = fitted.problem.effort.spent()
+    if not loose or most < 2 or outcome.nonparametric_suffices or spent:
         return outcome
     rest = [e for e in effects if e.name not in loose]
     other = _forward(fitted, rest, threshold, most, report, LOOSE_FORM_SHARE)
@@ -136,7 +141,8 @@ def _with_hidden(
 
     In the catalogue's form it has to explain more with it than in another form without it.
     """
-    if len(outcome.chosen) != 1 or most < 2 or outcome.nonparametric_suffices:
+    spent = outcome.final.problem.effort.spent()
+    if len(outcome.chosen) != 1 or most < 2 or outcome.nonparametric_suffices or spent:
         return outcome
     strict = StrictForms.of(outcome.final, effects)
     best = max((one.gain for one in strict.ranking), default=-np.inf)
@@ -169,6 +175,8 @@ def _forward(
     """
     outcome, rounds_of_outliers = SearchResult(fitted, [], fitted), 0
     while len(outcome.turns) < most + 1:
+        if outcome.turns and fitted.problem.effort.spent():
+            break
         step, share = f"searching for effect {len(outcome.turns) + 1}", 1 / (most + 1)
         report(step, share * len(outcome.turns))
         turn = SelectionStep(fitted, rank(fitted, effects))

@@ -52,21 +52,35 @@ def refine_best(
     known = [c for c in ranking if c.known]
     if not known:
         return ranking
-    top = known[0].gain
-    least = top - max(REFINED_EVIDENCE_LN, REFINED_EVIDENCE_SHARE * top)
-    chosen = [c for c in known if c.gain >= least][:REFINED_CANDIDATES]
+    chosen = [c for c in known if c.gain >= _worth_a_fit(known[0].gain)][:REFINED_CANDIDATES]
     plain = _plain(fitted, known)
     chosen += [c for c in known if c.name in plain and c not in chosen]
-    done = {c.name: refined(fitted, c, (c.score,), there) for c in chosen}
+    done = dict[str, RankedCandidate]()
+    for c in chosen:
+        done[c.name] = refined(fitted, c, (c.score,), there, _least(done))
     ranked = {c.name: c.gain for c in chosen}
-    promising = _promising(fitted, list(done.values()), ranked, ranking[0].gain)
-    done |= {name: refined(fitted, done[name], done[name].shapes, there) for name in promising}
+    some = _promising(fitted, list(done.values()), ranked, ranking[0].gain)
+    promising = sorted(some, key=lambda name: (-done[name].gain, name))
+    for name in promising:
+        done[name] = refined(fitted, done[name], done[name].shapes, there, _least(done))
     forces = cache(partial(by_forces, fitted))  # a fit of its own, which few need
     inside = set() if there is None else {one.effect.name for one in there.found}
     for name in [name for name in promising if name not in inside and _doubtful(done[name])]:
+        if fitted.problem.effort.spent():
+            break
         done[name] = _refined_again(fitted, done[name], (lambda: fitted.theta, forces))
     rest = [c for c in ranking if c.name not in done]
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
+
+
+def _worth_a_fit(top: float) -> float:
+    """Return the evidence beside that of the best from which on a candidate is fitted."""
+    return top - max(REFINED_EVIDENCE_LN, REFINED_EVIDENCE_SHARE * top)
+
+
+def _least(done: Mapping[str, RankedCandidate]) -> float:
+    """Return the same beside candidates that are fitted; 0 where none is."""
+    return max(_worth_a_fit(max((c.gain for c in done.values()), default=0.0)), 0.0)
 
 
 def refined(
@@ -74,12 +88,15 @@ def refined(
     contender: RankedCandidate,
     shapes: Sequence[Score],
     there: MixedModelFit | None = None,
+    least: float = 0.0,
 ) -> RankedCandidate:
     """Fit the model with the effect in it, linearised at the fitted values.
 
     The fits decide between several shapes: linearised at zero they are indistinguishable. `there`
-    is as in `refine_best`.
+    is as in `refine_best`. A fit that does not come to an end is given up with less than `least`
+    evidence.
     """
+    worthless = fitted.deviance - 2.0 * least
     known = None if contender.solution is None else contender.solution.log_sigma
     result = contender
     for one in shapes:
@@ -90,7 +107,7 @@ def refined(
         else:
             # where a straight line leads the base may be in another valley
             theta, found = fitted.theta, (*fitted.found, _found(fitted, one, one.amplitude))
-        other = settled(fitted, theta, found, noise, fitted.deviance)
+        other = settled(fitted, theta, found, noise, worthless)
         result = _better(fitted, result, one, other)
     return result
 

@@ -45,6 +45,7 @@ from model.discrepancy.verdict.inferred_form import form_of
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
     DIFFERS,
+    cut_short,
     improbable,
     noisy,
     not_written,
@@ -175,6 +176,7 @@ class Finding:
                 *remarks(self.measurements, base),
                 *map(promise_note, promises),
                 *worse(apart.gap, apart.floor),
+                *cut_short(base.problem.effort),
                 *not_written(self.written.without, self.written.unsolved),
                 *notes(named, outliers, apart.chosen),
                 *open_answers(open_still, named),

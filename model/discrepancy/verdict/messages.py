@@ -20,6 +20,7 @@ from model.discrepancy.verdict.result import (
 )
 from model.effects import catalogue, title
 from model.effects.between_sessions import session_of
+from model.identification.likelihood.effort import Effort
 from model.parameter import Parameter
 
 DIFFERS = {
@@ -288,6 +289,15 @@ def _gap(left_out: BeforeAfter) -> str:
     if not changes:
         return "No position can be left out, so the prediction error is not known"
     return f"Prediction error on left-out positions (RMS), before → after: {', '.join(changes)}"
+
+
+def cut_short(effort: Effort) -> Iterator[str]:
+    """Yield what was not tried."""
+    if effort.cut_short:
+        yield (
+            f"the search ended after {effort.most:g} solutions of the model: further effects, or"
+            " other beginnings of fits, were not tried, so more may be missing than is told"
+        )
 
 
 def notes(named: Sequence[Named], outliers: Sequence[str], chosen: Sequence[str]) -> Iterator[str]:

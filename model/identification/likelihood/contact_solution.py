@@ -187,7 +187,7 @@ class ConfigurationModel:
         self, beams: Sequence[BeamProblem], some: Index | None = None
     ) -> list[FloatArray]:
         """Return the same of several problems, each solved from the one before."""
-        last, kept = self._contacts.last, self._found
+        last, beside, kept = self._contacts.last, self._contacts.last_beside, self._found
         asked = self.touching if some is None else some
         if last is not None and some is not None:
             self._contacts.last = last.of(np.searchsorted(self.touching, some))
@@ -198,17 +198,17 @@ class ConfigurationModel:
                 gamma = found.phi_hat_rad - self._contacts.polar_angle(beam, rows)
                 result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
             results.append(result)
-        self._contacts.last, self._found = last, kept
+        self._contacts.last, self._contacts.last_beside, self._found = last, beside, kept
         return results
 
     def modes_of(self, beam: BeamProblem, s_m: FloatArray | None = None) -> FloatArray:
         """Modes of the distances measured - predicted alone (K, M), likewise; at s (K, S)."""
-        last, kept = self._contacts.last, self._found
+        last, beside, kept = self._contacts.last, self._contacts.last_beside, self._found
         found = self.solve(beam)
         if s_m is not None and s_m is not self.curve_s:
             found = self.at(beam, found, s_m)
         result = found.modes_m
-        self._contacts.last, self._found = last, kept
+        self._contacts.last, self._contacts.last_beside, self._found = last, beside, kept
         return result
 
     def _hold(

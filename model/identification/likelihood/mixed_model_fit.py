@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from model.identification.likelihood.effort import Effort
 from model.identification.likelihood.form_error import effect_columns
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import (
@@ -43,7 +44,7 @@ LONGEST_STEP, LONGEST_LOG_B = 40.0, 0.2
 ROUGH, FAIR, FINE = 0.5, 0.1, 1e-3  # of the deviance
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class FitProblem:
     """A data set with everything about it that does not change."""
 
@@ -51,11 +52,12 @@ class FitProblem:
     bases: Bases
     noise: RowNoise
     guess: FloatArray
+    effort: Effort = field(default_factory=Effort, compare=False, repr=False)
 
     @staticmethod
     def of(forward: ForwardModel, bases: Bases, noise: RowNoise) -> FitProblem:
         """With the assumed scatter."""
-        return FitProblem(forward, bases, noise, guess_of(noise))
+        return FitProblem(forward=forward, bases=bases, noise=noise, guess=guess_of(noise))
 
     def noise_names(self) -> list[str]:
         """Return the names of all standard deviations: scatters, then noises."""
@@ -194,6 +196,7 @@ class _LinearisationPoint:
     def linearised(self) -> tuple[Linearisation, list[slice]]:
         """Return the data linearised about this point, and the columns of each effect."""
         problem, spans = self.problem, list[slice]()
+        problem.effort.solutions += 1
         active = tuple(f.active for f in self.found)
         linear = linearise(
             problem.forward, problem.bases, problem.noise, self.theta, active, self.added

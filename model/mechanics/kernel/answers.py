@@ -100,7 +100,7 @@ def turning(
 
 @jit
 def describe_many(
-    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, angles: Array, psi: Array,
+    breaks: Array, kappa: Array, soft: Array, rule: Any, R: Array, angles: Array, psi: Array,
     x: Array, good: Array, s: Array, to: Any, out: Array, lever: Array, dx: Array, dout: Array,
 ) -> None:  # fmt: skip
     """Shapes of solved problems at s (K, S), and the answers of all to Q parameters.
@@ -115,9 +115,9 @@ def describe_many(
     for k in range(len(x)):
         if not good[k]:
             continue
-        c = soft[min(k, len(soft) - 1)]
+        c, radius = soft[min(k, len(soft) - 1)], R[min(k, len(R) - 1)]
         nu, top = x[k, 0], min(x[k, 1], breaks[-1])
-        a_clamp = R * np.cos(angles[k] - x[k, 2])
+        a_clamp = radius * np.cos(angles[k] - x[k, 2])
         count = unroll(
             breaks=breaks,
             kappa=kappa[k],
@@ -139,7 +139,7 @@ def describe_many(
                 kappa=kappa[k],
                 soft=c,
                 rule=rule,
-                R=R,
+                R=radius,
                 angle=angles[k],
                 psi=psi[k],
                 x=x[k],
@@ -162,7 +162,7 @@ def describe_many(
             )
         points(
             breaks=breaks, kappa=kappa[k], soft=c, rule=rule, nu=nu, top=top, phi_hat=x[k, 2],
-            x_hat=R * np.cos(angles[k]), y_hat=R * np.sin(angles[k]), strip=strip, count=count,
-            s=s[min(k, len(s) - 1)], dphi=dphi, dphi_hat=dx[k, :, 2], out=out[k], dout=dout[k],
-            weights=weights,
+            x_hat=radius * np.cos(angles[k]), y_hat=radius * np.sin(angles[k]), strip=strip,
+            count=count, s=s[min(k, len(s) - 1)], dphi=dphi, dphi_hat=dx[k, :, 2], out=out[k],
+            dout=dout[k], weights=weights,
         )  # fmt: skip

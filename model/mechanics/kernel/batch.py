@@ -272,7 +272,7 @@ def side_by_side(
 
 @jit
 def one_by_one(
-    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angles: Array,
+    breaks: Array, kappa: Array, soft: Array, rule: Any, R: Array, reach: float, angles: Array,
     warm: Array, psi: Array, x: Array, status: Array, every: bool,
 ) -> int:  # fmt: skip
     """Solve the problems one by one, all or only the FAILED; return how many failed."""
@@ -281,14 +281,15 @@ def one_by_one(
     for k in range(len(angles)):
         if not every and status[k] != FAILED:
             continue
-        c, steps, determinant = soft[min(k, len(soft) - 1)], 0, 0.0
+        c, radius = soft[min(k, len(soft) - 1)], R[min(k, len(R) - 1)]
+        steps, determinant = 0, 0.0
         if warm[k]:
             steps, determinant = newton(
                 breaks=breaks,
                 kappa=kappa[k],
                 soft=c,
                 rule=rule,
-                R=R,
+                R=radius,
                 angle=angles[k],
                 psi=psi[k],
                 x=x[k],
@@ -301,7 +302,7 @@ def one_by_one(
                 kappa=kappa[k],
                 soft=c,
                 rule=rule,
-                R=R,
+                R=radius,
                 reach=reach,
                 angle=angles[k],
                 psi=psi[k],
@@ -315,20 +316,21 @@ def one_by_one(
 
 
 def solve_many(
-    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angles: Array,
+    breaks: Array, kappa: Array, soft: Array, rule: Any, R: Array, reach: float, angles: Array,
     warm: Array, psi: Array, x: Array, status: Array,
 ) -> int:  # fmt: skip
     """Solve kappa (K, P, D), angles (K,) into psi (K, P, n), x (K, 3), the start where `warm`.
 
-    Returns how many are left FAILED, for `rescue_many`.
+    R (1,) is the radius of all, or (K,) of each: the lanes have one alone. Returns how many are
+    left FAILED, for `rescue_many`.
     """
-    few = len(angles) <= FEW
+    few = len(angles) <= FEW or len(R) > 1
     if not few and not side_by_side(
         breaks=breaks,
         kappa=kappa,
         soft=soft,
         rule=rule,
-        R=R,
+        R=float(R[0]),
         reach=reach,
         angles=angles,
         warm=warm,

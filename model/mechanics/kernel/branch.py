@@ -157,7 +157,7 @@ def from_straight(
 
 @jit
 def rescue_many(
-    breaks: Array, kappa: Array, soft: Array, rule: Any, R: float, reach: float, angles: Array,
+    breaks: Array, kappa: Array, soft: Array, rule: Any, R: Array, reach: float, angles: Array,
     psi: Array, x: Array, status: Array,
 ) -> int:  # fmt: skip
     """Every problem that is still FAILED, step by step along its branch; returns what is left."""
@@ -166,7 +166,7 @@ def rescue_many(
     for k in range(len(angles)):
         if status[k] != FAILED:
             continue
-        c, ways = soft[min(k, len(soft) - 1)], 0
+        c, radius, ways = soft[min(k, len(soft) - 1)], R[min(k, len(R) - 1)], 0
         # curled away from the arc when free, a sheet may yet be held by the rolls: second way
         for way in range(2):
             if way == 0:
@@ -175,7 +175,7 @@ def rescue_many(
                     kappa=kappa[k],
                     soft=c,
                     rule=rule,
-                    R=R,
+                    R=radius,
                     angle=angles[k],
                     psi=psi[k],
                     x=x[k],
@@ -188,7 +188,7 @@ def rescue_many(
                     kappa=kappa[k],
                     soft=c,
                     rule=rule,
-                    R=R,
+                    R=radius,
                     angle=angles[k],
                     psi=psi[k],
                     x=x[k],

@@ -33,6 +33,7 @@ def judgement(monkeypatch) -> Judgement:
     monkeypatch.setattr(module, "misses_much", lambda *_: True)
     monkeypatch.setattr(module, "of_pictures", lambda _: "")
     monkeypatch.setattr(module, "unusual_pictures", lambda _: None)
+    monkeypatch.setattr(module, "unusual_cell_noise", lambda _: None)
     told = {"_with_names": "names", "_with_unknown": "unknown"}
     for method, what in told.items():
         monkeypatch.setattr(

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.search import refinement
+from model.discrepancy.search import forward_selection, refinement
 from model.discrepancy.search.ranking import rank
 from model.discrepancy.search.refinement import preferred, refine_best, refined, settled
+from model.discrepancy.verdict.messages import cut_short
 from model.effects import effect
 from model.effects.conformance import plausible
 from model.identification.likelihood import mixed_model_fit
@@ -151,3 +152,20 @@ def test_a_fit_that_was_given_up_is_not_the_fit_of_a_caller_with_another_limit(m
     assert settled(base, base.theta, (), None, high) is whole
     assert settled(base, base.theta, (), None, low) is whole
     assert limits == [low, np.inf]
+
+
+@pytest.mark.slow
+def test_a_search_ends_after_so_many_solutions_and_says_so(monkeypatch):
+    base, some = base_fit(FALLING), [effect("nonuniform_eibm"), effect("gravity")]
+    whole = forward_selection.search(base.problem, base.theta, some, 6.0)
+    assert len(whole.turns) == 2  # the second finds nothing further
+    assert not list(cut_short(whole.base.problem.effort))
+    again = forward_selection.search(base.problem, base.theta, some, 6.0)
+    solutions = again.base.problem.effort.solutions  # each search has its own count
+    assert solutions == whole.base.problem.effort.solutions > 3
+    monkeypatch.setattr(forward_selection, "MOST_SOLUTIONS", 3)
+    short = forward_selection.search(base.problem, base.theta, some, 6.0)
+    assert [one.name for one in short.chosen] == ["nonuniform_eibm"]
+    assert len(short.turns) == 1
+    (note,) = cut_short(short.base.problem.effort)
+    assert "after 3 solutions of the model" in note

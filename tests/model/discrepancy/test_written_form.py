@@ -73,6 +73,10 @@ def test_each_basis_shape_of_a_location_is_a_term_that_does_the_same():
             (column,) = effect_columns(forward, base.linear, one, (one.active,))[0].T
             apart = np.linalg.norm(column - shape.rows) / np.linalg.norm(shape.rows)
             assert apart < ALIKE, (name, shape.part)
+            for term in (one for one in way.terms if one.along == "position"):
+                (own,) = term.configurations  # between its positions nothing was measured
+                stated = forward.scenes[forward.names.index(own)].stated_m
+                assert term.at == tuple(np.unique(stated[np.isfinite(stated)]))
         without = {shape.part for shape in every if not shape.terms}
         of_no_mean = {"EIBM, pulse", "EIBM, period", "force, period", "place, session"}
         assert without <= of_no_mean, name

@@ -124,20 +124,34 @@ def terms_of(forward: ForwardModel, shape: BasisShape) -> tuple[Profile, ...]:
     """Return a basis shape as a model file has it, by configuration."""
     result = []
     for name, term in shape.terms.items():
-        volts = np.abs(forward.scenes[forward.names.index(name)].voltage_V)
+        scene = forward.scenes[forward.names.index(name)]
+        volts = np.abs(scene.voltage_V)
         least_V = float(np.min(volts[volts > 0.0], initial=np.inf))
         # a relative change of the EIBM is one of what goes with the voltage already
         full_V = least_V if np.isfinite(least_V) and term.adds != "EIBM" else 0.0
-        result.append(_term(term, name, shape.unit, full_V))
+        result.append(
+            _term(term, name, shape.unit, full_V, np.unique(scene.stated_m[scene.touching]))
+        )
     return tuple(result)
 
 
-def _term(term: BasisTerm, configuration: str, unit: str, full_V: float) -> Profile:
-    """Return a basis function as a model file has it."""
+def _term(
+    term: BasisTerm, configuration: str, unit: str, full_V: float, positions_m: FloatArray
+) -> Profile:
+    """Return a basis function as a model file has it.
+
+    Along the arc it has straight lines between the measured positions: waves that follow a jump
+    from one of them to the next swing between all others, where nothing was measured.
+    """
     made = sampled(
         term.function, cast("Coordinate", term.along), term.low, term.high, nodes=term.nodes,
         unit=unit, under=cast("Under", term.under), adds=cast("Adds", term.adds),
     )  # fmt: skip
+    if term.along == "position" and len(positions_m):
+        made = replace(
+            made, at=tuple(positions_m.tolist()), values=tuple(term(positions_m).tolist()),
+            sigma=(0.0,) * len(positions_m),
+        )  # fmt: skip
     return replace(made, configurations=(configuration,), full_V=full_V)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from model.effects.interface import BeamProblem
@@ -14,14 +16,14 @@ MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the 
 
 
 class ContactSearch:
-    """Solves contacts, each from the last solution: `last` of all, one of each beside the arc."""
+    """Solves contacts, each from the last solution: `last` of all, another one beside the arc."""
 
     def __init__(self, look: DataVector, elements: SheetElements) -> None:
         self._look, self._sheet, self._elements = look, look.sheet, elements
         self._stated_m = np.array([o.position_m for o in look.seen])
-        # by condition: angle and solution where the contact was last beside the point on the arc
-        self._beside: dict[int, tuple[float, Equilibria]] = {}
         self.last: Equilibria | None = None
+        # conditions, angles and solution where contacts were last beside the point on the arc
+        self.last_beside: tuple[Index, FloatArray, Equilibria] | None = None
 
     def polar_angle(self, beam: BeamProblem, rows: Index) -> FloatArray:
         """Polar angle of the point on the arc, seen along the clamp."""
@@ -34,42 +36,55 @@ class ContactSearch:
         beta, offset = self.polar_angle(beam, rows), beam.offset_m[rows]
         if not np.any(offset) and np.ptp(R) == 0.0:
             start = self.last
-            self.last = self._solve(beam, rows, beta, float(R[0]), start)
+            self.last = self._solved(self._problems(beam, rows, beta, float(R[0])), rows, start)
             return [(rows, self.last)]
-        each = zip(rows.tolist(), beta.tolist(), offset.tolist(), strict=True)
-        return [(np.array([row]), self._beside_arc(beam, row, b, d)) for row, b, d in each]
+        return [(rows, self._beside_arc(beam, rows, beta, R))]
 
-    def _beside_arc(self, beam: BeamProblem, row: int, beta: float, d: float) -> Equilibria:
-        """One condition whose curve passes beside the point on the arc, by `d`."""
-
-        def solved(gamma: float, start: Equilibria | None) -> Equilibria:
+    def _beside_arc(
+        self, beam: BeamProblem, rows: Index, beta: FloatArray, R: FloatArray
+    ) -> Equilibria:
+        """Conditions whose curves pass beside their points on the arc, or that have radii apart."""
+        made, d = self._problems(beam, rows, beta, float(np.min(R))), beam.offset_m[rows]
+        gamma, found = self._begun_beside(rows)
+        for _ in range(MOST_BESIDE if np.any(d) else 1):
             tangential, radial = -d * np.cos(gamma), R + d * np.sin(gamma)
-            angle = np.array([beta + np.arctan2(tangential, radial)])
-            radius_m = float(np.hypot(tangential, radial))
-            return self._solve(beam, np.array([row]), angle, radius_m, start)
-
-        R = self._sheet.arc_radius_m + float(beam.reach_m[row])
-        last = self._beside.get(row)
-        gamma = last[0] if last else 0.0
-        found = solved(gamma, last[1] if last else None)
-        for _ in range(MOST_BESIDE - 1 if d else 0):
-            before, gamma = gamma, float(found.phi_hat_rad[0]) - beta
-            if abs(gamma - before) < SAME_RAD:
+            radii = np.hypot(tangential, radial)
+            made = replace(
+                made, angle_rad=beta + np.arctan2(tangential, radial), radii_m=radii,
+                radius_m=float(np.min(radii)),
+            )  # fmt: skip
+            found = self._solved(made, rows, found)
+            before, gamma = gamma, found.phi_hat_rad - beta
+            if np.max(np.abs(gamma - before)) < SAME_RAD:
                 break
-            found = solved(gamma, found)
-        self._beside[row] = gamma, found
+        assert found is not None  # noqa: S101 - there is a round
+        self.last_beside = rows, gamma, found
         return found
 
-    def _solve(
-        self, beam: BeamProblem, rows: Index, angle: FloatArray, radius_m: float,
-        start: Equilibria | None = None,
-    ) -> Equilibria:  # fmt: skip
+    def _begun_beside(self, rows: Index) -> tuple[FloatArray, Equilibria | None]:
+        """Return angles and solution to begin with beside the arc; none where they are not known.
+
+        The conditions are in ascending order.
+        """
+        if self.last_beside is None or not np.all(np.isin(rows, self.last_beside[0])):
+            return np.zeros(len(rows)), None
+        known, gamma, last = self.last_beside
+        if len(known) == len(rows):
+            return gamma, last
+        places = np.searchsorted(known, rows)
+        return gamma[places], last.of(places)
+
+    def _problems(
+        self, beam: BeamProblem, rows: Index, angle: FloatArray, radius_m: float
+    ) -> Problems:
         reach = self._elements.length + self._sheet.elongation_m + 10.0 * radius_m
         on = self._elements
-        made = Problems(
+        return Problems(
             breaks_m=on.breaks, kappa=on.free_curvature(beam, rows),
             softness=on.compliance(beam, rows), radius_m=radius_m, reach_m=reach, angle_rad=angle,
         )  # fmt: skip
+
+    def _solved(self, made: Problems, rows: Index, start: Equilibria | None) -> Equilibria:
         found = solve(made, start)
         if np.any(found.status != SolverStatus.SOLVED):
             bad = self._look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
