@@ -125,8 +125,8 @@ def _several_forms(
     """Return the names, without those whose forms stand for several others."""
     outcome = _forward(fitted, effects, threshold, most, report)
     loose = {c.name for c in outcome.chosen if _share(c) > LOOSE_FORM_SHARE}
-    spent = fitted.problem.effort.spent()
-    if not loose or most < 2 or outcome.nonparametric_suffices or spent:
+    effort = fitted.problem.effort
+    if not loose or most < 2 or outcome.nonparametric_suffices or effort.spent():
         return outcome
     rest = [e for e in effects if e.name not in loose]
     other = _forward(fitted, rest, threshold, most, report, LOOSE_FORM_SHARE)
@@ -141,8 +141,8 @@ def _with_hidden(
 
     In the catalogue's form it has to explain more with it than in another form without it.
     """
-    spent = outcome.final.problem.effort.spent()
-    if len(outcome.chosen) != 1 or most < 2 or outcome.nonparametric_suffices or spent:
+    effort = outcome.final.problem.effort
+    if len(outcome.chosen) != 1 or most < 2 or outcome.nonparametric_suffices or effort.spent():
         return outcome
     strict = StrictForms.of(outcome.final, effects)
     best = max((one.gain for one in strict.ranking), default=-np.inf)
