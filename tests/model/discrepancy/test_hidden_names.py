@@ -13,6 +13,7 @@ from model.discrepancy.answers import hidden_names as module
 from model.discrepancy.search import forward_selection as selection
 from model.discrepancy.search.beside_strict_forms import HiddenName, StrictForms, hidden_names
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
+from model.identification.likelihood.effort import Effort
 from tests.model.discrepancy.sessions import base_fit
 
 
@@ -58,7 +59,8 @@ def test_a_second_name_has_to_explain_more_than_a_form_that_differs(
     monkeypatch.setattr(selection, "nonparametric_replaces_names", lambda *_: False)
     base = SimpleNamespace(deviance=0.0)
     turns = [SelectionStep(base, [first], first) for _ in range(names)] + [SelectionStep(base, [])]
-    outcome = SearchResult(base, turns, SimpleNamespace(deviance=-100.0))
+    final = SimpleNamespace(deviance=-100.0, problem=SimpleNamespace(effort=Effort()))
+    outcome = SearchResult(base, turns, final)
     found = selection._with_hidden(outcome, (), 6.0, 3)
     assert [one.name for one in found.chosen] == ["a"] * names + ["b"] * more
     assert (found.final == "b") == more
