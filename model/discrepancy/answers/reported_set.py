@@ -34,6 +34,8 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     overlooked = decision.criticism.overlooked(name)
     # several names may together imitate something that none of them says
     piece = name in pieces(decision.named)
+    # nor is the form of the name that it was found beside known to be the catalogue's
+    piece = piece or beside_strict_form(name, decision)
     several = piece or (decision.nonparametric_explains_more and len(decision.named) >= MANY_NAMES)
     doubtful = several or decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
     doubtful = doubtful or (decision.criticism.incomplete and decision.unknown is None)
@@ -53,6 +55,12 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
         or_else=or_else,
         probabilities=chances,
     )
+
+
+def beside_strict_form(name: str, decision: Decision) -> bool:
+    """Return whether a name was found only beside the catalogue's own form of another one."""
+    strict = {one.effect.name for one in decision.known.found if one.form < 1.0}
+    return bool(strict) and name not in strict
 
 
 def shared(chances: Mapping[str, float], odds: Mapping[str, float]) -> dict[str, float]:

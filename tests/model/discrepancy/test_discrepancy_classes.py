@@ -244,9 +244,27 @@ def test_names_of_three_locations_are_doubted_where_a_nonparametric_term_explain
     decision = SimpleNamespace(
         named=named, criticism=Criticism(), choice_sets=(ChoiceSet("gravity", ()),),
         answers=(Judged({"gravity": 0.95, "unknown": 0.04}, ("gravity",)),),
-        nonparametric_explains_more=more,
+        nonparametric_explains_more=more, known=SimpleNamespace(found=()),
     )  # fmt: skip
     assert of_name("gravity", decision).or_else == others
+
+
+@pytest.mark.parametrize(("form", "probability"), [(0.1, 0.8), (1.0, 0.94)])
+def test_a_name_beside_the_strict_form_of_another_one_may_be_that_form(form, probability):
+    strong, weak = (SimpleNamespace(effect=effect(n)) for n in ("charging_lag", "gravity"))
+    found = (SimpleNamespace(effect=strong.effect, form=form),
+             SimpleNamespace(effect=weak.effect, form=1.0))  # fmt: skip
+    judged = (Judged({"charging_lag": 0.97}, ("charging_lag",)),
+              Judged({"gravity": 0.94, "unknown": 0.05}, ("gravity",)))  # fmt: skip
+    decision = SimpleNamespace(
+        named=[strong, weak], criticism=Criticism(), unknown=None, answers=judged,
+        choice_sets=(ChoiceSet("charging_lag", ()), ChoiceSet("gravity", ())),
+        nonparametric_explains_more=False, known=SimpleNamespace(found=found),
+    )  # fmt: skip
+    assert of_name("charging_lag", decision).confidence == 0.97
+    one = of_name("gravity", decision)
+    assert one.confidence == pytest.approx(probability, abs=2e-3)
+    assert one.or_else == (("unknown",) if form < 1.0 else ())
 
 
 def test_what_is_reported_is_not_invisible(reported):

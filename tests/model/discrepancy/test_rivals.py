@@ -92,7 +92,7 @@ def test_of_names_that_may_be_meant_the_likeliest_comes_first():
     judged = Judged({"a": 0.6, "b": 0.1, "c": 0.25}, ("a", "b", "c"))
     decision = SimpleNamespace(
         choice_sets=(ChoiceSet("a", ()),), answers=(judged,), criticism=Criticism(), named=[],
-        nonparametric_explains_more=False, unknown=None,
+        nonparametric_explains_more=False, unknown=None, known=SimpleNamespace(found=()),
     )  # fmt: skip
     assert of_name("a", decision).confusable_with == ("c", "b")
 
