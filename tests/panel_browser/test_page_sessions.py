@@ -147,6 +147,8 @@ def test_two_sessions_are_compared_at_the_same_position_and_voltage(world, visit
         page.wait_for_function(f"({where}).every(([, mm, , at]) => mm === 5 && at === {index})")
     (_, _, volts_a, _), (_, _, volts_b, _) = page.evaluate(where)
     assert volts_a == volts_b
+    page.locator("text=\u25c0 reading").evaluate("(button) => (button.click(), button.click())")
+    page.wait_for_function(f"({where}).every(([, mm, , at]) => mm === 5 && at === 1)")
 
 
 def test_a_file_that_is_no_session_is_told_in_a_sentence(world, visit):

@@ -44,10 +44,12 @@ export class Player {
   }
 
   play() {
+    this.asked_s = null;
     this.socket.send({ do: "play" });
   }
 
   pause() {
+    this.asked_s = null;
     this.socket.send({ do: "pause" });
   }
 
@@ -61,7 +63,7 @@ export class Player {
 
   /** While dragging only the last place asked for goes out. */
   seek(at_s) {
-    this.wanted = at_s;
+    this.wanted = this.asked_s = at_s;
     if (this.timer) return;
     const send = () => {
       this.timer = null;
@@ -200,7 +202,8 @@ export class Transport {
   toReading(way) {
     const [first] = this.players;
     const times = this.common().map((reading) => reading.at_s);
-    const at = first.at_s;
+    // where it stands still it is on its way to the last place asked for, whatever it has told
+    const at = this.playing ? first.at_s : (first.asked_s ?? first.at_s);
     const found =
       way > 0 ? times.find((time) => time > at + 0.02) : times.findLast((time) => time < at - 0.02);
     if (found !== undefined) this.seek(found);
