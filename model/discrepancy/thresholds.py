@@ -120,7 +120,8 @@ PROBABLY_NOTHING = 0.1
 # at most, right ones 0.89 and more.
 PROBABLE_ALL_THE_SAME = 0.85
 # Share of the probability of a name that it keeps beside another one of its location. On an open
-# world two changes in time imitated a third one with 0.94 and 0.95.
+# world two changes in time imitated a third one with 0.94 and 0.95. It keeps as much where it was
+# found only beside the catalogue's own form of another one.
 KEPT_BESIDE_SAME_LOCATION = 0.85
 # Probability that the set of a verdict 'unknown' has at least. In a foreign world an EIBM that
 # falls along the sheet in another form was called unknown with 0.91, the name having 0.09.

@@ -32,10 +32,9 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     names = dict.fromkeys([name, *judged.names, *decision.criticism.rivals(name)])
     others = [one for one in judged.answers if not is_name(one)]
     overlooked = decision.criticism.overlooked(name)
-    # several names may together imitate something that none of them says
-    piece = name in pieces(decision.named)
-    # nor is the form of the name that it was found beside known to be the catalogue's
-    piece = piece or beside_strict_form(name, decision)
+    # several names may together imitate something that none of them says: what acts at their
+    # location, or a strong effect in a form that differs from the catalogue's
+    piece = name in pieces(decision.named) or beside_strict_form(name, decision)
     several = piece or (decision.nonparametric_explains_more and len(decision.named) >= MANY_NAMES)
     doubtful = several or decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
     doubtful = doubtful or (decision.criticism.incomplete and decision.unknown is None)

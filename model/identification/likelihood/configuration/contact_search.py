@@ -31,7 +31,7 @@ class ContactSearch:
         return at + self._sheet.arc_origin_rad - beam.tilt_rad[rows]
 
     def equilibria(self, beam: BeamProblem, rows: Index) -> list[tuple[Index, Equilibria]]:
-        """Return groups of conditions with contacts at the same radius, and their equilibria."""
+        """Return groups of conditions that are solved together, and their equilibria."""
         R = self._sheet.arc_radius_m + beam.reach_m[rows]
         beta, offset = self.polar_angle(beam, rows), beam.offset_m[rows]
         if not np.any(offset) and np.ptp(R) == 0.0:
