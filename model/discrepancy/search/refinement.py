@@ -65,10 +65,12 @@ def refine_best(
         done[name] = refined(fitted, done[name], done[name].shapes, there, _least(done))
     forces = cache(partial(by_forces, fitted))  # a fit of its own, which few need
     inside = set() if there is None else {one.effect.name for one in there.found}
-    for name in [name for name in promising if name not in inside and _doubtful(done[name])]:
+    doubtful = [name for name in promising if _doubtful(done[name], ranked[name])]
+    for name in [name for name in doubtful if name not in inside]:
         if fitted.problem.effort.spent():
             break
-        done[name] = _refined_again(fitted, done[name], (lambda: fitted.theta, forces))
+        begins = (lambda: fitted.theta, forces)
+        done[name] = _refined_again(fitted, done[name], ranked[name], begins)
     rest = [c for c in ranking if c.name not in done]
     return sorted([*done.values(), *rest], key=lambda c: -c.gain)
 
@@ -144,6 +146,7 @@ def by_forces(fitted: MixedModelFit) -> FloatArray:
 def _refined_again(
     fitted: MixedModelFit,
     contender: RankedCandidate,
+    promised: float,
     begins: Sequence[Callable[[], FloatArray]],
 ) -> RankedCandidate:
     """From other beginnings: a straight line from where the effect is absent may lead nowhere.
@@ -164,7 +167,7 @@ def _refined_again(
         places.append(strict)
         freed = settled(fitted, strict.theta, strict.found, strict.log_sigma)
         contender = _better(fitted, contender, one, freed)
-        if not _doubtful(contender):
+        if not _doubtful(contender, promised):
             break
     return contender
 
@@ -305,15 +308,17 @@ def _promising(
 
     Not those that are too weak for any verdict (see `ranking`) beside `most`, the evidence of the
     best candidate: refined, as they were `ranked`, and with the scatter estimated from the usual
-    one on.
+    one on. One that was ranked above all that the fits have found may have ended at a wrong place.
     """
     top = max(done, key=lambda c: c.gain)
+    above = max(done, key=lambda c: ranked[c.name])
     most = max(most, top.gain)
     usual = replace(fitted, solution=usual_scatter(fitted))
     scores = best_scores(usual, [c.score.candidate for c in done], usual.solution)
     weak = HOPELESS_SHARE * most if most > CLEAR_EVIDENCE_LN else -np.inf
     own = {c.name: max(c.gain, ranked[c.name]) for c in done}
-    return {top.name} | {
+    lost = {above.name} if ranked[above.name] > top.gain else set[str]()
+    return {top.name} | lost | {
         name for name in _foremost(scores)
         if own[name] >= weak or rescored(usual, scores[name])[0] >= weak
     }  # fmt: skip
@@ -332,7 +337,12 @@ def _foremost(scores: Mapping[str, Score]) -> list[str]:
     return close[:REFINED_AT_USUAL_SCATTER]
 
 
-def _doubtful(contender: RankedCandidate) -> bool:
-    """Return whether its size may have been found at the wrong place."""
+def _doubtful(contender: RankedCandidate, promised: float) -> bool:
+    """Return whether its size may have been found at the wrong place.
+
+    `promised` is the evidence of the straight line that led there.
+    """
     best = contender.fitted
-    return best is None or form_share(best, -1) > DOUBTFUL_FORM_SHARE or _strained(best)
+    if best is None or contender.gain < _worth_a_fit(promised):
+        return True
+    return form_share(best, -1) > DOUBTFUL_FORM_SHARE or _strained(best)

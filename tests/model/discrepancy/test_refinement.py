@@ -111,6 +111,27 @@ def test_a_name_too_weak_for_any_verdict_is_not_fitted_from_other_beginnings(mon
 
 
 @pytest.mark.slow
+def test_a_fit_that_loses_what_a_straight_line_promised_begins_elsewhere(monkeypatch):
+    base = base_fit(FALLING)
+    ranked = [c for c in rank(base, [effect("nonuniform_eibm")]) if c.known]
+    promised = ranked[0].gain
+    assert promised > 20.0
+    ended = []
+    spy = refinement.settled
+
+    def first_at_a_wrong_place(*args, **limits):
+        there = spy(*args, **limits)
+        ended.append(there)
+        return replace(there, deviance=base.deviance + 30.0) if len(ended) == 1 else there
+
+    monkeypatch.setattr(refinement, "settled", first_at_a_wrong_place)
+    monkeypatch.setattr(refinement, "_strained", lambda _fit: False)  # nor does the scatter tell
+    best = refine_best(base, [replace(c, shapes=()) for c in ranked])[0]
+    assert len(best.tried) > 1
+    assert best.gain == pytest.approx(promised, rel=0.25)
+
+
+@pytest.mark.slow
 def test_a_fit_that_does_not_settle_ends_at_the_best_of_its_places(monkeypatch):
     base = base_fit()
     monkeypatch.setattr(mixed_model_fit, "SMALL", 0.0)  # it never comes to rest
