@@ -167,6 +167,11 @@ def _refined_again(
         places.append(strict)
         freed = settled(fitted, strict.theta, strict.found, strict.log_sigma)
         contender = _better(fitted, contender, one, freed)
+        if freed is None or form_share(freed, -1) > FORM_SHARE_LIMIT:
+            # its deviation may have taken the place of its size: the catalogue's form may do
+            bound = (*strict.found[:-1], replace(strict.found[-1], form=STRICT))
+            kept = settled(fitted, strict.theta, bound, strict.log_sigma)
+            contender = _better(fitted, contender, one, kept)
         if not _doubtful(contender, promised):
             break
     return contender

@@ -132,6 +132,22 @@ def test_a_fit_that_loses_what_a_straight_line_promised_begins_elsewhere(monkeyp
 
 
 @pytest.mark.slow
+def test_where_a_deviation_takes_the_place_of_an_effect_its_own_form_is_fitted_too(monkeypatch):
+    base = base_fit(FALLING)
+    ranked = [c for c in rank(base, [effect("nonuniform_eibm")]) if c.known]
+    spy = refinement.form_share
+
+    def loose_where_it_may_differ(there, index):
+        return spy(there, index) if there.found[index].form < 1.0 else 0.9
+
+    monkeypatch.setattr(refinement, "form_share", loose_where_it_may_differ)
+    best = refine_best(base, [replace(c, shapes=()) for c in ranked])[0]
+    assert best.fitted is not None
+    assert best.fitted.found[-1].form == refinement.STRICT
+    assert best.gain == pytest.approx(ranked[0].gain, rel=0.25)
+
+
+@pytest.mark.slow
 def test_a_fit_that_does_not_settle_ends_at_the_best_of_its_places(monkeypatch):
     base = base_fit()
     monkeypatch.setattr(mixed_model_fit, "SMALL", 0.0)  # it never comes to rest

@@ -12,6 +12,7 @@ from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.reported_set import of_name
 from model.discrepancy.criticism.criticise import Criticism
+from model.discrepancy.criticism.kinds import neighbours
 from model.discrepancy.criticism.kinds.neighbours import explains_as_much, reach
 from model.discrepancy.search.evidence import (
     Candidate,
@@ -86,6 +87,18 @@ def test_what_acts_at_another_place_is_a_rival_where_it_explains_about_as_much(
 ):
     named = SimpleNamespace(effect=effect("arc_error"), gain=13.0)
     assert explains_as_much(ranked(rival, 13.0 - behind), named) is is_one
+
+
+@pytest.mark.parametrize(("in_own_words", "rivals"), [(115.0, {"force_offset"}), (101.0, set())])
+def test_what_explains_more_in_its_own_words_is_a_rival_though_it_imitates_no_name(
+    monkeypatch, in_own_words: float, rivals: set[str]
+):
+    words = {"surface_tension": 100.0, "force_offset": in_own_words}
+    monkeypatch.setattr(neighbours, "evidence", lambda *_: words)
+    monkeypatch.setattr(neighbours, "_imitates", lambda *_: False)
+    ranking = [ranked("surface_tension", 26.7), ranked("force_offset", 20.6)]
+    one = SimpleNamespace(effect=effect("surface_tension"), gain=26.7, before=None, ranking=ranking)
+    assert set(neighbours._odds(SimpleNamespace(log_sigma=None), one)) == rivals
 
 
 def test_of_names_that_may_be_meant_the_likeliest_comes_first():

@@ -35,8 +35,9 @@ class Neighbours(VerdictCheck):
     """Another name imitates one, where nothing in the data tells them apart.
 
     Two conditions make a rival: in one of its wordings its evidence comes close, and takes up what
-    the name adds to the data but for a few standard deviations. What acts at another place has to
-    come close in the catalogue's wording, too: it is no other word for the same.
+    the name adds to the data but for a few standard deviations. What acts at the same place and has
+    more evidence in its best wording than the name in its own is one at once. What acts at another
+    place has to come close in the catalogue's wording, too: it is no other word for the same.
     """
 
     def failures(self, named: NamedModel) -> Iterator[Failure]:
@@ -74,7 +75,8 @@ def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
         if own is not None and {own.name, rival.name} <= found.keys():
             in_words = found[rival.name] - found[own.name]
             ahead = max(ahead, in_words if in_words > EQUAL_EVIDENCE_LN else min(in_words, 0.0))
-        if ahead > -reach(rival) and _imitates(named, one, rival):
+        explains_more = ahead > 0.0 and _same_place(rival, one)
+        if explains_more or (ahead > -reach(rival) and _imitates(named, one, rival)):
             result[rival.name] = float(np.exp(ahead / EVIDENCE_TEMPERATURE))
     return result
 
