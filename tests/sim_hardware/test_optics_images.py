@@ -151,12 +151,15 @@ def test_a_wrong_setting_is_named(values: dict[str, object], where: str) -> None
 
 
 @pytest.mark.slow
-def test_a_frame_takes_less_than_four_milliseconds() -> None:
-    renderer = Renderer(OpticsSettings())
-    renderer.render([SHAPE], CONTACT, 0)
-    taken = []
+def test_a_frame_costs_less_than_drawing_noise_of_its_size() -> None:
+    renderer, random = Renderer(OpticsSettings()), np.random.default_rng(0)
+    size = renderer.render([SHAPE], CONTACT, 0).shape
+    frames, peers = list[float](), list[float]()
     for number in range(60):
         start = time.process_time()
         renderer.render(MOVING[:3], CONTACT, number)
-        taken.append(time.process_time() - start)
-    assert np.median(taken) < 4e-3
+        drawn = time.process_time()
+        random.standard_normal(size)
+        frames.append(drawn - start)
+        peers.append(time.process_time() - drawn)
+    assert np.median(frames) < np.median(peers)  # 0.75 of it
