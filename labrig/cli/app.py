@@ -5,7 +5,8 @@ from __future__ import annotations
 import keyword
 import platform
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Annotated, Any
@@ -66,14 +67,28 @@ def _own_command(name: str) -> Command | None:
 
 
 class _Application(TyperGroup):
-    """The group of all commands."""
+    """The group of all commands. Of a Ctrl-C typer would make another exit code, and no sentence.
 
-    def invoke(self, ctx: Any) -> Any:  # typer keeps the type to itself
-        """Run a command; of a Ctrl-C typer would make another exit code, and no sentence."""
-        try:
+    typer keeps the types to itself.
+    """
+
+    def make_context(self, *args: Any, **kwargs: Any) -> Any:
+        """Read the command line."""
+        with _stopped_in_words():
+            return super().make_context(*args, **kwargs)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run a command."""
+        with _stopped_in_words():
             return super().invoke(ctx)
-        except KeyboardInterrupt:
-            raise StoppedError("stopped.") from None
+
+
+@contextmanager
+def _stopped_in_words() -> Iterator[None]:
+    try:
+        yield
+    except KeyboardInterrupt:
+        raise StoppedError("stopped.") from None
 
 
 def _app(commands: Iterable[Command]) -> TyperGroup:

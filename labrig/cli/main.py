@@ -29,6 +29,14 @@ from labrig.own_packages import hidden
 
 def main() -> None:
     """Run the program; end the process with a documented exit code."""
+    try:
+        code = _program()
+    except KeyboardInterrupt:  # before or after the command, which tells of its own
+        code = _stopped()
+    sys.exit(code)
+
+
+def _program() -> int:
     look_for_garbage_seldom()
     from labrig.experiment.signals import ignore_stop_signals
 
@@ -36,13 +44,18 @@ def main() -> None:
     hiding = hidden()
     if hiding is not None:
         warn(f"labrig: {hiding}")
-        sys.exit(ExitCode.NOT_READY)
+        return ExitCode.NOT_READY
     sys.unraisablehook = ignore_unraisable
     code = run(sys.argv[1:])
     ignore_stop_signals()
     if "labrig.session.recording.disk" in sys.modules:
         sys.modules["labrig.session.recording.disk"].end_before_the_library_does(code)
-    sys.exit(code)
+    return code
+
+
+def _stopped() -> int:
+    warn("labrig: stopped.")
+    return ExitCode.STOPPED
 
 
 _PLAIN = {
@@ -102,8 +115,7 @@ def _run(arguments: list[str]) -> int:
             warn(f"labrig: {usage_sentence(error, arguments)}")
         return ExitCode.BAD_INPUT
     except (KeyboardInterrupt, typer.Abort):
-        warn("labrig: stopped.")
-        return ExitCode.STOPPED
+        return _stopped()
     except LabrigError as error:
         warn(f"labrig: {error}")
         return error.code

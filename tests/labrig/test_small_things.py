@@ -18,7 +18,7 @@ import pytest
 import typer
 
 from labrig.cli.app import all_commands, app_for
-from labrig.cli.main import ignore_unraisable, run
+from labrig.cli.main import ignore_unraisable, main, run
 from labrig.cli.screen import print_table, say, time_left, warn
 from labrig.cli.sentences.compiling import TOLD, compiling_is_told
 from labrig.errors import ExitCode
@@ -204,4 +204,24 @@ def test_a_command_that_is_stopped_says_so_and_ends_with_the_documented_code(mon
 
     monkeypatch.setattr("labrig.session.recover", stopped)
     assert run(["recover", __file__]) == ExitCode.STOPPED
+    assert capsys.readouterr().err == "labrig: stopped.\n"
+
+
+def test_a_command_line_whose_reading_is_stopped_says_so_too(monkeypatch, capsys):
+    def stopped(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("typer.core.TyperGroup.parse_args", stopped)
+    assert run(["recover", __file__]) == ExitCode.STOPPED
+    assert capsys.readouterr().err == "labrig: stopped.\n"
+
+
+def test_a_program_that_is_stopped_before_its_command_says_so_too(monkeypatch, capsys):
+    def stopped():
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sys.modules["labrig.cli.main"], "hidden", stopped)
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == ExitCode.STOPPED
     assert capsys.readouterr().err == "labrig: stopped.\n"
