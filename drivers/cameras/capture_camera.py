@@ -26,6 +26,7 @@ from drivers.interfaces import (
     Frame,
     ThreadHandle,
     TriggerPulse,
+    in_words,
 )
 
 STALL_S = 2.0  # a camera that is silent for so long has stopped delivering
@@ -61,6 +62,7 @@ class CaptureCamera:
         self._lost = self._lost_before = (0, 0)  # incomplete, missed: at the end, at the start
         self._alive_s = 0.0  # when the last frame came
         self._fault: str | None = None
+        self._cause: Exception | None = None  # of the fault, where the capture raised it
 
     def open(self) -> None:
         """See `Camera.open`; waits for one frame, to know what frames look like."""
@@ -68,7 +70,7 @@ class CaptureCamera:
             return
         opened = open_capture(self._source, self._factory)
         self._opened = opened
-        self._fault = None
+        self._fault = self._cause = None
         self._closing.clear()
         self._alive_s = self._clock.now()
         self._thread = self._clock.start_thread(lambda: self._grab_all(opened), "camera")
@@ -163,7 +165,8 @@ class CaptureCamera:
 
     def _check_delivery(self) -> None:
         if self._fault is not None:
-            raise DeviceError(f"the camera {self._source} has stopped delivering: {self._fault}")
+            text = f"the camera {self._source} has stopped delivering: {self._fault}"
+            raise DeviceError(text) from self._cause
         if self._opened is not None and self._opened.is_triggered:
             return  # it is silent until it is triggered; whoever does that counts the frames
         silent_s = self._clock.now() - self._alive_s
@@ -178,7 +181,7 @@ class CaptureCamera:
         try:
             self._grab_until_closed(opened)
         except Exception as fault:  # noqa: BLE001 - a thread has nobody to raise to
-            self._fault = str(fault) or type(fault).__name__
+            self._fault, self._cause = in_words(fault), fault
 
     def _grab_until_closed(self, opened: OpenedCapture) -> None:
         pace = opened.pace(self._clock)

@@ -37,6 +37,7 @@ from drivers.interfaces import (
     DeviceIdentity,
     DeviceNotFoundError,
     GreyImage,
+    in_words,
 )
 
 _PREFIX = "gentl:"
@@ -345,8 +346,7 @@ def _told(doing: str) -> Iterator[None]:
     except DeviceError:
         raise
     except Exception as fault:
-        words = " ".join(str(fault).split()) or type(fault).__name__
-        raise DeviceError(f"{doing} failed: {words}") from fault
+        raise DeviceError(f"{doing} failed: {in_words(fault)}") from fault
 
 
 def _make(settings: GentlSettings, clock: Clock, rate_hz: float) -> Camera:

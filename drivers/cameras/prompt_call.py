@@ -9,7 +9,7 @@ import queue
 import threading
 from collections.abc import Callable
 
-from drivers.interfaces import DeviceError, DeviceTimeoutError
+from drivers.interfaces import DeviceError, DeviceTimeoutError, in_words
 
 _PATIENCE_S = 0.04
 _CALL, _END = "call", "end"
@@ -58,6 +58,6 @@ class PromptCall:
             try:
                 self._call()
             except Exception as fault:  # noqa: BLE001 - a thread has nobody to raise to
-                self._answers.put(str(fault) or type(fault).__name__)
+                self._answers.put(in_words(fault))
             else:
                 self._answers.put("")

@@ -31,6 +31,8 @@ from drivers.interfaces.errors import (
     LostSamplesError,
     OverloadError,
     OvervoltageError,
+    in_words,
+    is_mistake,
 )
 from drivers.interfaces.identity import (
     DeviceIdentity,
@@ -93,4 +95,6 @@ __all__ = [
     "TriggersFrames",
     "VoltageOutput",
     "VoltageWrite",
+    "in_words",
+    "is_mistake",
 ]

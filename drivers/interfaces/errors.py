@@ -33,3 +33,31 @@ class OvervoltageError(DeviceError):
 
 class LostSamplesError(DeviceError):
     """Samples were overwritten before they were read."""
+
+
+# What Python raises where a program is wrong: the texts are for its author ("'volts'").
+_OF_PROGRAMS = (
+    ArithmeticError,
+    AssertionError,
+    AttributeError,
+    LookupError,
+    NameError,
+    NotImplementedError,
+    TypeError,
+)
+
+
+def is_mistake(fault: BaseException) -> bool:
+    """Whether a program is wrong, by the type of its error: one of Python's own of that kind."""
+    return isinstance(fault, _OF_PROGRAMS) and type(fault).__module__ == "builtins"
+
+
+def in_words(fault: BaseException) -> str:
+    """Return what an error says, on one line and without its full stop.
+
+    Where the text is none, or for the author of a program, its type is told.
+    """
+    text, kind = " ".join(str(fault).split()).rstrip("."), type(fault).__name__
+    if not text:
+        return kind
+    return f"{kind}: {text}" if is_mistake(fault) else text

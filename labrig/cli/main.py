@@ -133,7 +133,7 @@ def _run(arguments: list[str]) -> int:
 
 def _report_fault(error: Exception) -> int:
     from drivers.interfaces import DeviceError
-    from labrig.cli.sentences.foreign_code import foreign_place  # reads what is installed
+    from labrig.foreign_code import foreign_place  # reads what is installed
     from model.measurements import ModelError
 
     if isinstance(error, ModelError):

@@ -7,7 +7,7 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivers.interfaces import DeviceError, RealClock
+from drivers.interfaces import DeviceError, RealClock, in_words
 from drivers.real_time import EDGES, punctual
 from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
 from labrig.config.about import recorded_about
@@ -28,6 +28,7 @@ from labrig.experiment.rig.parts_in_use import parts_in_use
 from labrig.experiment.rig.rig import DRIVE, Rig, Step, no_step, opened
 from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from labrig.experiment.watchdog import Watchdog, watched
+from labrig.foreign_code import foreign_place
 from labrig.session import SessionWriter
 from labrig.session.bluesky.streams import Document
 from labrig.session.format.devices import REPLAY_OF, any_simulated
@@ -128,8 +129,8 @@ def _ending_safely(rig: Rig) -> Iterator[SafeShutdown]:
             found = shutdown.report or shutdown.make_safe()
             if found.is_safe:
                 raise
-            ended = str(error) or type(error).__name__
-            raise OutputUnknownError(f"{found.text}; what ended the run: {ended}") from error
+            ended = f"{found.text}; what ended the run: {in_words(error)}"
+            raise OutputUnknownError(ended) from error
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -281,5 +282,6 @@ def _scheduler(job: _Job, pause: PauseFile) -> Scheduler:
         on_energised=shutdown.watchdog.energised,
         pause=Pause(pause, lambda: _confirm_zero(rig)),
         feedback=None if plan.controller is None else plan.controller.feedback(),
+        whose=foreign_place,
         keep_all_frames=plan.protocol.camera.keep_all_frames,
     )

@@ -2,24 +2,43 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from drivers.interfaces import (
     Camera,
     Clock,
+    DeviceError,
     FloatArray,
     FrameTrigger,
     Operator,
     Positioner,
     SignalInput,
     VoltageOutput,
+    in_words,
 )
 from protocols.execution.channels import Channel, ChannelRows
+from protocols.execution.event_bus import SubscriberError
+from protocols.execution.operator import NoAnswerError
 
 MOVING = "moving the load cell"
 # A stage cannot be stopped: when a run is broken off, this long is waited for its move to end.
 PATIENCE_S = 5.0
+
+
+@contextmanager
+def of_the_stage() -> Iterator[None]:
+    """Make a DeviceError of what a stage raises against its contract.
+
+    A manual stage asks the operator, and what is asked is an event: their errors are not its own.
+    """
+    try:
+        yield
+    except (DeviceError, NoAnswerError, SubscriberError):
+        raise
+    except Exception as fault:
+        raise DeviceError(f"the stage failed: {in_words(fault)}") from fault
 
 
 def nothing(volts: FloatArray) -> None:
@@ -90,9 +109,10 @@ class StageMove:
 
     def _move(self) -> None:
         try:
-            self._agreed = self._stage.move_to(self.position_m)
-            self.ended_s = self._clock.now()
-            self.reported_m = self._stage.position() if self._agreed else None
+            with of_the_stage():
+                self._agreed = self._stage.move_to(self.position_m)
+                self.ended_s = self._clock.now()
+                self.reported_m = self._stage.position() if self._agreed else None
         except Exception as fault:  # noqa: BLE001 - raised again in the run's own thread
             self._fault = fault
         finally:

@@ -2,23 +2,42 @@
 
 from __future__ import annotations
 
-from drivers.interfaces import DeviceError, OverloadError
+from collections.abc import Callable
+
+from drivers.interfaces import DeviceError, OverloadError, in_words, is_mistake
 from protocols.execution.event_bus import SubscriberError
+from protocols.execution.operator import DeclinedError, NoAnswerError
 from protocols.execution.runs.control_loop import ControlFaultError
 from protocols.execution.runs.loop import Stopped
 from protocols.execution.states import FinishReason
 
-
-class DeclinedError(Exception):
-    """The operator has answered no."""
-
-
-class NoAnswerError(Exception):
-    """The operator could not be asked."""
+# Says in whose code an error was raised, where it is not labrig's: a distribution, file and line.
+Whose = Callable[[BaseException], str | None]
 
 
-def reason_of(error: BaseException) -> tuple[FinishReason, str]:
-    """Return what an exception means for the session, and the sentence for the operator."""
+def reason_of(error: BaseException, whose: Whose) -> tuple[FinishReason, str]:
+    """Return what an exception means for the session, and the sentence for the operator.
+
+    A mistake in a part of another distribution is told with the place that `whose` finds.
+    """
+    finish, text = _reason_of(error)
+    cause = _behind(error)
+    place = whose(cause) if finish is FinishReason.INTERNAL_ERROR or is_mistake(cause) else None
+    if place is None:
+        return finish, text
+    if finish is FinishReason.INTERNAL_ERROR:
+        text = f"a part of another distribution failed: {in_words(error)}"
+    return finish, f"{text}, in {place}"
+
+
+def _behind(error: BaseException) -> BaseException:
+    """Return the error of which a device's error was made."""
+    while isinstance(error, DeviceError) and error.__cause__ is not None:
+        error = error.__cause__
+    return error
+
+
+def _reason_of(error: BaseException) -> tuple[FinishReason, str]:
     text = str(error) or type(error).__name__
     if isinstance(error, Stopped):
         return FinishReason.STOP_REQUESTED, text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from drivers.interfaces import Clock, Operator, Prompt
+from drivers.interfaces import Clock, DeviceError, Operator, Prompt, in_words
 from protocols.execution.events import (
     Event,
     OperatorAnswered,
@@ -21,6 +21,14 @@ EXPIRES_S = 120.0  # a session that nobody attends does not wait for ever
 _DISMOUNTING = frozenset({"mount", "remount", "turn_over", "dead_weight"})
 
 
+class DeclinedError(Exception):
+    """The operator has answered no."""
+
+
+class NoAnswerError(Exception):
+    """The operator could not be asked."""
+
+
 class RecordedOperator:
     """An `Operator` that tells of what is asked. A manual stage is given the same one.
 
@@ -35,15 +43,23 @@ class RecordedOperator:
         self._emit = emit
 
     def ask(self, prompt: Prompt) -> bool:
-        """See `Operator.ask`."""
+        """See `Operator.ask`; NoAnswerError when nobody can be asked."""
         if not self.is_present:
             self._emit(OperatorNotAsked(self._clock.now(), prompt))
-            return self._operator.ask(prompt)
+            return self._answer(prompt)
         self._emit(OperatorAsked(self._clock.now(), prompt))
-        done = self._operator.ask(prompt)
+        done = self._answer(prompt)
         expired = getattr(self._operator, "expired", False)
         self._emit(OperatorAnswered(self._clock.now(), prompt, done, expired))
         return done
+
+    def _answer(self, prompt: Prompt) -> bool:
+        try:
+            return self._operator.ask(prompt)
+        except DeviceError:
+            raise
+        except Exception as error:
+            raise NoAnswerError(in_words(error)) from error
 
 
 class LostReadings:

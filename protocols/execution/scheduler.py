@@ -61,8 +61,8 @@ from dataclasses import replace
 
 from drivers.interfaces import Clock, DeviceError, Prompt
 from protocols.errors import ScheduleError
-from protocols.execution.devices import Devices
-from protocols.execution.endings import DeclinedError, NoAnswerError, reason_of
+from protocols.execution.devices import Devices, of_the_stage
+from protocols.execution.endings import Whose, reason_of
 from protocols.execution.event_bus import SubscriberError
 from protocols.execution.events import (
     ActionTaken,
@@ -76,7 +76,13 @@ from protocols.execution.events import (
     SessionStopped,
     Warned,
 )
-from protocols.execution.operator import LostReadings, RecordedOperator, dismounts, offers
+from protocols.execution.operator import (
+    DeclinedError,
+    LostReadings,
+    RecordedOperator,
+    dismounts,
+    offers,
+)
 from protocols.execution.output import GuardedOutput, MakeSafe
 from protocols.execution.rules import LoopTiming, Rules
 from protocols.execution.runs.control_loop import FeedbackLaw
@@ -100,6 +106,10 @@ def _no_beat() -> None:
 
 def _no_guard(energised: bool) -> None:
     """Nobody watches over this process."""
+
+
+def _nobodys(error: BaseException) -> str | None:
+    """Nobody knows of other distributions."""
 
 
 class Scheduler:
@@ -130,6 +140,7 @@ class Scheduler:
         keep_all_frames: bool = False,
         pause: Pause | None = None,
         feedback: FeedbackLaw | None = None,
+        whose: Whose = _nobodys,
         wall: Callable[[], str] = utc_now,
     ) -> None:
         self._devices = devices
@@ -140,6 +151,7 @@ class Scheduler:
         self._rules = rules or Rules()
         timing = timing or LoopTiming()
         self._make_safe = make_safe
+        self._whose = whose
         self._wall = wall
         self._pause = pause
         self._feedback = feedback
@@ -189,7 +201,7 @@ class Scheduler:
         try:
             self._run_all(schedule, done)
         except BaseException as error:
-            finish, text = reason_of(error)
+            finish, text = reason_of(error, self._whose)
             outcome = self._finish(finish, text, error)
             if finish is FinishReason.INTERNAL_ERROR and not isinstance(error, Exception):
                 raise  # the interpreter is being ended
@@ -287,15 +299,11 @@ class Scheduler:
 
     def _have_done(self, action: Action) -> tuple[bool, str]:
         """Return whether something has been done, and what the operator was asked for, in words."""
-        try:
-            if isinstance(action, Move):
-                request = f"to move the load cell to {action.position_m * 1e3:g} mm"
-                return self._devices.stage.move_to(action.position_m), request
+        if not isinstance(action, Move):
             return self._ask(action), f"({action.text})"
-        except (DeviceError, SubscriberError):
-            raise
-        except Exception as error:
-            raise NoAnswerError(str(error) or type(error).__name__) from error
+        request = f"to move the load cell to {action.position_m * 1e3:g} mm"
+        with of_the_stage():
+            return self._devices.stage.move_to(action.position_m), request
 
     def _ask(self, prompt: Prompt) -> bool:
         done = self._operator.ask(prompt)
@@ -306,7 +314,8 @@ class Scheduler:
     def _reported_position(self, run: PlannedRun) -> float | None:
         if run.position_m is None:
             return None
-        reported_m = self._devices.stage.position()
+        with of_the_stage():
+            reported_m = self._devices.stage.position()
         if reported_m is not None:
             off_m = reported_m - run.position_m
             if abs(off_m) > self._rules.position_tolerance_m:

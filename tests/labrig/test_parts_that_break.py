@@ -40,6 +40,20 @@ class Settings:
 CAMERA = CameraKind(kind="broken", help="a camera", settings=CameraSettings, make=broken,
                     prefix="broken:")
 STAGE = PositionerKind(kind="broken", help="a stage", settings=Settings, make=broken)
+
+
+class Shut:
+    def __init__(self, *around):
+        pass
+
+    def open(self):
+        broken()
+
+    def close(self):
+        pass
+
+
+SHUT = PositionerKind(kind="shut", help="a stage", settings=Settings, make=Shut)
 METER = ForceSensorKind(kind="broken", help="a meter", settings=Settings, make=broken)
 
 
@@ -64,6 +78,7 @@ POINTS = """
 broken = broken_parts:CAMERA
 [labrig.positioners]
 broken = broken_parts:STAGE
+shut = broken_parts:SHUT
 [labrig.force_sensors]
 broken = broken_parts:METER
 [labrig.boards]
@@ -118,6 +133,13 @@ def test_a_camera_that_cannot_be_made_is_named(check: Check) -> None:
 def test_a_stage_that_cannot_be_made_is_named(check: Check) -> None:
     code, said = check(LOCAL, SEEN, ('"manual"', '"broken"'))
     assert "the positioner 'broken' of broken-parts 2.0 cannot be used: KeyError" in said
+    assert code == 3
+
+
+def test_a_stage_that_cannot_be_opened_is_named_with_the_place_in_its_code(check: Check) -> None:
+    code, said = check(('"manual"', '"shut"'))
+    where = "in broken-parts 2.0 (broken_parts.py, line 12)"
+    assert f"opening the stage failed: KeyError: 'no such thing', {where}" in said
     assert code == 3
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from drivers.interfaces import OverloadError, OvervoltageError
+from drivers.interfaces import DeviceError, OverloadError, OvervoltageError
 from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols import EventBus, FinishReason, LoopTiming, RunState
 from protocols.execution.channels import force_channel
@@ -298,6 +298,53 @@ def test_an_operator_who_cannot_be_asked_is_named_as_the_reason():
     assert scheduler.status.finish is FinishReason.NO_ANSWER
     assert rig.events[-1].reason == "standard input has ended"
     assert isinstance(scheduler.status.error.__cause__, EOFError)
+
+
+def _no_such_thing(*_):
+    return {}["at"]
+
+
+@pytest.mark.parametrize("method", ["move_to", "position"])
+def test_a_stage_whose_code_is_wrong_is_named_with_the_place_in_it(method):
+    rig = FakeRig()
+    setattr(rig.stage, method, _no_such_thing)
+    asked = []
+
+    def whose(error):
+        asked.append(error)
+        return "their-stage 2.0 (stage.py, line 3)"
+
+    scheduler = rig.scheduler(whose=whose)
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert scheduler.status.finish is FinishReason.DEVICE_FAULT
+    assert rig.events[-1].reason == (
+        "the stage failed: KeyError: 'at', in their-stage 2.0 (stage.py, line 3)"
+    )
+    assert [type(error) for error in asked] == [KeyError]
+
+
+def test_a_device_that_says_itself_what_is_wrong_with_it_is_no_mistake_in_a_part():
+    rig = FakeRig()
+
+    def stuck(_position_m):
+        raise DeviceError("the stage is stuck; free it")
+
+    rig.stage.move_to = stuck
+    scheduler = rig.scheduler(whose=lambda _: "their-stage 2.0 (stage.py, line 3)")
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert rig.events[-1].reason == "the stage is stuck; free it"
+
+
+def test_a_mistake_in_a_part_of_another_distribution_is_not_labrigs():
+    rig = FakeRig()
+    broken = force_channel(range_V=0.05, conversion=_no_such_thing)
+    rig.devices = replace(rig.devices, channels=(broken, *rig.devices.channels[1:]))
+    scheduler = rig.scheduler(whose=lambda _: "their-cell 2.0 (cell.py, line 3)")
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert scheduler.status.finish is FinishReason.INTERNAL_ERROR
+    assert rig.events[-1].reason == (
+        "a part of another distribution failed: KeyError: 'at', in their-cell 2.0 (cell.py, line 3)"
+    )
 
 
 def test_a_mistake_in_the_program_is_named_as_such():

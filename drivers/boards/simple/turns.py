@@ -7,7 +7,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
 from drivers.boards.simple.board import SimpleBoard
-from drivers.interfaces import Clock, DeviceError, DeviceNotFoundError, DeviceTimeoutError
+from drivers.interfaces import (
+    Clock,
+    DeviceError,
+    DeviceNotFoundError,
+    DeviceTimeoutError,
+    in_words,
+)
 
 _TURN_S = 1.0
 _LOOK_S = 0.001
@@ -31,8 +37,8 @@ class BoardTurns:
         except Exception as fault:
             self.close()
             raise DeviceNotFoundError(
-                f"no connection to {self.name}: {said(fault)}; check its power, its address and "
-                "whether another program has it"
+                f"no connection to {self.name}: {in_words(fault)}; check its power, its address "
+                "and whether another program has it"
             ) from fault
         self.is_open = True
 
@@ -63,11 +69,6 @@ class BoardTurns:
         except DeviceError:
             raise
         except Exception as fault:
-            raise DeviceError(f"{doing} failed: {self.name}: {said(fault)}") from fault
+            raise DeviceError(f"{doing} failed: {self.name}: {in_words(fault)}") from fault
         finally:
             self._lock.release()
-
-
-def said(fault: Exception) -> str:
-    """Return what an error of another's code says, on one line."""
-    return " ".join(str(fault).split()).rstrip(".") or type(fault).__name__

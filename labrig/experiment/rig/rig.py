@@ -23,6 +23,7 @@ from drivers.load_cell import LoadCell, LoadCellCalibration
 from labrig.config import RigConfig
 from labrig.errors import NotReadyError, OutputUnknownError
 from labrig.experiment.rig.channels import channels_of
+from labrig.foreign_code import foreign_place
 from labrig.session import RecordedSession
 from protocols.execution.devices import Devices
 
@@ -100,12 +101,18 @@ def opened(rig: Rig, on_step: Step = no_step) -> Iterator[Rig]:
             except DeviceError as fault:
                 raise NotReadyError(str(fault)) from fault
             except Exception as fault:
-                why = f"a device cannot be opened: {type(fault).__name__}: {fault}"
-                raise NotReadyError(why) from fault
+                raise NotReadyError(_unexpected(what, fault)) from fault
             releases.append(release)
         yield rig
     finally:
         _release(rig, releases)
+
+
+def _unexpected(what: str, fault: Exception) -> str:
+    """Return what a device raised that no driver may raise, and in whose code."""
+    place = foreign_place(fault)
+    where = "" if place is None else f", in {place}"
+    return f"opening {what} failed: {type(fault).__name__}: {fault}{where}"
 
 
 def _release(rig: Rig, releases: list[Callable[[], None]]) -> None:
