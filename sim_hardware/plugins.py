@@ -108,7 +108,7 @@ def _place(error: Exception) -> str:
 
 def _in_short(faults: list[str]) -> str:
     """Return the first faults, each once, and how many there are besides."""
-    different = list(dict.fromkeys(faults))
+    different = list(dict.fromkeys(fault.rstrip(".") for fault in faults))
     more = len(different) - _MOST_FAULTS
     return "; ".join(different[:_MOST_FAULTS]) + (f"; and {more} more" if more > 0 else "")
 

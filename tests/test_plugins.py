@@ -79,6 +79,7 @@ def test_a_part_that_cannot_be_used_is_left_out_with_a_sentence(numbers, point, 
     ("faults", "said"),
     [
         (lambda _: ["a is wrong"] * 5 + list("bcdef"), "left out: a is wrong; b; c; and 3 more."),
+        (lambda _: ["nobody looked.", "it is not there."], "nobody looked; it is not there."),
         (lambda part: part / 0, "left out: its code raised ZeroDivisionError: division by zero ("),
     ],
 )
