@@ -264,12 +264,25 @@ def _said(fault: Any) -> str:
 
 
 def _where(location: tuple[Any, ...]) -> str:
+    """Return a place in words: "entry 2 of [[places]]: value 1 of positions_mm"."""
+    tables, values = "", ""
+    keys: list[str] = []
     # Parts that pydantic adds for the branch of a union are no keys of the file.
-    keys = [_cut(str(part)) for part in location if not _is_branch(part)]
-    if not keys:
-        return "the file"
-    if len(keys) == 1:
-        return keys[0]
+    parts = [part for part in location if not _is_branch(part)]
+    for at, part in enumerate(parts):
+        if not isinstance(part, int):
+            keys.append(_cut(str(part)))
+        elif any(isinstance(later, str) for later in parts[at:]):
+            tables += f"entry {part + 1} of [[{'.'.join(keys)}]]: "
+            keys = []
+        else:
+            values = f"value {part + 1} of {values}"
+    return tables + values + _key(keys)
+
+
+def _key(keys: list[str]) -> str:
+    if len(keys) < 2:
+        return keys[0] if keys else "the file"
     return f"[{'.'.join(keys[:-1])}] {keys[-1]}"
 
 

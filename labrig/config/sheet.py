@@ -106,6 +106,11 @@ def _tables(data: dict[str, Any], name: str) -> dict[str, dict[str, Any]]:
             f"{name}: there is no configuration; add a table such as [long] with free_length_mm, "
             "width_mm and thickness_mm."
         )
+    for key, table in data.items():
+        if table and table.keys() <= ArcConfig.model_fields.keys():
+            raise BadInputError(
+                f"{name}: [{key}] is no sheet: it has {' and '.join(table)}, which belong to [arc]."
+            )
     return data
 
 

@@ -52,12 +52,15 @@ def test_all_that_about_toml_states_is_understood():
     [
         ('licence = "CC-BY-9"', r"about: licence = 'CC-BY-9': should be a licence of the SPDX"),
         ('license = "CC0-1.0"', r"license is not a known key; did you mean licence"),
-        ('[[people]]\nname = "A"\norcid = "0000-0002-1825-0098"', r"\[people\.0\] orcid.*check"),
+        (
+            '[[people]]\nname = "A"\norcid = "0000-0002-1825-0098"',
+            r"entry 1 of \[\[people\]\]: orcid.*check",
+        ),
         ('[[people]]\nname = "A"\norcid = "12"', r"orcid = '12': should be an ORCID iD such as"),
         ('[[people]]\nname = "A"\nrole = "boss"', r"role = 'boss': should be 'operator', 'con"),
         ('[[people]]\nname = "A"\nemail = "a.org"', r"email = 'a.org': should be an address"),
-        ('[[people]]\nname = " "', r"\[people\.0\] name = ' ': should not be empty"),
-        ("[[people]]\nrole = 'operator'", r"\[people\.0\] name is missing"),
+        ('[[people]]\nname = " "', r"entry 1 of \[\[people\]\]: name = ' ': should not be empty"),
+        ("[[people]]\nrole = 'operator'", r"entry 1 of \[\[people\]\]: name is missing"),
         ("[sample]\nbatch = '1'", r"\[sample\] identity is missing"),
         ("[sample]\nidentity = 'S'\nmade = 3", r"made = 3: should be a date such as 2026-11-21"),
         ("[sample]\nidentity = 17", r"\[sample\] identity = 17: should be a text in quotes"),

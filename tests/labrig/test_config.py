@@ -115,6 +115,19 @@ def test_all_faults_of_a_file_are_told_together_a_line_each() -> None:
         ("[pulse_train]\n", r"places is missing"),
         ("[hold]\n" + PLACES + PLACES, r"a configuration is there twice"),
         (
+            "[hold]\n" + PLACES + "[[places]]\nconfiguration = 'short'\nposition_mm = [0]\n",
+            r"entry 2 of \[\[places\]\]: positions_mm is missing",
+        ),
+        (
+            "[hold]\n[[places]]\nconfiguration = 'long'\npositions_mm = [0, nan]\n",
+            r"entry 1 of \[\[places\]\]: value 2 of positions_mm = nan: should be a finite number",
+        ),
+        ("places = ['long']\n[hold]\n", r": value 1 of places = 'long': should be a table"),
+        (
+            "[pulse_train]\nvoltages_V = [2, 99]\n" + PLACES,
+            r": value 2 of \[pulse_train\] voltages_V = 99: should be less than",
+        ),
+        (
             "[hold]\n[extras]\nmode = 'paper'\nremounts = 1\n" + PLACES,
             r'mode "paper" has no extras',
         ),
@@ -170,6 +183,7 @@ def test_measured_initial_curvature_is_left_to_the_fit() -> None:
         (SHEET + "initial_curvature_per_m = { s_mm = [0, 1], per_m = [1, 2, 3] }\n", r"per_m 3"),
         (SHEET + "initial_curvature_per_m = { s_mm = [1, 0], per_m = [1, 2] }\n", r"must rise"),
         ("[arc]\nradius_mm = 0\n" + "[long]\n" + SHEET, r"\[arc\]: radius_mm = 0"),
+        ("[ark]\nradius_mm = 40\n[long]\n" + SHEET, r"toml: \[ark\] is no sheet.* \[arc\]\.$"),
     ],
 )
 def test_a_fault_in_sheet_toml_is_named(text: str, said: str) -> None:
