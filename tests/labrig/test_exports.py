@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import h5py
 import numpy as np
 import pytest
 
-from drivers.plugins import Part
+from drivers.plugins import OWN, Part
 from labrig.cli.main import run
 from labrig.errors import BadInputError, LabrigError
 from labrig.exports.choice import FORMATS, export
@@ -173,3 +174,10 @@ def test_a_format_that_does_not_say_what_it_wrote_is_named(session, tmp_path, mo
 
 def test_every_format_says_what_it_writes():
     assert {"bluesky", "crate", "csv", "parquet", "xarray"} <= set(FORMATS.parts())
+
+
+def test_the_page_about_export_has_a_row_for_each_format():
+    page = Path(__file__).parents[2] / "docs" / "howto" / "export.md"
+    table = [line for line in page.read_text(encoding="utf-8").splitlines() if line[:1] == "|"]
+    named = {line.split("`")[1] for line in table[2:]}
+    assert named == {name for name, part in FORMATS.parts().items() if part.distribution == OWN}
