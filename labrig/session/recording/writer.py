@@ -26,6 +26,7 @@ from labrig.session.notes.waiting import holds_notes, waiting_path
 from labrig.session.recording.create import create_file
 from labrig.session.recording.disk import cause, note_a_failed_write, sync_file, sync_folder
 from labrig.session.recording.journal import Journal, journal_path
+from labrig.session.recording.locking import is_locked
 from labrig.session.recording.recorder import Recorder
 from labrig.session.recording.rows import Translator
 from labrig.session.recording.write_queue import StalledError, WriteQueue
@@ -248,6 +249,10 @@ def _begin(path: Path, setup: SessionSetup) -> Journal:
     try:
         journal = Journal(journal_path(path), setup)
     except FileExistsError:
+        if is_locked(journal_path(path)):
+            raise BadInputError(
+                f"another labrig is making a session at {path}; choose another name with -o."
+            ) from None
         raise BadInputError(
             f"{journal_path(path)} is left from an earlier session; run labrig recover "
             f"{typed(path)}, or choose another name with -o."

@@ -14,6 +14,7 @@ from labrig.session import SessionWriter, open_session, verify
 from labrig.session.recording import writer
 from labrig.session.recording.create import create_file
 from labrig.session.recording.journal import journal_path
+from labrig.session.recording.locking import lock
 from protocols.execution import events as ev
 from tests.labrig.session.session_recording import (
     FRAME_SHAPE,
@@ -200,6 +201,16 @@ def test_an_existing_file_is_never_overwritten(recorded):
     with pytest.raises(BadInputError, match=r"exists already.*another name"):
         SessionWriter(recorded, **settings(small_schedule()))
     assert recorded.read_bytes() == before
+
+
+def test_a_session_that_another_one_is_making_at_its_place_is_told_from_one_that_crashed(tmp_path):
+    beside = journal_path(tmp_path / "s.h5")
+    with beside.open("wb") as file:
+        assert lock(file)
+        with pytest.raises(BadInputError, match=r"another labrig is making a session at .*s\.h5;"):
+            SessionWriter(tmp_path / "s.h5", **settings(small_schedule()))
+    with pytest.raises(BadInputError, match="left from an earlier session; run labrig recover"):
+        SessionWriter(tmp_path / "s.h5", **settings(small_schedule()))
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path):
