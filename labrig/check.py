@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
+
+_SHORT = 70  # letters
+
+
+def failures(checks: Iterable[Check]) -> str:
+    """Return what failed, in one phrase."""
+    failed = (check for check in checks if not check.ok)
+    return "; ".join(c.in_words if c.is_short else f"{c.name}: {c.found}" for c in failed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,6 +36,11 @@ class Check:
     def in_words(self) -> str:
         """Return the check as one phrase."""
         return f"{self.name}: {self.found}, wanted {self.wanted}"
+
+    @property
+    def is_short(self) -> bool:
+        """Whether what was found fits into a table; a long one is a sentence of its own."""
+        return len(self.found) < _SHORT
 
     def as_dict(self) -> dict[str, Any]:
         """Return the check for JSON."""

@@ -10,6 +10,7 @@ from pathlib import Path
 from drivers.interfaces import DeviceError, RealClock, in_words
 from drivers.real_time import EDGES, punctual
 from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
+from labrig.check import failures
 from labrig.config.about import recorded_about
 from labrig.errors import ExitCode, NotReadyError, OutputUnknownError
 from labrig.experiment.notices.publish import (
@@ -211,12 +212,10 @@ def _require_ready(rig: Rig, plan: Plan, path: Path) -> None:
     """
     try:
         checks = [disk_space([plan], path.parent), *open_rig_checks(rig, plan)]
-        failed = [check for check in checks if not check.ok]
     except DeviceError as fault:
         raise NotReadyError(str(fault)) from fault
-    if failed:
-        faults = "; ".join(f"{c.name}: {c.found}, wanted {c.wanted}" for c in failed)
-        raise NotReadyError(f"The rig is not ready: {faults}.")
+    if not all(check.ok for check in checks):
+        raise NotReadyError(f"The rig is not ready: {failures(checks)}.")
 
 
 def _writer(job: _Job, path: Path) -> SessionWriter:

@@ -13,10 +13,12 @@ from labrig.report.data.models import force_curve_N
 from labrig.report.data.quality import quality, scatter_and_drift
 from labrig.report.data.selection import force_line, mean_force, rest_position_m
 from labrig.report.parts.table import fixed, interval, number, with_sigma
+from labrig.report.tables.devices import device_row, devices_as_table
 from labrig.report.tables.fit import residual_table, trust
 from labrig.report.tables.measurements import measurements_as_dict, measurements_tables
 from labrig.report.tables.observations import observations
 from labrig.report.tables.paper import compared_conditions, table_3, table_4, table_5, table_6
+from labrig.session.format.devices import CalibrationRecord, RecordedDevice
 from model import Condition, Measurements, Reading, predict
 from protocols.planning.schedule import Purpose
 from tests.labrig.report_data import STIFFNESS, invalid, measure, truth
@@ -299,3 +301,15 @@ def test_measurements_name_the_sheets_that_were_measured():
     long_alone = [one for one in measured.conditions if one.configuration == "long"]
     some = replace(measured, conditions=tuple(long_alone), series=())
     assert f"{len(long_alone)} conditions of long," in repr(some).splitlines()[0]
+
+
+def test_values_of_labrig_init_are_no_calibration_of_that_day():
+    dates = ("1970-01-01", "2026-03-04", "")
+    records = (CalibrationRecord(name="cell.toml", date=date) for date in dates)
+    devices = (RecordedDevice(part="load_cell", calibration=record) for record in records)
+    table = devices_as_table(tuple(device_row(device) for device in devices))
+    assert [row[-1] for row in table.rows] == [
+        "never (cell.toml)",
+        "2026-03-04 (cell.toml)",
+        "not known (cell.toml)",
+    ]

@@ -67,7 +67,9 @@ def test_the_preflight_fails_with_it(tmp_path: Path, capsys: pytest.CaptureFixtu
     write_templates(tmp_path, simulated=True)
     FAULTS[0][0](tmp_path)
     assert run(["check", str(tmp_path / "rig.toml")]) == 3
-    assert "radius_mm" in capsys.readouterr().out
+    shown = capsys.readouterr()
+    assert "radius_mm" in shown.out
+    assert "radius_mm: 0.04 mm, wanted " in shown.err
 
 
 def test_the_plan_warns_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from labrig.check import failures
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import AboutFile, Json, RigFile
 from labrig.cli.screen import print_json, print_table, warn
@@ -35,19 +36,13 @@ def check(
     if as_json:
         print_json({"ok": good, "checks": [item.as_dict() for item in checks]})
     else:
-        rows = [[c.word, c.name, _short(c.found), c.wanted] for c in checks]
+        rows = [[c.word, c.name, c.found if c.is_short else "see below", c.wanted] for c in checks]
         print_table(f"Preflight of {rig}", ["", "check", "found", "wanted"], rows)
         for item in checks:
-            if item.ok and _short(item.found) != item.found:
+            if item.ok and not item.is_short:
                 warn(f"{item.name}: {item.found}.")
     if not good:
-        failed = "; ".join(f"{c.name}: {c.found}" for c in checks if not c.ok)
-        raise NotReadyError(f"{rig} is not ready: {failed}.")
-
-
-def _short(text: str) -> str:
-    """Return what fits into a table; the whole of a long fault is printed below it."""
-    return text if len(text) < 70 else "see below"
+        raise NotReadyError(f"{rig} is not ready: {failures(checks)}.")
 
 
 COMMAND = Command(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from labrig.check import failures
 from labrig.errors import ExitCode
 from labrig.experiment.operator import NoOperator
 from labrig.experiment.plan import load_plan
@@ -22,5 +23,4 @@ def check_rig(host: Host) -> tuple[int, str]:
     host.publish({"type": "preflight", "ok": good, "checks": shown})
     if good:
         return ExitCode.DONE, "the rig is ready"
-    failed = "; ".join(f"{check.name}: {check.found}" for check in checks if not check.ok)
-    return ExitCode.NOT_READY, f"the rig is not ready: {failed}"
+    return ExitCode.NOT_READY, f"the rig is not ready: {failures(checks)}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from labrig.config.templates import NOT_CALIBRATED
 from labrig.report.parts.table import Table
 from labrig.session.format.devices import NOT_KNOWN, RecordedDevice, acquisition_in_words
 
@@ -50,6 +51,8 @@ def _cells(row: dict[str, Any]) -> tuple[str, ...]:
     known = [row[key] or NOT_KNOWN for key in ("product", "serial", "driver")]
     calibrated = "-"
     if row["calibration"] is not None:
-        calibrated = f"{row['calibrated'] or NOT_KNOWN} ({row['calibration']})"
+        date = row["calibrated"] or NOT_KNOWN
+        when = "never" if date == NOT_CALIBRATED.isoformat() else date
+        calibrated = f"{when} ({row['calibration']})"
     name = row["name"] or row["kind"] or "-"
     return (row["part"], name, *known, _STATES[row["simulated"]], calibrated)
