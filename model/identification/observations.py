@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from model.identification.curve_smoothing import SmoothCurve, smooth
+from model.identification.likelihood.configuration.stacked_curves import PAST_THE_END
 from model.measurements import Condition, Curve, FloatArray, Measurements, ModelError, SheetGeometry
 
 MOST_POINTS = 120
@@ -131,6 +132,8 @@ def _observation(condition: Condition, sheet: SheetGeometry) -> Observation | No
         condition.run,
     )
     curve = None if condition.curve is None else checked_curve(condition.curve, where)
+    if curve is not None:
+        _check_on_sheet(curve, sheet, where)
     return Observation(
         configuration=condition.configuration,
         position_m=condition.position_m,
@@ -181,6 +184,18 @@ def checked_curve(curve: Curve, where: str) -> Curve:
         sigma_m=thin(curve.sigma_m),
         curvature_sigma_per_m=thin(curve.curvature_sigma_per_m),
     )
+
+
+def _check_on_sheet(curve: Curve, sheet: SheetGeometry, where: str) -> None:
+    """Refuse a curve none of which is on the sheet, beside the clamp: one in another unit."""
+    end_m = sheet.free_length_m + sheet.elongation_m
+    count = int(np.count_nonzero(curve.s_m <= end_m * PAST_THE_END))
+    if count < 2:
+        raise ModelError(
+            f"the curve of condition {where} has {count} point{'' if count == 1 else 's'} on the"
+            f" sheet, which is {end_m * 1e3:g} mm long with its elongation; its unit seems to be"
+            " another"
+        )
 
 
 def not_driven(measurements: Measurements, name: str) -> str:

@@ -93,6 +93,13 @@ def test_a_curve_of_two_points(data):
         fit(changed(data, 4, curve=short))
 
 
+def test_a_curve_in_another_unit_has_no_points_on_the_sheet(data):
+    far = {name: 1e3 * getattr(curve(data), name) for name in ("s_m", "x_m", "y_m")}
+    said = r"long, 5 mm, \+2 V has 1 point on the sheet.* 50 mm long.* unit"
+    with pytest.raises(ModelError, match=said):
+        fit(changed(data, 4, curve=curve(data, **far)))
+
+
 @pytest.mark.parametrize("position", [np.nan, 0.2, -0.3])
 def test_a_position_off_the_arc(data, position):
     with pytest.raises(ModelError, match="not on the arc"):

@@ -156,7 +156,7 @@ def _body(text: str, path: Path, layout: TextLayout, plain: bool) -> tuple[list[
             if len(row) != width:
                 raise BadInputError(
                     f"{path}, line {layout.first + reader.line_num}: {len(row)} values for {width} "
-                    f"columns{_comma_hint(layout)}."
+                    f"columns{_comma_hint(layout) if len(row) > width else ''}."
                 )
             cells.append(row)
             lines.append(layout.first + reader.line_num)
