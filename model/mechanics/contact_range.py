@@ -28,7 +28,8 @@ def limit_m(batch: Problems) -> tuple[float, bool]:
     Places are arc lengths from polar angle 0; NaN where none is reachable. The flag is true where
     the sheet's end slips out there.
     """
-    asked = float(batch.angle_rad[0])
+    # not farther than half a turn: the way to a place in a wrong unit has millions of steps
+    asked = float(np.clip(batch.angle_rad[0], -np.pi, np.pi))
     angles = np.linspace(-WIDEST_RAD, WIDEST_RAD, 193)
     found = solve(_at(batch, angles))
     good = found.status == SolverStatus.SOLVED

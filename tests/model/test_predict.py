@@ -17,6 +17,11 @@ from model.sheet.beam_problem import ActiveEffect
 R = 0.04
 
 
+def test_the_limit_of_reach_is_the_same_however_far_the_place_is_that_was_asked_for():
+    near, far = (limit_m(problems(Field.constant(20, 0.05), at, R)) for at in (3.0, 2.5e7))
+    assert far == pytest.approx(near, abs=1e-5)
+
+
 @pytest.mark.parametrize(
     ("curvature", "limit_mm"), [(0, 54.1), (20, 49.3), (40, 45.85), (60, 44.3)]
 )
