@@ -12,6 +12,8 @@ from model.parameter import Parameter
 from model.sheet.configured_sheet import Along, ConfiguredSheet
 from model.sheet.sheet_model import SheetModel
 
+MOST_TURNS = 10.0  # of a sheet without load; the paper's makes a quarter of one
+
 # Me in N m: one number, or (s_m, Me_Nm) with straight lines between the nodes
 StatedEibm = float | tuple[FloatArray, FloatArray]
 
@@ -42,8 +44,23 @@ def with_eibm(model: SheetModel, eibm_Nm: Mapping[float, StatedEibm]) -> SheetMo
     if not eibm_Nm:
         return model
     stated = {_voltage(volts): _along(volts, values) for volts, values in eibm_Nm.items()}
+    for one in model.sheets.values():
+        for volts, along in stated.items():
+            _refuse_wound_up(one, volts, along)
     sheets = {name: replace(one, eibm={**one.eibm, **stated}) for name, one in model.sheets.items()}
     return replace(model, sheets=sheets, merit={}, own_merit={}, dynamic={}, deviations={})
+
+
+def _refuse_wound_up(one: ConfiguredSheet, voltage_V: float, along: Along) -> None:
+    """Raise ModelError for an EIBM that nobody can mean; solving for it takes hours."""
+    largest_Nm = float(np.max(np.abs(along.values)))
+    turns = largest_Nm / one.B.value * one.sheet.free_length_m / (2.0 * np.pi)
+    if turns > MOST_TURNS:
+        raise ModelError(
+            f"the EIBM stated at {voltage_V:+g} V would wind '{one.sheet.configuration}' up"
+            f" {turns:.3g} times: {largest_Nm:g} N m with B = {one.B.value:g} N m²; one of a"
+            " sheet is some 1e-5 N m"
+        )
 
 
 def _voltage(voltage_V: float) -> float:
