@@ -22,12 +22,20 @@ def reason_of(error: BaseException, whose: Whose) -> tuple[FinishReason, str]:
     """
     finish, text = _reason_of(error)
     cause = _behind(error)
-    place = whose(cause) if finish is FinishReason.INTERNAL_ERROR or is_mistake(cause) else None
+    asked = finish is FinishReason.INTERNAL_ERROR or is_mistake(cause)
+    place = _place(cause, whose) if asked else None
     if place is None:
         return finish, text
     if finish is FinishReason.INTERNAL_ERROR:
         text = f"a part of another distribution failed: {in_words(error)}"
     return finish, f"{text}, in {place}"
+
+
+def _place(cause: BaseException, whose: Whose) -> str | None:
+    try:
+        return whose(cause)
+    except Exception:  # noqa: BLE001 - the session ends with what is known
+        return None
 
 
 def _behind(error: BaseException) -> BaseException:

@@ -58,6 +58,7 @@ import datetime as dt
 import threading
 from collections.abc import Callable, Collection
 from dataclasses import replace
+from functools import partial
 
 from drivers.interfaces import Clock, DeviceError, Prompt
 from protocols.errors import ScheduleError
@@ -201,12 +202,12 @@ class Scheduler:
         try:
             self._run_all(schedule, done)
         except BaseException as error:
-            finish, text = reason_of(error, self._whose)
-            outcome = self._finish(finish, text, error)
-            if finish is FinishReason.INTERNAL_ERROR and not isinstance(error, Exception):
+            outcome = self._finish(partial(reason_of, error, self._whose), error)
+            internal = self._status.finish is FinishReason.INTERNAL_ERROR
+            if internal and not isinstance(error, Exception):
                 raise  # the interpreter is being ended
             return outcome
-        return self._finish(FinishReason.COMPLETED, "all runs are done", None)
+        return self._finish(lambda: (FinishReason.COMPLETED, "all runs are done"), None)
 
     def mark(self, run: int, reading: int | None, why: str, who: str) -> None:
         """Declare a reading (None: a whole run) invalid. May be called from any thread.
@@ -354,10 +355,16 @@ class Scheduler:
             except Exception as error:
                 raise SubscriberError(f"{type(error).__name__}: {error}") from error
 
-    def _finish(self, finish: FinishReason, text: str, error: BaseException | None) -> Outcome:
-        """Make safe, emit the end, and settle the status; never raises."""
+    def _finish(
+        self, why: Callable[[], tuple[FinishReason, str]], error: BaseException | None
+    ) -> Outcome:
+        """Make safe, emit the end, and settle the status; never raises.
+
+        `why` it ended is asked at 0 V: to find whose part failed takes a while.
+        """
         self._enter(RunState.STOPPING)
         found = self._output.settle(self._make_safe)
+        finish, text = why()
         self._loop.guarded("reporting the state of the output", lambda: self._output.report(found))
         state = self._output.state
         # What hands must do comes first, however much there is to say.

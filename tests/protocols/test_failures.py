@@ -378,3 +378,23 @@ def test_a_read_back_is_within_the_limit_where_most_of_it_is(drive_V):
 def test_a_read_back_is_beyond_the_limit_where_most_of_it_is(drive_V):
     with pytest.raises(OvervoltageError, match=r"beyond the limit of 2\.5 V"):
         check_drive(np.array(drive_V), 2.5, Rules())
+
+
+def test_whose_part_failed_is_asked_at_0_V_and_need_not_be_known():
+    rig, asked = FakeRig(), []
+
+    def broken_under_voltage(_index):
+        if rig.output.last_V != 0.0:
+            raise KeyError("volts")
+        return False
+
+    def whose(error):
+        asked.append((type(error), rig.output.last_V))
+        raise OSError("what is installed cannot be read")
+
+    rig.faults["signals"].fail_at = broken_under_voltage
+    scheduler = rig.scheduler(timing=COARSE, whose=whose)
+    outcome = scheduler.run(short_schedule(0.0))
+    check_end(rig, scheduler, outcome)
+    assert asked == [(KeyError, 0.0)]
+    assert scheduler.status.finish is FinishReason.INTERNAL_ERROR
