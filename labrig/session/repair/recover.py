@@ -56,10 +56,13 @@ class RecoverReport:
         """What was saved, in one sentence."""
         if self.output is None:
             return f"{self.source}: is whole; there is nothing to recover."
-        return (
-            f"wrote {self.output}: {self.outcome.value}, {self.runs_completed} runs complete, "
-            f"{self.readings} readings, {self.frames} frames."
-        )
+        runs, readings, frames = (
+            f"{count} {what}{'' if count == 1 else 's'}"
+            for count, what in (
+                (self.runs_completed, "run"), (self.readings, "reading"), (self.frames, "frame"),
+            )
+        )  # fmt: skip
+        return f"wrote {self.output}: {self.outcome.value}, {runs} complete, {readings}, {frames}."
 
 
 def is_left_by_a_crash(path: Path) -> bool:

@@ -315,6 +315,6 @@ def _project(homography: FloatArray, points: FloatArray) -> FloatArray:
     return np.asarray(lifted[:, :2] / lifted[:, 2:])
 
 
-def load_optics(path: Path) -> Optics:
+def load_optics(path: Path | str) -> Optics:
     """Read an optics.json."""
-    return Optics.from_json(read_text(path, OPTICS), str(path))
+    return Optics.from_json(read_text(Path(path), OPTICS), str(path))

@@ -116,8 +116,9 @@ def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
             yield Picture(label=label, image=None, why=why)
 
 
-def read_image(path: Path) -> Pixels:
+def read_image(path: Path | str) -> Pixels:
     """Return an image: 8 or 16 bit or floats, grey or colour, upright as its camera states."""
+    path = Path(path)
     return _decoded(_bytes(path), path)
 
 

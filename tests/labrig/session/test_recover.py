@@ -16,6 +16,7 @@ import pytest
 from labrig.errors import BadInputError
 from labrig.session import SessionWriter, compare_sessions, open_session, recover, verify
 from labrig.session.recording.journal import journal_path
+from labrig.session.repair.recover import RecoverReport
 from protocols.execution import events as ev
 from tests.labrig.session import session_recording
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
@@ -329,3 +330,11 @@ def kill_a_recording(path: Path, after_readings: int) -> int:
     ended(process)
     process.stdout.close()
     return after_readings + rest.count("\n")
+
+
+def test_what_was_recovered_is_told_with_one_reading_in_the_singular():
+    report = RecoverReport(
+        source=Path("cut.h5"), output=Path("cut-recovered.h5"), outcome=ev.Outcome.FAILED,
+        from_journal=True, runs_completed=0, readings=1, samples=5, frames=2, notes=(),
+    )  # fmt: skip
+    assert report.text.endswith("0 runs complete, 1 reading, 2 frames.")

@@ -78,6 +78,11 @@ def folder(tmp_path):
     return tmp_path
 
 
+def test_a_path_may_be_text(tmp_path):
+    cv2.imwrite(str(tmp_path / "strip.png"), marked())
+    assert np.array_equal(read_image(str(tmp_path / "strip.png")), marked())
+
+
 @pytest.mark.parametrize("suffix", [".jpg", ".png", ".webp"])
 def test_a_photograph_is_turned_as_its_exif_states(tmp_path, suffix):
     path = tmp_path / f"held_upright{suffix}"
