@@ -38,7 +38,7 @@ def add_photograph(page, path):
     chooser.value.set_files(path)
 
 
-def test_operator_and_sample_are_edited_for_one_run_and_notes_are_added_to_it(
+def test_operator_and_sample_are_edited_for_one_run_and_notes_are_added_by_which_it_is_found(
     world, visit, tmp_path
 ):
     page = enter(visit, world, "new")
@@ -96,8 +96,6 @@ def test_operator_and_sample_are_edited_for_one_run_and_notes_are_added_to_it(
     picture(page, "new-phone")
     assert violations(page) == []
 
-
-def test_the_list_finds_a_session_by_its_sample(world, visit):
     page = enter(visit, world, "library")
     page.fill("input[type='search']", "S-18 bubble")
     page.wait_for_function("document.querySelectorAll('.library-table tbody tr').length === 1")
