@@ -85,7 +85,7 @@ def test_a_key_of_another_kind_is_left_unread():
         ({"kind": "motor"}, "[stage] port is missing; it is required"),
         ({"kind": "motor", "port": "x", "address": 0}, "[stage] address = 0: should be greater"),
         ({"kind": "motor", "port": "x", "names": {"output": 1}}, "[stage.names] output = 1"),
-        ({"kind": "motor", "port": "x", "stops_mm": [0]}, "value 1 of [stage] stops_mm = 0: should be"),
+        ({"kind": "motor", "port": "x", "stops_mm": [0]}, "value 1 of [stage] stops_mm = 0"),
         ({"kind": "motor", "port": "x", "channel": "y"}, "must be a device and a channel"),
         ({"kind": "motor", "port": "a/b", "channel": "a/b"}, "port and channel must differ"),
         ({"kind": "motor", "port": "x", "addres": 1}, "not a known key; did you mean address"),
