@@ -57,9 +57,12 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
 
 
 def beside_strict_form(name: str, decision: Decision) -> bool:
-    """Return whether a name was found only beside the catalogue's own form of another one."""
-    strict = {one.effect.name for one in decision.known.found if one.form < 1.0}
-    return bool(strict) and name not in strict
+    """Return whether a name was found only beside the catalogue's own form of an earlier one."""
+    found = decision.known.found
+    strict = [one.effect.name for one in found if one.form < 1.0]
+    names = [one.effect.name for one in found]
+    later = names[names.index(strict[0]) :] if strict else []
+    return name in later and name not in strict
 
 
 def shared(chances: Mapping[str, float], odds: Mapping[str, float]) -> dict[str, float]:

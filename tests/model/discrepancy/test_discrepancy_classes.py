@@ -249,11 +249,17 @@ def test_names_of_three_locations_are_doubted_where_a_nonparametric_term_explain
     assert of_name("gravity", decision).or_else == others
 
 
-@pytest.mark.parametrize(("form", "probability"), [(0.1, 0.8), (1.0, 0.94)])
-def test_a_name_beside_the_strict_form_of_another_one_may_be_that_form(form, probability):
+@pytest.mark.parametrize(
+    ("form", "found_after", "probability"),
+    [(0.1, True, 0.8), (1.0, True, 0.94), (0.1, False, 0.94)],
+)
+def test_a_name_found_beside_the_strict_form_of_another_one_may_be_that_form(
+    form, found_after, probability
+):
     strong, weak = (SimpleNamespace(effect=effect(n)) for n in ("charging_lag", "gravity"))
     found = (SimpleNamespace(effect=strong.effect, form=form),
              SimpleNamespace(effect=weak.effect, form=1.0))  # fmt: skip
+    found = found if found_after else found[::-1]
     judged = (Judged({"charging_lag": 0.97}, ("charging_lag",)),
               Judged({"gravity": 0.94, "unknown": 0.05}, ("gravity",)))  # fmt: skip
     decision = SimpleNamespace(
@@ -264,7 +270,7 @@ def test_a_name_beside_the_strict_form_of_another_one_may_be_that_form(form, pro
     assert of_name("charging_lag", decision).confidence == 0.97
     one = of_name("gravity", decision)
     assert one.confidence == pytest.approx(probability, abs=2e-3)
-    assert one.or_else == (("unknown",) if form < 1.0 else ())
+    assert one.or_else == (("unknown",) if form < 1.0 and found_after else ())
 
 
 def test_what_is_reported_is_not_invisible(reported):
