@@ -111,7 +111,7 @@ def test_a_stiffness_that_is_off_shows_while_the_sheet_moves(
     assert (B < 0.9) == (stiffness > 1.0)  # how well it is found: test_live_model
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(f"{CARD} canvas")
-    fake.tell(answers[-1].motion, estimates[-1])
+    fake.tell(estimates[-1], answers[-1].motion)  # what is waited for comes last
     off = f"{answers[-1].motion['force_rms_mN']:.3f} mN"
     page.wait_for_function(f"document.querySelector('{CARD}').innerText.includes('{off}')")
     shown = text_of(page, CARD)
