@@ -97,8 +97,7 @@ def _form_columns(
     if one.given is not None and not one.ways:
         return np.zeros((forward.layout.size, 0)), np.zeros(0), np.zeros(0)
     steps = _steps(forward, linear, one, active)
-    whole = [forward.rows_of(c, linear.states[c], step) for c, step in enumerate(steps)]
-    ways = _deviating(forward, linear, one, steps, whole)
+    whole, ways = _deviating(forward, linear, one, steps)
     if not one.ways:
         return _stacked(forward, [w.rows for w in ways]), np.ones(len(ways)), np.zeros(len(ways))
     of_runs = [w.rows for w in ways if not any(terms() for terms in w.terms.values())]
@@ -124,14 +123,15 @@ def _steps(
 
 
 def _deviating(
-    forward: ForwardModel, linear: Linearisation, one: Found, steps: list[Perturbation],
-    whole: list[FloatArray],
-) -> list[WayColumn]:  # fmt: skip
-    """Return the ways in which its form may differ, other than in the sizes of configurations."""
-    ways = ways_of(forward, linear.states, one.effect, steps, whole)
-    # where each configuration has its own size, that is among the parameters already
+    forward: ForwardModel, linear: Linearisation, one: Found, steps: list[Perturbation]
+) -> tuple[list[FloatArray], list[WayColumn]]:
+    """Return the rows of each configuration's step, and the ways in which its form may differ.
+
+    Not those in the sizes of configurations, where each has its own: that is a parameter already.
+    """
+    whole, ways = ways_of(forward, linear.states, one.effect, steps)
     own_sizes = one.effect.by_configuration and len(steps) > 1
-    return [w for w in ways if not (own_sizes and w.between_sheets)]
+    return whole, [w for w in ways if not (own_sizes and w.between_sheets)]
 
 
 def _stacked(forward: ForwardModel, rows: list[FloatArray]) -> FloatArray:
@@ -159,11 +159,9 @@ def formed(forward: ForwardModel, linear: Linearisation, one: Found, sizes: Floa
     `sizes` are those of its columns beyond the parameters, in which they were linear.
     """
     steps = _steps(forward, linear, one, (one.active,))
-    whole = [forward.rows_of(c, linear.states[c], step) for c, step in enumerate(steps)]
+    _, deviating = _deviating(forward, linear, one, steps)
     ways = []
-    for way, size in zip(
-        _deviating(forward, linear, one, steps, whole), sizes.tolist(), strict=True
-    ):
+    for way, size in zip(deviating, sizes.tolist(), strict=True):
         terms = tuple(
             replace(scaled(term, way.share), configurations=(name,))
             for name, made in way.terms.items() for term in made()

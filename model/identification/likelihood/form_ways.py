@@ -16,6 +16,7 @@ import numpy as np
 from model.effects.interface import Along, ContactSolution, Effect
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import ModelState
+from model.identification.likelihood.row_index import RowBlock
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from model.sheet.beam_problem import Adds, Coordinate, Profile, Under
@@ -28,6 +29,7 @@ RUN = 0.5  # from run to run
 HELD = 0.9  # at 0 V, of what goes by how the sheet came there
 OWN = 1.0  # where each configuration may have its own size
 PULSE_S = 0.6
+PULSE_WAVES = SLOW_WAVES = (1, 2, 3)
 NODES = 51  # of a term that was inferred
 LEAST_V = 1e-6  # that is a voltage
 
@@ -210,18 +212,40 @@ def _along_sheet(
 
 def _in_pulses(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
     """Yield factors within a pulse."""
-    part = forward.part(c)
-    at, in_bin = part.clock.pulse_s, part.bin_clock.pulse_s
-    driven = part.clock.voltage_V != 0.0
-    for j in (1, 2, 3):
-        wave, bins = (cosine(j, a / PULSE_S) for a in (at, in_bin))
-        wave, bins = wave * driven, part.bin_mean(bins)
+    for j, (wave, bins) in enumerate(_pulse_waves(forward.part(c)), 1):
         way = replace(
             forward.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
             force_N=step.force_N * wave, bin_eibm=step.bin_eibm * bins,
             bin_stiffness=step.bin_stiffness * bins, frame_eibm=step.frame_eibm * wave,
         )  # fmt: skip
         yield Way(way, 0.6 * FORM / j, _Span("pulse", 0.0, PULSE_S, "voltage").wave(j))
+
+
+def _pulse_waves(part: RowBlock) -> list[tuple[FloatArray, FloatArray]]:
+    """Return waves over a pulse at readings, 0 where there is no voltage, and in parts of it."""
+    kept = part.bin_clock.worked_out  # that is of one part only
+    if "pulse waves" not in kept:
+        driven = part.clock.voltage_V != 0.0
+        kept["pulse waves"] = [
+            (
+                cosine(j, part.clock.pulse_s / PULSE_S) * driven,
+                part.bin_mean(cosine(j, part.bin_clock.pulse_s / PULSE_S)),
+            )
+            for j in PULSE_WAVES
+        ]
+    waves: list[tuple[FloatArray, FloatArray]] = kept["pulse waves"]
+    return waves
+
+
+def _slow_waves(part: RowBlock, times: str) -> list[FloatArray]:
+    """Return waves at readings over some of their times; none where all of these are equal."""
+    kept = part.clock.worked_out
+    key = ("slow waves", times)
+    if key not in kept:
+        t = unit(getattr(part.clock, times))
+        kept[key] = [] if np.ptp(t) == 0.0 else [cosine(j, t) for j in SLOW_WAVES]
+    waves: list[FloatArray] = kept[key]
+    return waves
 
 
 def _in_time(forward: ForwardModel, c: int, step: Perturbation, along: Along) -> Ways:
@@ -233,15 +257,12 @@ def _in_time(forward: ForwardModel, c: int, step: Perturbation, along: Along) ->
     if not len(part.clock.pulse_s):  # shapes alone: none of them is dated
         return
     size = [0.5 * float(np.ptp(v)) for v in (step.eibm, step.stiffness, step.force_N)]
+    if not (any(size) or np.any(step.force_N)):
+        return
     for over, times in _SLOW[along]:
-        values = getattr(part.clock, times)
-        t = unit(values)
-        if np.ptp(t) == 0.0 or not (any(size) or np.any(step.force_N)):
-            continue
         force = step.force_N if over == "run" else size[2]
-        span = _Span(over, *_ends(values))
-        for j in (1, 2, 3):
-            wave = cosine(j, t)
+        span = _Span(over, *_ends(getattr(part.clock, times)))
+        for j, wave in enumerate(_slow_waves(part, times), 1):
             way = replace(
                 forward.no_step(c), eibm=size[0] * wave * driven, stiffness=size[1] * wave,
                 force_N=force * wave,
@@ -311,19 +332,33 @@ def atoms(
     tolerant: bool = True,
 ) -> FloatArray:  # fmt: skip
     """Return the form itself, and its deviations times their standard deviations: (N, 1 + J)."""
-    whole = [forward.rows_of(c, states[c], step) for c, step in enumerate(steps)]
-    columns: list[FloatArray] = [np.sum(whole, axis=0)]
     if not tolerant:
-        return np.stack(columns, axis=1)
-    columns += [one.rows for one in ways_of(forward, states, effect, steps, whole)]
-    return np.stack(columns, axis=1)
+        rows = [forward.rows_of(c, states[c], step) for c, step in enumerate(steps)]
+        return np.stack([np.sum(rows, axis=0)], axis=1)
+    whole, ways = ways_of(forward, states, effect, steps)
+    return np.stack([np.sum(whole, axis=0), *(one.rows for one in ways)], axis=1)
 
 
 def ways_of(
     forward: ForwardModel, states: tuple[ModelState, ...], effect: Effect,
-    steps: list[Perturbation], whole: list[FloatArray],
-) -> list[WayColumn]:  # fmt: skip
-    """Return the ways in which the form may differ; the same in all configurations is one."""
+    steps: list[Perturbation],
+) -> tuple[list[FloatArray], list[WayColumn]]:  # fmt: skip
+    """Return the rows of each configuration's step, and the ways in which the form may differ.
+
+    The same way in all configurations is one.
+    """
+    whole, ways = list[FloatArray](), list[WayColumn]()
+    for c, step in enumerate(steps):
+        found = list(deviations(effect, forward, c, step, states[c].solved.contact))
+        itself, *every = forward.rows_of_each(c, states[c], [step, *(way.step for way in found)])
+        whole.append(itself)
+        for j, (way, rows) in enumerate(zip(found, every, strict=True)):
+            rows *= way.share
+            if j < len(ways):
+                ways[j].terms[forward.names[c]] = way.terms
+                np.add(ways[j].rows, rows, out=ways[j].rows)
+            else:
+                ways.append(WayColumn(rows, way.share, {forward.names[c]: way.terms}))
     first = []
     if len(steps) > 1 and all(np.any(w) for w in whole) and not effect.of_the_rig:
         share = OWN if effect.by_configuration else SIGN
@@ -333,18 +368,7 @@ def ways_of(
             n: partial(_constant, s) for n, s in zip(forward.names, signs, strict=True)
         }
         first.append(WayColumn(share * whole_rows, share, signed, between_sheets=True))
-    ways: list[WayColumn] = []
-    for c, step in enumerate(steps):
-        found = list(deviations(effect, forward, c, step, states[c].solved.contact))
-        every = forward.rows_of_each(c, states[c], [way.step for way in found])
-        for j, (way, rows) in enumerate(zip(found, every, strict=True)):
-            row, terms = way.share * rows, way.terms
-            if j < len(ways):
-                ways[j].terms[forward.names[c]] = terms
-                ways[j] = replace(ways[j], rows=ways[j].rows + row)
-            else:
-                ways.append(WayColumn(row, way.share, {forward.names[c]: terms}))
-    return [*first, *(w for w in ways if np.any(w.rows))]
+    return whole, [*first, *(w for w in ways if np.any(w.rows))]
 
 
 def _constant(value: float) -> tuple[Profile, ...]:

@@ -310,9 +310,10 @@ class _Given:
         """Return a field of all steps, (m, ...); None: it is nothing in all of them."""
         nothing = getattr(self._none, name)
         values = [getattr(step, name) for step in self._steps]
-        if all(one is nothing for one in values):
-            return None
-        return values[0][None] if len(values) == 1 else np.stack(values)
+        for one in values:
+            if one is not nothing:
+                return values[0][None] if len(values) == 1 else np.array(values)
+        return None
 
 
 def _points(scene: ConfigurationModel, beam: BeamProblem, solved: SolvedConditions) -> ImagePoints:

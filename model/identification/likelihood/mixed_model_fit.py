@@ -122,6 +122,7 @@ def approach(
     """
     last: _Iteration | None = None
     best: _Iteration | None = None
+    share = 1.0  # of the last one's step that is gone
     for turn in range(ROUNDS):
         # the noise is estimated from the first: a model far off must not be taken at its word
         noise = last.log_sigma if last else log_sigma
@@ -133,14 +134,14 @@ def approach(
         if here is None or (last is not None and here.worse_than(last)):
             assert last is not None  # noqa: S101 - see `_tried`
             # where the model bends much a whole step leads too far
-            last = replace(last, share=0.5 * last.share if last.share > SHORTEST else 0.0)
-            theta, found, _ = last.end()
-            if last.share > 0.0:
+            share = 0.5 * share if share > SHORTEST else 0.0
+            theta, found, _ = last.end(share)
+            if share > 0.0:
                 continue
             yield FitPlace(theta=theta, found=found, log_sigma=last.log_sigma)
             return
         gained = np.inf if last is None else last.value - here.value
-        last = here
+        last, share = here, 1.0
         best = here if best is None or here.so_far < best.so_far else best
         theta, found, effects_move = here.end()
         yield FitPlace(theta=theta, found=found, log_sigma=here.log_sigma)
@@ -241,17 +242,28 @@ class _Iteration:
     at: _LinearisationPoint
     linear: Linearisation
     spans: list[slice]
-    solution: Solution
-    share: float = 1.0  # of the step that is gone
+    start: FloatArray  # ln sigma from which on the noise is estimated
+    accuracy: float
 
     @staticmethod
     def of(
         at: _LinearisationPoint, start: FloatArray | None, accuracy: float = ROUGH
     ) -> _Iteration:
-        """Linearised where it is, with the noise estimated from `start` on."""
+        """Linearised where it is, with the noise to be estimated from `start` on."""
         linear, spans = at.linearised()
-        solution = estimate(linear.data, at.problem.guess, start, accuracy)
-        return _Iteration(at=at, linear=linear, spans=spans, solution=solution)
+        start = at.problem.guess if start is None else start
+        return _Iteration(at=at, linear=linear, spans=spans, start=start, accuracy=accuracy)
+
+    @cached_property
+    def _at_start(self) -> Solution:
+        """The solution at the noise it begins with."""
+        return weigh(self.linear.data, self.start)
+
+    @cached_property
+    def solution(self) -> Solution:
+        """The solution with the noise estimated; a step that is taken back needs none."""
+        data, guess = self.linear.data, self.at.problem.guess
+        return estimate(data, guess, self.start, self.accuracy, there=self._at_start)
 
     @property
     def value(self) -> float:
@@ -283,9 +295,15 @@ class _Iteration:
         return float(np.max(np.abs(self.solution.beta[:size]) / self.sigma[:size]))
 
     def worse_than(self, other: _Iteration) -> bool:
-        """Whether it is further from the data, both before their steps, at the other's noise."""
-        here = weigh(self.linear.data, other.log_sigma)
-        return self._distance(here) > other._distance(other.solution) + WORSE
+        """Whether it is further from the data, both before their steps, at the other's noise.
+
+        That is the noise this one begins with.
+        """
+        return self._distance(self._at_start) > other._from_data + WORSE
+
+    @cached_property
+    def _from_data(self) -> float:
+        return self._distance(self.solution)
 
     def _distance(self, solution: Solution) -> float:
         """Square of what is left, whitened, with no step but in the tolerance of the forms."""
@@ -305,15 +323,15 @@ class _Iteration:
             moving += range(span.start, span.start + len(one.parameters()) + len(one.ways))
         return moving
 
-    def end(self) -> tuple[FloatArray, tuple[Found, ...], float]:
+    def end(self, share: float = 1.0) -> tuple[FloatArray, tuple[Found, ...], float]:
         """Return base parameters and effects after the step, and how far effects move at most.
 
-        That is in standard uncertainties.
+        That is in standard uncertainties. `share` of the step is gone.
         """
-        beta = self.share * self.solution.beta
+        beta = share * self.solution.beta
         found, largest = moved(self.at.found, beta, self.sigma, self.spans)
         step = _bounded(self.at.problem, self.solution.beta[: self.at.problem.bases.size])
-        return self.at.theta + self.share * step, found, largest
+        return self.at.theta + share * step, found, largest
 
 
 def _with_widths_told(here: _Iteration) -> FitProblem:
