@@ -9,7 +9,7 @@ from model.discrepancy.answers.calibrated_answers import Judged, is_name
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
 from model.discrepancy.thresholds import KEPT_BESIDE_SAME_LOCATION, MANY_NAMES, OVERLOOKED_TOLD
 from model.discrepancy.verdict.decision import Decision
-from model.discrepancy.verdict.probable_names import pieces
+from model.discrepancy.verdict.probable_names import beside_strict_form, pieces
 from model.discrepancy.verdict.result import Unknown
 
 NO_ANSWER = Judged({}, ())
@@ -34,7 +34,7 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
     overlooked = decision.criticism.overlooked(name)
     # several names may together imitate something that none of them says: what acts at their
     # location, or a strong effect in a form that differs from the catalogue's
-    piece = name in pieces(decision.named) or beside_strict_form(name, decision)
+    piece = name in pieces(decision.named) or beside_strict_form(name, decision.known.found)
     several = piece or (decision.nonparametric_explains_more and len(decision.named) >= MANY_NAMES)
     doubtful = several or decision.criticism.doubted([name]) or overlooked < OVERLOOKED_TOLD
     doubtful = doubtful or (decision.criticism.incomplete and decision.unknown is None)
@@ -54,15 +54,6 @@ def of_name(name: str, decision: Decision) -> ReportedSet:
         or_else=or_else,
         probabilities=chances,
     )
-
-
-def beside_strict_form(name: str, decision: Decision) -> bool:
-    """Return whether a name was found only beside the catalogue's own form of an earlier one."""
-    found = decision.known.found
-    strict = [one.effect.name for one in found if one.form < 1.0]
-    names = [one.effect.name for one in found]
-    later = names[names.index(strict[0]) :] if strict else []
-    return name in later and name not in strict
 
 
 def shared(chances: Mapping[str, float], odds: Mapping[str, float]) -> dict[str, float]:
@@ -108,7 +99,7 @@ def not_ruled_out(decision: Decision, reported: Collection[str]) -> dict[str, fl
                 chances[name] = max(chances.get(name, 0.0), judged.probabilities[name])
     for name, chance in decision.hidden.items():
         if name not in reported:
-            chances[name] = max(chances.get(name, 0.0), chance)
+            chances.setdefault(name, chance)  # the answer to a question knows more
     return dict(sorted(chances.items(), key=lambda one: -one[1]))
 
 

@@ -40,10 +40,17 @@ from model.discrepancy.verdict.posterior import (
     leftover,
     with_shapes,
 )
-from model.discrepancy.verdict.probable_names import improbable, of_others, pieces
+from model.discrepancy.verdict.probable_names import (
+    beside_strict_form,
+    improbable,
+    maybe_absent,
+    of_others,
+    pieces,
+)
 from model.discrepancy.verdict.result import Unknown
 from model.effects import Effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
+from model.identification.likelihood.model_state import Found
 
 PAIR = 2  # names that one nonparametric term may stand for
 
@@ -161,7 +168,10 @@ class Judgement:
             return self._revised(self._beside_cell_noise(other), settled=True)
         names = [one.effect.name for one in found.named]
         asked = dict(zip(names, answers, strict=False))
-        wrong = {name for name, one in asked.items() if improbable(one)}
+        wrong = {
+            name for name, one in asked.items()
+            if improbable(one) or maybe_absent(name, one, found.known.found)
+        }  # fmt: skip
         wrong |= {
             name for name in criticism.doubted(names)
             if asked[name].probabilities.get(name, 0.0) < PROBABLE_ALL_THE_SAME
@@ -245,7 +255,7 @@ class Judgement:
         base, named = self.outcome.base, [c for c in found.named if c.effect.name not in rejected]
         known = found.known
         if rejected:
-            kept = tuple(f for f in known.found if f.effect.name not in rejected)
+            kept = self._kept(known.found, rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
         rest = self._with_pictures(leftover(self.outcome, known, self.effects), known)
         if rest is not None and self._alone(rest, named, known):
@@ -260,6 +270,14 @@ class Judgement:
                 return self._with_names(named, known, rest)
             return Decision(named=[], known=base, unknown=None, final=base)
         return self._with_unknown(named, known, rest)
+
+    def _kept(self, found: Sequence[Found], rejected: Sequence[str]) -> tuple[Found, ...]:
+        """Return the effects that stay, in the forms that they had before those were found."""
+        kept = tuple(one for one in found if one.effect.name not in rejected)
+        if any(beside_strict_form(one.effect.name, kept) for one in kept):
+            return kept
+        forms = {one.name: one.fitted.found[-1].form for one in self.outcome.chosen if one.fitted}
+        return tuple(replace(one, form=forms.get(one.effect.name, one.form)) for one in kept)
 
     def _worth(self, rest: Leftover, known: MixedModelFit) -> float:
         """Return the evidence of the nonparametric term that is left, names being uncertain."""

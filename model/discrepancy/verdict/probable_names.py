@@ -9,6 +9,7 @@ from model.discrepancy.answers.calibrated_answers import Judged, is_name
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
 from model.discrepancy.thresholds import LEAST_PROBABILITY, PROBABLY_NOTHING
 from model.discrepancy.verdict.posterior import Choice
+from model.identification.likelihood.model_state import Found
 
 
 def improbable(judged: Judged) -> bool:
@@ -21,6 +22,19 @@ def improbable(judged: Judged) -> bool:
         judged.probabilities.get(NOTHING, 0.0),
     )  # fmt: skip
     return names < LEAST_PROBABILITY and (names <= unknown or nothing >= PROBABLY_NOTHING)
+
+
+def beside_strict_form(name: str, found: Sequence[Found]) -> bool:
+    """Return whether a name was found only beside the catalogue's own form of an earlier one."""
+    strict = [one.effect.name for one in found if one.form < 1.0]
+    names = [one.effect.name for one in found]
+    later = names[names.index(strict[0]) :] if strict else []
+    return name in later and name not in strict
+
+
+def maybe_absent(name: str, judged: Judged, found: Sequence[Found]) -> bool:
+    """Return whether a name that an earlier one's form hides may as well be nothing."""
+    return NOTHING in judged.answers and beside_strict_form(name, found)
 
 
 def of_others(judged: Judged, taken: Collection[str]) -> float:

@@ -11,7 +11,7 @@ from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.criticism.kinds import one_name
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.search import one_name as search
-from model.discrepancy.verdict.probable_names import improbable
+from model.discrepancy.verdict.probable_names import improbable, maybe_absent
 
 
 def ranked(name: str, gain: float, *, known: bool = True) -> SimpleNamespace:
@@ -118,3 +118,15 @@ def test_a_name_gives_way_where_something_unknown_or_nothing_is_likelier(
 ):
     chances = {"gravity": name, "unknown": unknown, "nothing": nothing}
     assert improbable(Judged(chances, ("gravity",))) == rejected
+
+
+def test_a_name_that_a_form_hides_is_not_named_where_nothing_is_not_ruled_out():
+    first, second, third = (
+        SimpleNamespace(effect=SimpleNamespace(name=name), form=form)
+        for name, form in (("charging_lag", 0.1), ("frame_delay", 1.0), ("gravity", 1.0))
+    )
+    sure, unsure = Judged({}, ("frame_delay",)), Judged({}, ("frame_delay", "nothing"))
+    assert maybe_absent("frame_delay", unsure, (first, second))
+    assert not maybe_absent("frame_delay", sure, (first, second))
+    assert not maybe_absent("frame_delay", unsure, (second, third))  # in no form of its own
+    assert not maybe_absent("charging_lag", unsure, (first, second))
