@@ -24,7 +24,7 @@ from model.discrepancy.thresholds import (
     LEAST_IMPROVEMENT,
 )
 from model.discrepancy.verdict.finding import Finding
-from model.discrepancy.verdict.messages import shown_by
+from model.discrepancy.verdict.messages import nothing_separates
 from model.discrepancy.verdict.result import Diagnosis, Next
 from model.effects.catalogue import catalogue, effect
 from model.effects.interface import Effect
@@ -69,9 +69,7 @@ def next_measurement(
     finding = _searched(checked.measurements, options, lambda *_: None, rested.varied)
     found = finding.separating(chosen)
     if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:
-        raise ModelError(
-            f"nothing on the menu would tell {' from '.join(between)}. {shown_by(between)}"
-        )
+        raise ModelError(nothing_separates(between))
     return found
 
 

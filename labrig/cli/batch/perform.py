@@ -44,6 +44,7 @@ def perform_batch(name: str, task: BatchTask, request: BatchRequest) -> None:
     """Find the inputs, do what is not done yet, write table and summary."""
     from labrig.batch.inputs import found_inputs
     from labrig.batch.plan import BatchOrder, plan
+    from labrig.batch.rows import PieceOutcome
 
     if request.scheduler is not None and request.workers is not None:
         raise BadInputError("give either --workers or --scheduler: a cluster has its own workers.")
@@ -69,6 +70,16 @@ def perform_batch(name: str, task: BatchTask, request: BatchRequest) -> None:
 
     written = write_summary(planned.folder, planned.names, task)
     _show(written, request, planned)
+    outcomes = written.summary.outcomes
+    if outcomes and not outcomes.get(PieceOutcome.DONE.value):
+        count = sum(outcomes.values())
+        raise BadInputError(
+            f"{name}: no result; {_rows_ended(count)} with an error, which the table has in words."
+        )
+
+
+def _rows_ended(count: int) -> str:
+    return "the one row ended" if count == 1 else f"all {count} rows ended"
 
 
 def _say_plan(name: str, planned: BatchPlan, left_out: int, *, as_json: bool) -> None:

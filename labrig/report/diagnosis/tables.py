@@ -10,7 +10,12 @@ from labrig.files import typed
 from labrig.report.diagnosis.parameters import percent
 from labrig.report.parts.table import Table, fixed, number, volts
 from model.discrepancy.data_checks import Suspicion
-from model.discrepancy.verdict.messages import answer_title, closed_sentence, listed
+from model.discrepancy.verdict.messages import (
+    answer_title,
+    closed_sentence,
+    listed,
+    nothing_separates,
+)
 from model.discrepancy.verdict.result import (
     Diagnosis,
     ErrorRow,
@@ -239,10 +244,11 @@ def next_sentences(found: Diagnosis, session: str | None = None) -> list[str]:
 
     `session`: its file; None: of tables, or of several.
     """
-    if found.next_measurement is None:
-        return []
-    said = [next_sentence(found.next_measurement)]
     pair = next((e for e in found.effects if e.confusable_with), None)
+    if found.next_measurement is None:
+        both = () if pair is None else (pair.name, pair.confusable_with[0])
+        return [nothing_separates(both)] if both else []
+    said = [next_sentence(found.next_measurement)]
     if session is not None:
         said.append(f"Its protocol: labrig next {typed(session)} -o protocol.toml")
     elif pair is not None:

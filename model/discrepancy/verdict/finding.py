@@ -278,19 +278,17 @@ class Finding:
     def _next(self, named: Sequence[Named]) -> Next | None:
         """Return the measurement that separates a name from the likeliest alternative.
 
-        From the next one where nothing on the menu helps with that.
+        From the next one where nothing on the menu helps with that; None where it helps with none.
         """
         one = next((n for n in named if n.confusable_with), None)
         if one is None:
             return None
         effects: Mapping[str, Effect] = {e.name: e for e in self.effects}
-        first: Next | None = None
         for rival in one.confusable_with:
             found = self.separating([effects[one.name], effects[rival]])
             if found is not None and found.expected >= found.separation + LEAST_GAIN_SIGMA:
                 return found
-            first = first or found
-        return first
+        return None
 
     def separating(self, between: Sequence[Effect]) -> Next | None:
         """Return the measurement that separates two effects best; None: there is none."""

@@ -41,6 +41,12 @@ def shown_by(names: Sequence[str]) -> str:
     return f"What shows each of them by itself: {'; '.join(told)}."
 
 
+def nothing_separates(names: Sequence[str]) -> str:
+    """Return sentences for effects that no measurement on the menu tells apart."""
+    both = " from ".join(map(title, names))
+    return f"Nothing on the menu would tell {both}. {shown_by(names)}"
+
+
 def sentence(
     verdict: Verdict,
     named: Sequence[Named],

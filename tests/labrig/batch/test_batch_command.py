@@ -103,6 +103,14 @@ def test_the_same_command_goes_on_and_a_dry_run_does_nothing(data, capsys):
     assert len((data / "batch" / "verify" / "rows.jsonl").read_text().splitlines()) == 4
 
 
+def test_a_batch_without_any_result_has_an_exit_code_that_says_so(data, capsys):
+    whole = data / "DATA" / "a.h5"
+    assert run(["batch", "report", "DATA/broken.h5"]) == 2
+    assert "report: no result; the one row ended with an error" in capsys.readouterr().err
+    assert run(["batch", "report", "DATA/broken.h5"]) == 2  # nothing to do, and nothing better
+    assert run(["batch", "report", "DATA/broken.h5", str(whole.relative_to(data))]) == 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

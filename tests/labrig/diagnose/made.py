@@ -244,6 +244,11 @@ def indistinguishable() -> Diagnosis:
     )  # fmt: skip
 
 
+def inseparable() -> Diagnosis:
+    """The same, and nothing on the menu would separate them."""
+    return replace(indistinguishable(), next_measurement=None)
+
+
 def unknown() -> Diagnosis:
     one = found()
     s = np.linspace(0.0, 50.0, 51)

@@ -124,6 +124,10 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
             made.indistinguishable,
             "Separation of the candidates: 1.8 → 14.0 sigma (now → expected), after 2 min",
         ),
+        (
+            made.inseparable,
+            "Nothing on the menu would tell EIBM along the sheet from load cell hysteresis. What",
+        ),
         (made.unknown, "most clearly in the long sheet, at 30 mm from the clamp."),
         (made.cannot_tell, "Verdict: The scatter of the set-ups can be neither"),
     ],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from model.discrepancy.next_measurement.extended_design import extended
 from model.discrepancy.next_measurement.menu import MENU
 from model.discrepancy.next_measurement.separation import Suspect, separation
 from model.discrepancy.search.evidence import candidates
+from model.discrepancy.verdict.finding import Finding
+from model.discrepancy.verdict.result import Next
 from model.effects import effect
 from model.identification.data.data_vector import look
 from tests.model.discrepancy.sessions import Case, Extras, base_fit, session
@@ -124,3 +127,14 @@ def test_a_size_that_is_next_to_nothing_hides_no_difference():
     )
     assert unequal.separation > 0.5 * min(equal.separation, 8.0) > 0.0
     assert unequal.expected > unequal.separation
+
+
+@pytest.mark.parametrize(("expected", "proposed"), [(0.0, False), (0.4, False), (4.0, True)])
+def test_a_measurement_that_separates_next_to_nothing_is_not_proposed(expected, proposed):
+    entry = Next(
+        why="", extra="", between=(), separation=0.0, expected=expected, minutes=1.0, protocol={}
+    )
+    known = [effect(name) for name in ("gravity", "clamp_angle")]
+    finding = SimpleNamespace(effects=known, separating=lambda _: entry)
+    named = [SimpleNamespace(name="gravity", confusable_with=("clamp_angle",))]
+    assert (Finding._next(finding, named) is entry) == proposed
