@@ -26,7 +26,12 @@ from protocols.planning.encoding import (
     schedule_from_dict,
     schedule_to_dict,
 )
-from protocols.planning.limits import SafetyLimits, check_schedule, time_under_voltage_s
+from protocols.planning.limits import (
+    SafetyLimits,
+    check_schedule,
+    positions_m,
+    time_under_voltage_s,
+)
 from protocols.planning.schedule import (
     PlannedMove,
     PlannedReading,
@@ -75,6 +80,7 @@ __all__ = [
     "lateness_of",
     "lateness_s",
     "make_schedule",
+    "positions_m",
     "run_from_dict",
     "run_to_dict",
     "schedule_from_dict",

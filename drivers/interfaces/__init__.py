@@ -46,6 +46,7 @@ from drivers.interfaces.inputs import (
     SignalInput,
 )
 from drivers.interfaces.operator import (
+    LimitedTravel,
     Operator,
     Positioner,
     Prompt,
@@ -78,6 +79,7 @@ __all__ = [
     "Identified",
     "Interlock",
     "LimitError",
+    "LimitedTravel",
     "LostSamplesError",
     "Operator",
     "OverloadError",

@@ -54,3 +54,11 @@ class Positioner(Protocol):
 
     def close(self) -> None:
         """Let go of the stage. May be called twice."""
+
+
+@runtime_checkable
+class LimitedTravel(Protocol):
+    """A `Positioner` that knows its travel; a session beyond it is refused before it begins."""
+
+    def travel_m(self) -> tuple[float, float]:
+        """Return both ends of its travel along the arc in m, the lower first; open only."""

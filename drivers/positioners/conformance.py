@@ -6,10 +6,11 @@ import math
 from collections.abc import Sequence
 
 from drivers.conformance import Checks
-from drivers.interfaces import Clock, LimitError, Positioner
+from drivers.interfaces import Clock, LimitedTravel, LimitError, Positioner
 
 MOVE_S = 300.0
 OPEN_S = 120.0  # it may sweep to its reference
+BEYOND_M = 1e-3
 
 
 def positioner_faults(
@@ -23,7 +24,7 @@ def positioner_faults(
     """Return what a positioner, not open yet, does against `Positioner`.
 
     It moves to `positions_m`: nothing may stand in its way, and an operator must confirm.
-    `outside_m` is out of its range; None: it has none.
+    `outside_m` is out of its range; None: it has none, or states it itself (`LimitedTravel`).
     """
     checks = Checks(clock)
     checks.call("open", positioner.open, OPEN_S)
@@ -31,12 +32,28 @@ def positioner_faults(
         checks.identify(positioner)
         for position_m in positions_m:
             _move(checks, positioner, position_m, tolerance_m)
-        for refused_m in (math.nan, outside_m):
+        for refused_m in (math.nan, outside_m, *_beyond_travel(checks, positioner)):
             if refused_m is not None:
                 _refuse(checks, positioner, refused_m)
     checks.call("close", positioner.close, 5.0)
     checks.call("a second close", positioner.close)
     return checks.faults
+
+
+def _beyond_travel(checks: Checks, positioner: Positioner) -> tuple[float, ...]:
+    """Return a position beyond each end of the travel that it states; none: it states none."""
+    if not isinstance(positioner, LimitedTravel):
+        return ()
+    ends_m = checks.call("travel_m", lambda: _two_numbers(*positioner.travel_m()), 1.0)
+    if ends_m is None:
+        return ()
+    low_m, high_m = ends_m
+    checks.require(low_m < high_m, f"travel_m returned {low_m:g} to {high_m:g}, lower end first")
+    return low_m - BEYOND_M, high_m + BEYOND_M
+
+
+def _two_numbers(low: float, high: float) -> tuple[float, float]:
+    return float(low), float(high)
 
 
 def _move(checks: Checks, positioner: Positioner, position_m: float, tolerance_m: float) -> None:

@@ -143,6 +143,11 @@ class ZaberStage:
         """See `Positioner.position`."""
         return self._metres(self._get("pos"))
 
+    def travel_m(self) -> tuple[float, float]:
+        """See `LimitedTravel.travel_m`."""
+        low_m, high_m = sorted(self._metres(steps) for steps in self._range_steps)
+        return low_m, high_m
+
     def identities(self) -> tuple[DeviceIdentity, ...]:
         """See `Identified.identities`. A stage tells numbers; its maker lists what they name."""
         device = self._told("device.id") or self._told("deviceid")
@@ -194,10 +199,10 @@ class ZaberStage:
         exact = self._origin_steps + position_m * self._steps_per_m
         low, high = self._range_steps
         if not low <= exact <= high:  # NaN is refused too
-            ends = sorted((self._metres(low) * 1e3, self._metres(high) * 1e3))
+            low_m, high_m = self.travel_m()
             raise LimitError(
                 f"{self._line.name}: position {position_m * 1e3:g} mm is outside its range of "
-                f"{ends[0]:.2f} to {ends[1]:.2f} mm; it was not moved"
+                f"{low_m * 1e3:.2f} to {high_m * 1e3:.2f} mm; it was not moved"
             )
         return round(exact)
 

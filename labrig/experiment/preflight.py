@@ -11,7 +11,14 @@ from pathlib import Path
 import numpy as np
 
 from drivers.identity import identities_of
-from drivers.interfaces import Camera, DeviceError, DeviceIdentity, Frame
+from drivers.interfaces import (
+    Camera,
+    DeviceError,
+    DeviceIdentity,
+    Frame,
+    LimitedTravel,
+    Positioner,
+)
 from drivers.load_cell import LoadState
 from labrig.check import Check
 from labrig.config.templates import template_path
@@ -24,7 +31,7 @@ from labrig.experiment.rig.identities import acquisition_of
 from labrig.experiment.rig.rig import DRIVE, FORCE, Rig, opened
 from labrig.plausibility import SetUp, calibration_age, set_up_checks
 from labrig.session.format.devices import NOT_KNOWN, acquisition_in_words
-from protocols import time_under_voltage_s
+from protocols import Schedule, positions_m, time_under_voltage_s
 
 _QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
 _LISTEN_S = 0.5
@@ -82,7 +89,7 @@ def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
 
 def open_rig_checks(rig: Rig, plan: Plan) -> list[Check]:
     """Return the checks that need the open devices."""
-    checks = [*_boards(rig), *_inputs(rig, plan)]
+    checks = [*_boards(rig), *_inputs(rig, plan), *stage_checks(rig.stage, plan.schedule)]
     if rig.camera is not None:
         checks += camera_checks(rig, rig.camera, plan)
     return checks
@@ -227,6 +234,31 @@ def _inputs(rig: Rig, plan: Plan) -> Iterator[Check]:
 
 def _means(values: np.ndarray, parts: int) -> list[float]:
     return [float(np.mean(part)) for part in np.array_split(values, parts)]
+
+
+def stage_checks(stage: Positioner, schedule: Schedule) -> Iterator[Check]:
+    """Yield whether the travel of a stage that knows it holds all positions of a schedule.
+
+    Where it does not hold those of repeated runs only, which nobody may want, that is a warning.
+    """
+    wanted_m, repeats_m = positions_m(schedule.runs), positions_m(schedule.repeats)
+    if not wanted_m or not isinstance(stage, LimitedTravel):
+        return
+    low_m, high_m = stage.travel_m()
+    missed, to_repeat = (
+        ", ".join(f"{at_m * 1e3:g}" for at_m in some if not low_m <= at_m <= high_m)
+        for some in (wanted_m, repeats_m)
+    )
+    without = f", without {missed} mm" if missed else ""
+    if to_repeat and not missed:
+        without = f", without {to_repeat} mm, from where repeated runs approach"
+    yield Check(
+        name="travel of the stage",
+        ok=not missed,
+        found=f"{low_m * 1e3:.2f} to {high_m * 1e3:.2f} mm{without}",
+        wanted=f"{wanted_m[0] * 1e3:g} to {wanted_m[-1] * 1e3:g} mm (protocol.toml)",
+        warning=bool(without) and not missed,
+    )
 
 
 def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite, pi
@@ -18,7 +18,6 @@ class SafetyLimits:
 
     sheet_voltage_V: float  # either sign
     time_under_voltage_s: float  # in one run: the sheet dries
-    positions_m: tuple[float, float] | None = None  # what the stage can reach; None: not known
 
 
 def time_under_voltage_s(run: PlannedRun) -> float:
@@ -38,6 +37,14 @@ def check_schedule(schedule: Schedule, limits: SafetyLimits) -> None:
     faults = [*_general_faults(schedule), *_faults_of_runs(schedule, limits)]
     if faults:
         raise ScheduleError("; ".join(faults))
+
+
+def positions_m(runs: Iterable[PlannedRun]) -> list[float]:
+    """Return all positions along the arc that the load cell is moved to, in increasing order."""
+    wanted = list[float | None]()
+    for run in runs:
+        wanted += [run.via_m, run.position_m, None if run.move is None else run.move.position_m]
+    return sorted({position_m for position_m in wanted if position_m is not None})
 
 
 def check_structure(schedule: Schedule) -> None:
@@ -91,15 +98,6 @@ def limit_faults(run: PlannedRun, limits: SafetyLimits) -> Iterator[str]:
             f"{under_s:g} s under voltage is longer than the limit of "
             f"{limits.time_under_voltage_s:g} s ([limits] time_under_voltage_s)"
         )
-    moved_m = None if run.move is None else run.move.position_m
-    for position_m in (run.via_m, run.position_m, moved_m):
-        if position_m is not None and limits.positions_m is not None:
-            low_m, high_m = limits.positions_m
-            if not low_m <= position_m <= high_m:
-                yield (
-                    f"the stage cannot go to {position_m * 1e3:g} mm, only from "
-                    f"{low_m * 1e3:g} to {high_m * 1e3:g} mm"
-                )
 
 
 def structure_faults(run: PlannedRun) -> Iterator[str]:

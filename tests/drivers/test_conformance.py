@@ -185,6 +185,20 @@ def test_a_stage_moved_by_hand_keeps_the_contract():
     assert positioner_faults(ManualStage(Person(answer=True)), RealClock()) == []
 
 
+class Overstated(ZaberStage):
+    """States a travel that it does not keep."""
+
+    def travel_m(self):
+        return 0.0, 0.015
+
+
+def test_a_stage_that_goes_beyond_the_travel_it_states_is_found():
+    clock = VirtualClock()
+    assert "move_to(0.016) was not refused with LimitError" in " ".join(
+        positioner_faults(zaber(clock, Overstated), clock)
+    )
+
+
 class Sloppy(ZaberStage):
     """Believes that it has arrived."""
 

@@ -39,7 +39,7 @@ from protocols.kinds.pulse_train import PulseTrain
 from protocols.kinds.staircase import Staircase
 
 LONG = Place("long", (0.0, 0.005, 0.010, 0.015, 0.020))
-LIMITS = SafetyLimits(2.0, 30.0, (-0.001, 0.025))
+LIMITS = SafetyLimits(2.0, 30.0)
 
 
 def runs_of(*extras, protocol=None, places=(LONG,)):
@@ -195,7 +195,6 @@ def test_a_place_without_positions_takes_what_needs_no_load_cell():
         (Release(voltages_V=(2.5,)), "2.5 V at the sheet is beyond the limit"),
         (Chirp(amplitude_V=2.2), "beyond the limit"),
         (Chirp(duration_s=31.0), "31 s under voltage is longer"),
-        (LoadCellStep(to_mm=30.0), "the stage cannot go to 30 mm"),
     ],
 )
 def test_limits_hold_for_extras(extra, says):

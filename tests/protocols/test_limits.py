@@ -6,7 +6,16 @@ import pytest
 
 from labrig.testing.fake_devices import LIMITS
 from labrig.testing.fake_rig import FakeRig, short_schedule
-from protocols import Place, SafetyLimits, ScheduleError, check_schedule, make_schedule
+from protocols import (
+    Extras,
+    Place,
+    SafetyLimits,
+    ScheduleError,
+    check_schedule,
+    make_schedule,
+    positions_m,
+)
+from protocols.extras.load_cell_step import LoadCellStep
 from protocols.kinds.pulse_train import PulseTrain
 from protocols.planning.schedule import VoltageStep
 
@@ -31,12 +40,14 @@ def test_all_faults_are_listed_together_with_their_limits_and_runs():
 
 def test_exactly_at_the_limits_is_allowed():
     schedule = make_schedule(PulseTrain(), [Place("long", (0.0,))])
-    check_schedule(schedule, SafetyLimits(2.0, 13.2, (0.0, 0.0)))
+    check_schedule(schedule, SafetyLimits(2.0, 13.2))
 
 
-def test_positions_out_of_the_stages_reach_are_found():
-    text = faults(short_schedule(0.0, 0.05), replace(LIMITS, positions_m=(0.0, 0.04)))
-    assert "run 2 (long at 50 mm): the stage cannot go to 50 mm, only from 0 to 40 mm" in text
+def test_positions_hold_the_approach_of_repeats_and_moves_within_a_run():
+    extras = Extras(added=(LoadCellStep(to_mm=30.0),))
+    schedule = make_schedule(PulseTrain(), [Place("long", (0.0, 0.005))], extras=extras)
+    assert positions_m(schedule.runs) == pytest.approx([0.0, 0.003, 0.005, 0.03])
+    assert positions_m(schedule.repeats) == pytest.approx([-0.002, 0.0, 0.003, 0.005])
 
 
 @pytest.mark.parametrize(
