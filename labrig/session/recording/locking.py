@@ -60,7 +60,7 @@ def only_writer(path: Path, patience_s: float = 60.0) -> Iterator[None]:
     A file beside it is locked meanwhile. Raises BadInputError when another program does not end.
     """
     beside = path.with_name(f"{path.name}.lock")
-    with locked_file(beside, patience_s):
+    with locked_file(beside, patience_s, of=path):
         try:
             yield
         finally:
@@ -69,11 +69,11 @@ def only_writer(path: Path, patience_s: float = 60.0) -> Iterator[None]:
 
 
 @contextmanager
-def locked_file(path: Path, patience_s: float) -> Iterator[BinaryIO]:
+def locked_file(path: Path, patience_s: float, of: Path | None = None) -> Iterator[BinaryIO]:
     """Yield the file at `path` open and locked; it is made where there is none.
 
     Whoever has it locked may delete it. Raises BadInputError when it cannot be used, or when
-    another program does not let go of it.
+    another program does not let go of it; `of` is the file that it is the lock of.
     """
     give_up_s = time.monotonic() + patience_s
     flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0)
@@ -81,7 +81,7 @@ def locked_file(path: Path, patience_s: float) -> Iterator[BinaryIO]:
         try:
             file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
         except OSError as error:
-            raise BadInputError(f"{path} cannot be written: {error.strerror}.") from None
+            raise BadInputError(_cannot_write(path, of, error)) from None
         with file:
             if lock(file) and _is_at(file, path):
                 try:
@@ -90,8 +90,18 @@ def locked_file(path: Path, patience_s: float) -> Iterator[BinaryIO]:
                     unlock(file)
                 return
         if time.monotonic() > give_up_s:
-            raise BadInputError(f"{path}: another program is writing to it; try again later.")
+            name = of or path
+            raise BadInputError(f"{name}: another program is writing to it; try again later.")
         threading.Event().wait(0.02)
+
+
+def _cannot_write(path: Path, of: Path | None, error: OSError) -> str:
+    if of is None:
+        return f"{path} cannot be written: {error.strerror}."
+    return (
+        f"{of} cannot be changed: {path.name} beside it, a file which keeps other programs from it "
+        f"meanwhile, cannot be written ({error.strerror})."
+    )
 
 
 def _is_at(file: BinaryIO, path: Path) -> bool:

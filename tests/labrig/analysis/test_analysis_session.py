@@ -205,7 +205,7 @@ def test_a_session_that_cannot_be_added_to_is_refused_before_the_work(tmp_path, 
         pytest.fail("measured")
 
     monkeypatch.setitem(analyze.__globals__, "measure", not_reached)
-    with pytest.raises(BadInputError, match=r"s\.h5\.lock cannot be written"):
+    with pytest.raises(BadInputError, match=r"s\.h5 cannot be changed: s\.h5\.lock beside it"):
         analyze(path)
 
 
