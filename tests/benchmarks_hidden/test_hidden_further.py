@@ -111,7 +111,7 @@ def test_both_sessions_have_the_same_sheet_and_nothing_else_in_common() -> None:
 @pytest.mark.timeout(400)
 def test_a_class_is_measured_further_and_judged_by_both_sessions() -> None:
     scale = case("camera_scale", "both", seed=3)
-    kept = record(Task("ambiguous:0:0", "ambiguous", scale, "d", (10.0,)))
+    kept = record(Task("ambiguous:0:0", "ambiguous", scale, "d", (16.0,)))
     assert kept.error == ""
     assert kept.further is not None
     assert {*kept.further.extra.split(", ")} <= {*FURTHER}

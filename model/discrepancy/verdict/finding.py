@@ -276,23 +276,23 @@ class Finding:
         return _LeftOut(gap=both, closed=closed, floor=floor, chosen=chosen, rows=rows)
 
     def _next(self, named: Sequence[Named]) -> Next | None:
-        """Return the measurement that separates a name from the likeliest alternative.
+        """Return the measurement that separates a name best from its alternatives together.
 
-        From the next one where nothing on the menu helps with that; None where it helps with none.
+        Each counts by its probability. None where nothing on the menu helps.
         """
         one = next((n for n in named if n.confusable_with), None)
         if one is None:
             return None
         effects: Mapping[str, Effect] = {e.name: e for e in self.effects}
-        for rival in one.confusable_with:
-            found = self.separating([effects[one.name], effects[rival]])
-            if found is not None and found.expected >= found.separation + LEAST_GAIN_SIGMA:
-                return found
-        return None
+        pairs = [self._suspects([effects[one.name], effects[n]]) for n in one.confusable_with]
+        chances = [one.probabilities.get(n, 0.0) for n in one.confusable_with]
+        found = next_measurement(self.outcome.base, pairs, chances)
+        helps = found is not None and found.expected >= found.separation + LEAST_GAIN_SIGMA
+        return found if helps else None
 
     def separating(self, between: Sequence[Effect]) -> Next | None:
         """Return the measurement that separates two effects best; None: there is none."""
-        return next_measurement(self.outcome.base, self._suspects(between))
+        return next_measurement(self.outcome.base, [self._suspects(between)])
 
     def _promises(self) -> tuple[Promise, ...]:
         """Return what was promised of measurements that these data hold, and what is found."""

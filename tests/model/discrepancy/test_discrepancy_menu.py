@@ -8,12 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from model.discrepancy.next_measurement import choice
 from model.discrepancy.next_measurement.choice import next_measurement
 from model.discrepancy.next_measurement.extended_design import extended
 from model.discrepancy.next_measurement.menu import MENU
 from model.discrepancy.next_measurement.separation import Suspect, separation
 from model.discrepancy.search.evidence import candidates
-from model.discrepancy.verdict.finding import Finding
+from model.discrepancy.verdict import finding
 from model.discrepancy.verdict.result import Next
 from model.effects import effect
 from model.identification.data.data_vector import look
@@ -96,7 +97,7 @@ def test_the_load_cell_s_zero_tells_an_offset_from_a_meniscus():
     fit = base_fit()
     pair = [effect("force_offset"), effect("surface_tension")]
     values = [dict(candidates(fit, [e])[0].values) for e in pair]
-    found = next_measurement(fit, suspects(pair, values, [0.3, 0.3]))
+    found = next_measurement(fit, [suspects(pair, values, [0.3, 0.3])])
     assert found.extra == "no_touch_zero"
     assert found.expected > 1.5 * found.separation
 
@@ -123,18 +124,49 @@ def test_a_size_that_is_next_to_nothing_hides_no_difference():
     pair = [effect("gravity"), effect("clamp_angle")]
     values = [dict(candidates(fit, [e])[0].values) for e in pair]
     equal, unequal = (
-        next_measurement(fit, suspects(pair, values, s)) for s in ([0.1, 0.1], [0.1, 1e-9])
+        next_measurement(fit, [suspects(pair, values, s)]) for s in ([0.1, 0.1], [0.1, 1e-9])
     )
     assert unequal.separation > 0.5 * min(equal.separation, 8.0) > 0.0
     assert unequal.expected > unequal.separation
 
 
 @pytest.mark.parametrize(("expected", "proposed"), [(0.0, False), (0.4, False), (4.0, True)])
-def test_a_measurement_that_separates_next_to_nothing_is_not_proposed(expected, proposed):
+def test_a_measurement_that_separates_next_to_nothing_is_not_proposed(
+    monkeypatch, expected, proposed
+):
     entry = Next(
         why="", extra="", between=(), separation=0.0, expected=expected, minutes=1.0, protocol={}
     )
+    monkeypatch.setattr(finding, "next_measurement", lambda *_: entry)
     known = [effect(name) for name in ("gravity", "clamp_angle")]
-    finding = SimpleNamespace(effects=known, separating=lambda _: entry)
-    named = [SimpleNamespace(name="gravity", confusable_with=("clamp_angle",))]
-    assert (Finding._next(finding, named) is entry) == proposed
+    found = SimpleNamespace(
+        effects=known, _suspects=list, outcome=SimpleNamespace(base=None), separating=None
+    )
+    named = [SimpleNamespace(name="gravity", confusable_with=("clamp_angle",), probabilities={})]
+    assert (finding.Finding._next(found, named) is entry) == proposed
+
+
+def test_of_several_alternatives_all_count_by_their_probability(monkeypatch):
+    """The likeliest is separated best by one entry, two others by another one."""
+    rivals = ("clamp_angle", "force_offset", "roll_offset")
+    sigmas = {"now": (1.0, 1.0, 1.0), "likeliest": (3.0, 1.0, 1.2), "others": (1.1, 6.0, 5.0)}
+    pairs = [[Suspect(effect(name), {}, 1.0) for name in ("gravity", one)] for one in rivals]
+    fitted = SimpleNamespace(problem=SimpleNamespace(forward=SimpleNamespace(looks=["long"])))
+    entries = [
+        SimpleNamespace(name=name, what=name, minutes=lambda _: 10.0, protocol={})
+        for name in ("likeliest", "others")
+    ]
+    monkeypatch.setattr(choice, "MENU", entries)
+    monkeypatch.setattr(choice, "equally_long", lambda _, pair: tuple(pair))
+    monkeypatch.setattr(choice, "extended", lambda _, entry: entry.name)
+    monkeypatch.setattr(
+        choice, "distance",
+        lambda of, pair: sigmas["now" if of is fitted else of][rivals.index(pair[1].effect.name)],
+    )  # fmt: skip
+    sure = next_measurement(fitted, pairs, (0.9, 0.05, 0.05))
+    assert (sure.extra, sure.between, sure.separation, sure.expected) == (
+        "likeliest", ("gravity", "clamp_angle"), 1.0, 3.0,
+    )  # fmt: skip
+    unsure = next_measurement(fitted, pairs, (0.4, 0.3, 0.2))
+    assert (unsure.extra, unsure.between) == ("others", ("gravity", "force_offset"))
+    assert unsure.why == ("others, to separate gravity from force offset and roll offset")
