@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar
@@ -284,8 +285,11 @@ class Finding:
         if one is None:
             return None
         effects: Mapping[str, Effect] = {e.name: e for e in self.effects}
-        pairs = [self._suspects([effects[one.name], effects[n]]) for n in one.confusable_with]
-        chances = [one.probabilities.get(n, 0.0) for n in one.confusable_with]
+        pairs, chances = list[list[Suspect]](), list[float]()
+        for rival in one.confusable_with:
+            with suppress(ModelError):  # one that these data cannot show
+                pairs.append(self._suspects([effects[one.name], effects[rival]]))
+                chances.append(one.probabilities.get(rival, 0.0))
         found = next_measurement(self.outcome.base, pairs, chances)
         helps = found is not None and found.expected >= found.separation + LEAST_GAIN_SIGMA
         return found if helps else None
