@@ -39,6 +39,7 @@ from labrig.vision.uncertainty.lateral_bias import lateral_bias_px
 FloatArray = npt.NDArray[np.float64]
 
 FOUND_ANGLE_SIGMA_RAD = 0.05  # of the direction at the clamp, as the edges show it
+ELSEWHERE_PX = 6.0
 DIFFERENCES = (ColourChannel.RED_GREEN, ColourChannel.GREEN_BLUE)
 
 
@@ -78,7 +79,7 @@ def unconfirmed_curve(
     if not strip.length_known or not optics.clamp_angle_known or optics.through_px:
         found = _by_edges(image, grey_image, optics, strip, start)
         if found.ok and strip.length_known:
-            return _finer(found, grey_image, optics, strip)
+            return _finer(replace(found, doubt=""), grey_image, optics, strip)
         return found if found.ok else _saturated(found, grey_image)
     if not strip.thickness_known:
         return _of_unstated_thickness(image, grey_image, optics, strip, start)
@@ -114,20 +115,34 @@ def _of_unstated_thickness(
         strip = replace(strip, thickness_m=start.thickness_m)
     if _is_thick(strip, optics) if followed else strip.elongation_m == 0:
         by_edges = _by_edges(image, grey_image, optics, strip, start)
-        if by_edges.ok:
-            return by_edges if followed else _finer(by_edges, grey_image, optics, strip)
+        if by_edges.ok and followed:
+            return replace(by_edges, doubt="")
+        if by_edges.ok and not by_edges.doubt:
+            return _finer(by_edges, grey_image, optics, strip)
+    unstated = strip
     if not followed:
         thickness_m = visible_thickness_m(grey_image, optics, strip)
         strip = replace(strip, thickness_m=thickness_m)
     found = _by_intensities(grey_image, optics, strip, start)
+    if by_edges is not None and by_edges.ok:
+        # seen beyond its stated length: another thing may end there
+        if found.ok and _leads_elsewhere(found, by_edges, optics):
+            return found
+        return _finer(replace(by_edges, doubt=""), grey_image, optics, unstated)
     if found.ok:
         return found
     by_edges = by_edges or _by_edges(image, grey_image, optics, strip, start)
     if by_edges.ok:
-        return by_edges
+        return replace(by_edges, doubt="")
     # of what was followed it says more why it is no strip than that nothing was found
     told = found if by_edges.why.startswith("search failed") else by_edges
     return _saturated(told, grey_image)
+
+
+def _leads_elsewhere(one: NeutralCurve, other: NeutralCurve, optics: Optics) -> bool:
+    """Return whether a curve leaves another one by more than that one's thickness, and 6 pixels."""
+    apart = np.hypot(*(one.points_px[:, None] - other.points_px[None]).transpose(2, 0, 1))
+    return bool(apart.min(axis=1).max() > max(ELSEWHERE_PX, other.thickness_m * optics.px_per_m))
 
 
 def _place_outside(optics: Optics, image: GreyImage) -> str:

@@ -29,6 +29,7 @@ from labrig.vision.thresholds import (
     OUTLINE_SIGMA_MAX_RATIO,
     OUTLINE_START_SHARE_MIN,
     OUTLINE_TAPER_SUM_MAX_RATIOS,
+    OUTLINE_THICKNESS_MIN_PX,
     OUTLINE_WIDTH_SCATTER_MAX_RATIO,
     START_TURN_MIN_RAD,
     START_TURN_SIGMAS,
@@ -42,6 +43,9 @@ ASSUMED = "measured in the image, not stated: "  # so the warning begins that li
 HIDDEN = (
     "check of hidden parts failed: where the strip is hidden or unclear it is known to "
     "±{loose:.1f} pixels only; make more of it visible, or state places there (--through)."
+)
+ENDS_ELSEWHERE = (
+    "check of the end failed: {where}; check the length and px_per_mm, or measure it (--to-end)."
 )
 BY_PATH = (
     "the strip's edges are too faint to be measured: the curve follows what looks most like a "
@@ -164,15 +168,23 @@ def _end_fault(outline: Outline, optics: Optics, strip: StripGeometry, total: fl
     if not strip.length_known:
         return ""
     beyond = _beyond_px(outline, total)
-    most = 0.0 if strip.thickness_known else STATED_LENGTH_MAX_RATIO * total
-    if abs(beyond) <= most:  # of a strip that tapers or ends on another thing; a warning says so
+    # one that tapers may seem to end early; what a thin one seems to go on as is often a wire
+    early = late = 0.0 if strip.thickness_known else STATED_LENGTH_MAX_RATIO * total
+    if not strip.thickness_known and outline.fit.width_px > OUTLINE_THICKNESS_MIN_PX:
+        late = math.inf
+    if -early <= beyond <= late:
         return ""
-    return (
-        f"check of the end failed: {_ends_elsewhere(optics, beyond, total)}; check the length and "
-        "px_per_mm, or measure it (--to-end)."
-        if beyond
-        else ""
-    )
+    return ENDS_ELSEWHERE.format(where=_ends_elsewhere(optics, beyond, total))
+
+
+def _end_doubt(optics: Optics, beyond_px: float, total_px: float) -> str:
+    """Return why a curve that was cut at its stated length is doubted; empty where it is not.
+
+    It may have gone on into another thing long before.
+    """
+    if beyond_px <= 0.0:
+        return ""
+    return ENDS_ELSEWHERE.format(where=_ends_elsewhere(optics, beyond_px, total_px))
 
 
 def _beyond_px(outline: Outline, total: float) -> float:
@@ -243,6 +255,7 @@ def outline_in_metres(
         return NeutralCurve(ok=False, why=said.why)
     return NeutralCurve(
         ok=True,
+        doubt=_end_doubt(optics, beyond, shape.basis.total_px),
         warnings=(*images[0].warnings, *warned, *said.warnings),
         s_m=shape.basis.s / ppm,
         x_m=shape.x / ppm,

@@ -278,3 +278,14 @@ def test_the_stated_bands_cover_the_truth(scenes, known):
         k_inside.append(np.mean(np.abs(zk) < 1.96))
     assert 0.90 <= np.mean(inside) <= 0.98
     assert 0.90 <= np.mean(k_inside) <= 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [95_400_017, 95_600_001])
+def test_a_wire_that_goes_on_beyond_a_stated_length_is_not_the_sheet(scenes, known, seed):
+    """Its edges lead along the wire; its intensities end where the sheet does."""
+    scene = scenes.make_scene(scenes.mixed(seed))
+    optics, strip = known(scene)
+    curve = neutral_curve(scene.image, optics, replace(strip, thickness_known=False))
+    assert curve.ok, curve.why
+    assert scenes.rmse_px(curve.points_px, scene.truth_px) < 1

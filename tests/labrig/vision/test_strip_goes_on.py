@@ -110,3 +110,21 @@ def test_a_curve_to_a_plain_end_or_to_one_that_is_stated_says_nothing_of_it():
     ):
         assert curve.ok
         assert not [text for text in curve.warnings if text.startswith(SAID)]
+
+
+@pytest.mark.slow
+def test_a_thick_strip_that_is_longer_than_stated_is_measured_up_to_there():
+    """A part of a strip may be all that is wanted; where the thickness is stated, too, it is not."""
+    rows, columns = np.mgrid[0:ROWS, 0:COLUMNS]
+    share = np.clip(8.0 - np.abs(rows - CLAMP[1]) + 0.5, 0, 1) * (columns < 200)
+    grey = 60 + 100 * share + np.random.default_rng(3).normal(0, 2, share.shape)
+    pixels = np.clip(np.round(grey), 0, 255).astype(np.uint8)
+    part_m = 0.03  # 120 of 180 pixels
+    curve = asked(pixels, length_known=True, free_length_m=part_m)
+    assert curve.ok, curve.why
+    assert curve.s_m[-1] == pytest.approx(part_m)
+    assert np.abs(curve.y_m).max() * OPTICS.px_per_m < 0.5
+    (said,) = [text for text in curve.warnings if "after the stated" in text]
+    assert said.endswith("after the stated 30.0 mm, up to which the curve was taken")
+    stated = StripGeometry(free_length_m=part_m, thickness_m=16 / OPTICS.px_per_m)
+    assert not neutral_curve(pixels, OPTICS, stated).ok
