@@ -114,7 +114,7 @@ def test_a_curve_to_a_plain_end_or_to_one_that_is_stated_says_nothing_of_it():
 
 @pytest.mark.slow
 def test_a_thick_strip_that_is_longer_than_stated_is_measured_up_to_there():
-    """A part of a strip may be all that is wanted; where the thickness is stated, too, it is not."""
+    """A part may be all that is wanted; where the thickness is stated, too, it is not."""
     rows, columns = np.mgrid[0:ROWS, 0:COLUMNS]
     share = np.clip(8.0 - np.abs(rows - CLAMP[1]) + 0.5, 0, 1) * (columns < 200)
     grey = 60 + 100 * share + np.random.default_rng(3).normal(0, 2, share.shape)
