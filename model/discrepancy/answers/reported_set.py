@@ -87,10 +87,12 @@ def not_ruled_out(decision: Decision, reported: Collection[str]) -> dict[str, fl
     chances = dict[str, float]()
     if decision.unknown is not None:
         return chances
+    answered = set[str]()
     for asked, judged in zip(decision.choice_sets, decision.answers, strict=True):
         if asked.considered in reported:
             continue
         told = dict.fromkeys(judged.answers)
+        answered |= set(judged.answers)
         # a name that a check rejected
         if judged.probabilities.get(asked.considered, 0.0) >= LEAST_REJECTED:
             told[asked.considered] = None
@@ -98,8 +100,8 @@ def not_ruled_out(decision: Decision, reported: Collection[str]) -> dict[str, fl
             if name != NOTHING and name not in reported:
                 chances[name] = max(chances.get(name, 0.0), judged.probabilities[name])
     for name, chance in decision.hidden.items():
-        if name not in reported:
-            chances.setdefault(name, chance)  # the answer to a question knows more
+        if name not in {*reported, *answered}:  # the answer to a question knows more
+            chances[name] = max(chances.get(name, 0.0), chance)
     return dict(sorted(chances.items(), key=lambda one: -one[1]))
 
 

@@ -274,7 +274,8 @@ class Judgement:
     def _kept(self, found: Sequence[Found], rejected: Sequence[str]) -> tuple[Found, ...]:
         """Return the effects that stay, in the forms that they had before those were found."""
         kept = tuple(one for one in found if one.effect.name not in rejected)
-        if any(beside_strict_form(one.effect.name, kept) for one in kept):
+        dropped = any(beside_strict_form(name, found) for name in rejected)
+        if not dropped or any(beside_strict_form(one.effect.name, kept) for one in kept):
             return kept
         forms = {one.name: one.fitted.found[-1].form for one in self.outcome.chosen if one.fitted}
         return tuple(replace(one, form=forms.get(one.effect.name, one.form)) for one in kept)

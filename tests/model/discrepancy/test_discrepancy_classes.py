@@ -132,7 +132,7 @@ def test_answers_that_are_sure_of_a_name_outweigh_a_doubt_but_no_impossible_ampl
     choice = SimpleNamespace(effect=effect("gravity"), ranking=())
     found = Decision(
         named=[choice],
-        known=None,
+        known=SimpleNamespace(found=()),
         unknown=None,
         final=None,
     )  # type: ignore[arg-type]
@@ -225,6 +225,8 @@ def test_answers_of_the_set_that_are_not_reported_are_not_ruled_out():
     told = not_ruled_out(found, ())
     assert told == {"gravity": 0.3, "charging_lag": 0.2, "clamp_angle": 0.15}
     assert list(told) == ["gravity", "charging_lag", "clamp_angle"]  # the likeliest first
+    found.hidden = {"clamp_angle": 0.85}  # of which the answer to a question knows more
+    assert not_ruled_out(found, ())["clamp_angle"] == 0.15
     found.unknown = True
     assert not_ruled_out(found, ()) == {}
 

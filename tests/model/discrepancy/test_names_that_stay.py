@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 
+from model.discrepancy.search.refinement import STRICT
 from model.discrepancy.verdict import decision as module
 from model.discrepancy.verdict.decision import Judgement
 from model.discrepancy.verdict.probable_names import pieces
+from model.effects import effect
+from model.identification.likelihood.model_state import Found
 
 BASE = SimpleNamespace(found=(), deviance=100.0)
 
@@ -21,7 +25,7 @@ GRAVITY, CELL = name("gravity", "even_moment"), name("force_offset", "load_cell"
 
 
 def fit_with(*names: SimpleNamespace, deviance: float = 20.0) -> SimpleNamespace:
-    found = tuple(SimpleNamespace(effect=one.effect) for one in names)
+    found = tuple(SimpleNamespace(effect=one.effect, form=1.0) for one in names)
     return SimpleNamespace(found=found, deviance=deviance, problem=None, theta=None)
 
 
@@ -57,6 +61,24 @@ def test_a_name_stays_where_another_is_rejected(monkeypatch, judgement, first, a
     monkeypatch.setattr(module, "leftover", lambda *_: rest)
     found = SimpleNamespace(named=[GRAVITY, CELL], known=fit_with(GRAVITY, CELL))
     assert judgement._without(found, ["force_offset"]) == told
+
+
+@pytest.mark.parametrize(("form_of_second", "form"), [(1.0, 1.0), (STRICT, STRICT)])
+def test_a_form_is_free_again_where_the_name_that_it_hid_is_dropped(
+    judgement, form_of_second, form
+):
+    """As it was before that one was found; not where the one that is dropped was no such name."""
+    values = {"long": {"angle_rad": 0.01}}
+    first, second = (
+        Found(effect=effect(one), values=values, form=f)
+        for one, f in (("clamp_angle", STRICT), ("gravity", form_of_second))
+    )
+    free = SimpleNamespace(
+        name="clamp_angle", fitted=SimpleNamespace(found=(replace(first, form=1.0),))
+    )
+    judgement.outcome.chosen = [free]
+    (kept,) = judgement._kept((first, second), ["gravity"])
+    assert (kept.effect.name, kept.form) == ("clamp_angle", form)
 
 
 def test_doubtful_names_stay_where_nothing_is_better(monkeypatch, judgement):

@@ -26,10 +26,8 @@ from model.discrepancy.search.evidence import (
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     FURTHER_NAME_LN,
-    LEAST_GAIN_SIGMA,
     NEIGHBOUR_EVIDENCE_LN,
 )
-from model.discrepancy.verdict.finding import Finding
 from model.effects import effect
 from tests.model.discrepancy.sessions import base_fit
 
@@ -108,39 +106,3 @@ def test_of_names_that_may_be_meant_the_likeliest_comes_first():
         nonparametric_explains_more=False, unknown=None, known=SimpleNamespace(found=()),
     )  # fmt: skip
     assert of_name("a", decision).confusable_with == ("c", "b")
-
-
-class Separating:
-    """A finding in which only some pairs can be told apart."""
-
-    def __init__(self, **gains: float) -> None:
-        names = ("camera_scale", "arc_error", "camera_perspective")
-        self.effects = [effect(name) for name in names]
-        self.gains = gains
-        self.asked: list[str] = []
-
-    def separating(self, between):
-        _, rival = (one.name for one in between)
-        self.asked.append(rival)
-        gain = self.gains[rival]
-        return SimpleNamespace(between=rival, separation=1.0, expected=1.0 + gain)
-
-
-NAMED = SimpleNamespace(name="camera_scale", confusable_with=("arc_error", "camera_perspective"))
-
-
-@pytest.mark.parametrize(
-    ("gains", "between", "asked"),
-    [
-        ((2 * LEAST_GAIN_SIGMA, 2 * LEAST_GAIN_SIGMA), "arc_error", 1),
-        ((0.1, 2 * LEAST_GAIN_SIGMA), "camera_perspective", 2),
-        ((0.1, 0.2), "arc_error", 2),
-    ],
-)
-def test_where_nothing_tells_the_likeliest_rival_from_a_name_the_next_one_is_asked_about(
-    gains: tuple[float, float], between: str, asked: int
-):
-    finding = Separating(arc_error=gains[0], camera_perspective=gains[1])
-    found = Finding._next(finding, [NAMED])
-    assert found.between == between
-    assert len(finding.asked) == asked
