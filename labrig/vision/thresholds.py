@@ -219,6 +219,8 @@ END_EARLY_RATIO: Final = 0.4
 # may be seen to go on. On photographs of training, paths that leave the strip seem to end 12 % and
 # more before it; on drawn scenes, thin ones that follow a wire 11 % and more after it.
 STATED_LENGTH_MAX_RATIO: Final = 0.1
+# beside a curve that seems to go on beyond its stated length: another one leads elsewhere
+ELSEWHERE_MIN_PX: Final = 6.0
 # from the stated direction at the clamp to that of the curve, in standard deviations of it
 START_TURN_SIGMAS: Final = 3.5
 START_TURN_MIN_RAD: Final = 0.1  # and of a smaller one, this

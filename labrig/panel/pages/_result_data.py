@@ -17,7 +17,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.model_file import load_model
 from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.kept_diagnosis import kept_diagnosis
-from labrig.report.diagnosis.tables import VERDICTS, next_sentence, verdict_sentences
+from labrig.report.diagnosis.tables import VERDICTS, next_sentences, verdict_sentences
 from labrig.session import load_measurements, open_session
 from model import Measurements
 from model.discrepancy.verdict.result import Diagnosis
@@ -182,7 +182,7 @@ def _words(found: Diagnosis) -> dict[str, Any]:
         "verdict": found.verdict,
         "title": VERDICTS[found.verdict],
         "sentences": verdict_sentences(found),
-        "next": [] if found.next_measurement is None else [next_sentence(found.next_measurement)],
+        "next": next_sentences(found)[:1],  # without the command that writes its protocol
     }
 
 

@@ -28,7 +28,12 @@ from labrig.vision.image.downscaling import (
     scaled_curve,
 )
 from labrig.vision.image.image import GreyImage, ImageError, is_coloured, read_grey_image
-from labrig.vision.thresholds import OUTLINE_THICKNESS_MIN_PX, SATURATED_SHARE_MAX
+from labrig.vision.search.straightened import distances
+from labrig.vision.thresholds import (
+    ELSEWHERE_MIN_PX,
+    OUTLINE_THICKNESS_MIN_PX,
+    SATURATED_SHARE_MAX,
+)
 from labrig.vision.uncertainty.apparent_width import (
     corrupted_cells,
     excess_width_px,
@@ -39,7 +44,6 @@ from labrig.vision.uncertainty.lateral_bias import lateral_bias_px
 FloatArray = npt.NDArray[np.float64]
 
 FOUND_ANGLE_SIGMA_RAD = 0.05  # of the direction at the clamp, as the edges show it
-ELSEWHERE_PX = 6.0
 DIFFERENCES = (ColourChannel.RED_GREEN, ColourChannel.GREEN_BLUE)
 
 
@@ -140,9 +144,13 @@ def _of_unstated_thickness(
 
 
 def _leads_elsewhere(one: NeutralCurve, other: NeutralCurve, optics: Optics) -> bool:
-    """Return whether a curve leaves another one by more than that one's thickness, and 6 pixels."""
-    apart = np.hypot(*(one.points_px[:, None] - other.points_px[None]).transpose(2, 0, 1))
-    return bool(apart.min(axis=1).max() > max(ELSEWHERE_PX, other.thickness_m * optics.px_per_m))
+    """Return whether a curve leaves another one by more than that one's thickness."""
+    return _aside_px(one, other) > max(ELSEWHERE_MIN_PX, other.thickness_m * optics.px_per_m)
+
+
+def _aside_px(one: NeutralCurve, other: NeutralCurve) -> float:
+    """Return how far a curve lies beside another one, at most."""
+    return float(distances(one.points_px, other.points_px).min(axis=1).max())
 
 
 def _place_outside(optics: Optics, image: GreyImage) -> str:
@@ -208,8 +216,7 @@ def _finer(
     finer = _by_intensities(grey_image, there, replace(strip, thickness_m=thickness_m), None)
     if not finer.ok:
         return found
-    apart = np.hypot(*(finer.points_px[:, None] - found.points_px[None]).transpose(2, 0, 1))
-    if apart.min(axis=1).max() > max(1.0, 0.25 * found.thickness_m * ppm):
+    if _aside_px(finer, found) > max(1.0, 0.25 * found.thickness_m * ppm):
         return found
     said = tuple(text for text in found.warnings if text not in finer.warnings)
     return replace(finer, warnings=finer.warnings + said)

@@ -212,7 +212,7 @@ def _along_sheet(
 
 def _in_pulses(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
     """Yield factors within a pulse."""
-    for j, (wave, bins) in enumerate(_pulse_waves(forward.part(c)), 1):
+    for j, (wave, bins) in zip(PULSE_WAVES, _pulse_waves(forward.part(c)), strict=True):
         way = replace(
             forward.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
             force_N=step.force_N * wave, bin_eibm=step.bin_eibm * bins,
@@ -262,7 +262,7 @@ def _in_time(forward: ForwardModel, c: int, step: Perturbation, along: Along) ->
     for over, times in _SLOW[along]:
         force = step.force_N if over == "run" else size[2]
         span = _Span(over, *_ends(getattr(part.clock, times)))
-        for j, wave in enumerate(_slow_waves(part, times), 1):
+        for j, wave in zip(SLOW_WAVES, _slow_waves(part, times), strict=False):
             way = replace(
                 forward.no_step(c), eibm=size[0] * wave * driven, stiffness=size[1] * wave,
                 force_N=force * wave,
