@@ -85,6 +85,7 @@ class Photograph:
                 "strip": strip,
                 "ok": curve.ok,
                 "why": curve.why,
+                "refused_at_px": curve.refused_at_px,
                 "covered": curve.covered,
                 "points_px": np.round(curve.points_px, 2).tolist(),
                 "seen": curve.seen.tolist(),

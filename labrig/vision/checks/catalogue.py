@@ -89,3 +89,6 @@ def _require_finding(found: object, nodes: int) -> None:
     wide = found.widening_px
     if wide is not None and (np.shape(wide) != (nodes,) or not np.isfinite(wide).all()):
         raise ValueError(f"widening_px must be {nodes} finite numbers, one for each node")
+    at = found.refused_at_px
+    if at is not None and (np.shape(at) != (2,) or not np.isfinite(at).all()):
+        raise ValueError("refused_at_px must be a pixel's column and row")

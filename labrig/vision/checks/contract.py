@@ -22,6 +22,7 @@ import numpy.typing as npt
 from labrig.vision.checks.seen_curve import SeenCurve
 
 FloatArray = npt.NDArray[np.float64]
+Pixel = tuple[float, float]  # column, row
 
 
 class CheckStage(StrEnum):
@@ -38,6 +39,7 @@ class CurveFinding:
     """What a check says of one curve."""
 
     refusal: str = ""  # a sentence; empty: no reason to refuse it
+    refused_at_px: Pixel | None = None  # where that shows; None: nowhere in particular
     warning: str = ""  # a sentence without its full stop; empty: none
     widening_px: FloatArray | None = None  # (nodes,): added to the uncertainty, in quadrature
 
@@ -60,9 +62,9 @@ class CurveCheck:
         """Return what is wrong with this curve; None: nothing."""
         return None
 
-    def refuse(self, **values: float | str) -> CurveFinding:
-        """Return its refusal with these values."""
-        return CurveFinding(refusal=self.refusal.format(**values))
+    def refuse(self, at_px: Pixel | None = None, **values: float | str) -> CurveFinding:
+        """Return its refusal with these values, and the pixel where it shows."""
+        return CurveFinding(refusal=self.refusal.format(**values), refused_at_px=at_px)
 
     def warn(self, widening_px: FloatArray | None = None, **values: float | str) -> CurveFinding:
         """Return its warning with these values, and what it adds to the uncertainty."""

@@ -83,6 +83,11 @@ class SeenCurve:
         used, in_view = self.fit.used[cells], self.fit.in_view[cells]
         return float(used.sum() / in_view.sum()) if in_view.any() else 1.0
 
+    def pixel(self, node: int) -> tuple[float, float]:
+        """Return where a point of the curve is in the image, column and row."""
+        u, v = self.context.nodes_px(self.fit.shape)[node]
+        return float(u), float(v)
+
     def with_sigma(self, sigma_px: FloatArray) -> SeenCurve:
         """Return it with its whole uncertainty (nodes,)."""
         return replace(self, sigma_px=sigma_px)

@@ -54,6 +54,11 @@ class SeenOutline:
         """RMS distance between the curve and the middles of the blocks."""
         return self.fit.residual_px
 
+    def pixel(self, node: int) -> tuple[float, float]:
+        """Return where a point of the curve is in the image, column and row."""
+        u, v = self.context.nodes_px(self.fit.shape)[node]
+        return float(u), float(v)
+
     @property
     def length_mm(self) -> float:
         """Length from the clamp to the end."""

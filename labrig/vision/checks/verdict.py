@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.checks.catalogue import findings, outline_findings
-from labrig.vision.checks.contract import CheckStage, CurveFinding
+from labrig.vision.checks.contract import CheckStage, CurveFinding, Pixel
 from labrig.vision.checks.gap_continuity import GapJoin
 from labrig.vision.checks.seen_curve import SeenCurve
 from labrig.vision.checks.seen_outline import SeenOutline
@@ -24,6 +24,7 @@ class StageVerdict:
     """What the checks of one stage say. `why` is empty when the curve passes."""
 
     why: str
+    refused_at_px: Pixel | None  # where that shows; None: nowhere in particular
     warnings: tuple[str, ...]
     widening_px: FloatArray  # (nodes,): what they add to the uncertainty, in quadrature
 
@@ -57,6 +58,7 @@ def check_curve(
     found = judge(seen, CheckStage.CANDIDATE)
     return Verdict(
         why=found.why,
+        refused_at_px=found.refused_at_px,
         warnings=found.warnings,
         widening_px=found.widening_px,
         covered=seen.covered,
@@ -77,8 +79,10 @@ def judge_outline(seen: SeenOutline) -> StageVerdict:
 
 
 def _together(found: list[CurveFinding], nodes: int) -> StageVerdict:
+    refusal = next((each for each in found if each.refusal), CurveFinding())
     return StageVerdict(
-        why=next((each.refusal for each in found if each.refusal), ""),
+        why=refusal.refusal,
+        refused_at_px=refusal.refused_at_px,
         warnings=tuple(each.warning for each in found if each.warning),
         widening_px=_widening_px(found, nodes),
     )

@@ -72,11 +72,13 @@ class NeutralCurve(Displayed):
     """The neutral curve found in one image; arrays run from the clamp to the visible end.
 
     `sigma_m` is one standard deviation of the distance along the normal, from noise and from the
-    calibration together. With `ok` False the arrays are empty and `why` is a sentence.
+    calibration together. With `ok` False the arrays are empty, `why` is a sentence, and
+    `refused_at_px` is where that shows, if it is somewhere in particular.
     """
 
     ok: bool
     why: str = ""
+    refused_at_px: tuple[float, float] | None = None  # column and row, raw pixels
     warnings: tuple[str, ...] = ()
     s_m: FloatArray = field(default_factory=_nothing)  # (points,)
     x_m: FloatArray = field(default_factory=_nothing)

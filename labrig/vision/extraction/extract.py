@@ -71,6 +71,20 @@ def unconfirmed_curve(
     start: NeutralCurve | None = None,
 ) -> NeutralCurve:
     """Return the same for another look at the picture, with a doubt in place of its refusal."""
+    return _with_place(_unconfirmed(image, optics, strip, start))
+
+
+def _with_place(curve: NeutralCurve) -> NeutralCurve:
+    """Return it with the place of a refusal in its sentence, if it has one."""
+    if curve.refused_at_px is None:
+        return curve
+    u, v = curve.refused_at_px
+    return replace(curve, why=f"{curve.why} Look near {u:.0f},{v:.0f}.")
+
+
+def _unconfirmed(
+    image: npt.NDArray[Any], optics: Optics, strip: StripGeometry, start: NeutralCurve | None
+) -> NeutralCurve:
     try:
         grey_image = read_grey_image(image, optics)
     except ImageError as error:

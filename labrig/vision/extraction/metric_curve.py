@@ -44,6 +44,7 @@ def refused(seen: SeenCurve, verdict: Verdict, judgement: StageVerdict) -> Neutr
     return NeutralCurve(
         ok=False,
         why=judgement.why,
+        refused_at_px=judgement.refused_at_px,
         warnings=seen.context.image.warnings + verdict.warnings,
         covered=verdict.covered,
         residual_px=verdict.residual_px if np.isfinite(verdict.residual_px) else 0.0,

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
+from labrig.vision.checks.contract import CurveFinding
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extraction.likeliest_paths import (
     SAME_MIN_PX,
@@ -69,10 +70,10 @@ AS_GOOD_RATIO = 0.6  # of two curves' worth: which one is the strip is not known
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Tried:
-    """One fitted candidate and why it is no strip, empty where it may be one."""
+    """One fitted candidate and why it is no strip; None where it may be one."""
 
     outline: Outline
-    why: str
+    fault: CurveFinding | None
 
     @property
     def worth(self) -> float:
@@ -87,8 +88,7 @@ class _Tried:
     @property
     def path_px(self) -> FloatArray:
         """(nodes, 2) its curve in the image."""
-        shape, optics = self.outline.fit.shape, self.outline.optics
-        return optics.world_to_pixel(np.stack([shape.x, shape.y], axis=1) / optics.px_per_m)
+        return self.outline.nodes_px
 
 
 def followed_outline(
@@ -97,8 +97,10 @@ def followed_outline(
     """Return the curve between the strip's edges beside that of an image shortly before."""
     images = _without_rolls(images, optics)
     followed = _tried(images, optics, strip, _from_before(start), OutlineWork())
-    if followed is None or followed.why:
-        return _refused(UNSEEN if followed is None else followed.why)
+    if followed is None:
+        return _refused(CurveFinding(refusal=UNSEEN))
+    if followed.fault is not None:
+        return _refused(followed.fault)
     return outline_in_metres(followed.outline, images, optics, strip)
 
 
@@ -114,20 +116,17 @@ def searched_outline(
     work = OutlineWork()
     likeliest = likeliest_first(images, optics, strip, mask, work)
     if not likeliest:
-        return _refused(NOTHING_THROUGH if optics.stated_places_px else NOTHING_FOUND)
+        nothing = NOTHING_THROUGH if optics.stated_places_px else NOTHING_FOUND
+        return _refused(CurveFinding(refusal=nothing))
     try:
         tried = _all_tried(images, optics, strip, likeliest, work)
     except WorkDoneError:
         # whether what was not looked at to its end is the strip is not known
-        return _refused(TOO_MUCH)
-    if optics.stated_places_px:
-        why, best = _chosen_through(tried, likeliest, optics)
-    elif tried:
-        why, best = _chosen(tried)
-    else:
-        why, best = UNSEEN, None
-    if why or best is None:
-        return _refused(why)
+        return _refused(CurveFinding(refusal=TOO_MUCH))
+    stated = optics.stated_places_px
+    best = _chosen_through(tried, likeliest, optics) if stated else _chosen(tried)
+    if isinstance(best, CurveFinding):
+        return _refused(best)
     return outline_in_metres(best.outline, images, optics, strip)
 
 
@@ -155,13 +154,13 @@ def _all_tried(
 
 def _chosen_through(
     tried: list[_Tried], likeliest: Sequence[Located], optics: Optics
-) -> tuple[str, _Tried | None]:
+) -> _Tried | CurveFinding:
     """Return the candidate through stated places that shows most of both edges, or why none does.
 
     That there is a strip through them is stated. So another way through them widens the
     uncertainty; and where edges do not show a thin strip, the path is its curve.
     """
-    passing = [each for each in tried if not each.why]
+    passing = [each for each in tried if each.fault is None]
     if passing:
         best = max(passing, key=lambda each: each.worth)
         others = [each for each in passing if each.worth > AS_GOOD_RATIO * best.worth]
@@ -169,13 +168,18 @@ def _chosen_through(
         if apart > LEAVES_MIN_PX:
             fit = best.outline.fit.known_to(0.5 * apart)
             best = replace(best, outline=replace(best.outline, fit=fit))
-        return "", best
+        return best
     thin = likeliest[0].thickness_px <= PATH_THICKNESS_MAX_PX
     whole = bool(optics.through_px) and optics.tip_px is not None
     if whole and thin and likeliest[0].clearness > CLEARNESS_OF_NOTHING:
         outline = outline_along_path(optics, likeliest)
-        return path_fault(outline), _Tried(outline=outline, why="")
-    return (tried[0].why if tried else UNSEEN_THROUGH), None
+        return path_fault(outline) or _Tried(outline=outline, fault=None)
+    return _first_fault(tried) or CurveFinding(refusal=UNSEEN_THROUGH)
+
+
+def _first_fault(tried: list[_Tried]) -> CurveFinding | None:
+    """Return why the likeliest candidate is no strip; None where there is none."""
+    return tried[0].fault if tried else None
 
 
 def _apart_px(one: _Tried, other: _Tried) -> float:
@@ -184,20 +188,21 @@ def _apart_px(one: _Tried, other: _Tried) -> float:
     return float(distances(path, along).min(axis=1).max())
 
 
-def _chosen(tried: list[_Tried]) -> tuple[str, _Tried]:
-    """Return the candidate that shows most of both edges, and why it is refused, if it is."""
-    passing = [each for each in tried if not each.why]
+def _chosen(tried: list[_Tried]) -> _Tried | CurveFinding:
+    """Return the candidate that shows most of both edges, or why none is the strip."""
+    passing = [each for each in tried if each.fault is None]
     if not passing:
-        return tried[0].why, tried[0]
+        return _first_fault(tried) or CurveFinding(refusal=UNSEEN)
     best = max(passing, key=lambda each: each.worth)
     for each in tried:
         # where it is not known which edge is the strip's, another channel only hides that
-        if each.why.startswith(RIVAL_STEP) and each.worth > best.worth:
-            return each.why, each
+        fault = each.fault
+        if fault is not None and fault.refusal.startswith(RIVAL_STEP) and each.worth > best.worth:
+            return fault
     for each in passing:
         if each is not best and each.worth > AS_GOOD_RATIO * best.worth and _leaves(each, best):
-            return TWO_WAYS, best
-    return "", best
+            return CurveFinding(refusal=TWO_WAYS)
+    return best
 
 
 def _leaves(one: _Tried, other: _Tried) -> bool:
@@ -243,8 +248,8 @@ def _tried(
     outline = fitted_outline(images, optics, strip, located, work)
     if outline is None:
         return None
-    return _Tried(outline=outline, why=outline_fault(outline, optics, strip))
+    return _Tried(outline=outline, fault=outline_fault(outline, optics, strip))
 
 
-def _refused(why: str) -> NeutralCurve:
-    return NeutralCurve(ok=False, why=why)
+def _refused(fault: CurveFinding) -> NeutralCurve:
+    return NeutralCurve(ok=False, why=fault.refusal, refused_at_px=fault.refused_at_px)

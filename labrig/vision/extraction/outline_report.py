@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
+from labrig.vision.checks.contract import CurveFinding, Pixel
 from labrig.vision.checks.seen_outline import OutlineContext, SeenOutline
 from labrig.vision.checks.verdict import judge_outline
 from labrig.vision.curve import NeutralCurve, StripGeometry
@@ -38,6 +39,8 @@ from labrig.vision.thresholds import (
 )
 from labrig.vision.uncertainty.parts import calibration_m
 
+FloatArray = npt.NDArray[np.float64]
+
 START_SHARE = 1 / 12  # of a curve, that shows its direction at the clamp
 ASSUMED = "measured in the image, not stated: "  # so the warning begins that lists it
 HIDDEN = (
@@ -59,17 +62,23 @@ STATED_RIVAL_RATIO = 2.0  # of the largest sigma, with rival edges, of a strip t
 RIVAL_STEP = "check of the edges failed"  # the step that a refusal for rival edges names
 
 
-def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str:
-    """Return why an outline is no strip's, as a sentence; empty where it passes."""
+def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> CurveFinding | None:
+    """Return why an outline is no strip's; None where it passes."""
+    why = _shape_fault(outline, optics, strip)
+    return CurveFinding(refusal=why) if why else _unsure_fault(outline, optics)
+
+
+def path_fault(outline: Outline) -> CurveFinding | None:
+    """Return why a path through stated places is no curve; None where it is."""
+    sigma_px = outline.fit.inner_sigma_px
+    return _hidden(outline, sigma_px) if sigma_px.max() > STATED_PLACE_MAX_PX else None
+
+
+def _shape_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str:
+    """Return why nothing of this course and width is the strip, as a sentence; empty: it may be."""
     fit, located = outline.fit, outline.located
     blocks, total = fit.blocks, fit.shape.basis.total_px
     width = located.thickness_px
-    loose = float(fit.inner_sigma_px.max())
-    most = min(OUTLINE_SIGMA_MAX_PX, OUTLINE_SIGMA_MAX_RATIO * width)
-    most = max(HIDDEN_SIGMA_MAX_PX, most)
-    if optics.stated_places_px and fit.rival_px is not None and loose < STATED_RIVAL_RATIO * most:
-        # which edge is the strip's only widens what is known of one that is stated
-        loose = float(replace(fit, rival_px=None).inner_sigma_px.max())
     unseen = "" if optics.stated_places_px else _unseen_fault(blocks)
     if unseen:
         return unseen
@@ -94,22 +103,41 @@ def outline_fault(outline: Outline, optics: Optics, strip: StripGeometry) -> str
             f"of a path of {located.length_px:.0f}; state the length, or mask what crosses the "
             "strip (--mask)."
         )
-    elsewhere = _end_fault(outline, optics, strip, total) or _place_fault(outline, optics)
-    if elsewhere:
-        return elsewhere
-    if loose > most and fit.rival_px is not None and has_rival(outline):
-        return (
-            f"{RIVAL_STEP}: beside an edge of the strip there is another one that is "
-            f"as clear, {np.max(fit.rival_px):.0f} pixels further out; light the strip evenly, "
-            "state the thickness, or mask what lies beside it (--mask)."
-        )
-    return HIDDEN.format(loose=loose) if loose > most else ""
+    return _end_fault(outline, optics, strip, total) or _place_fault(outline, optics)
 
 
-def path_fault(outline: Outline) -> str:
-    """Return why a path through stated places is no curve; empty where it is."""
-    loose = float(outline.fit.inner_sigma_px.max())
-    return HIDDEN.format(loose=loose) if loose > STATED_PLACE_MAX_PX else ""
+def _unsure_fault(outline: Outline, optics: Optics) -> CurveFinding | None:
+    """Return why a curve is known too little somewhere; None where it is known well enough."""
+    fit = outline.fit
+    most = min(OUTLINE_SIGMA_MAX_PX, OUTLINE_SIGMA_MAX_RATIO * outline.located.thickness_px)
+    most = max(HIDDEN_SIGMA_MAX_PX, most)
+    sigma_px = fit.inner_sigma_px
+    stated = bool(optics.stated_places_px)
+    if stated and fit.rival_px is not None and sigma_px.max() < STATED_RIVAL_RATIO * most:
+        # which edge is the strip's only widens what is known of one that is stated
+        sigma_px = replace(fit, rival_px=None).inner_sigma_px
+    if not sigma_px.max() > most:
+        return None
+    if fit.rival_px is None or not has_rival(outline):
+        return _hidden(outline, sigma_px)
+    beside = fit.rival_px.max(axis=0)
+    why = (
+        f"{RIVAL_STEP}: beside an edge of the strip there is another one that is "
+        f"as clear, {beside.max():.0f} pixels further out; light the strip evenly, "
+        "state the thickness, or mask what lies beside it (--mask)."
+    )
+    return CurveFinding(refusal=why, refused_at_px=_pixel(outline, beside))
+
+
+def _hidden(outline: Outline, sigma_px: FloatArray) -> CurveFinding:
+    why = HIDDEN.format(loose=sigma_px.max())
+    return CurveFinding(refusal=why, refused_at_px=_pixel(outline, sigma_px))
+
+
+def _pixel(outline: Outline, values: FloatArray) -> Pixel:
+    """Return where in the image the largest of some values (nodes,) is."""
+    u, v = outline.nodes_px[int(values.argmax())]
+    return float(u), float(v)
 
 
 def _unseen_fault(blocks: Blocks) -> str:
@@ -206,9 +234,7 @@ def _ends_elsewhere(optics: Optics, beyond_px: float, total_px: float) -> str:
 
 def _place_fault(outline: Outline, optics: Optics) -> str:
     """Return which of the stated places the curve does not pass; empty where it passes all."""
-    shape = outline.fit.shape
-    plane = np.stack([shape.x, shape.y], axis=1)
-    nodes = outline.optics.world_to_pixel(plane / outline.optics.px_per_m)
+    nodes = outline.nodes_px
     allowed = max(STATED_PLACE_MAX_PX, 0.5 * outline.located.thickness_px)
     for u, v in optics.stated_places_px:
         apart = float(np.hypot(nodes[:, 0] - u, nodes[:, 1] - v).min())
@@ -252,7 +278,7 @@ def outline_in_metres(
         where = _ends_elsewhere(optics, beyond, shape.basis.total_px)
         warned += (f"as its profile shows, {where}, up to which the curve was taken",)
     if said.why:
-        return NeutralCurve(ok=False, why=said.why)
+        return NeutralCurve(ok=False, why=said.why, refused_at_px=said.refused_at_px)
     return NeutralCurve(
         ok=True,
         doubt=_end_doubt(optics, beyond, shape.basis.total_px),
@@ -264,7 +290,7 @@ def outline_in_metres(
         sigma_m=np.hypot(sigma_m, said.widening_px / ppm),
         curvature_sigma_per_m=spread(shape.basis.curvature, covariance[2:, 2:]) * ppm,
         curvature_resolution_m=shape.basis.free_px / ppm / max(1, shape.basis.size - 2),
-        points_px=outline.optics.world_to_pixel(np.stack([shape.x, shape.y], axis=1) / ppm),
+        points_px=outline.nodes_px,
         parameters=shape.parameters * unit,
         covariance=covariance * np.outer(unit, unit),
         normal_modes=shape.normal_modes() / ppm / unit,

@@ -62,6 +62,12 @@ class Outline:
     goes_on: bool  # something that looks different
     by_path: bool = False  # along a path through stated places, for edges do not show it
 
+    @property
+    def nodes_px(self) -> FloatArray:
+        """(nodes, 2) its curve in the image."""
+        plane = np.stack([self.fit.shape.x, self.fit.shape.y], axis=1)
+        return self.optics.world_to_pixel(plane / self.optics.px_per_m)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _Fitter:

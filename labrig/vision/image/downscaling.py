@@ -47,8 +47,7 @@ def downscaled_optics(optics: Optics, by: float) -> Optics:
     small = np.array([[1 / by, 0, 0.5 / by - 0.5], [0, 1 / by, 0.5 / by - 0.5], [0, 0, 1.0]])
 
     def point(place: tuple[float, float]) -> tuple[float, float]:
-        u, v = scaled_places(np.array(place), 1 / by)
-        return float(u), float(v)
+        return scaled_place(place, 1 / by)
 
     changed: dict[str, object] = {
         "px_per_mm": optics.px_per_mm / by,
@@ -78,10 +77,18 @@ def scaled_places(places: FloatArray, by: float) -> FloatArray:
     return np.asarray((places + 0.5) * by - 0.5)
 
 
+def scaled_place(place: tuple[float, float], by: float) -> tuple[float, float]:
+    """Return one pixel in an image `by` times as large."""
+    u, v = scaled_places(np.array(place), by)
+    return float(u), float(v)
+
+
 def scaled_curve(curve: NeutralCurve, by: float) -> NeutralCurve:
     """Return a curve whose lengths in pixels are those of an image `by` times as large."""
+    at = curve.refused_at_px
     return replace(
         curve,
+        refused_at_px=None if at is None else scaled_place(at, by),
         points_px=scaled_places(curve.points_px, by),
         residual_px=curve.residual_px * by,
         blur_px=curve.blur_px * by,

@@ -90,6 +90,7 @@ def curve_json(curve: NeutralCurve) -> dict[str, Any]:
         "residual_px": round(curve.residual_px, 5),
         "warnings": list(curve.warnings),
         "why": curve.why,
+        "refused_at_px": curve.refused_at_px and [round(place, 1) for place in curve.refused_at_px],
     }
 
 

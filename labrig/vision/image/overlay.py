@@ -18,6 +18,7 @@ LONG_SIDE_PX = (1000, 1800)  # of an overlay: small pictures are enlarged, large
 ZOOM_MIN = 2.0  # of a picture whose overlay is not too large then
 TEXT_WIDTH_MIN_PX = 480  # a narrow picture has a margin beside it, so that text fits
 LETTER_WIDTH_PX, LINE_HEIGHT_PX = 10, 20
+RING_SHARE = 1 / 50  # radius of the ring where a curve was refused, over the long side
 LINE_SHARE = 1 / 700  # a curve's width over the long side
 SEEN, BRIDGED, TEXT = (40, 40, 255), (0, 220, 255), (90, 255, 90)  # blue, green, red
 SUBPIXEL_BITS = 4
@@ -40,6 +41,8 @@ def picture_with(
 ) -> Canvas:
     """Return the picture (rows, columns, 3) in this size with the curves on it.
 
+    Where a curve was refused for one place, that has a yellow ring.
+
     `line_px`: their least width.
     """
     import cv2
@@ -52,6 +55,8 @@ def picture_with(
     for curve in curves:
         if curve.ok:
             _draw(canvas, curve, zoom, thick)
+        elif curve.refused_at_px is not None:
+            _draw_ring(canvas, curve.refused_at_px, zoom, thick)
     return canvas
 
 
@@ -71,6 +76,14 @@ def _draw(canvas: Canvas, curve: NeutralCurve, zoom: float, thick: int) -> None:
     for first, second, seen in zip(nodes[:-1], nodes[1:], curve.seen, strict=False):
         colour = SEEN if seen else BRIDGED
         cv2.line(canvas, first, second, colour, thick, cv2.LINE_AA, SUBPIXEL_BITS)
+
+
+def _draw_ring(canvas: Canvas, at_px: tuple[float, float], zoom: float, thick: int) -> None:
+    import cv2
+
+    u, v = ((place + 0.5) * zoom - 0.5 for place in at_px)
+    radius = round(RING_SHARE * max(canvas.shape))
+    cv2.circle(canvas, (round(u), round(v)), radius, BRIDGED, thick, cv2.LINE_AA)
 
 
 def _with_text(canvas: Canvas, said: str) -> Canvas:

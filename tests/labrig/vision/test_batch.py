@@ -9,7 +9,7 @@ from labrig.vision import BatchOptions, extract_curves, load_strip
 
 KEYS = ["image", "frame", "time_s", "ok", "x_mm", "y_mm", "s_mm", "curvature_per_m", "sigma_mm",
         "curvature_sigma_per_m", "points_px", "seen", "covered", "residual_px",
-        "warnings", "why"]  # fmt: skip
+        "warnings", "why", "refused_at_px"]  # fmt: skip
 
 
 @pytest.fixture

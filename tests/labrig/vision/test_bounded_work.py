@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.vision import Optics, StripGeometry, neutral_curve
+from labrig.vision.checks.contract import CurveFinding
 from labrig.vision.extraction import likeliest_paths, outline_curve
 from labrig.vision.fit import outline
 from labrig.vision.search import locate, located, path_search, work
@@ -85,7 +86,7 @@ def test_a_path_beside_a_curve_that_was_refused_is_not_fitted_again(counted, mon
     monkeypatch.setattr(
         outline_curve, "likeliest_first", lambda *known: found.extend(real(*known)) or found
     )
-    monkeypatch.setattr(outline_curve, "outline_fault", lambda *_: "refused")
+    monkeypatch.setattr(outline_curve, "outline_fault", lambda *_: CurveFinding(refusal="refused"))
     assert neutral_curve(picture, OPTICS, UNKNOWN).why == "refused"
     assert len(found) > 1
     assert counted["fits"] == 1

@@ -28,6 +28,8 @@ class Always(CurveCheck):
             return "bad"
         if self.name == "short":
             return CurveFinding(warning="never said", widening_px=np.ones(3))
+        if self.name == "nowhere":
+            return CurveFinding(refusal="Never said.", refused_at_px=(np.nan, 3.0))
         wide = np.full(len(seen.fit.shape.x), 1.0)
         return CurveFinding(refusal=self.refusal, warning=self.warning, widening_px=wide)
 
@@ -112,7 +114,7 @@ def test_a_check_of_another_distribution_refuses(plain, known, with_check, stage
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["broken", "wordy", "short"])
+@pytest.mark.parametrize("name", ["broken", "wordy", "short", "nowhere"])
 def test_a_check_of_another_distribution_that_fails_costs_no_curve(plain, known, with_check, name):
     with_check(name, CheckStage.CHOSEN, warning="never said")
     curve = neutral_curve(plain.image, *known(plain))

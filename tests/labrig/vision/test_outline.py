@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from drivers.plugins import Part
-from labrig.vision import Optics, StripGeometry, neutral_curve
+from labrig.vision import NeutralCurve, Optics, StripGeometry, neutral_curve
 from labrig.vision.calibration.optics import ColourChannel
 from labrig.vision.checks import catalogue
 from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
@@ -16,7 +16,9 @@ from labrig.vision.fit.outline import fit_outline
 from labrig.vision.fit.outline_blocks import measure_blocks, without_lonely
 from labrig.vision.fit.stated_places import StatedPlaces
 from labrig.vision.fit.thickness import visible_thickness_m
+from labrig.vision.image.downscaling import in_camera_pixels
 from labrig.vision.image.image import read_grey_image
+from labrig.vision.image.overlay import picture_with
 from labrig.vision.search.work import OutlineWork
 
 SIZE = (150, 220)  # rows, columns
@@ -243,6 +245,27 @@ def test_a_bridged_stretch_is_known_less_well():
     bridged = (at > 0.5) & (at < 0.57)
     assert not curve.seen[bridged].any()
     assert curve.sigma_m[bridged].min() > 1.3 * np.median(curve.sigma_m[curve.seen])
+
+
+def test_a_refusal_for_one_place_says_and_shows_where_it_is(tmp_path):
+    line = arc(150, 0.8)
+    image = drawn(line, 10)
+    _, along = beside(line)
+    image[(along > 0.25) & (along < 0.75)] = 60
+    curve = neutral_curve(image, stated(tip_px=tuple(line[-1])), UNKNOWN)
+    assert curve.why.startswith("check of hidden parts failed")
+    middle = line[len(line) // 2]
+    assert np.hypot(*(np.array(curve.refused_at_px) - middle)) < 15
+    assert "Look near {:.0f},{:.0f}.".format(*curve.refused_at_px) in curve.why
+    drawing = picture_with(image, [curve], long_side_px=2 * max(SIZE))
+    yellow = np.argwhere((drawing[:, :, 2] > 200) & (drawing[:, :, 0] < 60))[:, ::-1] / 2
+    assert np.abs(yellow.mean(axis=0) - curve.refused_at_px).max() < 1.5
+
+
+@pytest.mark.parametrize("by", [1, 2])
+def test_its_place_is_one_of_the_picture_as_taken(by):
+    curve = NeutralCurve(ok=False, why="too faint.", refused_at_px=(20.0, 10.0))
+    assert in_camera_pixels(curve, by).refused_at_px == (20.5 * by - 0.5, 10.5 * by - 0.5)
 
 
 def test_a_strip_on_white_paper():

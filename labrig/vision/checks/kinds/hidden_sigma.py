@@ -19,8 +19,11 @@ class HiddenSigma(CurveCheck):
         fit = seen.fit
         if fit.used.mean() > FULLY_SEEN_SHARE:
             return None
-        loose_px = float(spread(fit.shape.normal_modes(), fit.cautious_covariance).max())
-        return self.refuse(loose_px=loose_px) if loose_px > HIDDEN_SIGMA_MAX_PX else None
+        sigma_px = spread(fit.shape.normal_modes(), fit.cautious_covariance)
+        worst = int(sigma_px.argmax())
+        if not sigma_px[worst] > HIDDEN_SIGMA_MAX_PX:
+            return None
+        return self.refuse(at_px=seen.pixel(worst), loose_px=float(sigma_px[worst]))
 
 
 CHECK = HiddenSigma(

@@ -24,8 +24,11 @@ class KnownEverywhere(CurveCheck):
         ppm = optics.px_per_m
         # a scale that is little known is no fault of the image
         scale = ppm * calibration_m(shape.x / ppm, shape.y / ppm, shape.phi, optics)
-        loose_px = float(np.sqrt(np.maximum(seen.sigma_px**2 - scale**2, 0.0)).max())
-        return self.refuse(loose_px=loose_px) if loose_px > HIDDEN_SIGMA_MAX_PX else None
+        sigma_px = np.sqrt(np.maximum(seen.sigma_px**2 - scale**2, 0.0))
+        worst = int(sigma_px.argmax())
+        if not sigma_px[worst] > HIDDEN_SIGMA_MAX_PX:
+            return None
+        return self.refuse(at_px=seen.pixel(worst), loose_px=float(sigma_px[worst]))
 
 
 CHECK = KnownEverywhere(

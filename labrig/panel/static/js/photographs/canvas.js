@@ -159,7 +159,10 @@ export class PhotographCanvas {
       for (const holder of of === "strip" ? Object.values(strips) : [pictures])
         for (const polygon of holder[key] ?? []) this.polygon(context, polygon, true);
     if (open.length) this.polygon(context, open, false);
-    for (const curve of curves) if (curve.ok) this.curve(context, curve, ratio);
+    for (const curve of curves) {
+      if (curve.ok) this.curve(context, curve, ratio);
+      else if (curve.refused_at_px) this.ring(context, curve.refused_at_px, ratio);
+    }
     if (ruler.length) this.line(context, ruler, ratio, COLOURS.mark);
     for (const [name, place] of Object.entries(strips)) {
       if (place.clamp_px) this.clamp(context, name, place.clamp_px, place.along_px, ratio);
@@ -189,6 +192,15 @@ export class PhotographCanvas {
       context.lineTo(...this.toScreen(points[at]));
       context.stroke();
     }
+  }
+
+  ring(context, place, ratio) {
+    const [x, y] = this.toScreen(place);
+    context.strokeStyle = COLOURS.bridged;
+    context.lineWidth = 2 * ratio;
+    context.beginPath();
+    context.arc(x, y, 18 * ratio, 0, 2 * Math.PI);
+    context.stroke();
   }
 
   line(context, ends, ratio, colour) {
