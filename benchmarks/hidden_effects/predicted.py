@@ -20,13 +20,13 @@ import argparse
 import json
 import sys
 import time
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 
 import numpy as np
-import tomlkit
 
 from benchmarks._batched import done
 from benchmarks.hidden_effects.cases import Case
@@ -93,7 +93,7 @@ def errors_of(
 
 def read_back(model: SheetModel) -> SheetModel:
     """Return the model as the next command reads it from its file."""
-    return SheetModel.from_dict(tomlkit.parse(model_text(model)).unwrap())
+    return SheetModel.from_dict(tomllib.loads(model_text(model)))
 
 
 def base_model(measurements: Measurements, case: Case) -> SheetModel:
