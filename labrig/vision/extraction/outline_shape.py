@@ -27,7 +27,12 @@ from labrig.vision.image.image import GreyImage
 from labrig.vision.search.located import Located
 from labrig.vision.search.straightened import resampled
 from labrig.vision.search.work import OutlineWork
-from labrig.vision.thresholds import LED_ON_MIN_WIDTHS
+from labrig.vision.thresholds import (
+    LED_ON_MIN_WIDTHS,
+    LENGTH_ERROR_MAX_PX,
+    LENGTH_ERROR_MAX_RATIO,
+    STATED_LENGTH_MAX_RATIO,
+)
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -213,7 +218,8 @@ def fitted_outline(
     width = min(max(fit.width_px, least * width), most * width)
     fitter = replace(fitter, width_px=width)
     if strip.length_known:
-        return _to_stated_length(fit, fitter, located, strip)
+        outline = _to_stated_length(fit, fitter, located, strip)
+        return _followed_to_stated_length(outline, shape, fitter, strip)
     if optics.tip_px is None:
         fit, course = fitter.followed(fit)
         end, sigma = course.end
@@ -252,6 +258,25 @@ def _to_stated_length(
         fit = fit if again is None else fitter.through_tip(again)
     fit = _with_rivals(fit, fitter.images, fitter.optics)
     return _outline(fit, fitter, located, course, course.end)
+
+
+def _followed_to_stated_length(
+    whole: Outline, shape: CurveShape, fitter: _Fitter, strip: StripGeometry
+) -> Outline:
+    """Return the curve that is followed step by step to its length, where `whole` is lost early.
+
+    A curve that has the stated length from the begin, as `whole` has, may leave the strip.
+    """
+    length, width = strip.length_m * fitter.optics.px_per_m, fitter.width_px
+    if whole.end_px > (1.0 - STATED_LENGTH_MAX_RATIO) * length:
+        return whole
+    seen = fitter.course(shape).end[0] + BEYOND_WIDTHS * width
+    begun = fitter.fit(cut(shape, max(seen, 4 * width), width))
+    if begun is None:
+        return whole
+    outline = _to_stated_length(fitter.followed(begun)[0], fitter, whole.located, strip)
+    lacking = max(LENGTH_ERROR_MAX_PX, LENGTH_ERROR_MAX_RATIO * length)
+    return outline if outline.end_px > length - lacking else whole
 
 
 def outline_along_path(optics: Optics, likeliest: Sequence[Located]) -> Outline:

@@ -124,6 +124,22 @@ def test_a_stated_length_takes_the_place_of_an_end_that_is_seen_nearby(thick_px)
     assert not any("the stated 75.0 mm" in text for text in as_stated.warnings)
 
 
+def hook(length_px, share, radius_px, turn_rad, heading_rad=-0.3):
+    """A line that is straight up to a share of its length, turns on a circle, and goes on so."""
+    s = np.linspace(0, length_px, 600)
+    phi = heading_rad + np.clip((s - share * length_px) / radius_px, 0, turn_rad)
+    steps = np.stack([np.cos(phi), np.sin(phi)], axis=1)[1:] * np.diff(s)[:, None]
+    return np.array(CLAMP) + np.concatenate([[[0, 0]], np.cumsum(steps, axis=0)])
+
+
+def test_a_strip_of_a_stated_length_is_followed_around_a_hook():
+    line = hook(140, 0.55, 10, 2.6)
+    curve = neutral_curve(drawn(line, 8), *of_length(140))
+    assert curve.ok, curve.why
+    assert beside_px(curve, line).max() < 0.8
+    assert curve.s_m[-1] * 2000 == pytest.approx(140, abs=0.5)
+
+
 def test_a_strip_that_ends_far_from_its_stated_length_is_refused():
     line = arc(150, 0.8)
     assert "before the stated" in neutral_curve(drawn(line, 14), *of_length(200)).why
