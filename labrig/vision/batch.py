@@ -188,7 +188,7 @@ def _keep_photographs(sources: Sequence[Path], output: Path) -> None:
 def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
     """Raise for a fault in a file of several images; one in an own file costs that image only."""
     kinds: tuple[tuple[str, Path | None, Callable[[Path], object]], ...] = (
-        (OPTICS_FILE, options.optics, load_optics),
+        (OPTICS_FILE, options.optics, lambda path: _check_optics(path, files, options)),
         (SHEET_FILE, options.sheet, lambda path: _check_sheet(path, files, options)),
     )
     for kind, given, load in kinds:
@@ -205,6 +205,11 @@ def _needs_sheet(path: Path, options: BatchOptions) -> bool:
         return not _measures_length(optics_of(path, options))
     except BadInputError:
         return False  # a fault of that image's own file costs that image only
+
+
+def _check_optics(optics: Path, files: list[Path], options: BatchOptions) -> None:
+    """Read a common optics.json, with what is stated besides, as the first image with it does."""
+    optics_of(next(p for p in files if beside(p, OPTICS_FILE, options.optics) == optics), options)
 
 
 def _check_sheet(sheet: Path, files: list[Path], options: BatchOptions) -> None:

@@ -188,6 +188,8 @@ FRAME_DISTANCE_WARNED_SIGMAS: Final = 4.0  # and of the frames' noise
 CALIBRATION_RESIDUAL_MAX_PX: Final = 1.0  # RMS; above: refused
 CALIBRATION_RESIDUAL_WARNED_PX: Final = 0.3  # RMS
 CLAMP_DIRECTION_MIN_PX: Final = 20.0  # between the two places that give the sheet's direction
+DIRECTION_MIN_PX: Final = 2.0  # the same of a strip in a photograph, which may be short
+SCALE_MAX_PX_PER_MM: Final = 1e4  # above, a length was given in another unit
 BOARD_CORNERS_MIN: Final = 12  # of one image of the board
 
 # Outline: the curve between two edges, of strips that are thick, short, shaded or of which little

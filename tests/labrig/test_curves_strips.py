@@ -6,6 +6,7 @@ import csv
 import json
 from pathlib import Path
 
+import cv2
 import numpy as np
 import pytest
 
@@ -100,6 +101,32 @@ def test_several_strips_of_a_picture_have_a_curve_each(tmp_path: Path) -> None:
     ]
     assert (out / "photo_left_curve.png").exists()
     assert photo.exists()
+
+
+@pytest.mark.slow
+def test_the_overlay_of_a_picture_has_all_its_strips_and_is_of_one_picture(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    photo = drawn_strips.write(tmp_path, drawn_strips.side_by_side())
+    overlay, table = tmp_path / "o.png", tmp_path / "c.csv"
+    asked = ["--strip", FIRST_STRIP, "--strip", SECOND_STRIP, "--overlay", str(overlay)]
+    assert run(["curves", str(photo), *asked, "-o", str(table)]) == 0
+    drawing = cv2.imread(str(overlay))
+    red = (drawing[..., 2] > 200) & (drawing[..., 1] < 120)
+    half = drawing.shape[1] // 2
+    assert red[:, :half].sum() > 100
+    assert red[:, half:].sum() > 100
+    assert {row["strip"] for row in csv.DictReader(table.read_text().splitlines())} == {
+        "left", "right",
+    }  # fmt: skip
+    overlay.unlink()
+    capsys.readouterr()
+    for several in ([str(photo), str(photo)], [str(tmp_path)]):
+        assert run(["curves", *several, "--overlay", str(overlay)]) == 2
+        assert capsys.readouterr().out == ""  # nothing was measured
+    assert run(["curves", str(photo), "-o", str(tmp_path / "no" / "c.csv")]) == 2
+    assert "no: there is no such folder" in capsys.readouterr().err
+    assert not overlay.exists()
 
 
 @pytest.mark.slow

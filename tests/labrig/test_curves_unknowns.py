@@ -41,13 +41,37 @@ def test_without_a_length_or_to_end_the_missing_file_is_named(
     photo: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["curves", str(photo)]) == 2
-    assert "sheet.toml" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "sheet.toml" in said
+    assert "--to-end" in said
+
+
+def test_without_a_scale_the_ways_to_one_are_named(
+    photo: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    photo.with_name("optics.json").unlink()
+    assert run(["curves", str(photo), "--to-end"]) == 2
+    said = capsys.readouterr().err
+    assert "labrig calibrate camera" in said
+    assert "--page" in said
+
+
+def test_a_stated_thickness_that_is_not_there_is_named(
+    photo: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    photo.with_name("sheet.toml").write_text("free_length_mm = 50\nthickness_mm = 4\n")
+    assert run(["curves", str(photo), "--to-end"]) == 0
+    assert "leave the thickness out to have it measured" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
     ("asked", "said"),
     [
         (["--along-px", "12"], "--along-px '12': give a pixel's column and row, U,V."),
+        (
+            ["--along-px", f"{CLAMP[0]:g},{CLAMP[1]:g}"],
+            "is the clamp itself: give a pixel further",
+        ),
         (["--channel", "purple"], "purple"),
     ],
 )

@@ -79,6 +79,13 @@ def test_clicked_once_for_all_then_accepted_and_refused(folder, address, visit):
     assert optics["clamp_px"] == pytest.approx(CLAMP, abs=1.0)
     assert "free_length_mm = 30" in (folder / "sheet.toml").read_text()
 
+    # a ruler's length that is corrected without a click says where it is not known
+    page.get_by_label("ruler, mm").fill(str(2 * RULER_MM))
+    page.click("text=Measure all")
+    page.locator("text=click both its ends again").wait_for()
+    page.get_by_label("ruler, mm").fill(str(RULER_MM))
+    page.get_by_label("ruler, mm").blur()
+
     page.keyboard.press("a")  # the first one; the next one is shown then
     page.locator(".photograph-tile[data-decision='accepted']").wait_for()
     page.locator(".photograph-editor h2").filter(has_text="b.png").wait_for()

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -18,10 +19,15 @@ from labrig.cli.curves.page import serve_page
 from labrig.cli.curves.session import session_curves
 from labrig.cli.screen import print_json_line, say, warn
 from labrig.errors import BadInputError
+from labrig.files import check_free
 
 if TYPE_CHECKING:
+    import numpy.typing as npt
+
     from labrig.vision import BatchOptions, NeutralCurve
     from labrig.vision.image.tables import LabelledCurve
+
+ONE_IMAGE = "--overlay takes one image; use --batch FOLDER -o FOLDER for many."
 
 
 def curves(
@@ -44,7 +50,7 @@ def curves(
         Path | None, typer.Option(help="summary.csv: a line for each image; --batch has it")
     ] = None,
     overlay: Annotated[
-        Path | None, typer.Option(help="the image with the curve on it (png; one image)")
+        Path | None, typer.Option(help="the image with its curves on it (png; one image)")
     ] = None,
     batch: Annotated[
         Path | None, typer.Option(help="every image of this folder; NAME.json for each")
@@ -142,8 +148,11 @@ def curves(
         _refuse_beside_session((*of_images, *facts.values(), every > 1))
         session_curves(sources[0], output, name, as_json=as_json)
         return
-    found = _of_images(sources, options, overlay, as_json=as_json)
+    _refuse_unwritable(sources, output, summary, overlay)
+    found, drawing = _of_images(sources, options, overlay, as_json=as_json)
     _write_tables(found, output, summary)
+    if drawing is not None:
+        drawing.write()
 
 
 def _refuse_beside_page(others: tuple[object, ...]) -> None:
@@ -186,25 +195,60 @@ def _compare(
         compare_methods(sources, methods, options, output)
 
 
+def _refuse_unwritable(
+    sources: list[Path], output: Path | None, summary: Path | None, overlay: Path | None
+) -> None:
+    """Raise BadInputError, before anything is measured, for what cannot be written."""
+    for path in (output, summary, overlay):
+        if path is not None:
+            check_free(path, force=True)
+    if overlay is not None and (len(sources) > 1 or sources[0].is_dir()):
+        raise BadInputError(ONE_IMAGE)
+
+
+@dataclass
+class _Overlay:
+    """The picture to draw on, with the curves of all its strips."""
+
+    path: Path
+    image: npt.NDArray[Any] | None = None
+    frames: set[object] = field(default_factory=set)  # or pages, of one file
+    curves: list[NeutralCurve] = field(default_factory=list)
+
+    def take(self, frame: object, image: npt.NDArray[Any], curve: NeutralCurve) -> None:
+        """Take one curve with its picture."""
+        self.frames.add(frame)
+        self.image = image
+        self.curves.append(curve)
+
+    def write(self) -> None:
+        """Write it, if there was a picture. Raises BadInputError where there were several."""
+        from labrig.vision import write_overlay
+
+        if len(self.frames) > 1:
+            raise BadInputError(ONE_IMAGE)
+        if self.image is not None:
+            write_overlay(self.path, self.image, *self.curves)
+            warn(f"wrote {self.path}")
+
+
 def _of_images(
     sources: list[Path], options: BatchOptions, overlay: Path | None, *, as_json: bool
-) -> list[LabelledCurve]:
-    from labrig.vision import write_overlay
+) -> tuple[list[LabelledCurve], _Overlay | None]:
     from labrig.vision.batch import curves_of
     from labrig.vision.image.files import labelled_json
 
     found: list[LabelledCurve] = []
+    drawing = None if overlay is None else _Overlay(overlay)
     for label, image, curve in curves_of(sources, options):
         found.append((label, curve))
         if as_json:
             print_json_line(labelled_json(label, curve))
         else:
             say(f"{label.name}: {_summary(curve)}")
-        if overlay is not None and image is not None:
-            if len(found) > 1:
-                raise BadInputError("--overlay takes one image; use --batch for many.")
-            write_overlay(overlay, image, curve)
-    return found
+        if drawing is not None and image is not None:
+            drawing.take(label.frame, image, curve)
+    return found, drawing
 
 
 def _write_tables(found: list[LabelledCurve], output: Path | None, summary: Path | None) -> None:

@@ -10,13 +10,23 @@ import numpy as np
 
 from labrig.panel.live.event_stream import Message
 from labrig.vision import NeutralCurve
+from labrig.vision.facts.catalogue import strip_facts
 from labrig.vision.image.overlay import jpeg_bytes, picture_with
 from labrig.vision.image.reading import PictureLabel
 from labrig.vision.image.review import PictureDecision
 from labrig.vision.image.tables import LabelledCurve
 
+OWN_TOOLS = {"--along-px": "Direction"}  # of the page, besides those of facts
 THUMBNAIL_PX = 320  # long side
 Found = list[tuple[str, NeutralCurve]]  # by the strips' names
+
+
+def for_the_page(sentence: str) -> str:
+    """Return a sentence with the page's tools in place of the command's options."""
+    of_facts = {f.option.flag: f.tool.label for f in strip_facts().values() if f.tool is not None}
+    for flag, label in (OWN_TOOLS | of_facts).items():
+        sentence = sentence.replace(flag, label)
+    return sentence
 
 
 @dataclass(kw_only=True)
@@ -55,8 +65,12 @@ class Photograph:
             "file": self.path.name,
             "size": None if self.size is None else list(self.size),
             "state": self.state,
-            "why": self.why,
-            "warnings": [text for _, curve in self.curves for text in curve.warnings],
+            "why": for_the_page(self.why),
+            "warnings": [
+                for_the_page(f"{strip}: {text}" if strip else text)
+                for strip, curve in self.curves
+                for text in curve.warnings
+            ],
             "decision": None if decision is None else decision.decision,
             "note": "" if decision is None else decision.note,
             "own": self.own,
@@ -84,7 +98,7 @@ class Photograph:
             {
                 "strip": strip,
                 "ok": curve.ok,
-                "why": curve.why,
+                "why": for_the_page(curve.why),
                 "refused_at_px": curve.refused_at_px,
                 "covered": curve.covered,
                 "points_px": np.round(curve.points_px, 2).tolist(),

@@ -26,6 +26,7 @@ from labrig.vision.thresholds import (
     CALIBRATION_RESIDUAL_MAX_PX,
     CALIBRATION_RESIDUAL_WARNED_PX,
     CLAMP_DIRECTION_MIN_PX,
+    SCALE_MAX_PX_PER_MM,
 )
 
 FloatArray = npt.NDArray[np.float64]
@@ -114,6 +115,11 @@ def calibrate_ruler(
             "choose two points at least 20 pixels apart and their distance in mm."
         )
     scale = length / distance_mm
+    if scale > SCALE_MAX_PX_PER_MM:
+        raise BadInputError(
+            f"the ruler's {length:.0f} pixels are {distance_mm:g} mm, which is {scale:.3g} pixels "
+            "a mm; is its length in mm?"
+        )
     optics = Optics(
         image_size=image_size,
         date=str(date or dt.date.today()),  # noqa: DTZ011 - the day at the rig

@@ -25,6 +25,7 @@ from labrig.vision.facts.catalogue import strip_facts
 from labrig.vision.facts.contract import FactOf
 from labrig.vision.facts.stated import StatesFacts
 from labrig.vision.facts.values import Point, Polygon
+from labrig.vision.thresholds import DIRECTION_MIN_PX, SCALE_MAX_PX_PER_MM
 
 FloatArray = npt.NDArray[np.float64]
 Row = tuple[float, float, float]
@@ -72,7 +73,7 @@ class ColourChannel(StrEnum):
 class Optics(StatesFacts):
     """optics.json. Only `px_per_mm` and `clamp_px` are required."""
 
-    px_per_mm: float = Field(gt=0, le=1e4, description="scale in the sheet's plane")
+    px_per_mm: float = Field(gt=0, le=SCALE_MAX_PX_PER_MM, description="scale in the sheet's plane")
     clamp_px: Point = Field(description="where the sheet leaves the clamp, a raw pixel")
     image_size: tuple[Annotated[int, Field(gt=0)], Annotated[int, Field(gt=0)]] | None = Field(
         None, description="columns and rows of the images this calibration belongs to"
@@ -177,8 +178,14 @@ class Optics(StatesFacts):
     def leading_to(self, along_px: Point, sigma_rad: float | None = None) -> Self:
         """Return the same for a sheet that leaves the clamp towards a raw pixel.
 
-        `sigma_rad`: how well that states its direction; None: as before.
+        `sigma_rad`: how well that states its direction; None: as before. Raises BadInputError
+        where it is the clamp itself.
         """
+        if math.dist(self.clamp_px, along_px) < DIRECTION_MIN_PX:
+            raise BadInputError(
+                f"along_px {along_px[0]:g},{along_px[1]:g} is the clamp itself: give a pixel "
+                "further along the clamped strip, or leave it out to have the direction measured."
+            )
         ends = (self.clamp_px, along_px)
         changed: dict[str, object] = {"clamp_angle_known": True}
         if self.homography is not None:

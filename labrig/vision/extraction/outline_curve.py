@@ -50,6 +50,11 @@ UNSEEN = (
     "search failed: both edges of what was found at the clamp are nowhere seen together; check "
     "clamp_px and the direction (--along-px), or light the strip."
 )
+UNSEEN_THICKNESS = (
+    "search failed: at the clamp no two edges are seen {thickness_mm:.3g} mm ({thickness_px:.1f} "
+    "pixels) apart, as thickness_mm and px_per_mm state it; leave the thickness out to have it "
+    "measured, or check clamp_px and the direction (--along-px)."
+)
 UNSEEN_THROUGH = (
     "search failed: both edges of a strip are nowhere seen together between the stated places; "
     "check them (through_px, tip_px), or light the strip."
@@ -98,7 +103,7 @@ def followed_outline(
     images = _without_rolls(images, optics)
     followed = _tried(images, optics, strip, _from_before(start), OutlineWork())
     if followed is None:
-        return _refused(CurveFinding(refusal=UNSEEN))
+        return _refused(_unseen(optics, strip))
     if followed.fault is not None:
         return _refused(followed.fault)
     return outline_in_metres(followed.outline, images, optics, strip)
@@ -125,6 +130,8 @@ def searched_outline(
         return _refused(CurveFinding(refusal=TOO_MUCH))
     stated = optics.stated_places_px
     best = _chosen_through(tried, likeliest, optics) if stated else _chosen(tried)
+    if best is None:
+        best = _unseen(optics, strip)
     if isinstance(best, CurveFinding):
         return _refused(best)
     return outline_in_metres(best.outline, images, optics, strip)
@@ -188,11 +195,14 @@ def _apart_px(one: _Tried, other: _Tried) -> float:
     return float(distances(path, along).min(axis=1).max())
 
 
-def _chosen(tried: list[_Tried]) -> _Tried | CurveFinding:
-    """Return the candidate that shows most of both edges, or why none is the strip."""
+def _chosen(tried: list[_Tried]) -> _Tried | CurveFinding | None:
+    """Return the candidate that shows most of both edges, or why none is the strip.
+
+    None where nothing was fitted.
+    """
     passing = [each for each in tried if each.fault is None]
     if not passing:
-        return _first_fault(tried) or CurveFinding(refusal=UNSEEN)
+        return _first_fault(tried)
     best = max(passing, key=lambda each: each.worth)
     for each in tried:
         # where it is not known which edge is the strip's, another channel only hides that
@@ -249,6 +259,13 @@ def _tried(
     if outline is None:
         return None
     return _Tried(outline=outline, fault=outline_fault(outline, optics, strip))
+
+
+def _unseen(optics: Optics, strip: StripGeometry) -> CurveFinding:
+    if not strip.thickness_known:
+        return CurveFinding(refusal=UNSEEN)
+    mm, px = 1e3 * strip.thickness_m, strip.thickness_m * optics.px_per_m
+    return CurveFinding(refusal=UNSEEN_THICKNESS.format(thickness_mm=mm, thickness_px=px))
 
 
 def _refused(fault: CurveFinding) -> NeutralCurve:

@@ -202,17 +202,17 @@ def _end_fault(outline: Outline, optics: Optics, strip: StripGeometry, total: fl
         late = math.inf
     if -early <= beyond <= late:
         return ""
-    return ENDS_ELSEWHERE.format(where=_ends_elsewhere(optics, beyond, total))
+    return ENDS_ELSEWHERE.format(where=_ends_elsewhere(outline, optics, beyond, total))
 
 
-def _end_doubt(optics: Optics, beyond_px: float, total_px: float) -> str:
+def _end_doubt(outline: Outline, optics: Optics, beyond_px: float, total_px: float) -> str:
     """Return why a curve that was cut at its stated length is doubted; empty where it is not.
 
     It may have gone on into another thing long before.
     """
     if beyond_px <= 0.0:
         return ""
-    return ENDS_ELSEWHERE.format(where=_ends_elsewhere(optics, beyond_px, total_px))
+    return ENDS_ELSEWHERE.format(where=_ends_elsewhere(outline, optics, beyond_px, total_px))
 
 
 def _beyond_px(outline: Outline, total: float) -> float:
@@ -224,12 +224,12 @@ def _beyond_px(outline: Outline, total: float) -> float:
     return beyond if abs(beyond) > allowed else 0.0
 
 
-def _ends_elsewhere(optics: Optics, beyond_px: float, total_px: float) -> str:
-    side = "after" if beyond_px > 0 else "before"
-    return (
-        f"the strip ends {abs(beyond_px) / optics.px_per_mm:.1f} mm {side} the stated "
-        f"{total_px / optics.px_per_mm:.1f} mm"
-    )
+def _ends_elsewhere(outline: Outline, optics: Optics, beyond_px: float, total_px: float) -> str:
+    stated = f"the stated {total_px / optics.px_per_mm:.1f} mm"
+    beyond_mm = abs(beyond_px) / optics.px_per_mm
+    if beyond_px > 0 and not outline.ends_in_sight:
+        return f"the strip goes on for at least {beyond_mm:.1f} mm beyond {stated}"
+    return f"the strip ends {beyond_mm:.1f} mm {'after' if beyond_px > 0 else 'before'} {stated}"
 
 
 def _place_fault(outline: Outline, optics: Optics) -> str:
@@ -275,13 +275,13 @@ def outline_in_metres(
     warned = (*_assumed(outline, optics, strip), *((BY_PATH,) if outline.by_path else ()))
     beyond = _beyond_px(outline, shape.basis.total_px) if strip.length_known else 0.0
     if beyond:
-        where = _ends_elsewhere(optics, beyond, shape.basis.total_px)
+        where = _ends_elsewhere(outline, optics, beyond, shape.basis.total_px)
         warned += (f"as its profile shows, {where}, up to which the curve was taken",)
     if said.why:
         return NeutralCurve(ok=False, why=said.why, refused_at_px=said.refused_at_px)
     return NeutralCurve(
         ok=True,
-        doubt=_end_doubt(optics, beyond, shape.basis.total_px),
+        doubt=_end_doubt(outline, optics, beyond, shape.basis.total_px),
         warnings=(*images[0].warnings, *warned, *said.warnings),
         s_m=shape.basis.s / ppm,
         x_m=shape.x / ppm,

@@ -65,6 +65,7 @@ class Outline:
     end_sigma_px: float
     leaves_image: bool  # where it ends
     goes_on: bool  # something that looks different
+    ends_in_sight: bool = True  # else it goes on as far as it was looked for
     by_path: bool = False  # along a path through stated places, for edges do not show it
 
     @property
@@ -130,7 +131,7 @@ class _Fitter:
         for _ in range(FURTHER_ROUNDS):
             if course.leaves_image:
                 break
-            end = course.end[0]
+            end = course.end[0] + course.hidden_beyond_px
             more = max(BEYOND_WIDTHS * self.width_px, BEYOND_MIN_PX, BEYOND_SHARE * end)
             further: CurveShape | None = fit.shape
             if fit.shape.basis.total_px > end + 0.75 * more:
@@ -344,6 +345,7 @@ def _outline(
         end_px=end,
         end_sigma_px=sigma,
         goes_on=course.goes_on,
+        ends_in_sight=end < course.total_px - course.block_px,
         leaves_image=_at_border(course, end),
     )
 

@@ -67,6 +67,7 @@ class StripCourse:
     unlike: npt.NDArray[np.bool_]  # (blocks,) edges are there, of what looks different
     leaves_image: bool  # whether the curve leaves the image after the last block
     width_px: float
+    hidden: npt.NDArray[np.bool_]  # (blocks,) by a mask or a roll: says nothing
 
     @property
     def end(self) -> tuple[float, float]:
@@ -87,6 +88,13 @@ class StripCourse:
         after = self.unlike[first : first + max(3, round(2 * self.width_px / self.block_px))]
         return bool(len(after) and after.mean() > GOES_ON_SHARE)
 
+    @property
+    def hidden_beyond_px(self) -> float:
+        """How far what hides the strip reaches from where it is seen to end."""
+        after = self.hidden[math.ceil(self.end[0] / self.block_px) :]
+        shown = np.flatnonzero(~after)
+        return float(shown[0] if len(shown) else len(after)) * self.block_px
+
     def begin(self, most_px: float) -> float:
         """Return where the strip begins to look as it does, at most so far along the curve."""
         few = int(most_px / self.block_px)
@@ -102,7 +110,7 @@ class StripCourse:
         """Return how many blocks lie before a long gap: beyond it may be another thing."""
         unseen = 0
         for at, said in enumerate(self.said):
-            unseen = 0 if said > 0 else unseen + 1
+            unseen = 0 if said > 0 else unseen + (not self.hidden[at])
             longest = max(END_GAP_WIDTHS * self.width_px / self.block_px, END_GAP_SHARE * at)
             if unseen > longest:
                 return max(1, at + 1)
@@ -142,23 +150,53 @@ def course_along(
     unit = max(UNIT_MIN_PX, UNIT_RATIO * width_px)
     places = math.ceil(REACH_WIDTHS * width_px / unit)
     across = np.asarray(np.arange(-places, places + 1) * unit, dtype=np.float64)
-    size, inside = signed_sizes(shape, images, optics, across, many, width_px, taper)
+    size, finite = signed_sizes(shape, images, optics, across, many, width_px, taper)
+    in_frame = _in_frame(shape, images[0], optics, many, width_px)
+    outside, hidden = ~finite & ~in_frame, ~finite & in_frame
     # a clamp may lie at the border
-    first_out = next((at for at in range(len(inside) // 4, len(inside)) if not inside[at]), None)
-    said = _said(size[:first_out], across, width_px, many * step)
+    first_out = next((at for at in range(len(finite) // 4, len(finite)) if outside[at]), None)
+    hidden = hidden[:first_out]
+    size = _without_hidden(size[:first_out], hidden)
+    said = _said(size, across, width_px, many * step)
+    said[:, hidden] = 0.0
     return StripCourse(
         block_px=many * step,
         said=said[0],
         profile_said=said[1],
         edges_said=said[2],
-        backward=_said(size[:first_out][::-1, :, ::-1], across, width_px, many * step)[0][::-1]
+        backward=_said(size[::-1, :, ::-1], across, width_px, many * step)[0][::-1]
         if backward
         else np.empty(0),
         shift_px=said[3],
         unlike=said[4] > 0,
         leaves_image=first_out is not None,
         width_px=width_px,
+        hidden=hidden,
     )
+
+
+def _in_frame(
+    shape: CurveShape, image: GreyImage, optics: Optics, many: int, width_px: float
+) -> npt.NDArray[np.bool_]:
+    """Return (blocks,) whether the strip along a curve lies inside the image, hidden or not."""
+    rows, columns = image.grey.shape
+    left = np.stack([-np.sin(shape.phi), np.cos(shape.phi)], axis=1)
+    middle = np.stack([shape.x, shape.y], axis=1)
+    inside = np.ones(len(middle), dtype=bool)
+    for side in (-OUTSIDE_HALF_WIDTHS, 0.0, OUTSIDE_HALF_WIDTHS):
+        places = optics.world_to_pixel((middle + side * width_px * left) / optics.px_per_m)
+        inside &= ((places >= 0) & (places <= (columns - 1, rows - 1))).all(axis=1)
+    blocks = max(1, len(middle) // many)
+    return np.asarray(inside[: blocks * many].reshape(blocks, -1).all(axis=1))
+
+
+def _without_hidden(size: FloatArray, hidden: npt.NDArray[np.bool_]) -> FloatArray:
+    """Return slopes (blocks, ...) with those shortly before in place of what is hidden."""
+    if not hidden.any() or hidden.all():
+        return size
+    shown = np.flatnonzero(~hidden)
+    before = np.searchsorted(shown, np.arange(len(hidden)), side="right") - 1
+    return np.asarray(size[shown[np.maximum(before, 0)]])
 
 
 def completed(course: StripCourse, blocks: Blocks, step_px: float) -> Blocks:
@@ -191,7 +229,10 @@ def signed_sizes(
     width_px: float,
     taper: FloatArray | None,
 ) -> tuple[FloatArray, npt.NDArray[np.bool_]]:
-    """Return (blocks, channels, across) the image's slope over texture, and what is inside it."""
+    """Return (blocks, channels, across) the image's slope over texture, and where it is seen.
+
+    It is NaN outside of the image, and under a mask.
+    """
     unit = float(across[1] - across[0])
     blur = max(BLUR_MIN_PX, BLUR_RATIO * width_px) / unit
     aside = np.abs(across) > 0.5 * (ASIDE_WIDTHS + HALF_WIDTHS) * width_px

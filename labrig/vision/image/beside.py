@@ -7,6 +7,13 @@ from pathlib import Path
 OPTICS_FILE = "optics.json"
 SHEET_FILE = "sheet.toml"
 
+_INSTEAD = {
+    OPTICS_FILE: "name one for all images (--optics), make one from a ruler in the picture "
+    "(labrig calibrate camera), or click it on a page (labrig curves --page FOLDER)",
+    SHEET_FILE: "name one for all images (--sheet), write one with the line free_length_mm = 50, "
+    "or have the length measured (--to-end, or --tip-px)",
+}
+
 
 def beside(path: Path, kind: str, given: Path | None) -> Path | None:
     """Return the file of a kind that an image uses; None where there is none."""
@@ -24,4 +31,4 @@ def own_file(path: Path, kind: str) -> Path:
 def missing(path: Path, kind: str) -> str:
     """Return the sentence for an image without such a file."""
     own = own_file(path, kind).name
-    return f"{path}: there is neither {own} nor {kind} beside it; name one for all images."
+    return f"{path}: there is neither {own} nor {kind} beside it; {_INSTEAD[kind]}."

@@ -24,16 +24,19 @@ SEEN, BRIDGED, TEXT = (40, 40, 255), (0, 220, 255), (90, 255, 90)  # blue, green
 SUBPIXEL_BITS = 4
 
 
-def write_overlay(path: Path, image: npt.NDArray[Any], curve: NeutralCurve) -> None:
-    """Write the picture with the curve on it, red where seen, yellow where not, and its figures."""
+def write_overlay(path: Path, image: npt.NDArray[Any], *curves: NeutralCurve) -> None:
+    """Write the picture with its curves, red where seen, yellow where not, and their figures."""
     rows, columns = image.shape[:2]
     low, high = LONG_SIDE_PX
     long_px = int(np.clip(ZOOM_MIN * max(rows, columns), low, high))
-    canvas = picture_with(image, [curve], long_px)
-    said = curve.why
-    if curve.ok:
-        said = f"covered {curve.covered:.0%}, residual {curve.residual_px:.3f} px"
-    write_drawing(path, _with_text(canvas, said))
+    canvas = picture_with(image, curves, long_px)
+    write_drawing(path, _with_text(canvas, "; ".join(map(_figures, curves))))
+
+
+def _figures(curve: NeutralCurve) -> str:
+    if not curve.ok:
+        return curve.why
+    return f"covered {curve.covered:.0%}, residual {curve.residual_px:.3f} px"
 
 
 def picture_with(

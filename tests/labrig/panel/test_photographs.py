@@ -17,9 +17,11 @@ from labrig.panel.errors import MissingError
 from labrig.panel.pages.photographs import KnownBody
 from labrig.panel.photographs.folder import PhotographFolder
 from labrig.panel.photographs.known import Clicked, changed_optics
+from labrig.panel.photographs.photograph import Photograph
 from labrig.vision import NeutralCurve, load_optics, write_overlay
 from labrig.vision.calibration.optics import StripPlace
 from labrig.vision.image.overlay import LONG_SIDE_PX
+from labrig.vision.image.reading import PictureLabel
 from tests.labrig.vision import drawn_strips
 from tests.labrig.vision.drawn_strips import BENT_UP
 
@@ -285,3 +287,22 @@ def test_of_several_strips_each_keeps_its_own_tip(tmp_path):
 def test_what_is_sent_and_no_fact_is_named(more, said):
     with pytest.raises(BadInputError, match=re.escape(said)):
         KnownBody(name="a", **more).clicked()
+
+
+def test_sentences_name_the_tools_of_the_page_and_the_strips():
+    why = "it is hidden; state places there (--through) or its tip (--tip-px), or mask (--mask)."
+    curves = [
+        ("up", NeutralCurve(ok=False, why=why)),
+        ("low", NeutralCurve(ok=False, why="it is dark; check --along-px.", warnings=("dim",))),
+    ]
+    label = PictureLabel(name="a", file_stem="a")
+    one = Photograph(label=label, path=Path("a.png"), curves=curves, why=why)
+    message = one.message()
+    assert message["why"] == (
+        "it is hidden; state places there (On the strip) or its tip (Tip), or mask (Mask)."
+    )
+    assert message["warnings"] == ["low: dim"]
+    assert [each["why"] for each in one.curve_messages()] == [
+        message["why"], "it is dark; check Direction.",
+    ]  # fmt: skip
+    assert one.rows()[0][1].why == why  # a table is for the command's users, too

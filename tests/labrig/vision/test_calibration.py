@@ -124,6 +124,8 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
         calibrate_ruler((640, 480), (100, 100), (500, 100), 45.0, clamp_px=(80, 480))
     with pytest.raises(BadInputError, match="20 pixels"):
         calibrate_ruler((640, 480), (100, 100), (105, 100), 1.0, clamp_px=(80, 240))
+    with pytest.raises(BadInputError, match=r"4e\+04 pixels a mm; is its length in mm\?"):
+        calibrate_ruler((640, 480), (100, 100), (500, 100), 0.01, clamp_px=(80, 240))
 
 
 def test_a_ruler_says_that_the_direction_is_found_where_none_is_stated():

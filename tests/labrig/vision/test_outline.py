@@ -144,7 +144,11 @@ def test_a_strip_that_ends_far_from_its_stated_length_is_refused():
     line = arc(150, 0.8)
     assert "before the stated" in neutral_curve(drawn(line, 14), *of_length(200)).why
     # what a thin one goes on as is often a wire
-    assert "after the stated" in neutral_curve(drawn(line, 6), *of_length(120)).why
+    assert "mm after the stated 67.5 mm" in neutral_curve(drawn(line, 6), *of_length(135)).why
+    # how far it goes on is not known where its end was not looked for
+    further = neutral_curve(drawn(line, 6), *of_length(110)).why
+    assert "the strip goes on for at least" in further
+    assert "mm beyond the stated 55.0 mm" in further
 
 
 def test_a_curve_that_leaves_the_clamp_in_another_direction_than_stated_is_refused():
@@ -282,6 +286,30 @@ def test_a_refusal_for_one_place_says_and_shows_where_it_is(tmp_path):
 def test_its_place_is_one_of_the_picture_as_taken(by):
     curve = NeutralCurve(ok=False, why="too faint.", refused_at_px=(20.0, 10.0))
     assert in_camera_pixels(curve, by).refused_at_px == (20.5 * by - 0.5, 10.5 * by - 0.5)
+
+
+@pytest.mark.parametrize("hides", ["mask", "roll"])
+def test_what_hides_a_strip_is_not_the_border_of_the_image(hides):
+    line = arc(150, 0.8)
+    u, v = line[len(line) // 2]
+    facts = {"mask_px": [[(u - 9, 40.0), (u + 9, 40.0), (u + 9, 190.0), (u - 9, 190.0)]]}
+    rolls = {"rolls_px": ((u, v - 12, 11.0), (u, v + 12, 11.0))}
+    image = drawn(line, 5)
+    curve = neutral_curve(image, stated(**(facts if hides == "mask" else rolls)), UNKNOWN)
+    assert curve.ok, curve.why
+    assert curve.s_m[-1] * 2000 == pytest.approx(150, abs=3)
+    assert beside_px(curve, line).max() < 0.8
+    assert not any("border" in text for text in curve.warnings)
+
+
+def test_a_strip_that_ends_under_a_mask_ends_where_it_is_seen_last():
+    line = arc(150, 0.8)
+    u, v = line[int(0.8 * len(line))]
+    mask = [[(u, v - 40), (u + 60, v - 40), (u + 60, v + 60), (u, v + 60)]]
+    curve = neutral_curve(drawn(line, 5), stated(mask_px=mask), UNKNOWN)
+    assert curve.ok, curve.why
+    assert curve.s_m[-1] * 2000 == pytest.approx(120, abs=4)
+    assert not any("border" in text for text in curve.warnings)
 
 
 def test_a_strip_on_white_paper():

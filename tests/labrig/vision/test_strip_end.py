@@ -86,6 +86,7 @@ def course_of(said):
         unlike=said < -9,
         leaves_image=False,
         width_px=10.0,
+        hidden=np.zeros(len(said), dtype=bool),
     )
 
 

@@ -218,8 +218,8 @@ class Photographs {
   }
 
   async sendKnown(body, forAll) {
-    const done = await post("/api/photographs/known", { ...body, name: this.current, for_all: forAll });
-    Object.assign(this.form, { rulerPx: [], dirty: false });
+    const done = await post("/api/photographs/known", { ...body(), name: this.current, for_all: forAll });
+    this.form.sent();
     setText(this.done, `Wrote ${done.written.join(" and ")}; ${done.measured_again} to be measured again.`);
     await this.poll();
   }

@@ -15,9 +15,9 @@ const NAMES = { clamp: "Clamp", along: "Direction", ruler: "Ruler" };
 const toolOf = (fact) => fact.key.replace(/_px$/, "");
 
 export class KnownForm {
-  /** `changed()`: something is to be drawn anew; `send(body, forAll)`: it is to be measured. */
+  /** `changed()`: something is to be drawn anew; `send(body, forAll)`: `body()` is to be measured. */
   constructor(changed, send) {
-    Object.assign(this, { changed, send, tool: "clamp", strip: "", facts: [] });
+    Object.assign(this, { changed, send, tool: "clamp", strip: "", facts: [], rulerSent: "" });
     this.clear();
     this.toolbar = h("div", { class: "inline", role: "toolbar", "aria-label": "what is clicked" });
     this.showTools();
@@ -174,7 +174,7 @@ export class KnownForm {
     put(this.strips, names.map((name) => h("option", { value: name, selected: name === this.strip }, name || "the only one")));
   }
 
-  /** What is sent to the server. */
+  /** What is sent to the server; an error where a ruler is stated, but not where it is. */
   body() {
     const placed = Object.entries(this.places).filter(([, place]) => place.clamp_px);
     const single = placed.length === 1 && placed[0][0] === "";
@@ -185,11 +185,20 @@ export class KnownForm {
     for (const [key, { input }] of [["ruler_mm", this.ruler], ["free_length_mm", this.free], ["thickness_mm", this.thickness]])
       if (input.value.trim()) body[key] = parseNumber(input.value);
     if (body.thickness_mm !== undefined && body.free_length_mm === undefined) delete body.thickness_mm;
-    if (!body.ruler_px) delete body.ruler_mm;
+    if (!body.ruler_px) {
+      if (this.ruler.input.value !== this.rulerSent)
+        throw new Error("The ruler's length was changed: click both its ends again (Ruler), so that it counts.");
+      delete body.ruler_mm;
+    }
     return body;
   }
 
   submit(forAll) {
-    this.send(this.body(), forAll);
+    this.send(() => this.body(), forAll);
+  }
+
+  /** What was sent is kept by the server. */
+  sent() {
+    Object.assign(this, { rulerPx: [], rulerSent: this.ruler.input.value, dirty: false });
   }
 }
