@@ -18,6 +18,7 @@ from labrig.vision.extraction.metric_curve import refused, reported
 from labrig.vision.extraction.refinement import CurveCandidate
 from labrig.vision.extraction.second_sheet import second_sheet_contrast
 from labrig.vision.extraction.second_size import outline_curve
+from labrig.vision.fit.context import roll_mask
 from labrig.vision.fit.curve_fit import fit_intensities
 from labrig.vision.fit.thickness import visible_thickness_m
 from labrig.vision.image.downscaling import (
@@ -89,9 +90,9 @@ def _unconfirmed(
         grey_image = read_grey_image(image, optics)
     except ImageError as error:
         return NeutralCurve(ok=False, why=f"check of the image failed: {error}")
-    outside = _place_outside(optics, grey_image)
-    if outside:
-        return NeutralCurve(ok=False, why=outside)
+    unusable = _place_outside(optics, grey_image) or _all_hidden(optics, grey_image)
+    if unusable:
+        return NeutralCurve(ok=False, why=unusable)
     if optics.tip_px is not None:  # the length is measured, whatever is stated
         strip = replace(strip, length_known=False, elongation_m=0.0)
     if not strip.length_known or not optics.clamp_angle_known or optics.through_px:
@@ -177,6 +178,13 @@ def _place_outside(optics: Optics, image: GreyImage) -> str:
                 f"{columns} x {rows} pixels; check through_px and tip_px."
             )
     return ""
+
+
+def _all_hidden(optics: Optics, image: GreyImage) -> str:
+    """Return that nothing of the image is to be used, as a sentence; empty: something is."""
+    if not roll_mask(optics, image.grey.shape).all():
+        return ""
+    return "check of the image failed: masks or rolls hide all of it; check mask_px and rolls_px."
 
 
 def _by_edges(

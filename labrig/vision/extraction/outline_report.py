@@ -333,7 +333,7 @@ def _assumed(outline: Outline, optics: Optics, strip: StripGeometry) -> list[str
         if optics.tip_px is not None:
             where = f"to the stated tip, ±{outline.end_sigma_px / optics.px_per_mm:.1f} mm"
         elif outline.goes_on:
-            where += "; something that looks different goes on there"
+            where += "; something that looks different may go on there"
         if outline.leaves_image:
             where = "to the border of the image; its end is not seen"
         found.append(f"length {total_mm:.1f} mm ({where})")
