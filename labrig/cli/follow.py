@@ -118,8 +118,8 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
     with open_session(session_path) as session, tempfile.TemporaryDirectory() as folder:
         path = output or Path(folder) / "replay.h5"
         plan: Plan = replay_plan(session)
-        rig, director = replay_rig(session, plan)
         stop = StopRequest()
+        rig, director = replay_rig(session, plan, stop)
         hub = EventBus(threaded=False)
         # Before the session file: it must know the run before the first sample is asked for.
         hub.add_required("the recording", director.follow)

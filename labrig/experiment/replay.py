@@ -2,7 +2,8 @@
 
 Boards and camera are simulated; they measure what was recorded. The director is notified of each
 run as it begins. It then answers every request for a sample with the one of the same index, and
-gives every frame at its recorded time after the run's first sample.
+gives every frame at its recorded time after the run's first sample. Of a session that was not
+completed only what was recorded is played: the director stops where the recording ends.
 """
 
 from __future__ import annotations
@@ -29,8 +30,9 @@ from labrig.experiment.rig.rig import FORCE, Rig
 from labrig.experiment.rig.wiring import sheet_drive
 from labrig.session import RecordedSession, RunRecord
 from labrig.session.reading.moves import moves_of
-from protocols.execution.events import Event, RunStarted, RunStopped
+from protocols.execution.events import Event, Outcome, ReadingTaken, RunStarted, RunStopped
 from protocols.execution.operator import REPEAT
+from protocols.execution.stop import StopLevel, StopRequest
 
 FloatArray = npt.NDArray[np.float64]
 _BETWEEN_S = 0.3  # the camera gives a blank frame when no recorded frame is near
@@ -38,6 +40,11 @@ _LOOK_S = 0.01  # so often it looks whether a run has begun meanwhile
 _NEAR_S = 0.4
 _FURTHER = 3  # the first input of the default family's board that is not one of its own three
 _NEEDED = ("rig.toml", "protocol.toml", "sheet.toml", "load_cell.toml")
+_ENDED = {
+    Outcome.ABORTED: "was aborted",
+    Outcome.FAILED: "failed",
+    Outcome.CRASHED: "crashed",
+}
 
 
 def replay_plan(session: RecordedSession) -> Plan:
@@ -77,14 +84,17 @@ def on_simulated_boards(rig: RigConfig) -> RigConfig:
     return rig.changed(**tables)
 
 
-def replay_rig(session: RecordedSession, plan: Plan) -> tuple[Rig, Director]:
-    """Return the rig that plays `session`, and its director, which must get every event first."""
+def replay_rig(session: RecordedSession, plan: Plan, stop: StopRequest) -> tuple[Rig, Director]:
+    """Return the rig that plays `session`, and its director, which must get every event first.
+
+    `stop` is requested where the recording of a session ends that was not completed.
+    """
     from sim_hardware.clock import VirtualClock
     from sim_hardware.ni import NiDeviceServer
 
     clock = VirtualClock()
     inputs = _inputs(session, plan.rig)
-    director = Director(session, inputs)
+    director = Director(session, inputs, stop)
     settings = plan.rig.boards.settings()
     server = NiDeviceServer(director, clock, devices=_models(session, settings, inputs), seed=None)
     boards = plan.rig.family.connect(settings, clock, server.in_process_channel())
@@ -138,8 +148,13 @@ def _models(session: RecordedSession, settings: Any, inputs: list[BoardInput]) -
 class Director:
     """Knows which recorded run is on, and since when; a `Bench` of recorded samples."""
 
-    def __init__(self, session: RecordedSession, inputs: Sequence[BoardInput]) -> None:
+    def __init__(
+        self, session: RecordedSession, inputs: Sequence[BoardInput], stop: StopRequest
+    ) -> None:
         self.session = session
+        self._stop = stop
+        self._last_reading = -1  # index of the last one that was recorded of the run that is on
+        self._left = {run.planned.index for run in session.runs if run.started}  # to be played
         self.run: RunRecord | None = None
         self.start_s = 0.0  # clock time of the run's first sample
         self._rate_hz = 1.0
@@ -156,8 +171,35 @@ class Director:
             self._samples = {name: self.run.signal_V(name) for name in self._names.values()}
             recorded_at = self.run.frame_column("sample_index") / self._rate_hz
             self.frame_due_s = self.start_s + recorded_at
+            self._last_reading = int(self.run.readings_as_taken["index"].max(initial=-1))
+            if event.run.readings and self._last_reading < 0:
+                self._end_of(self.run)
+        elif isinstance(event, ReadingTaken) and self.run is not None:
+            if event.planned.index >= self._last_reading:
+                self._end_of(self.run)
         elif isinstance(event, RunStopped):
             self.run, self._samples, self.frame_due_s = None, {}, np.empty(0)
+            self._left.discard(event.run)
+            if not self._left and self.session.outcome is not Outcome.COMPLETED:
+                self._end()
+
+    def _end_with_samples(self, times: FloatArray) -> None:
+        """Stop where the samples end of a run without readings, which could say where it ends."""
+        run = self.run
+        if run is None or run.planned.readings or not len(times):
+            return
+        if (times[-1] - self.start_s) * self._rate_hz > run.samples:
+            self._end_of(run)
+
+    def _end_of(self, run: RunRecord) -> None:
+        """Stop at the end of what was recorded of a run, unless all of it was."""
+        if not run.completed:
+            self._end()
+
+    def _end(self) -> None:
+        ended = _ENDED.get(self.session.outcome, "did not end")
+        why = f": {reason}" if (reason := self.session.reason) else ""
+        self._stop.request(StopLevel.NOW, f"the recording ends here; the session {ended}{why}")
 
     def move_s(self) -> float:
         """Return how long the load cell was moved during the run that is on, s; 0: not known."""
@@ -172,6 +214,7 @@ class Director:
     def read(self, device: str, channel: str, times: FloatArray) -> FloatArray:  # noqa: ARG002
         """See `sim_hardware.simulated_rig.Bench`. Between runs every input is at 0 V."""
         samples = self._samples.get(self._names.get(channel, ""))
+        self._end_with_samples(times)
         if samples is None or samples.size == 0:
             return np.zeros(len(times))
         index = np.rint((times - self.start_s) * self._rate_hz).astype(np.int64)

@@ -19,7 +19,8 @@ def replay(
 ) -> None:
     """Play a session through the drivers that recorded it.
 
-    Its configuration comes from the session itself. The measurements are those of the original.
+    Its configuration comes from the session itself. The measurements are those of the original. A
+    session that was not completed is played as far as it was recorded; that ends with code 4.
     """
     from labrig.cli.follow import finish, replay_and_follow
 
