@@ -5,6 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 
@@ -61,6 +62,7 @@ def test_a_resumed_session_is_whole_and_keeps_what_was_complete(failed: Path) ->
         assert new.about.title == old.about.title == "as it was begun"
         first = new.events[0]
         assert (first.kind, old.identifier in first.text) == ("resumed", True)
+        assert first.text.endswith("taken there: runs 1")  # counted as labrig show counts
         kept, copied = old.runs[0], new.runs[0]
         for channel in old.channels:
             np.testing.assert_array_equal(kept.signal_V(channel), copied.signal_V(channel))
@@ -78,6 +80,31 @@ def test_a_resumed_session_is_whole_and_keeps_what_was_complete(failed: Path) ->
         zeros_s = [run.time_zero_s for run in new.runs]
         assert zeros_s == sorted(zeros_s)
         assert zeros_s[0] >= first.time_s
+
+
+def test_the_times_of_all_readings_count_from_the_first_session_s_start(
+    failed: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "whole.h5"
+    assert labrig("run", "--resume", failed / "s.h5", "-o", path) == 0
+    with open_session(path) as session:
+        began_s = session.events[0].time_s
+        times = [run.time_zero_s - began_s + run.readings["time_s"] for run in session.runs]
+    with h5py.File(path) as file:
+        np.testing.assert_allclose(file["session/data/time_s"][()], np.concatenate(times))
+
+
+def test_verify_says_where_readings_have_no_time_in_the_table_of_all(
+    failed: Path, tmp_path: Path
+) -> None:
+    path = tmp_path / "old.h5"
+    shutil.copy(failed / "s.h5", path)
+    assert "times" not in [check.name for check in verify(path)]
+    with h5py.File(path, "r+") as file:
+        file["session/data/time_s"][:2] = np.nan
+    (check,) = [check for check in verify(path) if check.name == "times"]
+    assert check.word == "warning"
+    assert check.found.startswith("2 of ")
 
 
 def test_a_resumed_session_that_fails_can_be_resumed_itself(failed: Path, tmp_path: Path) -> None:

@@ -265,7 +265,7 @@ def frame_columns(version: int) -> dict[str, tuple[str, str]]:
 
 # One value a reading in `data`, beside the sensors' values: name -> (type, unit).
 SCAN_COLUMNS: Final = {
-    "time_s": ("<f8", "s"),  # of the sampling point, since the session's start
+    "time_s": ("<f8", "s"),  # of the sampling point, since the first event
     "voltage_V": ("<f8", "V"),
     "position_m": ("<f8", "m"),  # NaN: free
     "run": ("<i4", ""),

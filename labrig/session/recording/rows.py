@@ -58,7 +58,7 @@ class Translator:
     def __init__(self, setup: SessionSetup) -> None:
         self._setup = setup
         self._lengths: dict[str, int] = {}
-        self._began_s = math.nan  # clock time of the session's start
+        self._began_s = math.nan  # clock time of the first event: the session's start
         self._started: dict[int, ev.RunStarted] = {}
         self._frames: dict[int, dict[int, int]] = {}  # run -> frame number -> row of its image
         self._ways: dict[type, Callable[[Any], list[EventRows]]] = {
@@ -125,11 +125,13 @@ class Translator:
     # ----------------------------------------------------------------------------------- session
 
     def _session_started(self, event: ev.SessionStarted) -> list[EventRows]:
-        self._began_s = event.time_s
+        if math.isnan(self._began_s):  # else it continues a session, whose readings came before
+            self._began_s = event.time_s
         return [self._status("start_time", event.wall), *self._log(event, "started")]
 
     def _resumed(self, event: ev.Resumed) -> list[EventRows]:
-        runs = ", ".join(map(str, event.runs)) or "none"
+        self._began_s = event.time_s
+        runs = ", ".join(str(run + 1) for run in event.runs) or "none"
         text = f"continues the session {event.identifier}; taken there: runs {runs}"
         return self._log(event, "resumed", text)
 

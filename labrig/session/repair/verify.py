@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from labrig.check import Check
 from labrig.errors import BadInputError
 from labrig.session.format import layout
@@ -14,7 +16,7 @@ from labrig.session.marks.stored import chain_holds
 from labrig.session.reading.opening import open_file
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.reading.session import RecordedSession
-from labrig.session.reading.values import damage_told, read_table
+from labrig.session.reading.values import damage_told, read_array, read_dataset, read_table
 from labrig.session.supplements.store import is_sealed
 from protocols.execution.events import Outcome
 
@@ -39,6 +41,7 @@ def verify(path: Path) -> list[Check]:
             checks.extend(_checksums(file, path))
             checks.extend(_supplements(file, path))
             checks.extend(_marks(session, file, path))
+            checks.extend(_times(file, path))
             for run in session.runs:
                 checks.extend(_run(run, session))
         except BadInputError as error:
@@ -98,6 +101,24 @@ def _marks(session: RecordedSession, file: Any, path: Path) -> Iterator[Check]:
         ok = is_sealed(file[layout.MARKS]) and chain_holds(file, path, session.checksum)
     found = "unchanged" if ok else "changed since they were made"
     yield Check(name="marks after the end", ok=ok, found=found, wanted="unchanged")
+
+
+def _times(file: Any, path: Path) -> Iterator[Check]:
+    """Warn of readings without a time in the columns of all readings; their runs have the times.
+
+    Those of copied runs have NaN in sessions that an older labrig resumed.
+    """
+    name = layout.scan_path("time_s")
+    with damage_told(path, name):
+        if name not in file:
+            return
+    times = read_array(read_dataset(file, name, path), path)
+    if times.dtype.kind != "f":  # changed since: its checksum says so
+        return
+    unknown = int((~np.isfinite(times)).sum())
+    if unknown:
+        found = f"{unknown} of {len(times)} readings have none in {name}; their runs have"
+        yield Check(name="times", ok=True, found=found, wanted="finite", warning=True)
 
 
 def _digest(item: Any, version: int) -> str:
