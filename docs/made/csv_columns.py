@@ -29,7 +29,10 @@ MEANINGS = {
     "configuration": "name of the configuration, a table of sheet.toml",
     "position_mm": "place of the load cell along the arc; empty: the sheet is free",
     "voltage_V": "at the sheet, as written",
-    "reading": "number of the reading in its run, from 0; in curves.csv empty for the mean image",
+    "reading": (
+        "number of the reading in its run, from 0 (labrig mark counts from 1); in curves.csv empty "
+        "for the mean image"
+    ),
     "sd_mN": "standard deviation of the single readings, where force_mN is their mean",
     "mean_of": "how many readings force_mN is the mean of",
     "force_mN": "on the load cell, along the arc's tangent, towards larger positions",

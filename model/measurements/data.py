@@ -109,7 +109,9 @@ class Contact:
 class Reading(Displayed):
     """One force reading, and the curve of its own frame where there is one."""
 
-    index: int  # in time order over the whole run, zero readings and pulses alike
+    # From 0, in time order over the whole run, zero readings and pulses alike; labrig show and
+    # labrig mark count it from 1
+    index: int
     kind: Kind
     force_N: float
     time_s: float | None = None  # since the run began
@@ -153,7 +155,7 @@ class Condition(Displayed):
     mounting: int = 0  # counts how often this position was set anew
     approach: Literal["up", "down", ""] = ""
     tilt_rad: float = 0.0  # of the rig about the sheet's long axis
-    run: int = 0  # a position measured again
+    run: int = 0  # how often the same place was measured before; not the number of the run
     session: int = 1  # its number among the sessions analysed together
     contact: Contact | None = None  # from the mean image; None: not seen, or there is none
 
@@ -166,10 +168,13 @@ class Condition(Displayed):
         return np.array([r.force_N for r in self.used()], dtype=np.float64)
 
     def place(self) -> dict[str, object]:
-        """Return what tells it from the other conditions, by name of the column."""
+        """Return what tells it from the other conditions, by name of the column.
+
+        `again` is how often the same place was measured before: 0 of the first time.
+        """
         return {
             "configuration": self.configuration, "position_m": self.position_m,
-            "voltage_V": self.voltage_V, "mounting": self.mounting, "run": self.run,
+            "voltage_V": self.voltage_V, "mounting": self.mounting, "again": self.run,
             "session": self.session,
         }  # fmt: skip
 
@@ -261,6 +266,10 @@ class Measurements(Displayed):
         part: `conditions` (mean force of each), `readings` (each force), `curves` (each point of
         the mean images' neutral curves) or `signals` (each sample of each run).
 
+        `reading` counts from 0 within its run, where labrig show and labrig mark count from 1.
+        `again` is how often the same place was measured before (`run` of forces.csv), not the
+        number of a run; the data frame of an open session has that.
+
         Raises ModelError for another part, MissingPandasError where pandas is not installed.
         """
         tables: dict[str, Callable[[], Columns]] = {
@@ -291,9 +300,13 @@ class Measurements(Displayed):
     def _signals(self) -> Columns:
         every = [one.columns() for one in self.series]
         names = list(dict.fromkeys(name for columns in every for name in columns))
-        places = ("configuration", "position_m", "mounting", "run", "extra")
+        places = {
+            "configuration": "configuration", "position_m": "position_m", "mounting": "mounting",
+            "again": "run", "extra": "extra",
+        }  # fmt: skip
         result: dict[str, Sequence[Any] | Any] = {
-            name: [getattr(s, name) for s in self.series for _ in s.time_s] for name in places
+            name: [getattr(s, its) for s in self.series for _ in s.time_s]
+            for name, its in places.items()
         }
         for name in names:
             parts = [c.get(name, np.full(len(c["time_s"]), np.nan)) for c in every]

@@ -220,7 +220,9 @@ class Scheduler:
             if run not in self._started:
                 raise ScheduleError(f"run {run + 1} has not begun, so nothing of it can be marked")
             if reading is not None and (run, reading) not in self._acquired:
-                raise ScheduleError(f"reading {reading} of run {run + 1} has not been acquired yet")
+                raise ScheduleError(
+                    f"reading {reading + 1} of run {run + 1} has not been acquired yet"
+                )
             self._emit(ReadingMarked(self._clock.now(), run=run, reading=reading, why=why, who=who))
 
     def _run_all(self, schedule: Schedule, done: Collection[int]) -> None:

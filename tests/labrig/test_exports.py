@@ -59,6 +59,8 @@ def test_xarray_has_named_dimensions_units_and_the_values_of_the_session(session
     np.testing.assert_array_equal(force.values, rows["force_N"])
     np.testing.assert_array_equal(force.voltage_V.values, rows["voltage_V"])
     np.testing.assert_array_equal(tree["signals/force"].values, samples)
+    for coordinate in (force.run, force.reading_index, tree["signals/force"].run):
+        assert coordinate.attrs["comment"].startswith("counted from 0; labrig show and labrig mark")
     curves = tree["curves"]
     measured = [c for c in load_measurements(session).conditions if c.curve is not None]
     first = curves["x_m"].values[curves["reading_index"].values == -1][0]

@@ -353,7 +353,7 @@ def test_readings_can_be_marked_once_they_are_taken(rig):
         (0, None, "AP"),
     ]
     assert said == [
-        "reading 2 of run 1 has not been acquired yet",
+        "reading 3 of run 1 has not been acquired yet",
         "run 2 has not begun, so nothing of it can be marked",
     ]
     with pytest.raises(ScheduleError, match="the session is over"):

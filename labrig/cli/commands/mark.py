@@ -37,9 +37,11 @@ def mark(
         invalid=not undo,
     )
     add_mark(session, made)
-    what = f"run {run}" if reading is None else f"reading {reading} of run {run}"
-    say(f"{session}: the mark of {what} is taken back" if undo else f"{session}: {what} is invalid")
     with open_session(session) as opened:
+        what = opened.runs[made.run].in_words(made.reading)
+        say(
+            f"{session}: " + (f"the mark of {what} is taken back" if undo else f"{what} is invalid")
+        )
         if opened.outdated:
             say(opened.outdated)
 

@@ -42,7 +42,8 @@ always force_N, drive_V and current_A; since version 2 they are those of the ses
 column each.
 Datasets have fixed-length types only and grow by appended rows; nothing in them depends on when
 they were flushed. Anything else in a file is refused when it is opened. The attribute
-`column_units` of a table holds the unit of each column, empty where there is none.
+`column_units` of a table holds the unit of each column, empty where there is none; `comment` says
+from where runs and readings count.
 """
 
 from __future__ import annotations
@@ -272,6 +273,16 @@ SCAN_COLUMNS: Final = {
     "reading": ("<i4", ""),  # number within the run
     "valid": ("<u1", ""),
 }
+
+# The attribute `comment` of columns and tables that can be misread.
+FROM_0: Final = "counted from 0; labrig show and labrig mark count from 1"
+AS_RECORDED: Final = "as recorded; later marks are in /session/marks"
+SCAN_COMMENTS: Final = {"run": FROM_0, "reading": FROM_0, "valid": AS_RECORDED}
+FRAME_COMMENTS: Final = {"reading": f"{FROM_0}; -1: a frame of no reading"}
+READINGS_COMMENT: Final = f"index is {FROM_0}; valid is {AS_RECORDED}"
+MARKS_COMMENT: Final = f"reading is {FROM_0}; -1: the whole run"
+END_MARKS_COMMENT: Final = f"run and reading are {FROM_0}; reading -1: the whole run"
+EVENTS_COMMENT: Final = f"run and reading are {FROM_0}; -1: none"
 
 
 def in_additional(name: str) -> bool:

@@ -72,9 +72,10 @@ def append_mark(file: Any, mark: Mark, checksum: str) -> None:
 def _make_group(file: Any) -> None:
     set_attributes(file.create_group(layout.MARKS), NX_class="NXcollection")
     chunks = (_ROWS_IN_CHUNK,)
-    file.create_dataset(
+    table = file.create_dataset(
         _TABLE, shape=(0,), maxshape=(None,), chunks=chunks, dtype=layout.END_MARK_ROW
     )
+    set_attributes(table, comment=layout.END_MARKS_COMMENT)
 
 
 def _rows(file: Any, path: Path) -> Array:

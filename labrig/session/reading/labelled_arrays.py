@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from labrig.session.format.layout import FROM_0
 from labrig.session.reading.run_record import RunRecord
 from labrig.session.recording.hdf5 import unit_of
 from model.measurements import Condition, Curve, Measurements
@@ -61,8 +62,9 @@ def _readings(recorded: Sequence[RunRecord]) -> Any:
     counts = [len(run.readings) for run in runs]
     own = {"index": "reading_index", "kind": "kind", "voltage_V": "voltage_V", "time_s": "time_s"}
     coords = {new: _variable("reading", rows[old], unit_of(old)) for old, new in own.items()}
+    coords["reading_index"][2]["comment"] = FROM_0
     coords |= _places("reading", runs, counts)
-    coords["valid"] = ("reading", rows["valid"], {})
+    coords["valid"] = ("reading", rows["valid"], {"comment": "with the marks of until now"})
     values = {
         channel.column: _variable("reading", rows[channel.column], channel.unit)
         for channel in runs[0].signals
@@ -74,7 +76,11 @@ def _readings(recorded: Sequence[RunRecord]) -> Any:
 def _places(dimension: str, runs: Sequence[RunRecord], counts: Sequence[int]) -> dict[str, Any]:
     names, positions = zip(*map(_place, runs), strict=True)
     return {
-        "run": (dimension, np.repeat([run.planned.index for run in runs], counts), {}),
+        "run": (
+            dimension,
+            np.repeat([run.planned.index for run in runs], counts),
+            {"comment": FROM_0},
+        ),
         "configuration": (dimension, np.repeat(np.array(names, dtype=str), counts), {}),
         "position_m": _variable(dimension, np.repeat(positions, counts), "m"),
     }
@@ -116,7 +122,7 @@ def _curves(measurements: Measurements) -> Any:
         "voltage_V": _variable("curve", [c.voltage_V for c in conditions], "V"),
         "reading_index": ("curve", [reading for _, reading, _ in found], {}),
     }
-    coords["reading_index"][2]["comment"] = "-1: the curve of the mean image"
+    coords["reading_index"][2]["comment"] = f"{FROM_0}; -1: the curve of the mean image"
     for name, column in _of_conditions(conditions).items():
         coords[name] = ("curve", column, {})
     coords["again"][2]["comment"] = "how often the same place was measured before"

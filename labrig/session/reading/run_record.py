@@ -18,6 +18,8 @@ from labrig.session.format.setup import SessionSetup
 from labrig.session.marks.mark import Mark, Place, standing
 from labrig.session.reading.values import read_array, read_dataset, read_table
 from model.measurements import Displayed, Summary, dataframe
+from model.measurements.data import volts
+from protocols.execution.channels import FORCE_N
 from protocols.planning.schedule import PlannedRun
 
 if TYPE_CHECKING:
@@ -60,11 +62,27 @@ class RunRecord(Displayed):
         self._frame_shape = setup.frame_shape
         self._version = setup.version
 
+    @property
+    def place_in_words(self) -> str:
+        """Where it is measured: configuration, and position along the arc."""
+        planned = self.planned
+        at = "free" if planned.position_m is None else f"{1e3 * planned.position_m:g} mm"
+        return f"{planned.configuration}, {at}"
+
+    def in_words(self, reading: int | None = None) -> str:
+        """Return which run this is, and which of its readings (index); both counted from 1."""
+        run = f"run {self.planned.index + 1} ({self.place_in_words})"
+        row = None if reading is None else self._reading(reading)
+        if reading is None or row is None:
+            return run
+        force_N = self.values(row).get(FORCE_N)
+        force = "" if force_N is None else f", {1e3 * force_N:.3f} mN"
+        return f"{run}, reading {reading + 1} ({volts(row['voltage_V'])} V{force})"
+
     def summary(self) -> Summary:
         """Return place, samples and frames."""
         planned = self.planned
-        at = "free" if planned.position_m is None else f"{1e3 * planned.position_m:g} mm"
-        title = f"RunRecord {planned.index + 1}: {planned.configuration}, {at}, {planned.in_words}"
+        title = f"RunRecord {planned.index + 1}: {self.place_in_words}, {planned.in_words}"
         if not self._file:
             return Summary(f"{title}, of a closed session")
         if not self.started:

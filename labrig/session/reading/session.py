@@ -123,7 +123,8 @@ class RecordedSession(Displayed):
 
         part: `readings` (a row for each, with the values of its channels in SI units, marks
         included) or `runs` (a row for each). The samples of a run are those of
-        `session.run(index).to_dataframe()`.
+        `session.run(index).to_dataframe()`. `run` and `reading` count from 0, as `index` does;
+        labrig show and labrig mark count from 1.
 
         Raises BadInputError for another part, MissingPandasError where pandas is not installed.
         """

@@ -61,7 +61,7 @@ def fill_file(file: Any, setup: SessionSetup) -> None:
         fill_nexus(file, setup, about)
     elif setup.schedule.runs:
         set_attributes(entry, default="run_000")
-    create_table(entry, "events", layout.EVENT_ROW, rows_in_chunk=64)
+    create_table(entry, "events", layout.EVENT_ROW, rows_in_chunk=64, comment=layout.EVENTS_COMMENT)
     for run in setup.schedule.all_runs:
         _run(file, run, setup)
     _checksum_table(file)
@@ -133,8 +133,15 @@ def _run(file: Any, run: PlannedRun, setup: SessionSetup) -> None:
     if run.reference:
         create_table(group, "control", layout.CONTROL_ROW, rows_in_chunk=256)
     units = {channel.column: channel.unit for channel in setup.signals}
-    create_table(group, "readings", setup.reading_row, rows_in_chunk=16, units=units)
-    create_table(group, "marks", layout.MARK_ROW, rows_in_chunk=8)
+    create_table(
+        group,
+        "readings",
+        setup.reading_row,
+        rows_in_chunk=16,
+        units=units,
+        comment=layout.READINGS_COMMENT,
+    )
+    create_table(group, "marks", layout.MARK_ROW, rows_in_chunk=8, comment=layout.MARKS_COMMENT)
     _signals(file, run, setup)
     if setup.frame_shape is not None:
         _frames(file, run, setup.frame_shape, setup)
@@ -180,7 +187,8 @@ def _frames(file: Any, run: PlannedRun, shape: tuple[int, int], setup: SessionSe
         compression_opts=FRAME_COMPRESSION,
     )
     for name, (kind, unit) in layout.frame_columns(setup.version).items():
-        create_column(group, name, kind, chunk=64, units=unit)
+        comment = layout.FRAME_COMMENTS.get(name, "")
+        create_column(group, name, kind, chunk=64, units=unit, comment=comment)
 
 
 def _checksum_table(file: Any) -> None:

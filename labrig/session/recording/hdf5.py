@@ -66,7 +66,9 @@ def create_group(file: Any, path: str, nx_class: str) -> Any:
     return group
 
 
-def create_column(group: Any, name: str, kind: str, *, chunk: int, units: str = "") -> Any:
+def create_column(
+    group: Any, name: str, kind: str, *, chunk: int, units: str = "", comment: str = ""
+) -> Any:
     """Make a dataset of one value a row that grows."""
     column = group.create_dataset(
         name,
@@ -79,6 +81,7 @@ def create_column(group: Any, name: str, kind: str, *, chunk: int, units: str = 
     )
     if units:
         set_attributes(column, units=units)
+    put_comment(column, comment)
     return column
 
 
@@ -89,12 +92,20 @@ def create_table(
     *,
     rows_in_chunk: int,
     units: Mapping[str, str] | None = None,
+    comment: str = "",
 ) -> None:
     """Make a table that grows; `units` are those of columns whose names do not end with theirs."""
     table = group.create_dataset(
         name, shape=(0,), maxshape=(None,), chunks=(rows_in_chunk,), dtype=row, compression="gzip"
     )
     put_column_units(table, units or {})
+    put_comment(table, comment)
+
+
+def put_comment(item: Any, comment: str) -> None:
+    """Write what a reader of a dataset must know of its numbers, if anything."""
+    if comment:
+        set_attributes(item, comment=comment)
 
 
 def put_column_units(table: Any, units: Mapping[str, str]) -> None:

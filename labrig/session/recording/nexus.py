@@ -88,7 +88,8 @@ def _data(file: Any, setup: SessionSetup) -> None:
     put_text_list(data, "axes", ["time_s"])
     put_text_list(data, "auxiliary_signals", [*others, "voltage_V"])
     for name, (kind, units) in layout.SCAN_COLUMNS.items():
-        create_column(data, name, kind, chunk=_ROWS_IN_CHUNK, units=units)
+        comment = layout.SCAN_COMMENTS.get(name, "")
+        create_column(data, name, kind, chunk=_ROWS_IN_CHUNK, units=units, comment=comment)
     for column in setup.value_columns:
         data[column] = h5py.SoftLink(layout.sensor_path(column))
 

@@ -116,6 +116,18 @@ def test_conditions_hold_the_mean_of_the_readings_in_use(measured):
 
 
 @pytest.mark.slow
+def test_a_place_that_was_measured_again_says_so_and_is_no_number_of_a_run(measured):
+    twice = replace(
+        measured, conditions=(measured.conditions[0], replace(measured.conditions[0], run=1))
+    )
+    frame = twice.to_dataframe()
+    assert frame.again.tolist() == [0, 1]
+    for part in ("conditions", "readings", "curves", "signals"):
+        assert "again" in measured.to_dataframe(part).columns
+        assert "run" not in measured.to_dataframe(part).columns
+
+
+@pytest.mark.slow
 def test_curves_and_signals_become_rows(measured):
     curves = measured.to_dataframe("curves")
     assert len(curves) == sum(len(c.curve.s_m) for c in measured.conditions)

@@ -294,7 +294,7 @@ def test_the_command_marks_and_show_and_list_say_so(session, capsys):
     analysed(session)
     assert labrig("mark", session, *MARK, "--why", "a bubble") == 0
     printed = capsys.readouterr().out
-    assert "reading 2 of run 1 is invalid" in printed
+    assert "s.h5: run 1 (long, 5 mm), reading 2 (0 V, 1.511 mN) is invalid" in printed
     assert "out of date" in printed
     assert labrig("show", session, "--json") == 0
     shown = json.loads(capsys.readouterr().out)
@@ -312,8 +312,14 @@ def test_the_command_marks_and_show_and_list_say_so(session, capsys):
     assert labrig("verify", session) == 0
     capsys.readouterr()
     assert labrig("mark", session, *MARK, "--why", "no", "--undo") == 0
-    assert "is taken back" in capsys.readouterr().out
+    said = "the mark of run 1 (long, 5 mm), reading 2 (0 V, 1.511 mN) is taken back"
+    assert said in capsys.readouterr().out
+    with h5py.File(session) as file:
+        comment = file[f"{layout.MARKS}/entries"].attrs["comment"]
+    assert comment.startswith("run and reading are counted from 0; labrig show and labrig mark")
     assert all(valid(session))
+    assert labrig("mark", session, "--run", 1, "--who", "A", "--why", "a leak") == 0
+    assert "s.h5: run 1 (long, 5 mm) is invalid" in capsys.readouterr().out
 
 
 def test_the_command_names_what_is_wrong_in_a_sentence(session, capsys):

@@ -125,6 +125,18 @@ def test_every_column_states_its_unit(session):
         assert file["session/events"].attrs["column_units"][0] == "s"
 
 
+def test_columns_say_from_where_they_count_and_that_marks_may_follow(session):
+    from_0 = "counted from 0; labrig show and labrig mark count from 1"
+    with h5py.File(session) as file:
+        for name in ("data/run", "data/reading", "run_000/frames/reading"):
+            assert file[f"session/{name}"].attrs["comment"].startswith(from_0)
+        for name in ("run_000/readings", "run_000/marks", "events"):
+            assert from_0 in file[f"session/{name}"].attrs["comment"]
+        for name in ("data/valid", "run_000/readings"):
+            comment = file[f"session/{name}"].attrs["comment"]
+            assert "as recorded; later marks are in /session/marks" in comment
+
+
 @pytest.mark.slow
 def test_anybody_may_add_anything_to_the_additional_group(session, tmp_path):
     path = tmp_path / "s.h5"
