@@ -60,9 +60,20 @@ def save_model(model: SheetModel, path: Path | str) -> None:
     """Write a model file (TOML), which `load_model` and the commands read.
 
     It is written beside its place and renamed, so that a file of that name is replaced whole.
-    Raises LabrigError of one sentence where it cannot be written.
+    Raises LabrigError of one sentence where it cannot be written, or its name does not end with
+    .toml.
     """
+    check_name(Path(path))
     write_text(Path(path), model_text(model))
+
+
+def check_name(path: Path) -> None:
+    """Raise BadInputError for a file whose name does not say that it is TOML, as model files are.
+
+    `labrig list` and the page look for them by that.
+    """
+    if path.suffix.lower() != ".toml" and not path.is_dir():
+        raise BadInputError(f"{path}: a model file is TOML; name it {path.stem}.toml.")
 
 
 def model_text(model: SheetModel) -> str:

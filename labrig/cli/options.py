@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-Json = Annotated[bool, typer.Option("--json", help="print one JSON object")]
+Json = Annotated[bool, typer.Option("--json", help="print JSON")]
 Recorded = Annotated[Path, typer.Argument(help="a recorded session")]
 RigFile = Annotated[Path, typer.Argument(help="rig.toml")]
 AboutFile = Annotated[

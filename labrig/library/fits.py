@@ -1,14 +1,15 @@
 """What model files say of the sessions they were fitted to.
 
 Of several model files of one session the library shows one: the newest that `labrig fit` wrote,
-which has no effects; only where there is none, the newest that `labrig diagnose` wrote.
+which has no effects; only where there is none, the newest that `labrig diagnose` wrote. Of either
+kind, one in the session's own folder comes before those in other folders, which may be copies.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
 from labrig.errors import LabrigError
@@ -16,7 +17,8 @@ from labrig.model_file import load_model
 from model import Along, ConfiguredSheet, ModelError, SheetModel
 
 Kind = Literal["constant", "along_sheet", "effects"]
-Rank = tuple[bool, int, str]  # without effects, time of the last change, name; the highest is shown
+# without effects, beside the session, time of the last change, name; the highest is shown
+Rank = tuple[bool, bool, int, str]
 # by configuration: B_Nm2, EIBM_Nm, ... and which file they are from
 Fits = dict[str, dict[str, Any]]
 
@@ -61,14 +63,18 @@ def read_fits(path: Path) -> ModelFits | None:
     return ModelFits(model.checksum, kind, fits)
 
 
-def shown_fits(files: Iterable[tuple[str, int, ModelFits]]) -> dict[str, tuple[Rank, Fits]]:
-    """Return the fits to show for each session, by its checksum, with their rank.
+def shown_fits(
+    session: str, files: Iterable[tuple[str, int, ModelFits]]
+) -> dict[str, tuple[Rank, Fits]]:
+    """Return the fits to show for a session of this name, by checksum, with their rank.
 
     `files` are name, time of the last change and content of model files.
     """
+    folder = PurePosixPath(session).parent
     best: dict[str, tuple[Rank, Fits]] = {}
     for name, changed, one in files:
-        rank = (one.kind != "effects", changed, name)
+        beside = PurePosixPath(name).parent == folder
+        rank = (one.kind != "effects", beside, changed, name)
         if one.checksum not in best or best[one.checksum][0] < rank:
             named = {sheet: {**fit, "model": name} for sheet, fit in one.fits.items()}
             best[one.checksum] = (rank, named)

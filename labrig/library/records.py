@@ -89,10 +89,11 @@ def choose_fits(
             (number,),
         ).fetchall()
         entry = _entry_of(connection, number)
-        fits = shown_fits(
+        files = (
             (name, changed, ModelFits(checksum, cast("Kind", kind), json.loads(text)))
             for name, changed, checksum, kind, text in models
         )
+        fits = shown_fits(entry.name, files)
         fitted = with_fit(replace(entry, fit=None, fit_outdated=False), fits)
         text = None if fitted.fit is None else _text(fitted.fit)
         connection.execute(

@@ -91,6 +91,19 @@ def test_fit_does_not_overwrite_a_model_unless_told_to(recorded, tmp_path, capsy
     assert load_model(path).sheets
 
 
+@pytest.mark.parametrize("name", ["model.json", "model"])
+@pytest.mark.parametrize("command", [["fit"], ["fit", "--dynamic"], ["diagnose"]])
+def test_a_model_is_not_written_under_the_name_of_another_kind_of_file(
+    tmp_path, capsys, command, name
+):
+    path = tmp_path / name
+    assert run([*command, "session.h5", "-o", str(path)]) == 2
+    assert f"{path}: a model file is TOML; name it model.toml." in printed(capsys)[1]
+    assert not path.exists()
+    with pytest.raises(BadInputError, match=r"name it model\.toml"):
+        save_model(truth(), path)
+
+
 @pytest.mark.slow
 def test_fit_of_a_session_without_valid_readings_is_one_sentence(tmp_path, capsys):
     stuck = invalid(measure("long"), "long", "the sheet stuck")

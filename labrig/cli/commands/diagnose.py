@@ -69,9 +69,11 @@ def diagnose(
     The diagnosis is stored in the (first) session; labrig report shows it, too.
     """
     from labrig.api.diagnose import diagnosed_and_kept, options_for
+    from labrig.model_file import check_name
     from model.effects import effect
 
     if output is not None:
+        check_name(output)
         check_free(output, force=force)
     if report is not None and report.exists() and not report.is_dir():
         raise BadInputError(f"{report}: this is a file, a folder is needed.")

@@ -134,10 +134,12 @@ def fit(
     holds the sheet in time, for simulate --time, response and control.
     """
     from labrig.api.fit import fitted_data
+    from labrig.model_file import check_name
     from labrig.report.figures.fit import make_folder, write_fit_figures
     from labrig.report.parts.style import known_formats
 
     if output is not None:
+        check_name(output)
         check_free(output, force=force)
     tables = {
         "--sheet": sheet, "--forces": forces, "--curves": curves, "--signals": signals,

@@ -44,7 +44,8 @@ def list_sessions(
 
     Each file is read once, and again when it has changed. B and EIBM are from the newest model file
     in the folder that labrig fit -o wrote for the session; where there is none, from the newest one
-    of labrig diagnose -o. The file and the kind of EIBM are named beside them.
+    of labrig diagnose -o. One beside the session comes before those in other folders. The file and
+    the kind of EIBM are named beside them.
     """
     from labrig.library import Library, SessionQuery
 

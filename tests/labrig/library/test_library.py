@@ -237,6 +237,22 @@ def test_the_newest_model_of_a_session_is_shown_with_it(folder, model_file):
     )
 
 
+@pytest.mark.slow
+def test_a_model_beside_the_session_is_shown_rather_than_a_newer_copy_elsewhere(folder, model_file):
+    with open_session(folder / "a.h5") as opened:
+        model = replace(load_model(model_file), checksum=opened.checksum)
+    (folder / "copy").mkdir()
+    for when, name in enumerate(("copy/a.toml", "z.toml", "copy/model.toml"), 1):
+        save_model(model, folder / name)
+        os.utime(folder / name, (when, when))
+        library = Library(folder)
+        library.refresh()
+        (fit,) = (e.fit for e in library.entries() if e.name == "a.h5")
+        assert fit["long"]["model"] == ("copy/a.toml" if when == 1 else "z.toml")
+    (below,) = (e.fit for e in library.entries() if e.name == "below/c.h5")  # of the same data
+    assert below["long"]["model"] == "copy/model.toml"
+
+
 @pytest.fixture
 def model_file(tmp_path):
     """A model as `labrig fit` writes it."""
