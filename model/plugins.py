@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
+from threading import Timer
 from traceback import extract_tb
 from typing import TYPE_CHECKING, Generic, TypeVar, cast
 
@@ -33,6 +34,7 @@ class PluginWarning(UserWarning):
 
 
 MOST_NAMED = 12  # parts that one sentence lists
+_SLOW_S = 3.0  # to load a part, from which on it is said which one it is
 _MOST_FAULTS = 3  # of one part in its sentence; the conformance functions return all
 _ROOT = Path(__file__).parents[1]
 _OURS = frozenset({"labrig", "drivers", "protocols", "model", "sim_hardware"})
@@ -68,13 +70,20 @@ class PluginFolder(Generic[T]):
         return dict(cast("dict[str, Part[T]]", _found(self, tuple(sys.path))))
 
     def get(self, name: str) -> T:
-        """Return the part of this name; UnknownPartError lists those there are."""
-        parts = self.parts()
-        if name not in parts:
+        """Return the part of this name; UnknownPartError lists those there are.
+
+        No other part is loaded: what is wrong with one must not keep anybody from another.
+        """
+        part = self.find(name)
+        if part is None:
             raise UnknownPartError(
-                f"there is no {self.what} '{name}'; {_choice(name, sorted(parts))}"
+                f"there is no {self.what} '{name}'; {_choice(name, sorted(self.parts()))}"
             )
-        return parts[name].part
+        return part.part
+
+    def find(self, name: str) -> Part[T] | None:
+        """Return the part of this name, as `get` does; None where there is none."""
+        return cast("Part[T] | None", _found_one(self, name, tuple(sys.path)))
 
     def origins(self) -> dict[str, str]:
         """Return "distribution version" of each part that is not our own."""
@@ -90,14 +99,14 @@ def first_faults(checks: Iterable[Callable[[], Iterable[str]]]) -> list[str]:
     for check in checks:
         try:
             found = list(check())
-        except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - it may raise anything
             return [f"its code raised {type(error).__name__}: {error}{_place(error)}"]
         if found:
             return found
     return []
 
 
-def _place(error: Exception) -> str:
+def _place(error: BaseException) -> str:
     """Return where a part raised it; nothing where the part could not even be called."""
     last = extract_tb(error.__traceback__)[-1]
     file = Path(last.filename)
@@ -134,13 +143,26 @@ def _found(folder: PluginFolder[object], path: tuple[str, ...]) -> dict[str, Par
             article = "an" if folder.what[0] in "aeiou" else "a"
             _leave_out(folder, entry, f"there is {article} {folder.what} of that name already")
             continue
-        part = _loaded(folder, entry)
+        part = _loaded(folder, entry, path)
         if part is not None:
-            dist = entry.dist
-            parts[entry.name] = Part(
-                entry.name, part, dist.name if dist else "?", dist.version if dist else "?"
-            )
+            parts[entry.name] = part
     return parts
+
+
+@lru_cache(maxsize=256)
+def _found_one(
+    folder: PluginFolder[object], name: str, path: tuple[str, ...]
+) -> Part[object] | None:
+    """Return one part as `_found` does; its name may be anything that a file states."""
+    if name.isidentifier() and not name.startswith("_"):
+        package = import_module(folder.package)
+        if any(module.name == name for module in pkgutil.iter_modules(package.__path__)):
+            part = _own_part(folder, name)
+            if part is not None:
+                return part
+    of_that_name = [e for e in _entries(path).get(folder.group, ()) if e.name == name]
+    loaded = (_loaded(folder, entry, path) for entry in of_that_name)
+    return next((part for part in loaded if part is not None), None)
 
 
 @lru_cache(maxsize=8)
@@ -163,33 +185,54 @@ def _own(folder: PluginFolder[object]) -> dict[str, Part[object]]:
     package = import_module(folder.package)
     result: dict[str, Part[object]] = {}
     for name in sorted(module.name for module in pkgutil.iter_modules(package.__path__)):
-        if name.startswith("_"):
-            continue
-        module = import_module(f"{folder.package}.{name}")
-        if hasattr(module, folder.constant):
-            result[name] = Part(name, getattr(module, folder.constant), OWN, "")
+        part = None if name.startswith("_") else _own_part(folder, name)
+        if part is not None:
+            result[name] = part
     return result
 
 
-def _loaded(folder: PluginFolder[object], entry: EntryPoint) -> object | None:
+def _own_part(folder: PluginFolder[object], name: str) -> Part[object] | None:
+    """Return the part of one of our own modules; None where it defines none."""
+    module = import_module(f"{folder.package}.{name}")
+    if not hasattr(module, folder.constant):
+        return None
+    return Part(name, getattr(module, folder.constant), OWN, "")
+
+
+@lru_cache(maxsize=256)
+def _loaded(
+    folder: PluginFolder[object], entry: EntryPoint, path: tuple[str, ...]
+) -> Part[object] | None:
     """Return the part an entry point leads to; None after a warning that says what is wrong."""
+    del path
+    slow = Timer(_SLOW_S, lambda: _warn(folder, entry, "takes long to load"))
+    slow.daemon = True
+    slow.start()
     try:
         part: object = entry.load()
-    except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
+        found = first_faults([lambda: folder.faults(part)])
+    except KeyboardInterrupt:
+        raise  # somebody's Ctrl-C
+    except BaseException as error:  # noqa: BLE001 - other people's code may raise anything
         _leave_out(folder, entry, f"loading it failed with {type(error).__name__}: {error}")
         return None
-    found = first_faults([lambda: folder.faults(part)])
+    finally:
+        slow.cancel()
     if found:
         _leave_out(folder, entry, _in_short(found))
         return None
-    return part
+    dist = entry.dist
+    return Part(entry.name, part, dist.name if dist else "?", dist.version if dist else "?")
 
 
 def _leave_out(folder: PluginFolder[object], entry: EntryPoint, why: str) -> None:
+    _warn(folder, entry, f"is left out: {' '.join(why.split())}")
+
+
+def _warn(folder: PluginFolder[object], entry: EntryPoint, what: str) -> None:
     origin = f" of {entry.dist.name}" if entry.dist else ""
     warnings.warn(
-        f"the {folder.what} '{entry.name}'{origin} ({entry.value}) is left out: "
-        f"{' '.join(why.split())}.",
+        f"the {folder.what} '{entry.name}'{origin} ({entry.value}) {what}.",
         PluginWarning,
-        stacklevel=6,
+        stacklevel=7,
     )

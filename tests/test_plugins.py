@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from drivers import plugins
 from drivers.plugins import PluginFolder, PluginWarning, UnknownPartError, first_faults
 
 ROOT = Path(__file__).parents[1]
@@ -100,6 +101,43 @@ def test_a_module_that_ends_python_when_it_is_imported_ends_nothing_else(numbers
     install(numbers, "ending_numbers", "two = ending_numbers:TWO", "import sys; sys.exit(3)\n")
     with pytest.warns(PluginWarning, match="loading it failed with SystemExit: 3"):
         assert list(folder().parts()) == ["one"]
+
+
+@pytest.mark.parametrize("error", ["GeneratorExit", "BaseException('gone')"])
+def test_nothing_that_a_part_raises_when_it_is_loaded_ends_the_program(numbers, error):
+    install(numbers, "raising_numbers", "two = raising_numbers:TWO", f"raise {error}\n")
+    with pytest.warns(PluginWarning, match="loading it failed with"):
+        assert list(folder().parts()) == ["one"]
+
+
+def test_one_part_is_had_without_loading_any_other(numbers):
+    install(numbers, "bystander_numbers", "two = bystander_numbers:TWO", "raise KeyError\n")
+    assert folder().get("one") == 1
+    assert "bystander_numbers" not in sys.modules
+    (numbers / "numbers_of_a_test" / "broken.py").write_text("raise KeyError\n")
+    assert folder().get("one") == 1
+    assert folder().find("three") is None
+    assert folder().find("../one") is None
+    assert folder().find("helper") is None
+
+
+def test_of_two_parts_of_a_name_the_one_that_can_be_used_is_taken(numbers):
+    install(numbers, "bad_numbers", "two = bad_numbers:WORD", "WORD = 'two'\n")
+    install(numbers, "good_numbers", "two = good_numbers:TWO", "TWO = 2\n")
+    of_numbers = folder()
+    with pytest.warns(PluginWarning, match="it is no number"):
+        assert of_numbers.get("two") == 2
+    assert of_numbers.parts()["two"].part == 2  # what is wrong with the other was told
+    for name in ("bad_numbers", "good_numbers"):
+        sys.modules.pop(name, None)
+
+
+def test_a_part_that_takes_long_to_load_is_named_meanwhile(numbers, monkeypatch):
+    monkeypatch.setattr(plugins, "_SLOW_S", 0.05)
+    code = "import time; time.sleep(0.3)\nTWO = 2\n"
+    install(numbers, "slow_numbers", "two = slow_numbers:TWO", code)
+    with pytest.warns(PluginWarning, match=r"'two' of slow_numbers .* takes long to load"):
+        assert folder().get("two") == 2
 
 
 def test_an_unknown_name_is_answered_with_those_there_are(numbers):

@@ -18,12 +18,14 @@ from drivers.plugins import UnknownPartError
 from drivers.safe_shutdown import SafetyReport, attempt
 
 _ANSWER_S = 1.0  # boards that let the output be made safe within this have answered
+_line = 1  # the pipe to the program
 _SAFE_CODE, _FAILED_CODE, _UNKNOWN_CODE = 0, 3, 6
 
 
 def main() -> int:
     """Run the guard; the exit code says whether the output is safe (0), or not known to be (6)."""
     _ignore_signals()
+    _keep_the_line()
     clock = RealClock()
     try:
         settings = GuardSettings.from_json(_first_line())
@@ -89,11 +91,19 @@ def _first_line() -> str:
     return line.decode("utf-8", errors="replace")
 
 
+def _keep_the_line() -> None:
+    """Keep the pipe to the program for our messages: what a maker's code prints is no message."""
+    global _line
+    with contextlib.suppress(OSError):  # a program without a standard error
+        kept = os.dup(1)
+        os.dup2(2, 1)
+        _line = kept
+
+
 def _send(message: str, rest: str = "") -> None:
     """Send a line to the program, which may be gone."""
-    with contextlib.suppress(OSError, ValueError):
-        sys.stdout.write(f"{message} {rest}".strip() + "\n")
-        sys.stdout.flush()
+    with contextlib.suppress(OSError):
+        os.write(_line, (f"{message} {rest}".strip() + "\n").encode("utf-8", errors="replace"))
 
 
 def _ignore_signals() -> None:

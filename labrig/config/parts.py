@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Self
@@ -87,12 +87,16 @@ def _force_sensor_models() -> Mapping[str, type[ClosedModel]]:
     }
 
 
-def board_models() -> Mapping[str, type[BoardsConfig]]:
-    """Return the model of each table of boards that rig.toml may have, by its name."""
-    return {
-        name: model_with(BoardsConfig, part.part.settings)
-        for name, part in BOARD_FAMILIES.parts().items()
-    }
+def board_models(names: Iterable[str] | None = None) -> Mapping[str, type[BoardsConfig]]:
+    """Return the model of each table of boards that rig.toml may have, by its name.
+
+    `names`: of tables; only families of these names are loaded.
+    """
+    if names is None:
+        families = dict(BOARD_FAMILIES.parts())
+    else:
+        families = {name: part for name in names if (part := BOARD_FAMILIES.find(name))}
+    return {name: model_with(BoardsConfig, part.part.settings) for name, part in families.items()}
 
 
 POSITIONER = by_kind("positioner", _positioner_models, positioners.DEFAULT)

@@ -227,15 +227,15 @@ class RigConfig(ClosedModel):
         """Unit in which the force arrives: V of the load cell, or N where a meter reads it."""
         return "V" if FORCE_SENSORS.get(self.force_sensor.kind).make is None else "N"
 
-    def changed(self, **tables: Mapping[str, Any] | None) -> Self:
+    def changed(self, **tables: Mapping[str, Any] | None) -> RigConfig:
         """Return the configuration with other values of some keys, by table and key.
 
         None removes a table.
         """
         data = self.model_dump()
         for name, keys in tables.items():
-            data[name] = None if keys is None else {**(data[name] or {}), **keys}
-        return type(self).model_validate(data)
+            data[name] = None if keys is None else {**(data.get(name) or {}), **keys}
+        return _model_for(data).model_validate(data)
 
 
 def rig_model() -> type[RigConfig]:
@@ -265,7 +265,19 @@ def parse_rig(text: str, name: str) -> RigConfig | ReplayConfig:
     data = parse_toml(text, name)
     if "replay" in data:
         return validate(ReplayConfig, data, name)
-    return validate(rig_model(), data, name)
+    return validate(_model_for(data), data, name)
+
+
+def _model_for(data: Mapping[str, Any]) -> type[RigConfig]:
+    """Return the model of rig.toml with the tables of boards that it has.
+
+    What a plug-in for other boards does when it is loaded must not keep anybody from these.
+    """
+    families = board_models(data)
+    known = RigConfig.model_fields.keys() | families.keys()
+    all_known = bool(families) and data.keys() <= known
+    # what is wrong is said with all the tables that there may be
+    return _rig_model(tuple(families.items())) if all_known else rig_model()
 
 
 # Tables that say nothing of the output. What else is unknown may be the boards, and is an error.
@@ -292,7 +304,7 @@ def load_output(path: Path) -> RigConfig | ReplayConfig:
         return validate(ReplayConfig, data, str(path))
     kept = {name: table for name, table in data.items() if name not in NOT_THE_OUTPUT}
     kept["load_cell"] = {"calibration": "load_cell.toml"}  # required, and not read
-    return validate(rig_model(), kept, str(path))
+    return validate(_model_for(kept), kept, str(path))
 
 
 def load_rig(path: Path) -> RigConfig | ReplayConfig:

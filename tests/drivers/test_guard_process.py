@@ -425,3 +425,26 @@ def test_the_dead_programs_tasks_are_taken_over_by_name(remote):
     assert report.failures == ()
     remote.assert_safe_and_free()
     assert np.sign(remote.bench.volts) == 0
+
+
+def test_what_a_makers_library_prints_is_no_message_of_the_guard(tmp_path):
+    """Text without an end of line, before the first message, would be one with it."""
+    (tmp_path / "acme_boards.py").write_text(
+        "import os\nos.write(1, b'Acme SDK 2.1 ')\nraise OSError('no driver')\n"
+    )
+    info = tmp_path / "acme_boards-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: acme_boards\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[labrig.boards]\nacme = acme_boards:BOARDS\n")
+    settings = GuardSettings(boards="acme", place={}, report_path=str(tmp_path / "guard.json"))
+    path = os.pathsep.join([str(Path(__file__).parents[2]), str(tmp_path)])
+    guard = subprocess.run(
+        [sys.executable, "-m", "drivers.guard"],
+        input=settings.to_json().encode() + b"\n",
+        capture_output=True,
+        env={**os.environ, "PYTHONPATH": path},
+        timeout=60,
+        check=False,
+    )
+    assert guard.stdout.startswith(b"failed there is no family of boards 'acme'")
+    assert b"Acme SDK" in guard.stderr

@@ -6,8 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from labrig.cli.main import run
 from labrig.errors import BadInputError
 from labrig.experiment.safety import make_rig_safe
+from tests.model.distributions import install
 
 BOARDS = '[ni]\naddress = "simulated"\n'
 
@@ -35,3 +37,16 @@ def test_boards_that_are_not_known_are_not_taken_for_others(tmp_path: Path) -> N
     rig.write_text('[gone]\naddress = "simulated"\n')
     with pytest.raises(BadInputError, match="gone is not a known key"):
         make_rig_safe(rig)
+
+
+@pytest.mark.parametrize("command", ["safe", "check"])
+def test_boards_of_others_that_are_installed_but_not_used_are_not_even_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
+) -> None:
+    """Whatever their maker's library does when it is loaded, hang or end the process."""
+    module = "raise KeyboardInterrupt\n"
+    points = "[labrig.boards]\nacme = acme_boards:BOARDS\n"
+    install(tmp_path, "acme_boards", points, module)
+    assert run(["init", str(tmp_path / "rig"), "--simulated"]) == 0
+    monkeypatch.syspath_prepend(tmp_path)
+    assert run([command, str(tmp_path / "rig" / "rig.toml")]) == 0
