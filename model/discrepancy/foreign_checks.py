@@ -1,4 +1,4 @@
-"""Ask a check of another distribution: what it raises costs no verdict, and is told."""
+"""Ask a part of another distribution: what it raises costs no verdict, and is told."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ T = TypeVar("T")
 def answers_of(
     whose: str, kind: type[T], ask: Callable[[], Iterable[T]], without: str
 ) -> list[T] | None:
-    """Return what a check yields; None, after a warning, where it fails.
+    """Return what a part yields; None, after a warning, where it fails.
 
-    `whose`: the check and its distribution, for the warning; `without`: what is done without it.
+    `whose`: the part and its distribution, for the warning; `without`: what is done without it.
     """
     try:
         found = list(ask())
         wrong = next((one for one in found if not isinstance(one, kind)), None)
         if wrong is not None:
             raise TypeError(f"it yielded {type(wrong).__name__}, not a {kind.__name__}")
-    except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
         said = f"{whose} failed with {type(error).__name__}: {error}; {without} without it."
         warnings.warn(" ".join(said.split()), PluginWarning, stacklevel=3)
         return None

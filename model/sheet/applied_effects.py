@@ -48,7 +48,11 @@ def effect_of(one: ActiveEffect) -> Effect:
         return free_effect(location(one.location))
     known = catalogue()
     if one.name not in known:
-        raise ModelError(f"the model includes the effect '{one.name}', unknown to this version")
+        whose = one.distribution
+        raise ModelError(
+            f"the model includes the effect '{one.name}'"
+            + (f" of {whose}, which is not installed" if whose else ", unknown to this version")
+        )
     effect = known[one.name]
     values = one.parameters or next(iter(one.by_configuration.values()), {})
     return effect.for_sessions(sessions_for(values)) or effect

@@ -169,6 +169,7 @@ class ActiveEffect:
     configurations: tuple[str, ...] = ()  # in which it acts; empty: all
     # in which it is what the dynamics leave, of an effect that these have a part of
     beside_dynamics: tuple[str, ...] = ()
+    distribution: str = ""  # whose it is, with its version; empty: labrig's own
 
     def values(self, configuration: str) -> dict[str, float] | None:
         """Numbers by name for a configuration; None where the effect does not act."""
@@ -223,6 +224,8 @@ class ActiveEffect:
             result["configurations"] = list(self.configurations)
         if self.beside_dynamics:
             result["beside_dynamics"] = list(self.beside_dynamics)
+        if self.distribution:
+            result["distribution"] = self.distribution
         result["parameters"] = {k: p.to_dict() for k, p in self.parameters.items()}
         if self.by_configuration:
             result["by_configuration"] = {
@@ -270,6 +273,7 @@ class ActiveEffect:
             location=str(data.get("slot", "")),
             configurations=_names(data, where),
             beside_dynamics=_names(data, where, "beside_dynamics"),
+            distribution=str(data.get("distribution", "")),
         )
 
 

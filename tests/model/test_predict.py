@@ -90,6 +90,9 @@ def test_a_model_survives_being_written_and_read(truth: SheetModel):
 def test_an_effect_unknown_to_this_version_is_refused(truth: SheetModel):
     with pytest.raises(ModelError, match="unknown to this version"):
         predict(truth.with_effects(ActiveEffect(name="magnetism")), "long", 0.0, 0.0)
+    theirs = ActiveEffect(name="magnetism", distribution="coils 2.0")
+    with pytest.raises(ModelError, match=r"'magnetism' of coils 2\.0, which is not installed"):
+        predict(truth.with_effects(theirs), "long", 0.0, 0.0)
 
 
 @pytest.mark.parametrize(

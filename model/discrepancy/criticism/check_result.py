@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, get_args
 
 # unknown: the names are wrong, or something is not in the model that has no name
 # noticed: people see such an amplitude as a rule, so the name is less probable; unknown is in its
@@ -26,6 +26,12 @@ class Failure:
     rivals: tuple[str, ...] = ()  # of `one_of` and `alike`: names that are as good
     odds: tuple[float, ...] = ()  # of `alike`: probability of each rival over the name's
     overlooked: float = 1.0  # of `noticed`: the probability that nobody noticed
+
+    def __post_init__(self) -> None:
+        """Raise ValueError for a consequence that there is not."""
+        if self.consequence not in get_args(Consequence):
+            known = ", ".join(get_args(Consequence))
+            raise ValueError(f"there is no consequence '{self.consequence}'; there are {known}")
 
 
 @dataclass(frozen=True, kw_only=True)

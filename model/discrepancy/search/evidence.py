@@ -7,12 +7,15 @@ scale. The scale is integrated over a range of sizes, so that a candidate pays f
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
+from model.discrepancy.foreign_checks import answers_of
 from model.discrepancy.thresholds import BOUNDS_FACTOR, FURTHER_NAME_LN, UNEXPECTED_SIGN_LN
+from model.effects.catalogue import origins
 from model.effects.interface import Effect, EffectParameter, Values
 from model.identification.likelihood.form_ways import atoms
 from model.identification.likelihood.forward_model import ForwardModel
@@ -76,6 +79,7 @@ def candidates(
     dated = any(
         np.ptp(part.clock.session) > 0.0 for part in forward.layout.parts if len(part.clock.session)
     )
+    foreign = origins()
     result = []
     for effect in effects:
         if effect.needs_session and not dated:
@@ -83,12 +87,29 @@ def candidates(
         key = (id(forward), effect.name, tolerant)
         of, found = kept.get(key, (None, []))
         if of is not effect:
-            found = [
-                _candidate(fitted, effect, values, tolerant=tolerant) for values in members(effect)
-            ]
+            shapes = partial(_shapes, fitted, effect, tolerant=tolerant)
+            if effect.name in foreign:
+                whose = f"the effect '{effect.name}' of {foreign[effect.name]}"
+                ask = partial(_finite, shapes)
+                found = answers_of(whose, Candidate, ask, "the search goes on") or []
+            else:
+                found = shapes()
             kept[key] = (effect, found)
         result += found
     return result
+
+
+def _shapes(fitted: MixedModelFit, effect: Effect, *, tolerant: bool) -> list[Candidate]:
+    """Return an effect in each of its shapes."""
+    return [_candidate(fitted, effect, values, tolerant=tolerant) for values in members(effect)]
+
+
+def _finite(shapes: Callable[[], list[Candidate]]) -> list[Candidate]:
+    """Return them; raise ValueError where one is not finite."""
+    found = shapes()
+    if not all(np.isfinite(one.columns).all() for one in found):
+        raise ValueError("what it changes is not a finite number everywhere")
+    return found
 
 
 def _candidate(

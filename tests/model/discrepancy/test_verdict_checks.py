@@ -65,6 +65,8 @@ class Broken(VerdictCheck):
         """See `VerdictCheck.failures`."""
         if named.named == ("raises",):
             raise KeyError("no such thing")
+        if named.named == ("misspelt",):
+            yield Failure(consequence="unknwon", sentence="it is seen")
         yield named.named[0]
 
 
@@ -78,7 +80,11 @@ class Sound(VerdictCheck):
 
 @pytest.mark.parametrize(
     ("named", "said"),
-    [("raises", "KeyError: 'no such thing'"), ("word", "TypeError: it yielded str, not a Failure")],
+    [
+        ("raises", "KeyError: 'no such thing'"),
+        ("word", "TypeError: it yielded str, not a Failure"),
+        ("misspelt", "ValueError: there is no consequence 'unknwon'; there are unknown, noticed"),
+    ],
 )
 def test_a_check_of_another_distribution_that_fails_costs_no_verdict(monkeypatch, named, said):
     checks = [kind(name=name, meaning="a mark", order=1) for name, kind in KINDS.items()]

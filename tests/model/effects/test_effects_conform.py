@@ -197,6 +197,16 @@ class Spoils(Offset):
 
 
 @dataclass(frozen=True)
+class Empties(Offset):
+    """Whatever its size, it leaves nothing of the force it was given."""
+
+    def force(self, weighed, p):
+        added = np.full_like(weighed.force_N, p["force_mN"])
+        weighed.force_N[...] = 0.0
+        return added
+
+
+@dataclass(frozen=True)
 class AlwaysThere(Offset):
     def force(self, weighed, p):
         return np.full_like(weighed.force_N, p["force_mN"] + 1.0)
@@ -248,6 +258,7 @@ class Derives(Offset):
     ("kind", "said"),
     [
         (Spoils, "changes the arrays"),
+        (Empties, "it changes the arrays that it was given"),
         (AlwaysThere, "at force_mN = 0 it still changes the force"),
         (NeverThere, "at force_mN = 0.1 it changes nothing"),
         (NotANumber, "the force without contact is not finite"),

@@ -10,6 +10,7 @@ from model.discrepancy.prepare import Options
 from model.discrepancy.thresholds import INTERVAL_FREEDOM
 from model.discrepancy.verdict.written_model.written_deviations import deviations
 from model.discrepancy.verdict.written_model.written_form import with_bands
+from model.effects.catalogue import origins
 from model.effects.interface import EffectParameter
 from model.identification.base_model import weighs
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
@@ -44,9 +45,14 @@ def _active(one: Found, final: MixedModelFit) -> ActiveEffect:
     if isinstance(one.effect, FreeEffect):
         return ActiveEffect(name=UNKNOWN, location=one.effect.location, form=form)
     own = {name: parameters_of(one, name, final) for name in one.values}
-    if one.effect.by_configuration:
-        return ActiveEffect(name=one.effect.name, by_configuration=own, form=form)
-    return ActiveEffect(name=one.effect.name, parameters=next(iter(own.values())), form=form)
+    shared = not one.effect.by_configuration
+    return ActiveEffect(
+        name=one.effect.name,
+        parameters=next(iter(own.values())) if shared else {},
+        by_configuration={} if shared else own,
+        form=form,
+        distribution=origins().get(one.effect.name, ""),
+    )
 
 
 def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[str, Parameter]:
