@@ -126,6 +126,14 @@ def _sign(m: Measurements, _: Random) -> Made:
     return _conditions(replace(m, series=()), lambda c: _forces(c, lambda F: -F)), -1.0
 
 
+def _force_scale(factor: float) -> Callable[[Measurements, Random], Made]:
+    def make(m: Measurements, _: Random) -> Made:
+        bare = replace(m, series=())
+        return _conditions(bare, lambda c: _forces(c, lambda F: factor * F)), 1.0 / factor
+
+    return make
+
+
 def _curve_scale(factor: float) -> Callable[[Measurements, Random], Made]:
     return lambda m, _: (
         _conditions(m, lambda c: _curves(c, _points(factor, factor, factor))),
@@ -225,6 +233,8 @@ MISTAKES = (
             _stated("elongation_m", 0.08, 0.15, "short", (1.0,)), 0.02),
     Mistake("tare of 3 to 7 mN forgotten", ("tare",), _tare, 0.1),
     Mistake("forces with the other sign", ("force_sign",), _sign),
+    Mistake("forces in N instead of mN", ("force_unit",), _force_scale(1e-3), 0.01),
+    Mistake("forces 1000 times too large", ("force_unit",), _force_scale(1e3), 0.01),
     Mistake("curves in m instead of mm", ("curve_unit",), _curve_scale(1e-3), 0.02),
     Mistake("curves in pixels", ("curve_unit",), _curve_scale(2.5e4 * 1e-3), 0.02),
     Mistake("curves mirrored at the clamp's axis", ("curve_axes",), _mirrored(1.0, -1.0)),

@@ -58,6 +58,11 @@ class _Guarded(DataCheck):
         ask = partial(self.check.changes, measurements)
         yield from answers_of(self.whose, Change, ask, _WITHOUT) or ()
 
+    def of_failed_fit(self, measurements: Measurements) -> Iterator[Suspicion]:
+        """See `DataCheck.of_failed_fit`."""
+        ask = partial(self.check.of_failed_fit, measurements)
+        yield from answers_of(self.whose, Suspicion, ask, _WITHOUT) or ()
+
     def of_stiffness(
         self, measurements: Measurements, B_Nm2: Mapping[str, float]
     ) -> Iterator[Suspicion]:

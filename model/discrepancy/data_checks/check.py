@@ -3,7 +3,8 @@
 What is stated of a measurement is compared with what the data say. A configuration that the base
 model fits is left at that. Where it does not fit, it is fitted again with one datum changed, for
 each change that a data check proposes; the best one is told if it leaves next to nothing of the
-misfit. A base fit that fails and that no change mends is told, too: no effect explains it.
+misfit. A base fit that fails and that no change mends is told, too: no effect explains it. What is
+wrong is said by the data checks that need no fit for it, if any of them knows.
 """
 
 from __future__ import annotations
@@ -119,7 +120,11 @@ def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Sus
             suspicious.append(compared(name, own, stated, tolerances, checks))
     for one in _changed([one for one in suspicious if _mended(one)]):
         yield _unless_refused(one, as_stated, tolerances)
-    yield from (_failed(one) for one in suspicious if not _mended(one) and _fails(one.stated, data))
+    for one in suspicious:
+        if not _mended(one) and _fails(one.stated, data):
+            own = as_stated[one.name][0]
+            known = [said for check in checks for said in check.of_failed_fit(own)]
+            yield from known or [_failed(one)]
     for check in checks:
         yield from check.of_stiffness(data, stiffness)
 
@@ -252,7 +257,7 @@ def _failed(one: Compared) -> Suspicion:
         check="base_fit", severity="stop", where="forces and curves", configurations=(one.name,),
         sentence=(
             f"the base model does not fit '{one.name}': {errors}, where the forces spread by"
-            f" {1e3 * spread:.2g} mN, more than any effect could explain; no single unit, sign,"
-            " order or length mends it, so check the tables against each other"
+            f" {1e3 * spread:.2g} mN, more than any effect could explain; none of those that were"
+            " tried (unit, sign, order, length) mends it, so check the tables against each other"
         ),
     )  # fmt: skip

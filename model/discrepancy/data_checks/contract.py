@@ -1,12 +1,14 @@
 """The contract of a data check: it compares a stated value with the data.
 
 A data check looks for one kind of mistake: a wrong unit, sign, order or length. It may do so in
-three ways, each a method that yields nothing unless it is overridden:
+four ways, each a method that yields nothing unless it is overridden:
     `suspicions`  look at the measurements alone
     `of_stiffness`  look at the stiffness that the base model finds
     `changes`     propose data in which one datum is another one; each is fitted with the base
                   model, and the check speaks where these fit very much better than the data as
                   they are stated
+    `of_failed_fit`  look at a configuration that the base model does not fit at all, and that no
+                  change mends: an effect besides the mistake is too large for it
 All are called before a search, must not block, keep no state, and change none of their
 arguments. `changes` is only asked for where the base model does not fit.
 """
@@ -93,6 +95,10 @@ class DataCheck:
 
     def changes(self, measurements: Measurements) -> Iterator[Change]:
         """Return what to try where the base model does not fit one configuration: its data."""
+        yield from ()
+
+    def of_failed_fit(self, measurements: Measurements) -> Iterator[Suspicion]:
+        """Return what is wrong with one configuration that fails and that no change mends."""
         yield from ()
 
     def of_stiffness(

@@ -9,7 +9,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+import labrig
 from benchmarks.data_mistakes.mistakes import MISTAKES
+from labrig.session.tables.examples import write_examples
 from model import ModelError, predict
 from model.discrepancy import DiagnoseOptions, check_data, diagnose, next_measurement
 from model.discrepancy.data_checks import catalogue
@@ -17,6 +19,8 @@ from model.discrepancy.data_checks.catalogue import data_checks
 from model.discrepancy.data_checks.changed_data import of_one
 from model.discrepancy.data_checks.conformance import example_measurements, faults
 from model.discrepancy.data_checks.contract import DataCheck, Suspicion
+from model.discrepancy.data_checks.shape_compliance import shape_compliance
+from model.discrepancy.thresholds import SURE_COMPLIANCE_SIGMA
 from model.identification.data.outlier_readings import without_outliers
 from model.plugins import Part, PluginWarning
 from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
@@ -176,6 +180,60 @@ def test_a_base_fit_that_fails_is_said_and_not_explained():
     found = check_data(shuffled)
     assert [one.check for one in found.stops] == ["base_fit"]
     assert "the base model does not fit 'short': force error" in found.stops[0].sentence
+    assert "none of those that were tried (unit, sign, order, length) mends it" in (
+        found.stops[0].sentence
+    )
+
+
+@pytest.fixture(scope="module")
+def falling(tmp_path_factory):
+    """Return the example of `labrig import`: its EIBM falls steeply, so that no constant one fits.
+
+    Of `session()` the base model fits what is changed rightly, also where something is hidden.
+    """
+    folder = tmp_path_factory.mktemp("falling")
+    write_examples(folder)
+    tables = (folder / name for name in ("sheet.toml", "forces.csv", "curves.csv"))
+    return labrig.measurements_of_tables(*tables)
+
+
+def test_the_sign_of_the_forces_is_told_where_the_base_model_fits_neither(falling):
+    assert check_data(falling).suspicions == ()
+    (one,) = check_data(forces_changed(falling, lambda _, forces: -forces)).suspicions
+    assert (one.check, one.severity, one.value) == ("force_sign", "stop", -1.0)
+    assert "'long' (force_mN) have the opposite sign of what the curves say" in one.sentence
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1e-3, "in N"), (1e3, "in µN")])
+def test_forces_in_another_unit_are_told(falling, factor, unit):
+    for data in (falling, session()):
+        found = check_data(forces_changed(data, lambda _, forces: factor * forces)).suspicions
+        assert {one.check for one in found} == {"force_unit"}
+        assert {name for one in found for name in one.configurations} == {
+            c.configuration for c in data.conditions
+        }
+        for one in found:
+            assert one.severity == "stop"
+            assert one.value == pytest.approx(1.0 / factor)
+            assert f"multiplied by {1.0 / factor:g} they fit, so they seem to be {unit}" in (
+                one.sentence
+            )
+
+
+def test_a_wrong_thickness_is_no_unit_of_the_forces(falling):
+    """Young's modulus is a thousand times too small, but the forces are those of a sheet."""
+    (name,) = {c.configuration for c in falling.conditions}
+    thick = replace(falling.sheets[name], thickness_m=10.0 * falling.sheets[name].thickness_m)
+    found = check_data(replace(falling, sheets={**falling.sheets, name: thick}))
+    assert "force_unit" not in {one.check for one in found.suspicions}
+
+
+def test_few_conditions_say_nothing_of_the_stiffness(falling):
+    (name,) = {c.configuration for c in falling.conditions}
+    assert shape_compliance(falling, name).sigmas > 3.0 * SURE_COMPLIANCE_SIGMA
+    one_place = tuple(c for c in falling.conditions if c.position_m in (None, 0.0))
+    assert shape_compliance(replace(falling, conditions=one_place), name) is None
+    assert shape_compliance(replace(falling, conditions=()), name) is None
 
 
 @pytest.mark.slow
