@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from labrig.errors import BadInputError
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
-from model.discrepancy.verdict.messages import OTHER_ANSWERS
+from model.discrepancy.verdict.messages import OTHER_ANSWERS, shown_by
+from model.effects import title
 from model.measurements import Measurements
 
 Pair = tuple[str, str]
@@ -19,12 +20,36 @@ def pair_of(found: Diagnosis) -> Pair | None:
     for one in found.effects:
         if one.confusable_with:
             return one.name, one.confusable_with[0]
-    of_unknown = () if found.unknown is None else found.unknown.confusable_with
-    for possible in (of_unknown, tuple(found.not_ruled_out)):
-        names = [name for name in possible if name not in OTHER_ANSWERS]
+    for names in _possible(found):
         if len(names) > 1:
             return names[0], names[1]
     return None
+
+
+def _possible(found: Diagnosis) -> tuple[list[str], list[str]]:
+    """Return the names of what is unknown, and of what is not ruled out, the likeliest first."""
+    of_unknown = () if found.unknown is None else found.unknown.confusable_with
+    both = (of_unknown, tuple(found.not_ruled_out))
+    first, second = ([name for name in some if name not in OTHER_ANSWERS] for some in both)
+    return first, second
+
+
+def no_pair(found: Diagnosis) -> str:
+    """Return why a diagnosis names no two effects, and what shows the one that it may name."""
+    of_unknown, _ = _possible(found)
+    if not of_unknown:
+        return (
+            "the diagnosis names no two effects that could be mistaken for each other "
+            f"({found.verdict.replace('_', ' ')}); name two with --between, such as --between "
+            "gravity clamp_angle."
+        )
+    (name,) = of_unknown
+    other = "gravity" if name != "gravity" else "clamp_angle"
+    return (
+        f"the diagnosis names {title(name)} alone, or something that is not in the catalogue, and "
+        f"no measurement can be chosen to tell it from that. {shown_by([name])} To tell it from "
+        f"another effect, name both with --between, such as --between {name} {other}."
+    )
 
 
 def proposal(
@@ -55,9 +80,5 @@ def proposal(
         return kept
     pair = pair_of(diagnosis)
     if pair is None:
-        raise BadInputError(
-            "the diagnosis names no two effects that could be mistaken for each other "
-            f"({diagnosis.verdict.replace('_', ' ')}); name two with --between, such as --between "
-            "gravity clamp_angle."
-        )
+        raise BadInputError(no_pair(diagnosis))
     return find(measurements, pair, options)

@@ -17,7 +17,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.model_file import load_model
 from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.kept_diagnosis import kept_diagnosis
-from labrig.report.diagnosis.tables import VERDICTS, next_sentences, verdict_sentences
+from labrig.report.diagnosis.tables import next_sentences, verdict_sentences, verdict_title
 from labrig.session import load_measurements, open_session
 from model import Measurements
 from model.discrepancy.verdict.result import Diagnosis
@@ -180,7 +180,7 @@ def _diagnosis(path: Path) -> tuple[Diagnosis | None, list[str]]:
 def _words(found: Diagnosis) -> dict[str, Any]:
     return {
         "verdict": found.verdict,
-        "title": VERDICTS[found.verdict],
+        "title": verdict_title(found),
         "sentences": verdict_sentences(found),
         "next": next_sentences(found)[:1],  # without the command that writes its protocol
     }

@@ -35,6 +35,7 @@ VERDICTS = {
     "unknown_effect": "something that is neither in the model nor in the catalogue",
     "cannot_tell": "no verdict from these data",
 }
+_PERHAPS_KNOWN = "something that is not in the model, and perhaps not in the catalogue"
 BEFORE_AFTER = (  # what the two columns of a comparison are
     "Before: the base model with constant EIBM; B and EIBM refitted, k0 held where sheet.toml"
     " states it. After: the same with the effects found; B, EIBM and effects refitted together."
@@ -48,6 +49,13 @@ _SCATTER = {  # name in a diagnosis -> text and factor
     "clamp_tilt": ("clamp angle {} mrad", 1e3),
     "force_zero": ("load cell's zero {} mN", 1e3),
 }
+
+
+def verdict_title(found: Diagnosis) -> str:
+    """Return the verdict in a few words; what is unknown may have a name all the same."""
+    of_unknown = found.unknown if found.verdict == "unknown_effect" else None
+    named = of_unknown is not None and of_unknown.confusable_with
+    return _PERHAPS_KNOWN if named else VERDICTS[found.verdict]
 
 
 def gap_sentence(found: Diagnosis) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 from labrig.errors import BadInputError
 from labrig.report.diagnosis.figures import FIGURES, draw_diagnosis
 from labrig.report.diagnosis.parameters import percent
-from labrig.report.diagnosis.tables import VERDICTS
+from labrig.report.diagnosis.tables import verdict_title
 from labrig.report.page.diagnosis_sections import sections_of
 from labrig.report.page.page import FILES, render_page, write_page
 from labrig.report.page.summary import Card
@@ -52,7 +52,7 @@ def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
 
 
 def _title(found: Diagnosis) -> str:
-    return f"{found.model.source or 'measurements'}: {VERDICTS[found.verdict]}"
+    return f"{found.model.source or 'measurements'}: {verdict_title(found)}"
 
 
 def _cards(found: Diagnosis) -> list[Card]:

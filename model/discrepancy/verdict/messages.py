@@ -38,7 +38,8 @@ def shown_by(names: Sequence[str]) -> str:
     """Return a sentence about what shows each of some effects, whether it is on the menu or not."""
     known = catalogue()
     told = (f"{title(name)}: {known[name].isolates.rstrip('.')}" for name in names if name in known)
-    return f"What shows each of them by itself: {'; '.join(told)}."
+    which = "it" if len(names) == 1 else "each of them"
+    return f"What shows {which} by itself: {'; '.join(told)}."
 
 
 def nothing_separates(names: Sequence[str]) -> str:
@@ -79,13 +80,16 @@ def _unknown_sentence(
 ) -> str:
     """Return where something unknown acts, what else it may be, and what its curve predicts."""
     more = f" besides {listed([class_name(n) for n in named])}" if named else ""
-    same = listed([title(name) for name in unknown.confusable_with], "or")
-    said = (
-        f"An unknown effect{more} is in neither the model nor the catalogue. Location:"
-        f" {located(unknown)} ({unknown.depends}); largest at"
+    said = f"An unknown effect{more} is in neither the model nor the catalogue."
+    if unknown.confusable_with:
+        names = listed([title(name) for name in unknown.confusable_with], "or")
+        said = (
+            f"Something{more} is not in the model; it may be {names}, or {OTHER_ANSWERS[UNKNOWN]}."
+        )
+    said += (
+        f" Location: {located(unknown)} ({unknown.depends}); largest at"
         f" {unknown.peak_mm:.3g} {unknown.at_unit}.{_or_elsewhere(unknown)}"
     )
-    said += f" Other possible names: {same}." if same else ""
     said += f" {_gap(left_out)}."
     if closed is not None and closed.after >= closed.before:
         said += " The curve does not improve the prediction between the positions."

@@ -139,10 +139,15 @@ def test_an_unknown_that_a_name_may_be_all_the_same_says_so():
     both = BeforeAfter(gap(0.2, 0.05, 9.0), gap(0.03, 0.05, 1.0))
     said = sentence("unknown_effect", [], one, both, "")
     assert said == (
-        "An unknown effect is in neither the model nor the catalogue. Location: eibm (under"
-        " voltage); largest at 0 mm. Other possible names: gravity or clamp angle. Prediction error"
+        "Something is not in the model; it may be gravity or clamp angle, or something that is not"
+        " in the catalogue. Location: eibm (under voltage); largest at 0 mm. Prediction error"
         " on left-out positions (RMS), before → after: force 0.200 → 0.030 mN, neutral curve 0.050"
         " → 0.050 mm."
+    )
+    single = replace(one, confusable_with=("first_pulse_transient",))
+    assert sentence("unknown_effect", [NAMED], single, both, "").startswith(
+        "Something besides gravity is not in the model; it may be first pulse transient, or"
+        " something that is not in the catalogue. Location: "
     )
 
 
