@@ -120,11 +120,11 @@ def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Sus
             suspicious.append(compared(name, own, stated, tolerances, checks))
     for one in _changed([one for one in suspicious if _mended(one)]):
         yield _unless_refused(one, as_stated, tolerances)
-    for one in suspicious:
-        if not _mended(one) and _fails(one.stated, data):
-            own = as_stated[one.name][0]
+    for failed in suspicious:
+        if not _mended(failed) and _fails(failed.stated, data):
+            own = as_stated[failed.name][0]
             known = [said for check in checks for said in check.of_failed_fit(own)]
-            yield from known or [_failed(one)]
+            yield from known or [_failed(failed)]
     for check in checks:
         yield from check.of_stiffness(data, stiffness)
 
