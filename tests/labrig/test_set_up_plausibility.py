@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -78,6 +79,26 @@ def test_the_plan_warns_of_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]
     assert run(["plan", str(tmp_path / "protocol.toml")]) == 0
     told = capsys.readouterr().err
     assert "warning: protocol.toml [[places]] long positions_mm: 15000 mm" in told
+
+
+def test_the_plan_warns_of_what_the_rig_beside_it_refuses(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_templates(tmp_path, simulated=True)
+    assert run(["plan", str(tmp_path / "protocol.toml")]) == 0
+    assert "rig.toml" not in capsys.readouterr().err
+    rig = tmp_path / "rig.toml"
+    text = rig.read_text(encoding="utf-8")
+    text = re.sub(r"(?m)^sheet_voltage_V = [0-9.]+", "sheet_voltage_V = 1.5", text)
+    rig.write_text(text, encoding="utf-8")
+    assert run(["plan", str(tmp_path / "protocol.toml")]) == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "warning: rig.toml beside it: run 1 (long at 0 mm) and 13 more:" in told
+    assert "2 V at the sheet is beyond the limit of ±1.5 V ([limits] sheet_voltage_V)" in told
+    assert "; labrig run will refuse this." in told
+    rig.write_text("no table", encoding="utf-8")  # what is wrong with it is said by check and run
+    assert run(["plan", str(tmp_path / "protocol.toml")]) == 0
+    assert "rig.toml" not in capsys.readouterr().err
 
 
 def test_what_is_unusual_is_a_warning(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from labrig.errors import BadInputError
 
 if TYPE_CHECKING:
     from model import SheetGeometry
+    from protocols import Schedule
 
 
 def plan(
@@ -26,8 +27,8 @@ def plan(
     """Show the schedule: times, voltages, readings, durations.
 
     It states how long the sheet rests before free shapes. It warns where a dynamic fit ([extras]
-    release, [analysis] dynamic) could not determine a parameter, and of implausible positions on
-    the arc of the sheet.toml beside it.
+    release, [analysis] dynamic) could not determine a parameter, of implausible positions on the
+    arc of the sheet.toml beside it, and of what the limits of the rig.toml beside it refuse.
     """
     from labrig.config import load_protocol
     from labrig.experiment.next_measurement.dynamic_needs import not_determined
@@ -70,6 +71,9 @@ def plan(
         warn(f"{text}.")
     for check in set_up_checks(SetUp(schedule=schedule, sheets=_sheets_beside(protocol))):
         warn(f"warning: {check.in_words}")
+    refused = _refused_beside(protocol, schedule)
+    if refused:
+        warn(f"warning: rig.toml beside it: {refused}; labrig run will refuse this.")
     if picture is not None:
         say(f"wrote {picture}")
 
@@ -82,6 +86,26 @@ def _sheets_beside(protocol: Path) -> dict[str, SheetGeometry] | None:
         return load_sheet(protocol.with_name("sheet.toml"))
     except BadInputError:
         return None
+
+
+def _refused_beside(protocol: Path, schedule: Schedule) -> str:
+    """Return what is beyond the limits of the rig.toml beside protocol.toml; empty: nothing is."""
+    from labrig.config import load_rig
+    from labrig.config.rig import RigConfig
+    from protocols import SafetyLimits, ScheduleError, check_schedule
+
+    try:
+        rig = load_rig(protocol.with_name("rig.toml"))
+    except BadInputError:
+        return ""
+    if not isinstance(rig, RigConfig):
+        return ""  # a replay sets no voltage
+    limits = rig.limits
+    try:
+        check_schedule(schedule, SafetyLimits(limits.sheet_voltage_V, limits.time_under_voltage_s))
+    except ScheduleError as error:
+        return str(error)
+    return ""
 
 
 COMMAND = Command(
