@@ -8,7 +8,7 @@ from labrig.api.eibm import Eibm, stated
 from labrig.errors import BadInputError
 from model.measurements import SheetGeometry
 from model.sheet.sheet_model import SheetModel
-from model.sheet.stated import stated_model
+from model.sheet.stated import SOFTEST_PA, STIFFEST_PA, stated_model
 
 USUAL_V = 2.0  # the paper's driving voltage, where one EIBM is stated without a voltage
 
@@ -102,4 +102,9 @@ def _stiffness(geometry: SheetGeometry, B_Nm2: float | None, E_Pa: float | None)
         raise BadInputError("labrig.sheet: give either B_Nm2 or E_Pa.")
     if E_Pa is None:
         return float(B_Nm2 or 0.0)
+    if E_Pa > STIFFEST_PA or 0.0 < E_Pa < SOFTEST_PA:
+        raise BadInputError(
+            f"labrig.sheet: E_Pa = {E_Pa:g}: no solid has such an equivalent Young modulus; one "
+            "of a sheet is some 1e8 Pa."
+        )
     return E_Pa * geometry.width_m * geometry.thickness_m**3 / 12.0

@@ -12,6 +12,8 @@ from model.parameter import Parameter
 from model.sheet.configured_sheet import Along, ConfiguredSheet
 from model.sheet.sheet_model import SheetModel
 
+SOFTEST_PA, STIFFEST_PA = 1.0, 2e12  # no solid has an equivalent Young modulus beyond these
+SOFT_PA, STIFF_PA = 1e6, 1e11  # from rubber to metal: what may have been meant
 MOST_TURNS = 10.0  # of a sheet without load; the paper's makes a quarter of one
 
 # Me in N m: one number, or (s_m, Me_Nm) with straight lines between the nodes
@@ -27,6 +29,7 @@ def stated_model(
     """
     if not (np.isfinite(B_Nm2) and B_Nm2 > 0.0):
         raise ModelError(f"B = {B_Nm2:g} N m²: the bending stiffness must be positive")
+    _refuse_no_solid(sheet, B_Nm2)
     nodes, k0 = sheet.initial_curvature or (np.zeros(1), np.zeros(1))
     geometry = replace(sheet, initial_curvature=(nodes, k0))
     rest = Along(nodes, k0, np.zeros(len(nodes)), "1/m")
@@ -49,6 +52,21 @@ def with_eibm(model: SheetModel, eibm_Nm: Mapping[float, StatedEibm]) -> SheetMo
             _refuse_wound_up(one, volts, along)
     sheets = {name: replace(one, eibm={**one.eibm, **stated}) for name, one in model.sheets.items()}
     return replace(model, sheets=sheets, merit={}, own_merit={}, dynamic={}, deviations={})
+
+
+def _refuse_no_solid(sheet: SheetGeometry, B_Nm2: float) -> None:
+    """Raise ModelError for a bending stiffness that no sheet of this width and thickness has."""
+    area_moment_m4 = sheet.width_m * sheet.thickness_m**3 / 12.0
+    modulus_Pa = B_Nm2 / area_moment_m4
+    if SOFTEST_PA <= modulus_Pa <= STIFFEST_PA:
+        return
+    check = "check width and thickness, too"
+    if SOFT_PA <= 1e-6 * modulus_Pa <= STIFF_PA:
+        check = f"{B_Nm2:g} µN m² are {1e-6 * B_Nm2:g} N m²"
+    raise ModelError(
+        f"B = {B_Nm2:g} N m² of '{sheet.configuration}' means a Young modulus of"
+        f" {modulus_Pa:.3g} Pa, which no solid has; {check}"
+    )
 
 
 def _refuse_wound_up(one: ConfiguredSheet, voltage_V: float, along: Along) -> None:

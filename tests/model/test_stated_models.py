@@ -29,13 +29,35 @@ def sheet() -> SheetGeometry:
         (1.3e-6, 36.0),  # in uN m
         (1.3e-6, -0.036),
         (1.3e-6, (np.array([0.0, 0.05]), np.array([36e-6, 36.0]))),
-        (1e-30, 36e-6),
+        (1e-13, 36e-6),
     ],
 )
 def test_an_eibm_that_winds_the_sheet_up_is_refused(sheet, B_Nm2, eibm):
     said = r"the EIBM stated at \+2 V would wind 'long' up .* times: .* N m with B = "
     with pytest.raises(ModelError, match=said):
         stated_model(sheet, B_Nm2, {2.0: eibm})
+
+
+NO_SOLID = "N m² of 'long' means a Young modulus of .* Pa, which no solid has; "
+
+
+@pytest.mark.parametrize(
+    ("B_Nm2", "said"),
+    [
+        (1.27, NO_SOLID + r"1\.27 µN m² are 1\.27e-06 N m²"),
+        (1e9, NO_SOLID + "check width and thickness, too"),
+        (1e-30, NO_SOLID + "check width and thickness, too"),
+    ],
+)
+def test_a_stiffness_that_no_solid_has_is_refused(sheet, B_Nm2, said):
+    with pytest.raises(ModelError, match=said):
+        stated_model(sheet, B_Nm2, {})
+
+
+@pytest.mark.parametrize("modulus_Pa", [2.0, 1e6, 150e6, 1.2e12])
+def test_one_that_some_solid_has_is_taken(sheet, modulus_Pa):
+    B_Nm2 = modulus_Pa * sheet.width_m * sheet.thickness_m**3 / 12.0
+    assert stated_model(sheet, B_Nm2, {}).sheets["long"].B.value == B_Nm2
 
 
 def test_one_that_bends_the_sheet_into_a_circle_is_taken(sheet):
