@@ -15,7 +15,6 @@ from model.identification.observations import Observed, observe
 from model.identification.paper import Sample, loaded
 from model.identification.starting_values import rest_field
 from model.measurements import Measurements, ModelError
-from model.mechanics.field import Field
 
 MEGA = 1e6  # 1/B is found in 1e6 per N m^2, so that it is of order one
 FEWEST_SPARE = 2  # conditions more than unknowns, for a standard error that means something
@@ -37,24 +36,23 @@ class ShapeCompliance:
 def shape_compliance(measurements: Measurements, configuration: str) -> ShapeCompliance | None:
     """Return 1/B by the curves of one configuration; None where they do not determine it."""
     try:
-        observed = observe(measurements, configuration)
-        rest, stated = rest_field(observed.sheet, observed)
-        samples = _samples(observed, rest)
-        return _regressed(samples, stated=stated)
+        return _regressed(*_samples(observe(measurements, configuration)))
     except (ModelError, np.linalg.LinAlgError):
         return None  # the fit says what is missing
 
 
-def _samples(observed: Observed, rest: Field) -> list[Sample]:
+def _samples(observed: Observed) -> tuple[list[Sample], bool]:
+    """Return what each condition says by itself, and whether the initial curvature is stated."""
+    rest, stated = rest_field(observed.sheet, observed)
     found = []
     for one in observed.touching():
         if one.curve is not None and np.isfinite(one.force_N):
             with suppress(ModelError):  # a curve that does not reach the arc
                 found.append(loaded(observed, one, rest, 1.0))
-    return found
+    return found, stated
 
 
-def _regressed(samples: list[Sample], *, stated: bool) -> ShapeCompliance | None:
+def _regressed(samples: list[Sample], stated: bool) -> ShapeCompliance | None:
     voltages = sorted({s.observation.voltage_V for s in samples} - {0.0})
     columns = [np.array([s.mean_moment_Nm * MEGA for s in samples])]
     columns += [
