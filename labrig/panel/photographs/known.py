@@ -85,15 +85,22 @@ def _as_before(base: Optics, strips: dict[str, StripPlace]) -> bool:
     before = base.by_strip()
     return before.keys() == strips.keys() and all(
         math.dist(place.clamp_px, before[name].clamp_px) < UNMOVED_PX
-        and (
-            place.along_px is None or math.dist(place.along_px, along_px(before[name])) < UNMOVED_PX
-        )
+        and _leads_as_before(place, before[name])
         for name, place in strips.items()
     )
 
 
-def along_px(optics: Optics) -> Point:
-    """Return a pixel further along the clamped strip, which shows its direction."""
+def _leads_as_before(place: StripPlace, before: Optics) -> bool:
+    if place.along_px is None:
+        return True
+    known = along_px(before)
+    return known is not None and math.dist(place.along_px, known) < UNMOVED_PX
+
+
+def along_px(optics: Optics) -> Point | None:
+    """Return a pixel further along the clamped strip; None where its direction is not known."""
+    if not optics.clamp_angle_known:
+        return None
     x, y = optics.clamp_m()
     angle = optics.clamp_angle_rad
     ahead = (x + ALONG_M * math.cos(angle), y + ALONG_M * math.sin(angle))

@@ -155,6 +155,20 @@ def test_an_accepted_curve_that_is_made_from_something_else_is_to_be_looked_at_a
     ) == ["b"]
 
 
+def test_a_direction_that_is_not_known_is_not_shown_and_stays_so_until_it_is_clicked(tmp_path):
+    drawn_strips.write(tmp_path, BENT_UP.image, "a", clamp_angle_known=False)
+    opened = PhotographFolder(tmp_path)
+    place = StripPlace(**opened.details("a")["known"]["strips"][""])
+    assert place.along_px is None
+    tip = place.model_copy(update={"tip_px": drawn_strips.place_on_it(1.0)})
+    opened.set_known("a", Clicked(strips={"": tip}), for_all=True)
+    assert not load_optics(tmp_path / "optics.json").clamp_angle_known
+    ahead = tip.model_copy(update={"along_px": (CLAMP[0] + 60, CLAMP[1])})
+    opened.set_known("a", Clicked(strips={"": ahead}), for_all=True)
+    assert load_optics(tmp_path / "optics.json").clamp_angle_known
+    opened.close()
+
+
 def test_a_file_of_the_users_own_is_kept_and_only_changed_where_something_was_clicked(tmp_path):
     drawn_strips.write(tmp_path, BENT_UP.image, "a", polarity="bright", px_per_mm_sigma=0.01)
     before = (tmp_path / "optics.json").read_text()
