@@ -37,7 +37,7 @@ class Checks:
         began_s = self.clock.now()
         try:
             result = act()
-        except Exception as error:  # noqa: BLE001 - whatever it raises is the finding
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the finding
             self.faults.append(f"{name} raised {_described(error)}")
             return None
         self._in_time(name, began_s, within_s)
@@ -56,7 +56,7 @@ class Checks:
             act()
         except wanted as error:
             self.require(str(error), f"{name} raised {type(error).__name__} without a sentence")
-        except Exception as error:  # noqa: BLE001 - whatever it raises is the finding
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the finding
             self.faults.append(f"{name} raised {_described(error)}, not {wanted.__name__}")
         else:
             self.faults.append(f"{name} was not refused with {wanted.__name__}")
@@ -88,7 +88,7 @@ class Checks:
             self.faults.append(f"{name} took {took_s:.2f} s; at most {within_s:g} s are allowed")
 
 
-def _described(error: Exception) -> str:
+def _described(error: BaseException) -> str:
     kind = type(error).__name__
     if isinstance(error, DeviceError):
         return f"{kind}: {error}"

@@ -11,7 +11,7 @@ def identities_of(device: object) -> tuple[DeviceIdentity, ...]:
         return ()
     try:
         found = tuple(device.identities())
-    except Exception:  # noqa: BLE001 - who a device is must never keep it from being used
+    except (Exception, SystemExit):  # noqa: BLE001 - who a device is must never keep it from being used
         return ()
     return tuple(each for each in found if isinstance(each, DeviceIdentity))
 

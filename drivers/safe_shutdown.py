@@ -151,7 +151,7 @@ def attempt(failures: list[str], action: Callable[[], object]) -> bool:
     except DeviceError as fault:
         failures.append(str(fault))
         return False
-    except Exception as fault:  # noqa: BLE001 - nothing may keep the next device from its turn
+    except (Exception, SystemExit) as fault:  # noqa: BLE001 - nothing may keep the next device from its turn
         failures.append(f"unexpected {type(fault).__name__}: {fault}")
         return False
     return True

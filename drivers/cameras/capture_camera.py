@@ -62,7 +62,7 @@ class CaptureCamera:
         self._lost = self._lost_before = (0, 0)  # incomplete, missed: at the end, at the start
         self._alive_s = 0.0  # when the last frame came
         self._fault: str | None = None
-        self._cause: Exception | None = None  # of the fault, where the capture raised it
+        self._cause: BaseException | None = None  # of the fault, where the capture raised it
 
     def open(self) -> None:
         """See `Camera.open`; waits for one frame, to know what frames look like."""
@@ -180,7 +180,7 @@ class CaptureCamera:
         """Run the camera's thread; what ends it is kept, for whoever asks for frames."""
         try:
             self._grab_until_closed(opened)
-        except Exception as fault:  # noqa: BLE001 - a thread has nobody to raise to
+        except BaseException as fault:  # noqa: BLE001 - a thread has nobody to raise to
             self._fault, self._cause = in_words(fault), fault
 
     def _grab_until_closed(self, opened: OpenedCapture) -> None:

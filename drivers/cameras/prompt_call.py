@@ -57,7 +57,7 @@ class PromptCall:
         while self._orders.get() == _CALL:
             try:
                 self._call()
-            except Exception as fault:  # noqa: BLE001 - a thread has nobody to raise to
+            except BaseException as fault:  # noqa: BLE001 - a thread has nobody to raise to
                 self._answers.put(in_words(fault))
             else:
                 self._answers.put("")

@@ -193,7 +193,7 @@ class MeteredInput:
             force_N = self._sensor.read_force()
         except DeviceError as fault:
             self._fault = fault
-        except Exception as fault:  # noqa: BLE001 - a thread has nobody to raise to
+        except BaseException as fault:  # noqa: BLE001 - a thread has nobody to raise to
             self._fault = DeviceError(f"unexpected {type(fault).__name__}: {fault}")
         else:
             self._good_s = self._clock.now()

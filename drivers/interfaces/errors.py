@@ -43,6 +43,7 @@ _OF_PROGRAMS = (
     LookupError,
     NameError,
     NotImplementedError,
+    SystemExit,  # the program is not a part's to end
     TypeError,
 )
 

@@ -176,7 +176,7 @@ def _answer(order: bytes) -> bytes:
     try:
         fn, args, kwargs = pickle.loads(order)  # noqa: S301 - our own process wrote it
         return pickle.dumps((True, fn(*args, **kwargs)))
-    except Exception as error:  # noqa: BLE001 - whatever it is, the one who asked is told
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, the one who asked is told
         try:
             told = pickle.dumps((False, error))
             pickle.loads(told)  # noqa: S301 - some errors can be written and not read

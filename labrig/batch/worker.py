@@ -41,7 +41,7 @@ def do(piece: Piece) -> PieceEnd:
     again = False
     try:
         row = _done(piece, row)
-    except Exception as error:  # noqa: BLE001 - the other pieces shall be done
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - the other pieces shall be done
         known = isinstance(error, LabrigError) or _is_model_error(error)
         again = not known
         row = replace(
@@ -99,13 +99,13 @@ def _write(folder: Path, answer: BatchAnswer, whole: object) -> None:
         write_text(folder.with_name(f"{folder.name}.{ending}"), content)
 
 
-def _is_model_error(error: Exception) -> bool:
+def _is_model_error(error: BaseException) -> bool:
     from model.measurements import ModelError
 
     return isinstance(error, ModelError)
 
 
-def _sentence(error: Exception, *, known: bool) -> str:
+def _sentence(error: BaseException, *, known: bool) -> str:
     text = " ".join(str(error).split())
     if known:
         return text if text.endswith(".") else f"{text}."

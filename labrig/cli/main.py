@@ -126,12 +126,23 @@ def _run(arguments: list[str]) -> int:
     except OSError as error:
         warn(f"labrig: {error.filename or 'writing'}: {error.strerror or error}.")
         return family_of(error).code
+    except SystemExit as error:
+        if not _is_foreign(error):
+            raise
+        return _report_fault(error)
     except Exception as error:  # noqa: BLE001 - a user never sees a traceback
         return _report_fault(error)
     return int(result or 0)
 
 
-def _report_fault(error: Exception) -> int:
+def _is_foreign(error: BaseException) -> bool:
+    """Whether a part of another distribution raised it: the program is not its own to end."""
+    from labrig.foreign_code import foreign_place  # reads what is installed
+
+    return foreign_place(error) is not None
+
+
+def _report_fault(error: BaseException) -> int:
     from drivers.interfaces import DeviceError
     from labrig.foreign_code import foreign_place  # reads what is installed
     from model.measurements import ModelError

@@ -50,7 +50,7 @@ def raising_value_errors() -> Iterator[None]:
         yield
     except ValueError:
         raise
-    except Exception as fault:
+    except (Exception, SystemExit) as fault:
         raise ValueError(f"its part failed with {type(fault).__name__}: {fault}") from fault
 
 

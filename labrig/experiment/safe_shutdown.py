@@ -68,7 +68,7 @@ class SafeShutdown:
         """Release the boards as they are."""
         rig = self._rig
         for release in (rig.output.abandon, rig.read_back.close, rig.boards.close):
-            with suppress(Exception):  # of other distributions' boards, too
+            with suppress(Exception, SystemExit):  # of other distributions' boards, too
                 in_time(rig.clock, "releasing the boards", release, _RELEASE_S)
 
     def _by_the_watchdog(self, own: SafetyReport, until_s: float) -> SafetyReport:

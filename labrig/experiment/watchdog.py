@@ -132,13 +132,13 @@ def watched(rig: Rig, session: Path) -> Iterator[Watchdog]:
             rig.interlock.open()
         except DeviceError as fault:
             raise NotReadyError(str(fault)) from fault
-        except Exception as fault:
+        except (Exception, SystemExit) as fault:
             why = f"the interlock's line cannot be opened: {type(fault).__name__}: {fault}"
             raise NotReadyError(why) from fault
         try:
             yield InterlockWatchdog(watch, rig.interlock)
         finally:
-            with suppress(Exception):  # without edges it drops, which is the safe side
+            with suppress(Exception, SystemExit):  # without edges it drops, which is the safe side
                 rig.interlock.close()
 
 
@@ -170,7 +170,7 @@ def _guard_of(rig: Rig, session: Path) -> Iterator[Watchdog]:
         guard = Guard.start(_settings(rig, session))
     except DeviceError as fault:
         raise NotReadyError(str(fault)) from fault
-    except Exception as fault:
+    except (Exception, SystemExit) as fault:
         raise NotReadyError(
             f"the output guard cannot be told of the boards of [{rig.config.boards_kind}]: "
             f"{type(fault).__name__}: {fault}"

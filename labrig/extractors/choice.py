@@ -47,7 +47,7 @@ class ChosenExtractor:
         """Return its curve; what it raises, or returns against the contract, is a reason."""
         try:
             found: object = self.extractor.curve(image, optics, strip, start=start)
-        except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
             said = " ".join(str(error).split()).rstrip(".")  # OpenCV's has several lines
             return self._refusal(f"failed with {type(error).__name__}: {said}")
         if not isinstance(found, NeutralCurve):

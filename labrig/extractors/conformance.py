@@ -58,7 +58,7 @@ def _faults_on(curve: Callable[..., object], example: Example) -> list[str]:
             return []
         followed = curve(image, example.optics, STRIP, start=found)
         return [f"with `start`: {text}" for text in _faults_of_answer(followed, example)]
-    except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
         return [f"it raised {type(error).__name__}: {error}"]
 
 

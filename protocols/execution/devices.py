@@ -37,7 +37,7 @@ def of_the_stage() -> Iterator[None]:
         yield
     except (DeviceError, NoAnswerError, SubscriberError):
         raise
-    except Exception as fault:
+    except (Exception, SystemExit) as fault:
         raise DeviceError(f"the stage failed: {in_words(fault)}") from fault
 
 
@@ -85,7 +85,7 @@ class StageMove:
         self._clock = clock
         self._ended = False
         self._agreed = False
-        self._fault: Exception | None = None
+        self._fault: BaseException | None = None
         self._thread = clock.start_thread(self._move, MOVING)
 
     @property
@@ -113,7 +113,7 @@ class StageMove:
                 self._agreed = self._stage.move_to(self.position_m)
                 self.ended_s = self._clock.now()
                 self.reported_m = self._stage.position() if self._agreed else None
-        except Exception as fault:  # noqa: BLE001 - raised again in the run's own thread
+        except (Exception, SystemExit) as fault:  # noqa: BLE001 - raised again in the run's own thread
             self._fault = fault
         finally:
             self._ended = True

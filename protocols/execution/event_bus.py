@@ -90,7 +90,7 @@ class _Delivery:
         """Give it the event; never raises."""
         try:
             self._subscriber(event)
-        except Exception as error:  # noqa: BLE001 - it must not break a run
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - it must not break a run
             text = f"{self.name} failed and may show too little: {type(error).__name__}: {error}"
             self._trouble.setdefault("failed", text)
 

@@ -277,6 +277,24 @@ def test_a_frame_of_another_size_ends_the_delivery_with_its_reason():
         camera.close()
 
 
+@pytest.mark.parametrize("end", [SystemExit(3), KeyboardInterrupt()])
+def test_a_capture_that_ends_the_program_ends_the_delivery_with_its_reason(end):
+    class Leaving(Capture):
+        def grab(self) -> bool:
+            if not self.raw:
+                raise end
+            return super().grab()
+
+    pictures = [grey(value) for value in range(5)]
+    camera = CaptureCamera("fake", RealClock(), lambda _: Leaving(pictures))
+    camera.open()
+    try:
+        with pytest.raises(DeviceError, match=f"has stopped delivering: {type(end).__name__}"):
+            wait_for(camera.start)
+    finally:
+        camera.close()
+
+
 def test_a_capture_that_opens_but_sends_nothing_is_refused_and_released():
     capture = Capture([])
     with pytest.raises(DeviceNotFoundError, match="sends no frame"):

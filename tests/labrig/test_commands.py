@@ -132,6 +132,37 @@ def test_the_failure_of_another_distribution_is_said_to_be_its_own(
     monkeypatch.delitem(sys.modules, "failing")
 
 
+def test_another_distribution_that_ends_the_program_is_told_in_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    install(tmp_path, "leaving", "count-lines", COUNT.replace("open(file)", "exit(0)"))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert run(["count-lines", "leaving.py"]) == 5
+    said = capsys.readouterr().err
+    assert "labrig: leaving 1.2 (leaving.py, line 6) failed (SystemExit: 0); please" in said
+    monkeypatch.delitem(sys.modules, "leaving")
+
+
+def test_a_command_of_another_distribution_ends_with_the_code_of_typers_exit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    code = "import typer" + COUNT.replace("with open(file) as lines:", "raise typer.Exit(4)")
+    code = code.replace("        print(sum(1 for line in lines))\n", "")
+    install(tmp_path, "exiting", "count-lines", code)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert run(["count-lines", "exiting.py"]) == 4
+    monkeypatch.delitem(sys.modules, "exiting")
+
+
+def test_our_own_end_of_the_program_stays_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    def leave(*_arguments: object, **_options: object) -> None:
+        raise SystemExit(7)
+
+    monkeypatch.setattr("labrig.cli.app._Application.main", leave)
+    with pytest.raises(SystemExit):
+        run(["list"])
+
+
 def labrig_with(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     path = os.pathsep.join([str(ROOT), str(folder)])
     return subprocess.run(

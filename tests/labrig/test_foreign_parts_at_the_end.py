@@ -29,15 +29,15 @@ class Device:
 
     channels = ("force", "current", "drive")
 
-    def __init__(self, *broken: str) -> None:
-        self.broken = broken
+    def __init__(self, *broken: str, fault: type[BaseException] = RuntimeError) -> None:
+        self.broken, self.fault = broken, fault
         self.calls: list[str] = []
 
     def __getattr__(self, name: str) -> Any:
         def call(*_arguments: object) -> Any:
             self.calls.append(name)
             if name in self.broken:
-                raise RuntimeError(f"{name} is broken")
+                raise self.fault(f"{name} is broken")
 
         setattr(self, name, call)
         return call
@@ -58,9 +58,12 @@ def rig_of(**devices: object) -> Rig:
     return cast("Rig", rig)
 
 
+@pytest.mark.parametrize("fault", [RuntimeError, SystemExit])
 @pytest.mark.parametrize("broken", ["stage", "signals"])
-def test_a_device_that_breaks_when_released_does_not_keep_the_output_open(broken: str) -> None:
-    rig = rig_of(**{broken: Device("close")})
+def test_a_device_that_breaks_when_released_does_not_keep_the_output_open(
+    broken: str, fault: type[BaseException]
+) -> None:
+    rig = rig_of(**{broken: Device("close", fault=fault)})
     with opened(rig):
         pass
     assert cast("Device", rig.output).calls == ["open", "close"]
@@ -89,9 +92,14 @@ class Acting:
         return SAFE
 
 
-def test_boards_that_break_when_released_do_not_keep_the_guard_from_acting() -> None:
+@pytest.mark.parametrize("fault", [RuntimeError, SystemExit])
+def test_boards_that_break_when_released_do_not_keep_the_guard_from_acting(
+    fault: type[BaseException],
+) -> None:
     rig = rig_of(
-        output=Device("write", "open", "abandon"), signals=Device("close"), boards=Device("close")
+        output=Device("write", "open", "abandon", fault=fault),
+        signals=Device("close", fault=fault),
+        boards=Device("close", fault=fault),
     )
     shutdown = SafeShutdown(rig)
     shutdown.watchdog = Acting()

@@ -140,6 +140,17 @@ def test_a_section_that_cannot_decide_whether_it_applies_is_left_out_too(finding
     assert "RuntimeError: no idea." in found.left_out[0]
 
 
+def test_a_section_that_ends_the_program_is_left_out_too(findings, tmp_path):
+    def leave(*_):
+        sys.exit(3)
+
+    found = content(
+        findings, tmp_path, made("Climate", leave), made("Words", lambda *_: "All is well.")
+    )
+    assert [section.title for section in found.sections] == ["Words"]
+    assert found.left_out[0].endswith("is left out: making it failed with SystemExit: 3.")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "says"),

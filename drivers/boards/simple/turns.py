@@ -34,7 +34,7 @@ class BoardTurns:
             return
         try:
             self.board.open()
-        except Exception as fault:
+        except (Exception, SystemExit) as fault:
             self.close()
             raise DeviceNotFoundError(
                 f"no connection to {self.name}: {in_words(fault)}; check its power, its address "
@@ -45,7 +45,7 @@ class BoardTurns:
     def close(self) -> None:
         """Let go of the board; does not wait for a call that hangs."""
         self.is_open = False
-        with suppress(Exception):
+        with suppress(Exception, SystemExit):
             self.board.close()
 
     @contextmanager
@@ -68,7 +68,7 @@ class BoardTurns:
             yield self.board
         except DeviceError:
             raise
-        except Exception as fault:
+        except (Exception, SystemExit) as fault:
             raise DeviceError(f"{doing} failed: {self.name}: {in_words(fault)}") from fault
         finally:
             self._lock.release()

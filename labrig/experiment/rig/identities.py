@@ -73,7 +73,7 @@ def acquisition_of(camera: Camera) -> AcquisitionSettings | None:
     """Return what an open camera has set; None where it cannot say."""
     try:
         found = camera.settings
-    except Exception:  # noqa: BLE001 - what a camera says of itself keeps it from no run
+    except (Exception, SystemExit):  # noqa: BLE001 - what a camera says of itself keeps it from no run
         return None
     return found if isinstance(found, AcquisitionSettings) else None
 

@@ -100,7 +100,7 @@ def opened(rig: Rig, on_step: Step = no_step) -> Iterator[Rig]:
                 take()
             except DeviceError as fault:
                 raise NotReadyError(str(fault)) from fault
-            except Exception as fault:
+            except (Exception, SystemExit) as fault:
                 raise NotReadyError(_unexpected(what, fault)) from fault
             releases.append(release)
         yield rig
@@ -108,7 +108,7 @@ def opened(rig: Rig, on_step: Step = no_step) -> Iterator[Rig]:
         _release(rig, releases)
 
 
-def _unexpected(what: str, fault: Exception) -> str:
+def _unexpected(what: str, fault: BaseException) -> str:
     """Return what a device raised that no driver may raise, and in whose code."""
     place = foreign_place(fault)
     where = "" if place is None else f", in {place}"
@@ -116,11 +116,11 @@ def _unexpected(what: str, fault: Exception) -> str:
 
 
 def _release(rig: Rig, releases: list[Callable[[], None]]) -> None:
-    unknown: Exception | None = None
+    unknown: BaseException | None = None
     for release in reversed(releases):
         try:
             release()
-        except Exception as fault:  # noqa: BLE001 - whatever a device raises, the next is released
+        except (Exception, SystemExit) as fault:  # noqa: BLE001 - whatever a device raises, the next is released
             if release == rig.output.close:
                 unknown = fault
     if unknown is not None:

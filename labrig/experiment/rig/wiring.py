@@ -97,7 +97,7 @@ def _part(folder: PluginFolder[Any], kind: str) -> Iterator[None]:
         yield
     except (DeviceError, LabrigError):
         raise
-    except Exception as fault:
+    except (Exception, SystemExit) as fault:
         origin = folder.origins().get(kind)
         raise NotReadyError(
             f"the {folder.what} '{kind}'{f' of {origin}' if origin else ''} cannot be used: "

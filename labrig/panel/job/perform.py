@@ -41,7 +41,7 @@ def _done(host: Host) -> tuple[int, str]:
         return int(error.code), str(error)
     except DeviceError as error:
         return int(ExitCode.NOT_READY), str(error)
-    except Exception as error:  # noqa: BLE001 - the panel must learn of it
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - the panel must learn of it
         import traceback
 
         traceback.print_exc()  # into the panel's job.log

@@ -72,7 +72,7 @@ def _data_route(part: Part[PanelPage]) -> Callable[[Here], Any]:
             return JSONResponse(ask(panel))
         except LabrigError:
             raise
-        except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
             why = " ".join(f"{type(error).__name__}: {error}".split()).rstrip(".")
             return JSONResponse(
                 {"error": f"the page '{part.name}'{origin} has no data: {why}."}, 500

@@ -35,7 +35,7 @@ def report_content(
             made = _made(part, findings, figures)
             if made is not None and made.anchor in sections:
                 raise ValueError(f"there is a section called {part.title} already")
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             if error is figures.failure:
                 raise
             left_out.append(_why(name, part, error))
@@ -57,7 +57,7 @@ def _made(part: ReportSection, findings: Findings, figures: FigureFolder) -> Sec
     return None if section.is_empty else replace(section, title=part.title)
 
 
-def _why(name: str, part: ReportSection, error: Exception) -> str:
+def _why(name: str, part: ReportSection, error: BaseException) -> str:
     text = " ".join(str(error).split()).rstrip(".")
     origin = SECTIONS.origins().get(name, "")
     return (

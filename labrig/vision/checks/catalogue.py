@@ -74,7 +74,7 @@ def _asked(part: Part[CurveCheck], seen: SeenCurve) -> CurveFinding | None:
         found = part.part.finding(seen)
         if found is not None:
             _require_finding(found, len(seen.fit.shape.x))
-    except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
         return CurveFinding(
             warning=f"the curve check '{part.name}' of {part.distribution} {part.version} failed "
             f"with {type(error).__name__}: {error}; the curve was not checked by it"

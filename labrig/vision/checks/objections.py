@@ -32,7 +32,7 @@ def _heeded(curve: NeutralCurve, optics: Optics) -> NeutralCurve:
     for objects in optics.constraints.objections:
         try:
             why = objects(curve.points_px)
-        except Exception as error:  # noqa: BLE001 - other people's code may raise anything
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
             named = "" if isinstance(error, LabrigError) else f"{type(error).__name__}: "
             text = (
                 "what is known of the strip was not compared with the curve: "

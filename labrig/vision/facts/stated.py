@@ -176,7 +176,7 @@ def _of_fact(fact: StripFact, where: str, ask: Callable[[], T]) -> T:
         raise
     except ValueError as error:
         raise BadInputError(f"{where}: {str(error).rstrip('.')}.") from None
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         origin = origin_of(fact.name)
         if not origin:  # a fault of ours is none of the user's
             raise

@@ -36,11 +36,11 @@ class Loop:
     limit_V: float  # at the sheet
     longest_timed_s: float = 0.0  # a run that its board may put out by itself
 
-    def guarded(self, what: str, act: Callable[[], object]) -> Exception | None:
+    def guarded(self, what: str, act: Callable[[], object]) -> BaseException | None:
         """Do something while cleaning up: a failure is reported and does not stop the rest."""
         try:
             act()
-        except Exception as error:  # noqa: BLE001 - whatever it is, the clean-up continues
+        except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, the clean-up continues
             with suppress(Exception):
                 self.emit(Warned(self.clock.now(), f"{what}: {error or type(error).__name__}"))
             return error

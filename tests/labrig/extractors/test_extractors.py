@@ -175,6 +175,13 @@ def test_an_exception_of_an_extractor_becomes_the_reason_of_one_image():
     assert "'intensity_fit' failed with ZeroDivisionError: division by zero." in found.why
 
 
+def test_an_extractor_that_ends_the_program_is_the_reason_of_one_image():
+    failing = replace(chosen_extractor(), extractor=Altered(lambda _curve, _image: sys.exit(4)))
+    found = failing.curve(examples()[0].image, examples()[0].optics, STRIP)
+    assert not found.ok
+    assert "'intensity_fit' failed with SystemExit: 4." in found.why
+
+
 def test_an_unknown_extractor_is_answered_with_those_there_are(strip_image, capsys):
     with pytest.raises(BadInputError, match="choose one of: intensity_fit"):
         chosen_extractor("intensity")

@@ -35,6 +35,9 @@ def refused():
 def fail(panel):
     raise KeyError("ink")
 
+def leave(panel):
+    raise SystemExit(1)
+
 def table(panel):
     rows = [["data folder", panel.settings.data.name, 1], ["pages", 3, 2]]
     return {"sentences": ["All is noted."], "tables": [
@@ -44,6 +47,7 @@ WEB = Path(__file__).parent / "labrig_notes_web"
 NOTES = PanelPage(title="Notes", order=25, router=router, script=WEB / "page.js", data=table)
 PLAIN = PanelPage(title="Plain notes", order=26, data=table)
 FAILING = PanelPage(title="Failing", order=27, data=fail)
+LEAVING = PanelPage(title="Leaving", order=29, data=leave)
 BAD = PanelPage(title="Bad", order=28, script=WEB / "missing.js")
 """
 LIST = """
@@ -64,6 +68,7 @@ POINTS = """
 notes = labrig_notes:NOTES
 plain_notes = labrig_notes:PLAIN
 failing = labrig_notes:FAILING
+leaving = labrig_notes:LEAVING
 bad = labrig_notes:BAD
 list = labrig_list:PAGE
 """
@@ -83,7 +88,7 @@ def documented_points() -> dict[str, str]:
 
 
 def install(where: Path) -> None:
-    """`labrig-notes` 0.3, with the pages of the docs and four more, of which one is faulty."""
+    """`labrig-notes` 0.3, with the pages of the docs and five more, of which one is faulty."""
     (where / "labrig_humidity.py").write_text(documented("python"))
     (where / "humidity_web").mkdir()
     (where / "humidity_web" / "page.js").write_text(documented("js"))

@@ -151,6 +151,9 @@ def test_a_page_that_fails_answers_with_a_sentence(installed):
     status, answer = installed.ask("GET", "/api/pages/failing")
     assert status == 500
     assert answer["error"] == "the page 'failing' of labrig-notes 0.3 has no data: KeyError: 'ink'."
+    status, answer = installed.ask("GET", "/api/pages/leaving")
+    assert status == 500
+    assert answer["error"].endswith("'leaving' of labrig-notes 0.3 has no data: SystemExit: 1.")
 
 
 @pytest.mark.slow
