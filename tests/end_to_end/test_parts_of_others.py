@@ -24,6 +24,7 @@ pytestmark = [
 
 # What they reach is the served rig; what matters is that labrig knows them by their names alone.
 CODE = '''
+import threading
 from dataclasses import dataclass, field
 
 from drivers.boards.contract import BoardFamily
@@ -50,6 +51,14 @@ def open_firefly(settings, clock, rate_hz):
 
 FIREFLY = CameraKind(kind="firefly", help="a camera", settings=FireflySettings,
                      make=open_firefly, prefix="firefly:")
+
+def open_stuck(settings, clock, rate_hz):
+    camera = open_firefly(settings, clock, rate_hz)
+    camera.close = lambda: threading.Event().wait(300)
+    return camera
+
+
+STUCK = CameraKind(kind="stuck", help="a camera that does not close", make=open_stuck)
 
 ROBOT = PositionerKind(kind="robot", help="a robot", settings=ZABER.settings, make=ZABER.make)
 SCALE = ForceSensorKind(kind="scale", help="a scale", settings=DPM3.settings, make=DPM3.make)
@@ -88,6 +97,7 @@ UNSAFE = BoardFamily(
 POINTS = """
 [labrig.cameras]
 firefly = lab_devices:FIREFLY
+stuck = lab_devices:STUCK
 [labrig.positioners]
 robot = lab_devices:ROBOT
 [labrig.force_sensors]
@@ -157,6 +167,19 @@ def test_parts_of_another_distribution_work_like_our_own(rig: ServedRig) -> None
     safe = command("safe", file)
     assert safe.returncode == 0, safe.stdout + safe.stderr
     assert "the output is safe: 0 V written" in safe.stdout + safe.stderr
+
+
+def test_a_camera_that_never_closes_keeps_neither_the_program_nor_the_boards(
+    rig: ServedRig,
+) -> None:
+    file = rig.folder / "rig" / "rig.toml"
+    text = file.read_text().replace("gain_dB = 3\n", 'kind = "stuck"\n')
+    file.write_text(text)
+    rig.be_short()
+    for _ in range(2):  # the boards are free for the second
+        assert rig.start().wait(90) == 0, rig.said()
+        assert "warning: closing the camera has not come to an end in 8 s." in rig.said()
+        assert "the output is at 0 V, read back" in rig.said()
 
 
 def test_the_guard_makes_their_boards_safe_when_labrig_is_killed(rig: ServedRig) -> None:

@@ -15,10 +15,11 @@ from drivers.guard.rescuer import Rescuer
 from drivers.guard.settings import GuardSettings
 from drivers.interfaces import RealClock
 from drivers.safe_shutdown import Safety, SafetyReport
-from labrig.errors import NotReadyError, OutputUnknownError
+from labrig.errors import LabrigWarning, NotReadyError, OutputUnknownError
 from labrig.experiment import safety, watchdog
 from labrig.experiment.rig.rig import Rig, opened
 from labrig.experiment.safe_shutdown import SafeShutdown
+from labrig.session.recording import disk
 from sim_hardware.clock import VirtualClock
 
 SAFE = SafetyReport(Safety.SAFE, 0.0, ())
@@ -44,14 +45,12 @@ class Device:
 
 
 def rig_of(**devices: object) -> Rig:
-    every = {name: Device() for name in ("boards", "output", "signals", "stage")} | devices
+    every: dict[str, object] = {name: Device() for name in ("boards", "output", "signals", "stage")}
+    every |= {"camera": None, "trigger": None, "clock": VirtualClock(), **devices}
     limits = SimpleNamespace(safe_below_V=0.05)
     config = SimpleNamespace(limits=limits)
     rig = SimpleNamespace(
         **every,
-        camera=None,
-        trigger=None,
-        clock=VirtualClock(),
         config=config,
         read_back=every["signals"],
     )
@@ -68,6 +67,61 @@ def test_a_device_that_breaks_when_released_does_not_keep_the_output_open(
         pass
     assert cast("Device", rig.output).calls == ["open", "close"]
     assert cast("Device", rig.boards).calls == ["open", "close"]
+
+
+class Listed(Device):
+    """Adds its name to a list when it is closed."""
+
+    def __init__(self, name: str, closed: list[str]) -> None:
+        super().__init__()
+        self.close = lambda: closed.append(name)
+
+
+def test_the_boards_are_released_before_every_other_device() -> None:
+    closed: list[str] = []
+    names = ("boards", "output", "signals", "trigger", "camera", "stage")
+    with opened(rig_of(**{name: Listed(name, closed) for name in names})):
+        pass
+    assert closed == ["trigger", "signals", "output", "boards", "stage", "camera"]
+
+
+@pytest.mark.parametrize("hung", ["camera", "stage", "signals"])
+def test_a_device_that_never_closes_is_named_and_left_behind(
+    hung: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    never = threading.Event()
+    monkeypatch.setattr("labrig.experiment.rig.rig.CLOSE_S", 0.05)
+    monkeypatch.setattr(disk, "_left_behind", False)  # else the tests' own process ends early
+    closed: list[str] = []
+    names = ("boards", "output", "signals", "camera", "stage")
+    devices = {name: Listed(name, closed) for name in names}
+    devices[hung].close = lambda: never.wait(20.0)
+    said = rf"warning: closing the {'inputs' if hung == 'signals' else hung} has not come to an end"
+    with pytest.warns(LabrigWarning, match=said), opened(rig_of(clock=RealClock(), **devices)):
+        pass
+    never.set()
+    assert sorted(closed) == sorted({*names} - {hung})
+
+
+def test_an_output_that_never_closes_is_not_known_to_be_safe(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    never = threading.Event()
+    monkeypatch.setattr("labrig.experiment.rig.rig.CLOSE_S", 0.05)
+    monkeypatch.setattr(disk, "_left_behind", False)  # else the tests' own process ends early
+    closed: list[str] = []
+    output, stage = Device(), Listed("stage", closed)
+    output.close = lambda: never.wait(20.0)
+    rig = rig_of(clock=RealClock(), output=output, stage=stage)
+    said = r"closing the output has not come to an end .*; switch the amplifier off"
+    with (
+        pytest.warns(LabrigWarning, match="closing the output has not"),
+        pytest.raises(OutputUnknownError, match=said),
+        opened(rig),
+    ):
+        pass
+    never.set()
+    assert closed == ["stage"]
 
 
 def test_an_output_that_breaks_when_released_is_not_known_to_be_safe() -> None:

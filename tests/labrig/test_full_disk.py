@@ -36,6 +36,7 @@ def full(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(autouse=True)
 def the_library_is_well(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(disk, "_failed_writes", 0)
+    monkeypatch.setattr(disk, "_left_behind", False)
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from drivers.interfaces import (
     Camera,
     Clock,
     DeviceError,
+    DeviceTimeoutError,
     FrameTrigger,
     Interlock,
     Operator,
@@ -20,15 +22,19 @@ from drivers.interfaces import (
     VoltageOutput,
 )
 from drivers.load_cell import LoadCell, LoadCellCalibration
+from drivers.safe_shutdown import in_time
 from labrig.config import RigConfig
-from labrig.errors import NotReadyError, OutputUnknownError
+from labrig.errors import LabrigWarning, NotReadyError, OutputUnknownError
 from labrig.experiment.rig.channels import channels_of
 from labrig.foreign_code import foreign_place
 from labrig.session import RecordedSession
+from labrig.session.recording.disk import note_a_device_left_behind
 from protocols.execution.devices import Devices
 
 __all__ = ["CURRENT", "DRIVE", "FORCE", "Rig", "opened"]
 
+# A device that has not closed after so long is left behind; ours end a last request within 5 s.
+CLOSE_S = 8.0
 
 Step = Callable[[str], None]  # called with what is done next, in words
 
@@ -84,28 +90,39 @@ class Rig:
 
 @contextmanager
 def opened(rig: Rig, on_step: Step = no_step) -> Iterator[Rig]:
-    """Open every device of a rig; they are closed in reverse order, whatever happens.
+    """Open every device of a rig; they are closed at the end, whatever happens.
 
     `on_step` is called before each.
 
+    The boards are closed first: whatever becomes of the other devices, the next program can have
+    them. A device that does not close in `CLOSE_S` is left behind, with a LabrigWarning.
+
     A device that cannot be opened raises NotReadyError with the driver's sentence: nothing has been
-    energised. The output is opened first and closed last, and both write 0 V; OutputUnknownError
-    when that fails at the end. The other devices' faults at the end do not matter any more.
+    energised. Opening and closing the output both write 0 V; OutputUnknownError when that fails at
+    the end. The other devices' faults at the end do not matter any more.
     """
-    releases: list[Callable[[], None]] = []
+    taken: list[_Device] = []
     try:
-        for what, take, release in _openings(rig):
-            on_step(f"opening {what}")
+        for device in _devices(rig):
+            on_step(f"opening {device.what}")
             try:
-                take()
+                device.take()
             except DeviceError as fault:
                 raise NotReadyError(str(fault)) from fault
             except (Exception, SystemExit) as fault:
-                raise NotReadyError(_unexpected(what, fault)) from fault
-            releases.append(release)
+                raise NotReadyError(_unexpected(device.what, fault)) from fault
+            taken.append(device)
         yield rig
     finally:
-        _release(rig, releases)
+        _release(rig, taken)
+
+
+@dataclass(frozen=True)
+class _Device:
+    what: str
+    take: Callable[[], None]
+    release: Callable[[], None]
+    of_boards: bool = True
 
 
 def _unexpected(what: str, fault: BaseException) -> str:
@@ -115,24 +132,36 @@ def _unexpected(what: str, fault: BaseException) -> str:
     return f"opening {what} failed: {type(fault).__name__}: {fault}{where}"
 
 
-def _release(rig: Rig, releases: list[Callable[[], None]]) -> None:
+def _release(rig: Rig, taken: list[_Device]) -> None:
     unknown: BaseException | None = None
-    for release in reversed(releases):
+    late: list[str] = []
+    last_first = taken[::-1]
+    boards = [device for device in last_first if device.of_boards]
+    for device in boards + [device for device in last_first if not device.of_boards]:
+        closing = f"closing {device.what.partition(',')[0]}"
         try:
-            release()
-        except (Exception, SystemExit) as fault:  # noqa: BLE001 - whatever a device raises, the next is released
-            if release == rig.output.close:
+            in_time(rig.clock, closing, device.release, CLOSE_S)
+        except (Exception, SystemExit) as fault:  # noqa: BLE001 - the next one is released
+            if isinstance(fault, DeviceTimeoutError):
+                note_a_device_left_behind()
+                late.append(str(fault).rstrip("."))
+            if device.release == rig.output.close:
                 unknown = fault
-    if unknown is not None:
-        raise OutputUnknownError(f"{unknown}; switch the amplifier off") from unknown
+    try:
+        for said in late:
+            warnings.warn(f"warning: {said}.", LabrigWarning, stacklevel=2)
+    finally:
+        if unknown is not None:
+            raise OutputUnknownError(f"{unknown}; switch the amplifier off") from unknown
 
 
-def _openings(rig: Rig) -> Iterator[tuple[str, Callable[[], None], Callable[[], None]]]:
-    yield "the boards", rig.boards.open, rig.boards.close
-    yield "the output, at 0 V", rig.output.open, rig.output.close
-    yield "the inputs", rig.signals.open, rig.signals.close
+def _devices(rig: Rig) -> Iterator[_Device]:
+    """Yield the devices in the order in which they are opened."""
+    yield _Device("the boards", rig.boards.open, rig.boards.close)
+    yield _Device("the output, at 0 V", rig.output.open, rig.output.close)
+    yield _Device("the inputs", rig.signals.open, rig.signals.close)
     if rig.camera is not None:
-        yield "the camera", rig.camera.open, rig.camera.close
+        yield _Device("the camera", rig.camera.open, rig.camera.close, of_boards=False)
     if rig.trigger is not None:
-        yield "the camera's trigger", rig.trigger.open, rig.trigger.close
-    yield "the stage", rig.stage.open, rig.stage.close
+        yield _Device("the camera's trigger", rig.trigger.open, rig.trigger.close)
+    yield _Device("the stage", rig.stage.open, rig.stage.close, of_boards=False)

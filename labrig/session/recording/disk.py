@@ -62,15 +62,25 @@ def note_a_failed_write() -> None:
     _failed_writes += 1
 
 
+_left_behind = False
+
+
+def note_a_device_left_behind() -> None:
+    """React to a thread that is still in a device's code: see `end_before_the_library_does`."""
+    global _left_behind
+    _left_behind = True
+
+
 def end_before_the_library_does(code: int) -> None:
     """End the process at once where a library would not end well.
 
     The HDF5 library, where it could not write something, would try once more at its own end, and
     crash. Where the output is not known to be safe, gRPC would wait for boards that do not answer:
-    whoever waits for the exit code has to act now. Everything else has ended by now, and what is
-    to be recovered lies in the journal. Else nothing happens.
+    whoever waits for the exit code has to act now. A thread that a device's library does not let
+    go of would make Python abort. Everything else has ended by now, and what is to be recovered
+    lies in the journal. Else nothing happens.
     """
-    if not _failed_writes and code != ExitCode.OUTPUT_UNKNOWN:
+    if not _failed_writes and not _left_behind and code != ExitCode.OUTPUT_UNKNOWN:
         return
     for stream in (sys.stdout, sys.stderr):
         with suppress(OSError, ValueError):
