@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
+import numpy as np
+
 from drivers.interfaces import (
     Camera,
     Clock,
@@ -58,6 +60,7 @@ class Devices:
     camera: Camera | None
     trigger: FrameTrigger | None = None  # what begins the camera's exposures; None: it runs free
     stage: Positioner
+    stage_name: str = ""  # in rig.toml
     # `ask` must come back, with False, when a stop is requested while it waits. A manual stage and
     # this field share one RecordedOperator, or the stage's questions are not emitted.
     operator: Operator
@@ -69,19 +72,34 @@ class Devices:
         """Return the channels in the order of the signals' rows. Raises DeviceError."""
         return ChannelRows.of(self.signals, self.channels)
 
+    def move_stage(self, position_m: float) -> bool:
+        """Move the load cell; False when the operator declined. Raises DeviceError."""
+        with of_the_stage():
+            done: object = self.stage.move_to(position_m)
+        if isinstance(done, bool | np.bool_):
+            return bool(done)
+        name = f" '{self.stage_name}'" if self.stage_name else ""
+        raise DeviceError(f"the stage{name} answered {done!r} to move_to, neither True nor False")
+
+    def stage_position_m(self) -> float | None:
+        """Return what the stage reports; None: it has no sensor. Raises DeviceError."""
+        with of_the_stage():
+            found = self.stage.position()
+            return None if found is None else float(found)
+
 
 class StageMove:
-    """One move, in a thread of its own: `Positioner.move_to` blocks, and samples must be read.
+    """One move, in a thread of its own: `Devices.move_stage` blocks, and samples must be read.
 
     It begins when it is created.
     """
 
-    def __init__(self, stage: Positioner, clock: Clock, position_m: float) -> None:
+    def __init__(self, devices: Devices, clock: Clock, position_m: float) -> None:
         self.position_m = position_m
         self.began_s = clock.now()
         self.ended_s = self.began_s
         self.reported_m: float | None = None  # by the stage, once there; None: it has no sensor
-        self._stage = stage
+        self._devices = devices
         self._clock = clock
         self._ended = False
         self._agreed = False
@@ -109,10 +127,9 @@ class StageMove:
 
     def _move(self) -> None:
         try:
-            with of_the_stage():
-                self._agreed = self._stage.move_to(self.position_m)
-                self.ended_s = self._clock.now()
-                self.reported_m = self._stage.position() if self._agreed else None
+            self._agreed = self._devices.move_stage(self.position_m)
+            self.ended_s = self._clock.now()
+            self.reported_m = self._devices.stage_position_m() if self._agreed else None
         except (Exception, SystemExit) as fault:  # noqa: BLE001 - raised again in the run's own thread
             self._fault = fault
         finally:

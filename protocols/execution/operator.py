@@ -55,7 +55,7 @@ class RecordedOperator:
 
     def _answer(self, prompt: Prompt) -> bool:
         try:
-            return self._operator.ask(prompt)
+            return bool(self._operator.ask(prompt))
         except DeviceError:
             raise
         except Exception as error:

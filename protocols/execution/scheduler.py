@@ -59,10 +59,11 @@ import threading
 from collections.abc import Callable, Collection
 from dataclasses import replace
 from functools import partial
+from math import isfinite
 
 from drivers.interfaces import Clock, DeviceError, Prompt
 from protocols.errors import ScheduleError
-from protocols.execution.devices import Devices, of_the_stage
+from protocols.execution.devices import Devices
 from protocols.execution.endings import Whose, reason_of
 from protocols.execution.event_bus import SubscriberError
 from protocols.execution.events import (
@@ -305,8 +306,7 @@ class Scheduler:
         if not isinstance(action, Move):
             return self._ask(action), f"({action.text})"
         request = f"to move the load cell to {action.position_m * 1e3:g} mm"
-        with of_the_stage():
-            return self._devices.stage.move_to(action.position_m), request
+        return self._devices.move_stage(action.position_m), request
 
     def _ask(self, prompt: Prompt) -> bool:
         done = self._operator.ask(prompt)
@@ -317,17 +317,17 @@ class Scheduler:
     def _reported_position(self, run: PlannedRun) -> float | None:
         if run.position_m is None:
             return None
-        with of_the_stage():
-            reported_m = self._devices.stage.position()
-        if reported_m is not None:
-            off_m = reported_m - run.position_m
-            if abs(off_m) > self._rules.position_tolerance_m:
-                text = (
-                    f"the stage reports {reported_m * 1e3:.2f} mm where run {run.index + 1} wants "
-                    f"{run.position_m * 1e3:g} mm"
-                )
-                self._emit(Warned(self._clock.now(), text))
-        return reported_m
+        reported_m = self._devices.stage_position_m()
+        if reported_m is None:
+            return None
+        known = isfinite(reported_m)
+        if not abs(reported_m - run.position_m) <= self._rules.position_tolerance_m:
+            said = f"{reported_m * 1e3:.2f} mm"
+            if not known:
+                said = f"{reported_m} as its position, which is no number,"
+            wanted = f"where run {run.index + 1} wants {run.position_m * 1e3:g} mm"
+            self._emit(Warned(self._clock.now(), f"the stage reports {said} {wanted}"))
+        return reported_m if known else None
 
     def _obey_stop(self) -> None:
         if self._stop.level is not StopLevel.NONE:

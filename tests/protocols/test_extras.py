@@ -270,6 +270,15 @@ def test_an_operator_who_declines_the_move_stops_the_session(rig):
     assert rig.output.last_V == 0.0
 
 
+def test_a_stage_that_answers_nothing_on_the_move_is_blamed(rig):
+    move = rig.stage.move_to
+    rig.stage.move_to = lambda p: None if rig.stage.moves[-1:] == [0.005] else move(p)
+    scheduler = rig.scheduler()
+    assert scheduler.run(schedule_of(LoadCellStep())) is Outcome.FAILED
+    assert scheduler.status.text == ("the stage answered None to move_to, neither True nor False")
+    assert rig.output.last_V == 0.0
+
+
 def test_a_stage_that_fails_on_the_move_ends_the_session_at_0_V(rig):
     move = rig.stage.move_to
 

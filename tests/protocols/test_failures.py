@@ -1,6 +1,7 @@
 """Whatever fails, whenever: 0 V first, and the end is told."""
 
 import itertools
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -321,6 +322,27 @@ def test_a_stage_whose_code_is_wrong_is_named_with_the_place_in_it(method):
         "the stage failed: KeyError: 'at', in their-stage 2.0 (stage.py, line 3)"
     )
     assert [type(error) for error in asked] == [KeyError]
+
+
+def test_a_stage_that_ends_the_program_ends_the_session_at_0_V():
+    rig = FakeRig()
+    rig.stage.move_to = lambda _position_m: sys.exit(3)
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert rig.events[-1].reason == "the stage failed: SystemExit: 3"
+
+
+@pytest.mark.parametrize("answer", [None, 1, "moved"])
+def test_a_stage_that_answers_neither_true_nor_false_is_blamed_and_not_the_operator(answer):
+    rig = FakeRig()
+    rig.devices = replace(rig.devices, stage_name="belt")
+    rig.stage.move_to = lambda _position_m: answer
+    scheduler = rig.scheduler()
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert scheduler.status.finish is FinishReason.DEVICE_FAULT
+    assert rig.events[-1].reason == (
+        f"the stage 'belt' answered {answer!r} to move_to, neither True nor False"
+    )
 
 
 def test_a_device_that_says_itself_what_is_wrong_with_it_is_no_mistake_in_a_part():

@@ -2,6 +2,7 @@
 
 import math
 from itertools import pairwise
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -323,6 +324,22 @@ def test_a_stage_that_stands_elsewhere_is_a_warning(rig):
     ends_well(rig)
     assert rig.of_kind(RunStarted)[0].stage_position_m == pytest.approx(0.0008)
     assert "the stage reports 0.80 mm where run 1 wants 0 mm" in rig.of_kind(Warned)[0].text
+
+
+@pytest.mark.parametrize("reported_m", [math.nan, math.inf])
+def test_a_stage_that_reports_no_number_is_a_warning(rig, reported_m):
+    rig.stage.position = lambda: reported_m
+    ends_well(rig)
+    assert rig.of_kind(Warned)[0].text == (
+        f"the stage reports {reported_m} as its position, which is no number, "
+        "where run 1 wants 0 mm"
+    )
+    assert rig.of_kind(RunStarted)[0].stage_position_m is None
+
+
+def test_an_operators_answer_is_yes_or_no_whatever_it_is(rig):
+    recorded = RecordedOperator(SimpleNamespace(ask=lambda _prompt: 1), rig.clock, lambda _: None)
+    assert recorded.ask(Prompt(kind="touch", text="Touch it.")) is True
 
 
 def test_runs_that_are_done_are_left_out_when_a_session_is_resumed(rig):

@@ -82,6 +82,7 @@ class Rig:
             camera=self.camera,
             trigger=self.trigger,
             stage=self.stage,
+            stage_name=self.config.stage.kind,
             operator=self.operator,
             channels=channels_of(self.config, load_cell, ranges_V),
             protect=load_cell.protect,

@@ -179,7 +179,7 @@ class RunLoop:
         loop = self._loop
         if not self._until(self._zero_s + move.time_s, maker):
             return None
-        moving = StageMove(loop.devices.stage, loop.clock, move.position_m)
+        moving = StageMove(loop.devices, loop.clock, move.position_m)
         loop.emit(LoadCellLeft(moving.began_s, run=self._run.index, position_m=move.position_m))
         try:
             while not moving.ended:
