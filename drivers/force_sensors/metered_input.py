@@ -179,7 +179,7 @@ class MeteredInput:
             raise DeviceTimeoutError(
                 f"the force meter has given no reading for {silent_s:.1f} s: "
                 f"{fault or 'it does not answer'}"
-            )
+            ) from fault
 
     def _read_until_closed(self) -> None:
         """Run the meter's thread."""
@@ -195,6 +195,7 @@ class MeteredInput:
             self._fault = fault
         except BaseException as fault:  # noqa: BLE001 - a thread has nobody to raise to
             self._fault = DeviceError(f"unexpected {type(fault).__name__}: {fault}")
+            self._fault.__cause__ = fault  # in whose code it was raised
         else:
             self._good_s = self._clock.now()
             with self._lock:

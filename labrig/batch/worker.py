@@ -13,6 +13,7 @@ from labrig.batch.keys import content_of, digest, stamp_of
 from labrig.batch.rows import PieceOutcome, Row
 from labrig.errors import LabrigError
 from labrig.files import write_text
+from labrig.foreign_code import foreign_place
 from labrig.serialise import finite
 
 
@@ -109,4 +110,6 @@ def _sentence(error: BaseException, *, known: bool) -> str:
     text = " ".join(str(error).split())
     if known:
         return text if text.endswith(".") else f"{text}."
-    return f"failed with {type(error).__name__}: {text}".rstrip(": ").rstrip(".") + "."
+    said = f"failed with {type(error).__name__}: {text}".rstrip(": ").rstrip(".")
+    place = foreign_place(error)
+    return f"{said}." if place is None else f"{said}, in {place}."

@@ -18,11 +18,13 @@ Whose = Callable[[BaseException], str | None]
 def reason_of(error: BaseException, whose: Whose) -> tuple[FinishReason, str]:
     """Return what an exception means for the session, and the sentence for the operator.
 
-    A mistake in a part of another distribution is told with the place that `whose` finds.
+    What a part of another distribution raised is told with the place that `whose` finds, unless it
+    is a DeviceError: its sentence is meant for the operator.
     """
     finish, text = _reason_of(error)
     cause = _behind(error)
-    asked = finish is FinishReason.INTERNAL_ERROR or is_mistake(cause)
+    of_a_device = finish is FinishReason.DEVICE_FAULT and not isinstance(cause, DeviceError)
+    asked = of_a_device or finish is FinishReason.INTERNAL_ERROR or is_mistake(cause)
     place = _place(cause, whose) if asked else None
     if place is None:
         return finish, text

@@ -289,8 +289,10 @@ def test_a_capture_that_ends_the_program_ends_the_delivery_with_its_reason(end):
     camera = CaptureCamera("fake", RealClock(), lambda _: Leaving(pictures))
     camera.open()
     try:
-        with pytest.raises(DeviceError, match=f"has stopped delivering: {type(end).__name__}"):
+        said = f"has stopped delivering: {type(end).__name__}"
+        with pytest.raises(DeviceError, match=said) as told:
             wait_for(camera.start)
+        assert told.value.__cause__ is end
     finally:
         camera.close()
 

@@ -156,6 +156,17 @@ def test_a_meter_that_falls_silent_ends_the_acquisition_with_its_reason(bench):
         bench.signals.read_available()
 
 
+@pytest.mark.parametrize("fault", [RuntimeError("no line"), SystemExit("no line")])
+def test_a_meter_that_breaks_its_contract_is_the_cause_of_the_silence(bench, fault):
+    bench.signals.start()
+    bench.meter.fault = fault
+    bench.wait(SILENT_S + 0.2)
+    kind = type(fault).__name__
+    with pytest.raises(DeviceTimeoutError, match=f"unexpected {kind}: no line") as told:
+        bench.signals.read_available()
+    assert told.value.__cause__.__cause__ is fault
+
+
 def test_an_overload_is_raised_at_the_next_read(bench):
     bench.signals.start()
     bench.meter.fault = OverloadError("unload the cell")

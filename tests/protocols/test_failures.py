@@ -324,6 +324,40 @@ def test_a_stage_whose_code_is_wrong_is_named_with_the_place_in_it(method):
     assert [type(error) for error in asked] == [KeyError]
 
 
+@pytest.mark.parametrize("fault", [RuntimeError("belt snapped"), OSError("belt snapped")])
+def test_a_stage_that_fails_in_any_other_way_is_named_with_the_place_in_it(fault):
+    rig = FakeRig()
+
+    def snap(_position_m):
+        raise fault
+
+    rig.stage.move_to = snap
+    asked = []
+
+    def whose(error):
+        asked.append(error)
+        return "their-stage 2.0 (stage.py, line 3)"
+
+    scheduler = rig.scheduler(whose=whose)
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert rig.events[-1].reason == (
+        "the stage failed: belt snapped, in their-stage 2.0 (stage.py, line 3)"
+    )
+    assert asked == [fault]
+
+
+def test_nobody_is_blamed_for_an_operator_who_cannot_be_asked():
+    rig = FakeRig()
+
+    def ask(_prompt):
+        raise RuntimeError("the page is closed")
+
+    rig.operator.ask = ask
+    scheduler = rig.scheduler(whose=lambda _: "their-page 2.0 (page.py, line 3)")
+    assert scheduler.run(short_schedule()) is Outcome.FAILED
+    assert rig.events[-1].reason == "the page is closed"
+
+
 def test_a_stage_that_ends_the_program_ends_the_session_at_0_V():
     rig = FakeRig()
     rig.stage.move_to = lambda _position_m: sys.exit(3)

@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -179,6 +180,31 @@ def test_a_task_that_returns_something_else_is_an_error_that_says_so(cases, tmp_
     item = BatchItem(source=BatchInput(InputKind.TABLES, cases / "CASES/case1/sheet.toml", "case"))
     end = do(Piece(task=Wordy(), item=item, key="k", folder=tmp_path))
     assert "`work` returned str, not a BatchAnswer" in end.row.sentence
+
+
+def test_an_error_in_a_task_of_another_distribution_is_named_with_its_place(
+    cases, tmp_path, monkeypatch
+):
+    info = tmp_path / "their_tasks-2.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: their-tasks\nVersion: 2.0\n")
+    (info / "entry_points.txt").write_text("[labrig.batch_tasks]\nleave = their_tasks:TASK\n")
+    (tmp_path / "their_tasks.py").write_text(
+        "def work(item, folder):\n    raise RuntimeError('clerk left')\n"
+    )
+    monkeypatch.syspath_prepend(str(tmp_path))
+
+    class Leaving(Costless):
+        """Leave."""
+
+        def work(self, item, folder):
+            import_module("their_tasks").work(item, folder)
+
+    item = BatchItem(source=BatchInput(InputKind.TABLES, cases / "CASES/case1/sheet.toml", "case"))
+    end = do(Piece(task=Leaving(), item=item, key="k", folder=tmp_path))
+    assert end.row.sentence == (
+        "failed with RuntimeError: clerk left, in their-tasks 2.0 (their_tasks.py, line 2)."
+    )
 
 
 def test_tables_with_other_names_of_columns_are_read(cases, tmp_path):
