@@ -36,6 +36,7 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
     Raises:
         BadInputError: no such format, a package is missing, a file is there already, or the session
             lacks what the format needs.
+        LabrigError: another distribution's format does not say what it wrote.
 
     """
     try:
@@ -58,10 +59,15 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
             f"--as {name} needs the package {error.name}; install it with: "
             f'pip install "labrig[{chosen.extra}]".'
         ) from None
+    whose = f"the export format '{name}' of {FORMATS.origins().get(name, 'labrig')}"
     if not isinstance(written, list) or not all(isinstance(one, Path) for one in written):
-        whose = FORMATS.origins().get(name, "labrig")
         raise LabrigError(
-            f"the export format '{name}' of {whose} returned {type(written).__name__}, not a list "
-            f"of the files that it wrote; see {target}."
+            f"{whose} returned {type(written).__name__}, not a list of the files that it wrote; "
+            f"see {target}."
+        )
+    missing = [one.name for one in written if not one.exists()]
+    if missing:
+        raise LabrigError(
+            f"{whose} did not write {', '.join(missing)}, which it says it wrote; see {target}."
         )
     return written

@@ -174,6 +174,19 @@ def test_a_format_that_does_not_say_what_it_wrote_is_named(session, tmp_path, mo
         export(session, tmp_path, "silent")
 
 
+def test_a_format_that_names_a_file_that_is_not_there_is_named(session, tmp_path, monkeypatch):
+    def write(_session, folder):
+        (folder / "here.txt").write_text("1")
+        return [folder / "here.txt", folder / "not_there.txt"]
+
+    ghostly = SimpleNamespace(summary="Nothing.", extra="", write=write)
+    parts = {"ghostly": Part("ghostly", ghostly, "labrig-extra", "0.1")}
+    monkeypatch.setattr(type(FORMATS), "parts", lambda _: parts)
+    said = r"'ghostly' of labrig-extra 0\.1 did not write not_there\.txt, which it says it wrote"
+    with pytest.raises(LabrigError, match=said):
+        export(session, tmp_path, "ghostly")
+
+
 def test_every_format_says_what_it_writes():
     assert {"bluesky", "crate", "csv", "parquet", "xarray"} <= set(FORMATS.parts())
 
