@@ -19,6 +19,7 @@ from labrig.errors import BadInputError
 from protocols import Extra, Extras, Place, ProtocolKind, Schedule, ScheduleError, make_schedule
 from protocols.extras.conformance import faults as extra_faults
 from protocols.kinds.conformance import faults
+from protocols.planning.limits import check_structure
 
 # The kinds of protocol: files of `protocols/kinds`, and those of other distributions.
 PROTOCOLS: PluginFolder[type[ProtocolKind]] = PluginFolder(
@@ -181,15 +182,17 @@ class ProtocolConfig(ClosedModel):
     def schedule(self, name: str) -> Schedule:
         """Return the schedule of the whole session; `name` is the file's name for the error."""
         try:
-            return make_schedule(
+            schedule = make_schedule(
                 self.protocol(),
                 [_place(place) for place in self.places],
                 extras=self.extras.extras(),
                 moisten=self.moisten,
                 frame_rate_hz=self.camera.frame_rate_hz,
             )
+            check_structure(schedule)  # the kind may be another distribution's
         except ScheduleError as error:
             raise BadInputError(f"{name}: {error}.") from None
+        return schedule
 
     def _named(self) -> list[str]:
         return [kind for kind in PROTOCOLS.parts() if getattr(self, kind, None) is not None]

@@ -99,6 +99,19 @@ def test_an_installed_protocol_that_returns_no_run_is_named(installed):
         schedule.schedule("protocol.toml")
 
 
+def test_a_protocol_whose_run_has_no_finite_voltage_is_not_planned(installed, tmp_path, capsys):
+    installed(
+        FLASH.replace("run.step(self.voltage_V,", "run.step(self.voltage_V * share(self.pulse_s),")
+        + "\n\ndef share(pulse_s):\n    return 1.0 if pulse_s < 1 else float('nan')\n"
+    )
+    path = tmp_path / "protocol.toml"
+    path.write_text(TEXT.replace("1.5", "1.5\npulse_s = 2.0"))
+    assert run(["plan", str(path)]) == 2
+    said = capsys.readouterr()
+    assert said.err.endswith("run 1 (long at 0 mm): a time or a voltage is not a finite number.\n")
+    assert "nan" not in said.out
+
+
 @pytest.mark.slow
 def test_a_session_names_who_its_protocol_is_from_where_that_is_no_longer_installed(
     installed, tmp_path, monkeypatch
