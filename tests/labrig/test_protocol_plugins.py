@@ -13,6 +13,7 @@ from labrig.config.schema import schemas
 from labrig.errors import BadInputError
 from labrig.experiment.resume import resumed_plan
 from labrig.panel.core.configuration_files import kind_of
+from labrig.report.tables.overview import overview
 from labrig.session import open_session
 from labrig.session.format.setup import present_versions
 from tests.end_to_end.small_rig import make_rig, run_rig
@@ -121,6 +122,7 @@ def test_a_session_names_who_its_protocol_is_from_where_that_is_no_longer_instal
     session_path = run_rig(rig)
     with open_session(session_path) as session:
         assert session.versions["protocols.flash"] == "flash-protocol 1.2"
+        assert ("other parts", "flash (flash-protocol 1.2)") in overview(session).facts
         assert resumed_plan(session).schedule.protocol == "flash"
         monkeypatch.setattr(sys, "path", [p for p in sys.path if p != str(tmp_path)])
         with pytest.raises(

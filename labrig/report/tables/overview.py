@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -83,6 +84,7 @@ def overview(session: RecordedSession) -> Overview:
     channels = channel_table(session)
     done = sum(run["state"] == "complete" for run in runs)
     shapes = free_shapes_in_words(session.schedule)
+    others = _parts_of_others(session.versions)
     facts = (
         ("file", str(session.path)),
         ("identifier", session.identifier),
@@ -101,6 +103,7 @@ def overview(session: RecordedSession) -> Overview:
         ("readings", str(sum(run["readings"] for run in runs))),
         ("sample rate", f"{session.rate_hz:g} Hz x {len(session.channels)} channels"),
         ("labrig", session.versions.get("labrig", "-")),
+        *([("other parts", others)] if others else []),
     )
     log = tuple(
         (
@@ -120,6 +123,16 @@ def overview(session: RecordedSession) -> Overview:
         devices=devices,
         marks=session.marks_after_end,
     )
+
+
+def _parts_of_others(versions: Mapping[str, str]) -> str:
+    """Return which parts are of other distributions: "hstage, saw (labrig-h2 0.3)"."""
+    by_origin: dict[str, list[str]] = {}
+    for key, origin in sorted(versions.items()):
+        _, _, part = key.partition(".")
+        if part and " " in origin:  # else it is the version of a package
+            by_origin.setdefault(origin, []).append(part)
+    return "; ".join(f"{', '.join(parts)} ({origin})" for origin, parts in by_origin.items())
 
 
 def _run(run: RunRecord) -> dict[str, Any]:
