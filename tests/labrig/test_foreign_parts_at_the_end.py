@@ -228,13 +228,14 @@ def test_the_guard_reports_boards_that_hang_and_makes_them_safe_beside_the_attem
 
 
 def test_the_guard_says_why_foreign_boards_cannot_be_guarded(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(guard, "_ignore_signals", lambda: None)
+    monkeypatch.setattr(guard, "_keep_the_line", lambda: None)  # of this process
     monkeypatch.setattr(guard, "_first_line", lambda: '{"boards": "ni", "place": {}}')
     monkeypatch.setattr(guard, "_rescue_of", lambda *_: Rescue(breaks=1, breaks_on="open"))
     assert guard.main() == 3
-    assert capsys.readouterr().out == "failed unexpected RuntimeError: open is broken\n"
+    assert capfd.readouterr().out == "failed unexpected RuntimeError: open is broken\n"
 
 
 @pytest.mark.parametrize("on", ["make_safe", "open"])
