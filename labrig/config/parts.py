@@ -13,6 +13,7 @@ from drivers import cameras, force_sensors, positioners
 from drivers.boards import BOARD_FAMILIES
 from drivers.cameras import CameraSettings
 from drivers.interfaces import FREE, HARDWARE
+from drivers.plugins import OWN
 from labrig.config.base import ClosedModel
 from labrig.config.derived import SIMULATED, OneOf, SettingsModel, by_kind, model_with
 
@@ -95,7 +96,10 @@ def board_models(names: Iterable[str] | None = None) -> Mapping[str, type[Boards
     if names is None:
         families = dict(BOARD_FAMILIES.parts())
     else:
-        families = {name: part for name in names if (part := BOARD_FAMILIES.find(name))}
+        found = {name: part for name in names if (part := BOARD_FAMILIES.find(name))}
+        # in the order of `parts`: ours come first
+        order = sorted(found, key=lambda name: (found[name].distribution != OWN, name))
+        families = {name: found[name] for name in order}
     return {name: model_with(BoardsConfig, part.part.settings) for name, part in families.items()}
 
 
