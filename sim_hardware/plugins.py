@@ -154,12 +154,9 @@ def _found_one(
     folder: PluginFolder[object], name: str, path: tuple[str, ...]
 ) -> Part[object] | None:
     """Return one part as `_found` does; its name may be anything that a file states."""
-    if name.isidentifier() and not name.startswith("_"):
-        package = import_module(folder.package)
-        if any(module.name == name for module in pkgutil.iter_modules(package.__path__)):
-            part = _own_part(folder, name)
-            if part is not None:
-                return part
+    part = _own_part(folder, name) if name in _own_modules(folder.package) else None
+    if part is not None:
+        return part
     of_that_name = [e for e in _entries(path).get(folder.group, ()) if e.name == name]
     loaded = (_loaded(folder, entry, path) for entry in of_that_name)
     return next((part for part in loaded if part is not None), None)
@@ -182,13 +179,15 @@ def _entries(path: tuple[str, ...]) -> dict[str, list[EntryPoint]]:
 
 
 def _own(folder: PluginFolder[object]) -> dict[str, Part[object]]:
-    package = import_module(folder.package)
-    result: dict[str, Part[object]] = {}
-    for name in sorted(module.name for module in pkgutil.iter_modules(package.__path__)):
-        part = None if name.startswith("_") else _own_part(folder, name)
-        if part is not None:
-            result[name] = part
-    return result
+    parts = (_own_part(folder, name) for name in _own_modules(folder.package))
+    return {part.name: part for part in parts if part is not None}
+
+
+def _own_modules(package: str) -> list[str]:
+    """Return the names of our own modules in a folder that may define parts, in their order."""
+    path = import_module(package).__path__
+    names = sorted(module.name for module in pkgutil.iter_modules(path))
+    return [name for name in names if not name.startswith("_")]
 
 
 def _own_part(folder: PluginFolder[object], name: str) -> Part[object] | None:

@@ -268,12 +268,16 @@ def parse_rig(text: str, name: str) -> RigConfig | ReplayConfig:
     return validate(_model_for(data), data, name)
 
 
+MOST_TABLES = 100  # that a rig.toml may have; more are a mistake, which is told as one
+
+
 def _model_for(data: Mapping[str, Any]) -> type[RigConfig]:
     """Return the model of rig.toml with the tables of boards that it has.
 
     What a plug-in for other boards does when it is loaded must not keep anybody from these.
     """
-    families = board_models(data)
+    tables = [name for name, table in data.items() if isinstance(table, Mapping)]
+    families = board_models(tables) if len(tables) <= MOST_TABLES else {}
     known = RigConfig.model_fields.keys() | families.keys()
     all_known = bool(families) and data.keys() <= known
     # what is wrong is said with all the tables that there may be

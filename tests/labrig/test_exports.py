@@ -170,6 +170,7 @@ def test_a_format_that_does_not_say_what_it_wrote_is_named(session, tmp_path, mo
     silent = SimpleNamespace(summary="Nothing.", extra="", write=lambda *_: None)
     parts = {"silent": Part("silent", silent, "labrig-extra", "0.1")}
     monkeypatch.setattr(type(FORMATS), "parts", lambda _: parts)
+    monkeypatch.setattr(type(FORMATS), "find", lambda _, name: parts.get(name))
     with pytest.raises(LabrigError, match=r"'silent' of labrig-extra 0\.1 returned NoneType"):
         export(session, tmp_path, "silent")
 
@@ -182,6 +183,7 @@ def test_a_format_that_names_a_file_that_is_not_there_is_named(session, tmp_path
     ghostly = SimpleNamespace(summary="Nothing.", extra="", write=write)
     parts = {"ghostly": Part("ghostly", ghostly, "labrig-extra", "0.1")}
     monkeypatch.setattr(type(FORMATS), "parts", lambda _: parts)
+    monkeypatch.setattr(type(FORMATS), "find", lambda _, name: parts.get(name))
     said = r"'ghostly' of labrig-extra 0\.1 did not write not_there\.txt, which it says it wrote"
     with pytest.raises(LabrigError, match=said):
         export(session, tmp_path, "ghostly")

@@ -212,8 +212,8 @@ def test_a_fact_of_one_strip_is_refused_on_the_command_line_where_the_file_has_s
 ):
     strips = {"a": {"clamp_px": [30.0, 110.0]}, "b": {"clamp_px": [30.0, 150.0]}}
     drawn_strips.write(photograph.parent, drawn_strips.BENT_UP.image, strips=strips, to_end=True)
-    assert run(["curves", str(photograph), "--tip-px", "90,40"]) == 0
-    said = capsys.readouterr().out
+    assert run(["curves", str(photograph), "--tip-px", "90,40"]) == 2
+    said = capsys.readouterr().err
     assert "--tip-px: optics.json has several strips; state tip_px in the entry of one" in said
     assert "(a and b)." in said
 
