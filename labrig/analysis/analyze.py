@@ -154,6 +154,11 @@ def _curves(
 
     made_by = _record_of(extractor)
     notes = [f"The curves are those of the curve extractor {made_by}."] if made_by else []
+    if curves and not any(one.mean is not None or one.by_reading for one in curves):
+        notes.append(
+            "No image of the session shows a curve, each for the reason below; check px_per_mm and "
+            "clamp_px of optics.json, and the length and thickness of the sheet."
+        )
     if not made_by and (checked_by := curve_check_origins()):
         named = ", ".join(f"{name} ({origin})" for name, origin in checked_by.items())
         notes.append(f"The curves were also checked by {named}.")
