@@ -51,6 +51,13 @@ positions_mm = [10]
 
 [extras]
 """
+# Of `world.toml`: a fault in the second run; the world's time in which one can be run is about 6 s.
+OVERLOADED_IN_THE_SECOND_RUN = """
+[[faults]]
+what = "cell_overloaded"
+since = "first_voltage"
+from_s = 5.0
+"""
 
 
 def make_rig(folder: Path, protocol: str = PROTOCOL, world: str = "", board: str = "ni") -> Path:

@@ -12,8 +12,8 @@ from labrig.errors import ExitCode
 from labrig.session import open_session, verify
 from protocols.execution.events import Outcome, ReadingTaken, RunStarted, RunStopped, SignalsArrived
 from protocols.execution.stop import StopLevel, StopRequest
+from tests.end_to_end.small_rig import OVERLOADED_IN_THE_SECOND_RUN, make_rig
 from tests.end_to_end.small_rig import labrig as command
-from tests.end_to_end.small_rig import make_rig
 
 pytestmark = pytest.mark.slow
 FILES = ("rig.toml", "protocol.toml", "sheet.toml")
@@ -26,13 +26,6 @@ configuration = "long"
 positions_mm = [10, 15, 20]
 [extras]
 mode = "paper"
-"""
-# In the second run; the world's time in which one can be run is about 6 s.
-FAULT = """
-[[faults]]
-what = "cell_overloaded"
-since = "first_voltage"
-from_s = 5.0
 """
 RELEASE = """
 [pulse_train]
@@ -61,7 +54,7 @@ def stopped_session(folder: Path, when: str) -> Path:
         if amid if when == "amid" else isinstance(event, RunStopped):
             stop.request(StopLevel.AFTER_PULSE, REASON)
 
-    make_rig(folder, PROTOCOL, FAULT if when == "fault" else "")
+    make_rig(folder, PROTOCOL, OVERLOADED_IN_THE_SECOND_RUN if when == "fault" else "")
     files = [folder / name for name in FILES]
     if when == "fault":
         labrig.run(*files, folder / "session.h5")

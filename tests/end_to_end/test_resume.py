@@ -11,7 +11,7 @@ import pytest
 
 from labrig.session import open_session, verify
 from protocols.execution.events import Outcome, OutputState
-from tests.end_to_end.small_rig import labrig, make_rig
+from tests.end_to_end.small_rig import OVERLOADED_IN_THE_SECOND_RUN, labrig, make_rig
 
 pytestmark = pytest.mark.slow
 PROTOCOL = """
@@ -25,20 +25,15 @@ positions_mm = [10, 15, 20]
 [extras]
 mode = "paper"
 """
-# In the second run; the world's time in which one can be run is about 6 s.
-FAULT = """
-[[faults]]
-what = "cell_overloaded"
-since = "first_voltage"
-from_s = 5.0
-"""
 FILES = ("rig.toml", "protocol.toml", "sheet.toml")
 
 
 @pytest.fixture(scope="module")
 def failed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder of a rig whose session failed in its second run; its world is sound again."""
-    folder = make_rig(tmp_path_factory.mktemp("resume") / "rig", PROTOCOL, FAULT)
+    folder = make_rig(
+        tmp_path_factory.mktemp("resume") / "rig", PROTOCOL, OVERLOADED_IN_THE_SECOND_RUN
+    )
     (folder / "about.toml").write_text('title = "as it was begun"\n')
     assert labrig("run", *(folder / f for f in FILES), "-o", folder / "s.h5") == 5
     (folder / "world.toml").write_text("seed = 1\n")
@@ -110,7 +105,7 @@ def test_verify_says_where_readings_have_no_time_in_the_table_of_all(
 def test_a_resumed_session_that_fails_can_be_resumed_itself(failed: Path, tmp_path: Path) -> None:
     folder = tmp_path / "rig"
     shutil.copytree(failed, folder)
-    (folder / "world.toml").write_text(FAULT)
+    (folder / "world.toml").write_text(OVERLOADED_IN_THE_SECOND_RUN)
     assert labrig("run", "--resume", folder / "s.h5", "-o", folder / "second.h5") == 5
     with open_session(folder / "second.h5") as session:
         assert [run.completed for run in session.runs] == [True, True, False]

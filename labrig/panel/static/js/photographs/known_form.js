@@ -186,8 +186,9 @@ export class KnownForm {
       if (input.value.trim()) body[key] = parseNumber(input.value);
     if (body.thickness_mm !== undefined && body.free_length_mm === undefined) delete body.thickness_mm;
     if (!body.ruler_px) {
-      if (this.ruler.input.value !== this.rulerSent)
-        throw new Error("The ruler's length was changed: click both its ends again (Ruler), so that it counts.");
+      const stated = this.ruler.input.value.trim();
+      if (stated && stated !== this.rulerSent)
+        throw new Error("A ruler's length is stated: click both its ends again (Ruler), or empty the field.");
       delete body.ruler_mm;
     }
     return body;
@@ -199,6 +200,6 @@ export class KnownForm {
 
   /** What was sent is kept by the server. */
   sent() {
-    Object.assign(this, { rulerPx: [], rulerSent: this.ruler.input.value, dirty: false });
+    Object.assign(this, { rulerPx: [], rulerSent: this.ruler.input.value.trim(), dirty: false });
   }
 }
