@@ -73,11 +73,11 @@ def _fits(
         if change.continuous and value == change.stated and stated is not None:
             begin: QuickFit | None = replace(stated, value=value)
         else:
-            begin = quick_fit(change.apply(data, value), tolerances, value, NEARLY_SETTLED)
+            begin = quick_fit(change.apply(data, value), tolerances, value, NEARLY_SETTLED, stated)
         if not change.continuous:
             yield begin
             continue
-        fit = fit_with(data, tolerances, change, begin)
+        fit = fit_with(data, tolerances, change, begin, stated)
         if fit is not None and abs(fit.value - change.stated) >= change.least:
             yield fit
 

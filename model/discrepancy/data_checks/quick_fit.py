@@ -16,7 +16,11 @@ from model.discrepancy.data_checks.contract import Change
 from model.identification.base_model import BaseOptions, bases_of, usual_stiffness
 from model.identification.data.data_vector import look, means_of
 from model.identification.likelihood.forward_model import ForwardModel
-from model.identification.likelihood.gauss_newton import ENOUGH, least_squares
+from model.identification.likelihood.gauss_newton import (
+    ENOUGH,
+    least_squares,
+    weighted_squares,
+)
 from model.identification.likelihood.linearisation import Bases, priors_of, sensitivities
 from model.identification.observations import observe
 from model.identification.starting_values import rest_field
@@ -27,6 +31,10 @@ LEAST_FORCE_N, FORCE_SHARE = 3e-5, 0.03  # tolerance of a mean force: the larger
 CURVE_SHARE = 1e-3  # tolerance of a curve, of the sheet's length
 ROUNDS, SHORTEST = 8, 0.1  # of a continuous datum's fit, and share of a step that is still tried
 SETTLED = 1e-3  # relative fall of the squares at which it ends
+# A change that mends the data leaves less than a tenth of the squares that they have as stated. So
+# it is given up where it has more than so many times these after a few steps; or where a straight
+# line leaves more than such a share, from the second one on
+FAR_WORSE, HARDLY_LESS = 10.0, 0.5
 
 
 @dataclass(frozen=True)
@@ -174,15 +182,20 @@ def quick_fit(
     tolerances: Tolerances,
     value: float = np.nan,
     enough: float = ENOUGH,
+    stated: QuickFit | None = None,
 ) -> QuickFit | None:
     """Return the fit of bare measurements; None where the model has no answer.
 
-    `enough` is the share of the squares that a step may take for the fit to be settled.
+    `enough` is the share of the squares that a step may take for the fit to be settled. A fit that
+    after a few steps is far worse than the one of the data as `stated` is left where it is.
     """
+    worthless = np.inf
+    if stated is not None:
+        worthless = FAR_WORSE * weighted_squares(stated.forward, stated.residual)
     try:
         with np.errstate(all="ignore"):  # data that fit nothing lead anywhere
             posed = _Posed.of(measurements, tolerances)
-            theta = least_squares(posed.forward, posed.bases, posed.start(), enough)
+            theta = least_squares(posed.forward, posed.bases, posed.start(), enough, worthless)
             found = posed.at(theta, value)
     except (ModelError, np.linalg.LinAlgError):
         return None
@@ -190,9 +203,17 @@ def quick_fit(
 
 
 def fit_with(
-    measurements: Measurements, tolerances: Tolerances, change: Change, begin: QuickFit | None
+    measurements: Measurements,
+    tolerances: Tolerances,
+    change: Change,
+    begin: QuickFit | None,
+    stated: QuickFit | None = None,
 ) -> QuickFit | None:
-    """Return the fit of the base parameters together with one continuous datum, from `begin` on."""
+    """Return the fit of the base parameters together with one continuous datum, from `begin` on.
+
+    One that promises hardly less than the fit of the data as `stated` ends where it is.
+    """
+    worthless = np.inf if stated is None else HARDLY_LESS * stated.squares
 
     def posed(value: float) -> _Posed:
         return _Posed.of(change.apply(measurements, value), tolerances)
@@ -201,12 +222,14 @@ def fit_with(
     if best is None:
         return None
     with np.errstate(all="ignore"):
-        for _ in range(ROUNDS):
+        for number in range(ROUNDS):
             try:
-                direction, sigma = _direction(best, posed, change.step)
+                direction, sigma, promised = _direction(best, posed, change.step)
             except (ModelError, np.linalg.LinAlgError):
                 break
             best = replace(best, sigma=sigma)
+            if number > 0 and promised > worthless:
+                break
             further = _further(best, direction, posed, change.bounds)
             if further is None:
                 break
@@ -219,8 +242,11 @@ def fit_with(
 
 def _direction(
     at: QuickFit, posed: Callable[[float], _Posed], step: float
-) -> tuple[FloatArray, float]:
-    """Return the step of base parameters and datum, the datum last, and its uncertainty."""
+) -> tuple[FloatArray, float, float]:
+    """Return the step of base parameters and datum, the datum last.
+
+    And the datum's uncertainty, and the squares that the step would leave by a straight line.
+    """
     _, residual, columns = sensitivities(at.forward, at.bases, at.theta)
     beside = posed(at.value + step).at(at.theta, at.value + step)
     if len(beside.residual) != len(residual):
@@ -235,7 +261,8 @@ def _direction(
     away = np.append(at.theta - mean, 0.0)
     found = inverse @ (X.T @ (residual * at.weights) - precision * away)
     sigma = float(np.sqrt(max(inverse[-1, -1], 0.0) * max(at.misfit, 0.1)))
-    return np.asarray(found), sigma
+    promised = float(np.sum((residual * at.weights - X @ found) ** 2))
+    return np.asarray(found), sigma, promised
 
 
 def _further(

@@ -9,19 +9,24 @@ from model.identification.likelihood.linearisation import Bases, priors_of, sens
 from model.measurements import FloatArray, ModelError
 
 FORCE_SIGMA_N, MODE_SIGMA_M = 1e-4, 1e-4  # what is weighed as one
-MOST_STEPS = 30
+MOST_STEPS, FEW_STEPS = 30, 2
 ENOUGH = 1e-5  # relative fall of the sum of squares at which to stop
 LONGEST_LOG_B = 2.0
 LEAST_DAMPING, MOST_DAMPING = 1e-6, 1e8
 
 
 def least_squares(
-    forward: ForwardModel, bases: Bases, theta: FloatArray, enough: float = ENOUGH
+    forward: ForwardModel,
+    bases: Bases,
+    theta: FloatArray,
+    enough: float = ENOUGH,
+    worthless: float = np.inf,
 ) -> FloatArray:
     """Return the base parameters that minimise the weighted squares of forces, curves and priors.
 
     Damped after Levenberg and Marquardt where a step leads too far. It ends where a step takes
-    less than the share `enough` from the squares.
+    less than the share `enough` from the squares, and after `FEW_STEPS` where they are still above
+    `worthless` (`weighted_squares` of a fit that need not be surpassed by far).
     """
     mean, width = priors_of(bases)
     stiffness = [one.stiffness for one in bases.parts]
@@ -34,7 +39,9 @@ def least_squares(
         return left, columns * weights[:, None], float(left @ left + precision @ (at - mean) ** 2)
 
     left, by, value = rows(theta)
-    for _ in range(MOST_STEPS):
+    for number in range(MOST_STEPS):
+        if number >= FEW_STEPS and value > worthless:
+            break
         A = by.T @ by + np.diag(precision)
         A[np.diag_indices(len(theta))] *= 1.0 + damping
         step = np.linalg.solve(A, by.T @ left - precision * (theta - mean))
@@ -54,6 +61,11 @@ def least_squares(
             if damping > MOST_DAMPING:
                 break
     return theta
+
+
+def weighted_squares(forward: ForwardModel, residual: FloatArray) -> float:
+    """Return the sum of squares of residuals (N,) of all rows, as `least_squares` weighs them."""
+    return float(np.sum((residual * _weights(forward)) ** 2))
 
 
 def _weights(forward: ForwardModel) -> FloatArray:
