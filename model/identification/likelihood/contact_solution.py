@@ -7,14 +7,18 @@ the signatures of all effects cost next to nothing.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from model.effects.interface import AcquisitionTimes, BeamProblem, ContactSolution
 from model.identification.data.data_vector import DataVector, Index, shares
-from model.identification.likelihood.configuration.contact_search import ContactSearch
+from model.identification.likelihood.configuration.contact_search import (
+    ContactSearch,
+    extrapolated,
+)
 from model.identification.likelihood.configuration.sheet_elements import SheetElements, is_long
 from model.identification.likelihood.configuration.stacked_curves import StackedCurves
 from model.measurements import FloatArray
@@ -181,25 +185,43 @@ class ConfigurationModel:
 
         The solution kept for derivatives is not changed.
         """
-        return self.forces_in_turn([beam], some)[0]
+        with self._contacts_of(some) as asked:
+            return self._forces(beam, asked)
 
-    def forces_in_turn(
-        self, beams: Sequence[BeamProblem], some: Index | None = None
+    def forces_at_sizes(
+        self, beam: BeamProblem, sizes: Sequence[float], some: Index | None = None
     ) -> list[FloatArray]:
-        """Return the same of several problems, each solved from the one before."""
-        last, beside, kept = self._contacts.last, self._contacts.last_beside, self._found
-        asked = self.touching if some is None else some
-        if last is not None and some is not None:
-            self._contacts.last = last.of(np.searchsorted(self.touching, some))
-        results = []
-        for beam in beams:
-            result = np.full(self.K, np.nan)
-            for rows, found in self._contacts.equilibria(beam, asked) if len(asked) else []:
-                gamma = found.phi_hat_rad - self._contacts.polar_angle(beam, rows)
-                result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
-            results.append(result)
-        self._contacts.last, self._contacts.last_beside, self._found = last, beside, kept
+        """Return the same with an EIBM of other sizes, 1 being the size that was solved last.
+
+        Each begins where those before it lead, so neighbours come one after the other.
+        """
+        results, contacts = list[FloatArray](), self._contacts
+        with self._contacts_of(some) as asked:
+            known = [(1.0, contacts.last)]
+            for size in sizes:
+                contacts.last = extrapolated(known, size)
+                results.append(self._forces(replace(beam, eibm=beam.eibm * size), asked))
+                known.append((size, contacts.last))
         return results
+
+    @contextmanager
+    def _contacts_of(self, some: Index | None) -> Iterator[Index]:
+        """Have solutions begin at the last one's rows, and put it back in the end."""
+        contacts = self._contacts
+        last, beside = contacts.last, contacts.last_beside
+        if last is not None and some is not None:
+            contacts.last = last.of(np.searchsorted(self.touching, some))
+        try:
+            yield self.touching if some is None else some
+        finally:
+            contacts.last, contacts.last_beside = last, beside
+
+    def _forces(self, beam: BeamProblem, asked: Index) -> FloatArray:
+        result = np.full(self.K, np.nan)
+        for rows, found in self._contacts.equilibria(beam, asked) if len(asked) else []:
+            gamma = found.phi_hat_rad - self._contacts.polar_angle(beam, rows)
+            result[rows] = beam.stiffness[rows] * found.nu * np.cos(gamma)
+        return result
 
     def modes_of(self, beam: BeamProblem, s_m: FloatArray | None = None) -> FloatArray:
         """Modes of the distances measured - predicted alone (K, M), likewise; at s (K, S)."""

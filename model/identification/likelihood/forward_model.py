@@ -119,8 +119,8 @@ class ForwardModel:
         rows = scene.touching[np.any(beam.eibm[scene.touching] != 0.0, axis=1)]
         result = np.repeat(solved.force_N[:, None], len(LEVELS), axis=1)  # at level 1
         for way in WAYS_FROM_ONE:  # each level from its neighbour, which is near
-            others = [replace(beam, eibm=beam.eibm * LEVELS[number]) for number in way]
-            for number, forces in zip(way, scene.forces_in_turn(others, rows), strict=True):
+            sizes = [float(LEVELS[number]) for number in way]
+            for number, forces in zip(way, scene.forces_at_sizes(beam, sizes, rows), strict=True):
                 result[rows, number] = forces[rows]
         return result
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,6 +14,33 @@ from model.measurements import FloatArray, ModelError
 from model.mechanics.equilibrium import Equilibria, Problems, SolverStatus, solve
 
 MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the arc
+LAST_POINTS = 3  # solutions through which a start is extrapolated
+
+
+def extrapolated(known: Sequence[tuple[float, Equilibria | None]], to: float) -> Equilibria | None:
+    """Return a start at `to` by a polynomial (Lagrange's) through the last of some solutions."""
+    last = known[-1][1]
+    if last is None:
+        return None
+    alike = [(at, one) for at, one in known if one is not None and one.psi.shape == last.psi.shape][
+        -LAST_POINTS:
+    ]
+    weights = [
+        float(np.prod([(to - other) / (at - other) for other, _ in alike if other != at]))
+        for at, _ in alike
+    ]
+
+    def led_on(values: Iterable[FloatArray]) -> FloatArray:
+        return np.asarray(sum(w * v for w, v in zip(weights, values, strict=True)))
+
+    every = [one for _, one in alike]
+    return replace(
+        last,
+        nu=led_on(one.nu for one in every),
+        s_hat_m=led_on(one.s_hat_m for one in every),
+        phi_hat_rad=led_on(one.phi_hat_rad for one in every),
+        psi=led_on(one.psi for one in every),
+    )
 
 
 class ContactSearch:
