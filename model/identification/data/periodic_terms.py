@@ -39,7 +39,17 @@ def sine(phase: FloatArray) -> FloatArray:
     return np.asarray(np.sin(2.0 * np.pi * phase))
 
 
-PHASES = (cosine, sine)
+def waves(at_s: FloatArray, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return cosines and sines (n, m) of times (n,) at evenly spaced rates (m,), 1/s.
+
+    As products of a coarse and a fine table of exp(i phase), which has few sines to work out.
+    """
+    fine = max(1, round(len(rates) ** 0.5))
+    step = rates[1] - rates[0] if len(rates) > 1 else 0.0
+    coarse = np.exp(2j * np.pi * at_s[:, None] * rates[::fine])
+    table = np.exp(2j * np.pi * at_s[:, None] * (step * np.arange(fine)))
+    product = (coarse[:, :, None] * table[:, None, :]).reshape(len(at_s), -1)[:, : len(rates)]
+    return product.real, product.imag
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,10 +139,12 @@ class _Series:
     def _fitted(
         self, lever: FloatArray, at_s: FloatArray, rates: FloatArray
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Amplitudes of cosine and sine at each rate (1/s), and the share that they explain."""
-        phase = at_s[:, None] * rates
+        """Amplitudes of cosine and sine at each rate (evenly spaced, 1/s), and what they explain.
+
+        That is a share of all.
+        """
         y = self.left(self.values)
-        c, s = (self.left(lever[:, None] * wave(phase)) for wave in PHASES)
+        c, s = (self.left(lever[:, None] * wave) for wave in waves(at_s, rates))
         # of each rate, two normal equations by hand
         cc, ss, cs, cy, sy = np.sum(c * c, 0), np.sum(s * s, 0), np.sum(c * s, 0), y @ c, y @ s
         det = cc * ss - cs**2
