@@ -142,8 +142,13 @@ class Record:
         return tuple(n.name for n in self.named)
 
     @property
+    def reported_set(self) -> set[str]:
+        """All that a diagnosis says may be there: what is not ruled out, too."""
+        return {*self.reported, *self.not_ruled_out}
+
+    @property
     def reported(self) -> set[str]:
-        """The reported set: names and 'unknown', and what these may be confused with."""
+        """Names and 'unknown', and what these may be confused with."""
         found = {*self.said, *(c for n in self.named for c in (*n.confusable_with, *n.or_else))}
         return found if self.unknown is None else {*found, UNKNOWN, *self.unknown.confusable_with}
 

@@ -54,3 +54,27 @@ def test_detection_limits_are_listed_the_tightest_first_without_what_is_invisibl
         ("gravity", "load_N_per_m", "0.01", "N/m", "2"),
     )
     assert limits_table(found()) is None
+
+
+def test_the_reported_set_is_all_that_may_be_there():
+    named = found()
+    assert named.reported_set == {"nonuniform_eibm": 0.993}
+    one = replace(
+        named.effects[0], confusable_with=("gravity",), or_else=("unknown",),
+        probabilities={"nonuniform_eibm": 0.7, "gravity": 0.2, "unknown": 0.1},
+    )  # fmt: skip
+    open_still = replace(
+        named, effects=(one,), not_ruled_out={"clamp_angle": 0.15, "gravity": 0.05}
+    )
+    assert list(open_still.reported_set.items()) == [
+        ("nonuniform_eibm", 0.7), ("gravity", 0.2), ("clamp_angle", 0.15), ("unknown", 0.1),
+    ]  # fmt: skip
+    assert open_still.to_json()["reported_set"] == open_still.reported_set
+
+
+def test_the_reported_set_of_something_unknown_has_the_names_that_it_may_have():
+    of_unknown = unknown()
+    shares = {"unknown": 0.6, "gravity": 0.4}
+    one = replace(of_unknown.unknown, confusable_with=("gravity",), probabilities=shares)
+    assert replace(of_unknown, unknown=one).reported_set == shares
+    assert replace(of_unknown, unknown=None).reported_set == {}

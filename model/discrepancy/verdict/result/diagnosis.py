@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any, Literal
 
-from model.discrepancy.answers.choice_set import ChoiceSet
+from model.discrepancy.answers.choice_set import UNKNOWN, ChoiceSet
 from model.discrepancy.at_rest.taken import DynamicsTaken
 from model.discrepancy.criticism.check_result import CheckResult
 from model.discrepancy.data_checks.contract import Suspicion
@@ -122,6 +122,24 @@ class Diagnosis(Displayed):
         """Whether anything was searched for: not in data that contradict what is stated of them."""
         return not any(one.severity == "stop" for one in self.data_checks)
 
+    @property
+    def reported_set(self) -> dict[str, float]:
+        """Return the answers among which the truth is in 95 % of sessions, the likeliest first.
+
+        Names and 'unknown', each with its probability: what is named, what that may be confused
+        with, and what is not ruled out. Empty: nothing is missing.
+        """
+        chances = dict(self.not_ruled_out)
+        for one in self.effects:
+            for name in (one.name, *one.confusable_with, *one.or_else):
+                chance = one.probability if name == one.name else one.probabilities.get(name, 0.0)
+                chances[name] = max(chances.get(name, 0.0), chance)
+        if self.unknown is not None:
+            for name in (UNKNOWN, *self.unknown.confusable_with):
+                chance = self.unknown.probabilities.get(name, 0.0)
+                chances[name] = max(chances.get(name, 0.0), chance)
+        return dict(sorted(chances.items(), key=lambda one: -one[1]))
+
     def to_json(self) -> dict[str, Any]:
         """Return the object that `diagnose --json` prints; what does not exist is null."""
         return {
@@ -130,6 +148,7 @@ class Diagnosis(Displayed):
             "invisible": list(self.invisible),
             "detection_limits": {name: one.to_json() for name, one in self.limits.items()},
             "unknown": None if self.unknown is None else self.unknown.to_json(),
+            "reported_set": {name: json_number(p) for name, p in self.reported_set.items()},
             "not_ruled_out": {name: json_number(p) for name, p in self.not_ruled_out.items()},
             "where": [w.to_json() for w in self.where],
             "gap": {"fitted": self.fitted.to_json(), "held_out": self.held_out.to_json()},
