@@ -63,10 +63,13 @@ def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
     forward, result = fitted.problem.forward, dict[tuple[str, int, str], BasisShape]()
     for c, state in enumerate(fitted.linear.states):
         configuration, counts = forward.names[c], dict[str, int]()
-        for basis in location(name).bases(linearised(fitted, c)):
+        bases = list(location(name).bases(linearised(fitted, c)))
+        if not bases:
+            continue
+        every = forward.rows_of_each(c, state, [basis.step for basis in bases])
+        for basis, rows in zip(bases, every, strict=True):
             number = counts[basis.part] = counts.get(basis.part, 0) + 1
             key = (basis.part, number, "" if basis.shared else configuration)
-            rows = forward.rows_of(c, state, basis.step)
             terms = {} if basis.term is None else {configuration: basis.term}
             if key in result:
                 both = {**result[key].terms, **terms}

@@ -7,6 +7,7 @@ from numpy.polynomial import legendre
 
 from model.effects.interface import BeamProblem
 from model.identification.data.data_vector import Index
+from model.identification.likelihood.configuration.few_elements import on_few_elements
 from model.measurements import FloatArray, SheetGeometry
 from model.mechanics.collocation import rule
 from model.mechanics.equilibrium import finer
@@ -40,11 +41,10 @@ class SheetElements:
         self.weights = np.asarray(nodes.b)  # of a mean over the free length
         self.piece_m = self.length * self.weights
         self.at_rest = rest(self.s_m)  # k0 at the nodes
-        breaks = finer(merged_breaks([rest.breaks_m]), STEEPEST_PER_M, sheet.arc_radius_m)
         degree = max(G, rest.coefficients.shape[1])
+        breaks, initial = self._of_rest(rest, degree, sheet.arc_radius_m)
         basis = [legendre_field(i, self.length).on(breaks) for i in range(G)]
         rows = np.stack([padded(f.coefficients, degree) for f in basis])
-        initial = padded(rest.on(breaks).coefficients, degree)
         P = len(breaks) - 1
         rigid = sheet.elongation_m > 0.0
         if rigid:
@@ -61,6 +61,14 @@ class SheetElements:
         if rigid:
             self.stiff_end[-1, 0] = 1.0
         self._free: dict[bytes, SharedFreeShapes] = {}
+
+    def _of_rest(self, rest: Field, degree: int, radius_m: float) -> tuple[FloatArray, FloatArray]:
+        """Return the elements, and k0 on them (P, D): few where k0 is smooth, else its own."""
+        whole = finer(np.array([0.0, self.length]), STEEPEST_PER_M, radius_m)
+        own = finer(merged_breaks([rest.breaks_m]), STEEPEST_PER_M, radius_m)
+        few = on_few_elements(rest, whole, degree)
+        on = few if len(few.breaks_m) < len(own) else rest.on(own)
+        return on.breaks_m, padded(on.coefficients, degree)
 
     def free_curvature(self, beam: BeamProblem, k: Index) -> FloatArray:
         """k* = k0 + rest + soft (eibm + bend), without the contact: (len(k), P, D)."""
