@@ -63,12 +63,14 @@ def measurements_of(data: Data | Sequence[AnyPath], progress: Progress | None) -
     """Return measurements as they are, or those of sessions; analyse what is not analysed yet."""
     if isinstance(data, Measurements):
         return data
+    from labrig.analysis.distinct import check_distinct
     from labrig.analysis.together import together
     from labrig.report.data.findings import measured
 
     paths = paths_of(data)
     if not paths:
         raise BadInputError("give at least one session, or measurements.")
+    check_distinct(paths)
     return together([(path, measured(path, progress or silent, tell)) for path in paths])
 
 

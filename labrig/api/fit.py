@@ -143,6 +143,7 @@ def _measured(
     sessions: Data | Sequence[AnyPath], apart: bool, progress: Progress | None
 ) -> tuple[Measurements, dict[Run, str]]:
     """Return the measurements, and which of several sessions each run is from."""
+    from labrig.analysis.distinct import check_distinct
     from labrig.analysis.together import together
     from labrig.report.data.findings import measured
     from labrig.report.data.separate_sessions import apart as taken_apart
@@ -154,6 +155,7 @@ def _measured(
         raise BadInputError("--apart: give several sessions to be kept apart.")
     if not paths:
         return measurements_of(sessions, progress), {}
+    check_distinct(paths)
     names = labels(paths)
     parts = [measured(path, progress or silent, tell) for path in paths]
     if apart:

@@ -156,3 +156,14 @@ def test_what_is_missing_is_said(
 ) -> None:
     assert labrig(*arguments) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_session_and_its_continuation_are_not_taken_together(
+    failed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole = tmp_path / "whole.h5"
+    assert labrig("run", "--resume", failed / "s.h5", "-o", whole) == 0
+    for command in ("fit", "diagnose"):
+        assert labrig(command, whole, failed / "s.h5") == 2
+        said = f"{whole}: holds the complete runs of {failed / 's.h5'}; give one of the two."
+        assert said in capsys.readouterr().err

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import io
+import re
 import tempfile
+import uuid
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 from labrig.config import parse_sheet
 from labrig.config.templates import template_text
 from labrig.session import SessionWriter, store_measurements
+from labrig.session.format.checksums import digest, version_of
 from model import (
     Along,
     Condition,
@@ -151,6 +156,19 @@ def recorded(names: tuple[str, ...]) -> bytes:
         return path.read_bytes()
 
 
+def recorded_anew(names: tuple[str, ...]) -> bytes:
+    """The same as another recording: with an identifier of its own, and that one's checksum."""
+    old = recorded(names)
+    (identifier,) = set(re.findall(rb"[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12}", old))
+    new = old.replace(identifier, str(uuid.uuid4()).encode())
+    return new.replace(_sum_of_identifier(old), _sum_of_identifier(new))
+
+
+def _sum_of_identifier(data: bytes) -> bytes:
+    with h5py.File(io.BytesIO(data)) as file:
+        return digest(file["session/identifier"], version_of(file)).encode()
+
+
 def session(path: Path, measurements: Measurements | None, **changes: object) -> Path:
     """A recorded session that holds `measurements`."""
     names = tuple(measurements.sheets) if measurements else ("long",)
@@ -158,7 +176,7 @@ def session(path: Path, measurements: Measurements | None, **changes: object) ->
         record(path, schedule(*names), **({"texts": TEXTS} | changes))
     else:
         with path.open("wb") as file:  # tests may let `Path.write_bytes` fail
-            file.write(recorded(names))
+            file.write(recorded_anew(names))
     if measurements is not None:
         store_measurements(path, measurements)
     return path

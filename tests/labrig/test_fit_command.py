@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from dataclasses import replace
 
 import numpy as np
@@ -320,6 +321,14 @@ def test_without_neutral_curves_there_is_no_figure_8(tmp_path, capsys):
 )
 def test_a_mistake_is_one_sentence(day_1, capsys, arguments, said):
     assert said in refused(capsys, *[a.format(day_1=day_1) for a in arguments])
+
+
+@pytest.mark.parametrize("command", ["fit", "fit --apart", "diagnose", "next"])
+def test_a_copy_of_a_session_is_no_further_measurement(day_1, day_2, tmp_path, capsys, command):
+    copy = shutil.copy(day_1, tmp_path / "copy.h5")
+    assert run([*command.split(), str(day_1), str(day_2), str(copy)]) == 2
+    said = f"{copy}: is a copy of {day_1}; give each session once."
+    assert said in capsys.readouterr().err
 
 
 def test_all_positions_held_out_is_one_sentence(day_1, capsys):

@@ -17,12 +17,7 @@ AT = "@"
 
 
 def labels(paths: Sequence[Path]) -> list[str]:
-    """Return a short name of each file; BadInputError where one is given twice."""
-    seen: set[Path] = set()
-    for path in paths:
-        if path.resolve() in seen:
-            raise BadInputError(f"{path}: is given twice; give each session once.")
-        seen.add(path.resolve())
+    """Return a short name of each file."""
     for short in (
         [path.stem for path in paths],
         [f"{path.resolve().parent.name}-{path.stem}" for path in paths],
