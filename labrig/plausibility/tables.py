@@ -1,4 +1,4 @@
-"""Columns of imported tables that seem to be in another unit: a sentence each."""
+"""Columns of imported tables that can hardly be what their names say: a sentence each."""
 
 from __future__ import annotations
 
@@ -14,14 +14,25 @@ LARGEST_FORCE_N, SMALLEST_FORCE_N = 1.0, 5e-6
 SMALLEST_POSITION_M = 2e-4
 LARGEST_VOLTAGE_V, SMALLEST_VOLTAGE_V = 30.0, 0.02
 LARGEST_LENGTH_RATIO = 5.0  # of a curve, in free lengths of its sheet
+LARGEST_BEGIN_RATIO = 0.2  # of the way from the clamp to where curves begin, in the same
+# What lies closer was set alike and then measured.
+MEASURED_V, MEASURED_M = 0.02, 5e-5
+MEASURED_COUNT = 3  # so many values more than were set cannot be slips
 
 
-def unit_warnings(measurements: Measurements) -> Iterator[str]:
-    """Yield a sentence for each column of imported tables that seems to be in another unit."""
+def table_warnings(measurements: Measurements) -> Iterator[str]:
+    """Yield a sentence for each column of imported tables that seems to be something else.
+
+    That is another unit, another origin, or what was measured in place of what was set.
+    """
     conditions = measurements.conditions
+    positions_m = {each.position_m for each in conditions if each.position_m is not None}
+    voltages_V = {each.voltage_V for each in conditions}
     yield from _forces([r.force_N for each in conditions for r in each.readings])
-    yield from _positions({each.position_m for each in conditions if each.position_m is not None})
-    yield from _voltages({each.voltage_V for each in conditions})
+    yield from _positions(positions_m)
+    yield from _voltages(voltages_V)
+    yield from _measured("position_mm", positions_m, MEASURED_M)
+    yield from _measured("voltage_V", voltages_V, MEASURED_V)
     for name, sheet in measurements.sheets.items():
         yield from _curves(
             name, sheet.free_length_m + sheet.elongation_m, _all_curves(conditions, name)
@@ -30,7 +41,9 @@ def unit_warnings(measurements: Measurements) -> Iterator[str]:
 
 def _forces(values: list[float]) -> Iterator[str]:
     largest_N = max(map(abs, values), default=math.nan)
-    if largest_N > LARGEST_FORCE_N or 0.0 < largest_N < SMALLEST_FORCE_N:
+    if largest_N > LARGEST_FORCE_N:
+        yield f"The forces reach {1e3 * largest_N:g} mN: is force_mN in mN?"
+    if 0.0 < largest_N < SMALLEST_FORCE_N:
         yield f"No force is farther from 0 than {1e3 * largest_N:g} mN: is force_mN in mN?"
 
 
@@ -42,8 +55,21 @@ def _positions(values: set[float]) -> Iterator[str]:
 
 def _voltages(values: set[float]) -> Iterator[str]:
     largest_V = max(map(abs, values), default=math.nan)
-    if largest_V > LARGEST_VOLTAGE_V or 0.0 < largest_V < SMALLEST_VOLTAGE_V:
+    if largest_V > LARGEST_VOLTAGE_V:
+        yield f"The voltages reach {largest_V:g} V: is voltage_V in V?"
+    if 0.0 < largest_V < SMALLEST_VOLTAGE_V:
         yield f"No voltage is farther from 0 than {largest_V:g} V: is voltage_V in V?"
+
+
+def _measured(column: str, values: set[float], apart: float) -> Iterator[str]:
+    """Ask where many values lie so close that they were set alike."""
+    groups = 1 + int(np.count_nonzero(np.diff(sorted(values)) > apart))
+    if len(values) >= max(2 * groups, groups + MEASURED_COUNT):
+        yield (
+            f"{column} has {len(values)} values in {groups} group{'s' * (groups > 1)}: was it "
+            "measured? Give what was set, the same number in all readings of one condition; else "
+            "each of them is a condition of its own, and their scatter is not known."
+        )
 
 
 def _all_curves(conditions: Iterable[Condition], configuration: str) -> list[Curve]:
@@ -60,4 +86,11 @@ def _curves(configuration: str, length_m: float, curves: list[Curve]) -> Iterato
         yield (
             f"The longest curve of '{configuration}' has {1e3 * longest_m:.3g} mm, sheet and "
             f"elongation have {1e3 * length_m:.3g} mm: are x_mm and y_mm in mm?"
+        )
+        return
+    x_m, y_m = np.median([(c.x_m[0], c.y_m[0]) for c in curves], axis=0)
+    if math.hypot(x_m, y_m) > LARGEST_BEGIN_RATIO * length_m:
+        yield (
+            f"The curves of '{configuration}' begin at x = {1e3 * x_m:.3g} mm, y = {1e3 * y_m:.3g} "
+            "mm: do x_mm and y_mm count from the clamp, and their points from there on?"
         )

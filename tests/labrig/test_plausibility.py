@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 from labrig.cli.main import run
+from labrig.config import parse_sheet
 from labrig.plausibility import calibration_age
 from labrig.session import load_measurements
+from labrig.session.tables import read_tables
 
 SHEET = """
 free_length_mm = 50.0
@@ -58,9 +60,9 @@ def test_good_tables_are_taken_without_a_word(
     ("column", "factor", "asked"),
     [
         ("force", 1e-3, "is force_mN in mN?"),
-        ("force", 1e3, "is force_mN in mN?"),
+        ("force", 1e3, "The forces reach 2100 mN: is force_mN in mN?"),
         ("position", 1e-3, "is position_mm in mm?"),
-        ("voltage", 1e3, "is voltage_V in V?"),
+        ("voltage", 1e3, "The voltages reach 2000 V: is voltage_V in V?"),
         ("voltage", 1e-3, "is voltage_V in V?"),
         ("shape", 1e-3, "are x_mm and y_mm in mm?"),
         ("shape", 10.0, "are x_mm and y_mm in mm?"),
@@ -73,6 +75,54 @@ def test_another_unit_is_asked_about_and_the_question_stays_with_the_session(
     assert len(warnings) == 1
     assert warnings[0].endswith(asked)
     assert f"warning: {warnings[0]}" in capsys.readouterr().err
+
+
+FORCES = "configuration,position_mm,voltage_V,reading,force_mN\n"
+
+
+def said_of(folder: Path, forces: str, curves: str | None = None) -> tuple[str, ...]:
+    """What is said of two tables."""
+    (folder / "forces.csv").write_text(FORCES + forces)
+    if curves is not None:
+        (folder / "curves.csv").write_text(
+            "configuration,position_mm,voltage_V,x_mm,y_mm\n" + curves
+        )
+    sheets = parse_sheet(SHEET, "sheet.toml")
+    return read_tables(
+        sheets, folder / "forces.csv", None if curves is None else folder / "curves.csv"
+    ).warnings
+
+
+@pytest.mark.parametrize("column", ["voltage_V", "position_mm"])
+def test_what_was_measured_in_place_of_what_was_set_is_asked_about(
+    tmp_path: Path, column: str
+) -> None:
+    off = {"voltage_V": 0.0, "position_mm": 0.0, column: 1e-3}
+    lines = [
+        f"sheet,{p + off['position_mm'] * k},{v + off['voltage_V'] * k},{k},{f}\n"
+        for p, v, f in LOADS
+        for k in range(4)
+    ]
+    (said,) = said_of(tmp_path, "".join(lines))
+    groups = 2 if column == "voltage_V" else 3
+    assert said.startswith(f"{column} has {4 * groups} values in {groups} groups: was it measured?")
+
+
+def test_a_staircase_of_small_steps_is_no_measured_voltage(tmp_path: Path) -> None:
+    assert said_of(tmp_path, "".join(f"sheet,0,{k / 20},0,{k / 30}\n" for k in range(20))) == ()
+
+
+@pytest.mark.parametrize(("x", "y"), [(20, 10), (-40, 0), (0, -30)])
+def test_curves_that_begin_elsewhere_than_at_the_clamp_are_asked_about(
+    tmp_path: Path, x: float, y: float
+) -> None:
+    points = [(12 * k, k * k / 5) for k in range(6)]
+    forces = "".join(f"sheet,{p},{v},0,{f}\n" for p, v, f in LOADS)
+    for dx, dy, asked in ((0, 0, []), (3, 2, []), (x, y, [f"x = {x} mm, y = {y} mm"])):
+        curve = "".join(f"sheet,15,2,{a + dx},{b + dy}\n" for a, b in points)
+        said = said_of(tmp_path, forces, curve)
+        assert len(said) == len(asked)
+        assert all(text in one for text, one in zip(asked, said, strict=True))
 
 
 @pytest.mark.parametrize(

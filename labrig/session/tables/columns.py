@@ -36,6 +36,9 @@ CURVES_OPTIONAL: Final = (
     "tilt_deg",
 )
 
+# Those of `labrig curves` that say where a curve is from.
+CURVES_IGNORED: Final = ("image", "strip", "state", "frame", "time_s", "reason")
+
 SIGNALS: Final = ("configuration", "position_mm", "time_s", "drive_V")
 SIGNALS_OPTIONAL: Final = ("force_mN", "current_mA", "mounting", "run", "extra")
 

@@ -160,6 +160,8 @@ class CsvRow:
         try:
             return read(text)
         except ValueError:
+            if column not in self._table.columns:
+                raise BadInputError(f"--value {column}={text}: {text!r} is not {wanted}.") from None
             asked = self._table.as_named(column)
             raise self.fault(f"column {asked}: {text!r} is not {wanted}") from None
 

@@ -8,6 +8,7 @@ from decimal import Context, Decimal, InvalidOperation
 _SHORT = 28  # characters: so many digits Decimal keeps
 # Enough digits that an angle survives the way to degrees and back.
 _WIDE = Context(prec=30)
+_MINUS = "\N{MINUS SIGN}"  # what some programs write in front of numbers
 _PI = Decimal("3.14159265358979323846264338327950288")
 
 
@@ -59,7 +60,7 @@ def from_degrees(text: str) -> float:
 
 def _decimal(text: str) -> Decimal:
     try:
-        value = Decimal(text.strip())
+        value = Decimal(text.strip().replace(_MINUS, "-"))
     except InvalidOperation:
         raise ValueError(f"{text!r} is no number") from None
     if not value.is_finite() or not math.isfinite(float(value)):

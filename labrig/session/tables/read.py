@@ -11,12 +11,13 @@ from typing import Final, Literal, NamedTuple, cast
 import numpy as np
 
 from labrig.errors import BadInputError
-from labrig.plausibility import unit_warnings
+from labrig.plausibility import table_warnings
 from labrig.session.tables import columns
 from labrig.session.tables.csv_rows import CsvRow, TextTable, integer, one_of, truth
 from labrig.session.tables.curve_points import CurvePoints, IntArray, numbers_of
 from labrig.session.tables.decimals import from_degrees, from_milli, from_plain, milli
 from labrig.session.tables.signals import SIGNAL_COLUMNS, configuration_of, series_of
+from labrig.session.tables.stated import refuse_contradicted
 from labrig.session.tables.table import read_table
 from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames, ExpectedColumns, How
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry
@@ -28,8 +29,9 @@ FORCE_COLUMNS: Final = ExpectedColumns(
     prefix=columns.CHANNEL, numbered="reading",
 )  # fmt: skip
 CURVE_COLUMNS: Final = ExpectedColumns(
-    kind="curves", required=columns.CURVES, optional=columns.CURVES_OPTIONAL, numbered="point"
-)
+    kind="curves", required=columns.CURVES, optional=columns.CURVES_OPTIONAL,
+    ignored=columns.CURVES_IGNORED, numbered="point",
+)  # fmt: skip
 # What the points of one curve have in common: lines in which it is the same are read together.
 _OF_A_CURVE = ("configuration", "position_mm", "voltage_V", "reading", "mounting", "approach",
                "run", "tilt_deg")  # fmt: skip
@@ -118,6 +120,7 @@ def read_and_understood(
     names = _of_one_sheet(names, sheet)
     tables = {expected.kind: read_table(path, expected, names) for path, expected in asked}
     _refuse_unused(names, list(tables.values()))
+    refuse_contradicted(names, list(tables.values()))
     gathered = _Conditions()
     if forces is not None:
         for row in tables["forces"].rows():
@@ -133,7 +136,7 @@ def read_and_understood(
         source=asked[0][0].name,
         warnings=(*without, *([_UNSAID.format(curves)] if unsaid else [])),
     )
-    found = replace(found, warnings=(*found.warnings, *unit_warnings(found)))
+    found = replace(found, warnings=(*found.warnings, *table_warnings(found)))
     return ReadTables(found, tuple(tables.values()))
 
 

@@ -174,11 +174,14 @@ def _comma_hint(layout: TextLayout) -> str:
 
 
 def _of_width(row: Cells, width: int, plain: bool) -> Cells:
-    """Return a line of another program with the empty cells at its end that are missing."""
-    if plain:
-        return row
+    """Return a line without separators too many at its end.
+
+    One of another program gets the empty cells that are missing there.
+    """
     while len(row) > width and not row[-1]:
         row = row[:-1]
+    if plain:
+        return row
     return [*row, *[""] * (width - len(row))] if 1 < len(row) < width else row
 
 

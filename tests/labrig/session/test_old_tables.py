@@ -169,6 +169,47 @@ def test_what_no_column_says_is_stated(tmp_path):
     assert only.measurements.conditions == wanted.measurements.conditions
 
 
+def test_a_value_that_the_column_says_too_is_taken(tmp_path):
+    text = "\n".join(line for line in PLAIN.split("\n") if ",2," not in line)
+    wanted = read(tmp_path, text)
+    assert alike(read(tmp_path, text, values=["voltage_V=0.0", "configuration=long"]), wanted)
+
+
+def test_a_value_serves_the_table_that_lacks_the_column(tmp_path):
+    curves = "position_mm,voltage_V,x_mm,y_mm\n5,2,0,0\n5,2,5,1\n5,2,10,3\n"
+    text = PLAIN + "short,5,2,0,1\n"
+    found = read(tmp_path, text, curves=curves, values=["configuration=long"]).measurements
+    (condition,) = [c for c in found.conditions if c.curve is not None]
+    assert condition.configuration == "long"
+
+
+def test_a_minus_sign_of_typesetters_and_separators_at_the_end_are_understood(tmp_path):
+    wanted = read(tmp_path, PLAIN)
+    assert alike(read(tmp_path, PLAIN.replace("-", "\N{MINUS SIGN}")), wanted)
+    assert alike(read(tmp_path, other(PLAIN).replace("-", "\N{MINUS SIGN}")), wanted)
+    assert alike(read(tmp_path, PLAIN.replace("\n", ",,\n")), wanted)
+
+
+def test_curves_of_photographs_are_curves_of_free_sheets(tmp_path):
+    path = tmp_path / "strip.csv"
+    path.write_text(
+        "image,point,s_mm,x_mm,y_mm,curvature_per_m,sigma_mm,curvature_sigma_per_m,state,frame,"
+        "time_s,reason,strip\n"
+        + "".join(f"strip,{k},{5 * k},{5 * k},{k * k / 9},9,0.01,0.1,seen,,,,\n" for k in range(4))
+    )
+    names = column_names([], ["position_mm=", "voltage_V=0"])
+    found = read_and_understood(LONG, None, path, names=names)
+    (condition,) = found.measurements.conditions
+    assert (condition.configuration, condition.position_m) == ("long", None)
+    np.testing.assert_array_equal(condition.curve.x_m, [0.0, 0.005, 0.01, 0.015])
+
+
+@pytest.mark.parametrize("name", ["force_gf", "force (mg)"])
+def test_a_unit_that_is_not_known_is_answered_with_those_that_are(tmp_path, name):
+    with pytest.raises(BadInputError, match="did you mean force_mN, in N, mN or uN"):
+        read(tmp_path, PLAIN.replace("force_mN", name))
+
+
 def test_lines_without_a_number_of_reading_are_counted(tmp_path):
     lines = [line.split(",") for line in PLAIN.strip().split("\n")]
     text = "\n".join(",".join([*cells[:3], cells[4]]) for cells in lines)
@@ -259,6 +300,9 @@ def test_a_fault_in_such_a_table_is_one_sentence_with_its_place(tmp_path, said):
         (["tilt_deg=G"], [], "--columns tilt_deg=G: 'G' is no column of"),
         ([], ["configuration"], "write labrig's column, '=' and the value in all lines"),
         (["run=R"], ["run=1"], "--value run: --columns names a column for it already"),
+        ([], ["voltage_V=2"], "old.txt has a column voltage_V, with '0' in it; leave --value out"),
+        ([], ["force_mN=1"], "--value force_mN: --columns names a column for it already"),
+        ([], ["tilt_deg=2,5"], "--value tilt_deg=2,5: '2,5' is not a number."),
     ],
 )
 def test_a_wrong_statement_is_told(tmp_path, columns, values, said):

@@ -14,8 +14,8 @@ _MOST_HEADER = 400  # lines within which a table begins
 MOST_COLUMNS = 500
 _MOST_LOOKED_AT = 50  # lines of numbers that tell where it begins
 _EXPONENT = r"(?:[eE][-+]?\d+)?"
-_WITH_POINT = re.compile(rf"[-+]?(?:\d+\.?\d*|\.\d+){_EXPONENT}")
-_WITH_COMMA = re.compile(rf"[-+]?(?:\d*,\d+){_EXPONENT}")
+_WITH_POINT = re.compile(rf"[-+\u2212]?(?:\d+\.?\d*|\.\d+){_EXPONENT}")
+_WITH_COMMA = re.compile(rf"[-+\u2212]?(?:\d*,\d+){_EXPONENT}")
 _ALIKE = re.compile(r"(?:µ|μ|u|m|k)?(?:N|m|V|A|s)|°|deg|cm|1/m|-|")
 
 Cells = list[str]

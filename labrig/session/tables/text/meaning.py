@@ -20,6 +20,7 @@ from labrig.session.tables.text.names import (
     shift,
     split_name,
     unit_of,
+    units_of,
 )
 
 MOST_OF_A_NAME: Final = 40  # characters that are worth showing
@@ -57,6 +58,7 @@ class ExpectedColumns:
     kind: str  # such as forces
     required: tuple[str, ...]
     optional: tuple[str, ...] = ()
+    ignored: tuple[str, ...] = ()  # known, and of no use here
     prefix: str | None = None  # of the names of further columns
     numbered: str = ""  # of the required ones: the lines are counted where it is missing
     renamed: bool = True  # whether --columns can say what other names mean
@@ -120,7 +122,7 @@ def meanings(
             written.add(meant[0])
     taken |= written
     for ours in expected.known if expected.renamed else ():
-        free = [i for i in range(len(names)) if i not in found and names[i]]
+        free = [i for i, name in enumerate(names) if i not in found and _is_free(name, expected)]
         may = [i for i in free if ours not in taken and may_mean(_with_unit(layout, i), ours)]
         if len(may) == 1:
             take(may[0], ours, How.GUESSED)
@@ -129,6 +131,10 @@ def meanings(
         found.get(i, ColumnMeaning(index=i, name=name, means="", how=How.UNUSED))
         for i, name in enumerate(names)
     ]
+
+
+def _is_free(name: str, expected: ExpectedColumns) -> bool:
+    return bool(name) and name not in expected.ignored
 
 
 def check(
@@ -161,15 +167,16 @@ def check(
         ]
     has = {one.means for one in found} | set(given.values)
     for one in found:
-        if one.how is How.UNUSED and one.name and (plain or _nearly(one.name, expected, has)):
+        unused = one.how is How.UNUSED and _is_free(one.name, expected)
+        if unused and (plain or _nearly(one.name, expected, has)):
             raise BadInputError(
                 f"{file}: column {short(one.name)!r} is not known; {_hint(one.name, expected)}."
             )
     for name in expected.required:
         if name not in has and name != expected.numbered:
             free = [one for one in found if one.how is How.UNUSED and one.name]
-            unused = [(one.index, split_name(one.name)) for one in free]
-            guesses = likely(name, unused, cells) if expected.renamed and not plain else []
+            others = [(one.index, split_name(one.name)) for one in free]
+            guesses = likely(name, others, cells) if expected.renamed and not plain else []
             offered = [short(one.name) for one in free if one.index in guesses]
             raise BadInputError(_missing(file, name, offered, ask=expected.renamed and not plain))
     return found
@@ -279,7 +286,9 @@ def _hint(name: str, expected: ExpectedColumns) -> str:
     known = expected.known
     close = difflib.get_close_matches(name[:MOST_OF_A_NAME], known, n=1, cutoff=0.5)
     if close:
-        return f"did you mean {close[0]}"
+        units = units_of(close[0])
+        written = f", in {', '.join(units[:-1])} or {units[-1]}" if units else ""
+        return f"did you mean {close[0]}{written}"
     return f"the columns are {', '.join(expected.required)}"
 
 

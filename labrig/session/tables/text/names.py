@@ -73,6 +73,13 @@ def unit_of(text: str) -> Unit | None:
     return None if found is None else Unit(text.strip(), *found)
 
 
+def units_of(column: str) -> list[str]:
+    """Return the units that are known of what one of our columns measures."""
+    own = own_unit(column)
+    measures = own.measures if own else None
+    return [text for text, (what, _) in _UNITS.items() if what == measures]
+
+
 def split_name(name: str) -> SplitName:
     """Return a name and its unit: force [N], F/mN, x in mm, position_mm."""
     bracketed = _BRACKETS.fullmatch(name)
