@@ -52,6 +52,39 @@ def several(given: One | Sequence[One] | None) -> list[One]:
     return list(given)
 
 
+def number(name: str, value: object) -> float:
+    """Return a number that was given. Raises BadInputError, which names the argument."""
+    try:
+        if isinstance(value, str | bytes):  # float would take the text of a number
+            raise TypeError
+        return float(value)  # type: ignore[arg-type]  # a caller may give anything
+    except (TypeError, ValueError):
+        raise BadInputError(f"{name} {value!r}: a number is needed.") from None
+
+
+def numbers_of(name: str, given: float | Sequence[float] | None) -> list[float]:
+    """Return numbers that were given alone or as a sequence. Raises BadInputError."""
+    return [number(name, one) for one in several(given)]
+
+
+def texts_of(given: str | Sequence[str]) -> list[str]:
+    """Return texts that were given alone or as a sequence; a number becomes its text."""
+    return [str(one) for one in several(given)]
+
+
+def tell_of_stiffness(measurements: Measurements, stated_Nm2: float | None) -> None:
+    """Tell where a stated stiffness is not used, as the forces of each sheet determine it."""
+    if stated_Nm2 is None:
+        return
+    every = {each.configuration for each in measurements.conditions}
+    measured = {each.configuration for each in measurements.conditions if each.used()}
+    if measured and every == measured:
+        tell(
+            "--stiffness-Nm2 is not used: forces were measured of "
+            f"{' and '.join(sorted(measured))}, which determine B"
+        )
+
+
 def paths_of(data: Data | Sequence[AnyPath]) -> list[Path]:
     """Return the sessions among the data; none where these are measurements."""
     if isinstance(data, Measurements):

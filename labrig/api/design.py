@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, get_args, overload
 
-from labrig.api.data import AnyPath, model_of, several
+from labrig.api.data import AnyPath, model_of, number, several
 from labrig.api.eibm import Eibm, model_with_eibm
 from labrig.api.one_blas_thread import one_blas_thread
 from labrig.api.simulate import tell_of_misses
@@ -141,6 +141,10 @@ def design(
         0.93
 
     """
+    check_wishes(
+        {"--force-mN": force_mN, "--mass-g": mass_g, "--bandwidth-Hz": bandwidth_Hz}, lag_s
+    )
+    _check_direction(direction)
     known = model_with_eibm(model_of(model), eibm)
     low_m, high_m = section_m(section)
     answers = tuple(
@@ -196,10 +200,26 @@ def map_of_elongation(
     """
     import numpy as np
 
+    _check_direction(direction)
     low_m, high_m = section_m(section)
     ends = np.linspace(low_m, high_m, MAP_STEPS)
     known = model_with_eibm(model_of(model), eibm)
     return elongation_map(known, configuration, ends[:-1], ends[1:], direction)
+
+
+def check_wishes(positive: Mapping[str, float | None], lag_s: float) -> None:
+    """Raise BadInputError for what nobody can wish: a number that is not above 0, a lag below."""
+    for name, value in positive.items():
+        if value is not None and not 0.0 < number(name, value) < math.inf:
+            raise BadInputError(f"{name} {value:g}: a number above 0 is needed.")
+    if not 0.0 <= number("--lag-s", lag_s) < math.inf:
+        raise BadInputError(f"--lag-s {lag_s:g}: a number from 0 is needed.")
+
+
+def _check_direction(direction: str) -> None:
+    if direction not in get_args(Direction):
+        among = ", ".join(map(repr, get_args(Direction)))
+        raise BadInputError(f"--direction: {direction!r} is not one of {among}.")
 
 
 def section_m(section: Section) -> tuple[float, float]:

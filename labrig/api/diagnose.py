@@ -5,7 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from labrig.api.data import AnyPath, Data, Progress, model_of, paths_of, several, silent, tell
+from labrig.api.data import (
+    AnyPath,
+    Data,
+    Progress,
+    model_of,
+    number,
+    paths_of,
+    several,
+    silent,
+    tell,
+    tell_of_stiffness,
+    texts_of,
+)
 from labrig.api.one_blas_thread import one_blas_thread
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.errors import BadInputError, LabrigError
@@ -96,10 +108,13 @@ def options_for(
     from labrig.analysis.holding_out import held_out
 
     _require_effects(without)
+    if stiffness_Nm2 is not None:
+        stiffness_Nm2 = number("--stiffness-Nm2", stiffness_Nm2)
+    tell_of_stiffness(measurements, stiffness_Nm2)
     return DiagnoseOptions(
-        symmetric=symmetric, calibrate=calibrate,
+        symmetric=symmetric, calibrate=int(number("--calibrate", calibrate)),
         model=None if model is None else model_of(model), exclude=tuple(several(without)),
-        hold_out=held_out(several(hold_out), measurements), promised=promises_kept_in(sessions),
+        hold_out=held_out(texts_of(hold_out), measurements), promised=promises_kept_in(sessions),
         stiffness_Nm2=stiffness_Nm2,
     )  # fmt: skip
 

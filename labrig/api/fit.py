@@ -12,10 +12,13 @@ from labrig.api.data import (
     Data,
     Progress,
     measurements_of,
+    number,
     paths_of,
     several,
     silent,
     tell,
+    tell_of_stiffness,
+    texts_of,
 )
 from labrig.api.one_blas_thread import one_blas_thread
 from labrig.errors import BadInputError
@@ -107,10 +110,13 @@ def fitted_data(
     """Fit as `fit` does, and return the data with it."""
     from labrig.report.data.separate_sessions import only
 
+    bootstrap = int(number("--bootstrap", bootstrap))
     if 0 < bootstrap < FEWEST_REPEATS:
         raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
-    if not math.isfinite(q):
+    if not math.isfinite(number("--q", q)):
         raise BadInputError(f"--q {q}: a number is needed, such as 1.")
+    if stiffness_Nm2 is not None:
+        stiffness_Nm2 = number("--stiffness-Nm2", stiffness_Nm2)
     chosen = options or FitOptions(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
         bootstrap=bootstrap, stiffness_Nm2=stiffness_Nm2,
@@ -118,7 +124,8 @@ def fitted_data(
     whole, runs = _measured(sessions, apart, progress)
     measurements = only(whole, several(configuration))
     if hold_out:
-        chosen = replace(chosen, held_out=_held_out(several(hold_out), measurements))
+        chosen = replace(chosen, held_out=_held_out(texts_of(hold_out), measurements))
+    tell_of_stiffness(measurements, chosen.stiffness_Nm2)
     source = ", ".join(map(str, paths_of(sessions))) or measurements.source or "the measurements"
     return FittedData(
         measurements=measurements, fit=what_can_be_fitted(source, measurements, chosen), runs=runs

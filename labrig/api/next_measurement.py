@@ -108,8 +108,14 @@ def next_measurement(
 
 
 def require_two(between: tuple[str, str] | None) -> None:
-    """Raise BadInputError where one effect is named twice."""
-    if between is not None and between[0] == between[1]:
+    """Raise BadInputError unless two different effects are named."""
+    if between is None:
+        return
+    if isinstance(between, str) or len(between) != 2:
+        raise BadInputError(
+            f"--between {between!r}: name two effects, such as gravity and clamp_angle."
+        )
+    if between[0] == between[1]:
         raise BadInputError(f"--between names {between[0]} twice; name two different effects.")
 
 

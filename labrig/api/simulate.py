@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from labrig.api.data import AnyPath, model_of, name_of, path_of, several, tell
-from labrig.api.eibm import Eibm, model_with_eibm
+from labrig.api.data import AnyPath, model_of, name_of, numbers_of, path_of, several, tell
+from labrig.api.eibm import Eibm, model_with_eibm, voltages_of
 from labrig.api.one_blas_thread import one_blas_thread
 from labrig.errors import BadInputError
 from model import Prediction, PredictionArray, SheetModel
@@ -157,7 +157,8 @@ def simulate(
         True
 
     """
-    positions, volts = several(position_mm), several(voltage) or [float(v) for v in eibm or ()]
+    positions = numbers_of("--position-mm", position_mm)
+    volts = numbers_of("--voltage", voltage) or voltages_of(eibm)
     if not positions or not volts:
         raise BadInputError("give at least one --position-mm and one --voltage.")
     known = model_of(model)

@@ -55,7 +55,9 @@ def effect(name: str) -> Effect:
     try:
         return FOLDER.get(name)
     except UnknownPartError as error:
-        raise ModelError(str(error)) from None
+        text = str(error)
+        hint = "" if "did you mean" in text else ": `labrig effects` lists them"
+        raise ModelError(text + hint) from None
 
 
 def origins() -> dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -67,11 +66,13 @@ def design(
     With --eibm, for EIBMs of your own; with --stiffness-Nm2 too, sheet.toml takes the model file's
     place.
     """
+    from labrig.api.design import check_wishes, map_of_elongation, section_m
     from labrig.api.design import design as design_for
-    from labrig.api.design import map_of_elongation, section_m
 
     section_m(section)
-    _check({"--force-mN": force_mN, "--mass-g": mass_g, "--bandwidth-Hz": bandwidth_Hz}, lag_s)
+    check_wishes(
+        {"--force-mN": force_mN, "--mass-g": mass_g, "--bandwidth-Hz": bandwidth_Hz}, lag_s
+    )
     if output is not None and output.exists() and not output.is_dir():
         raise BadInputError(f"{output}: this is a file, a folder is needed.")
     known = StatedModel(model, eibm or (), stiffness_Nm2).model()
@@ -111,14 +112,6 @@ def _show(answers: Design, maps: dict[str, ElongationMap], *, as_json: bool) -> 
             say(table.note)
             say()
     say_errors(answers.errors)
-
-
-def _check(positive: dict[str, float | None], lag_s: float) -> None:
-    for name, value in positive.items():
-        if value is not None and not 0.0 < value < math.inf:
-            raise BadInputError(f"{name} {value:g}: a number above 0 is needed.")
-    if not 0.0 <= lag_s < math.inf:
-        raise BadInputError(f"--lag-s {lag_s:g}: a number from 0 is needed.")
 
 
 def _draw(

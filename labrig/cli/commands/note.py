@@ -28,11 +28,12 @@ def note(
     the file until that is closed, or recovered.
     """
     from labrig.session import Note, add_note
+    from labrig.session.notes.add import stated_operators
     from labrig.session.notes.photograph import photograph_note, read_photograph_file
 
     if not text.strip() and photograph is None:
         raise BadInputError("labrig note needs a text, or --photograph with a file.")
-    who = who or _operators(session)
+    who = who or stated_operators(session)
     if photograph is None:
         made = Note(who=who, text=text)
     else:
@@ -42,18 +43,6 @@ def note(
         say(f"added to {session}")
     else:
         say(f"kept beside {session}; it is added when the session is closed or recovered")
-
-
-def _operators(session: Path) -> str:
-    """Return those whom the session states; one that was cut short opens only when recovered."""
-    from labrig.session import open_session
-    from labrig.session.notes.note import NAME_CHARACTERS_MAX
-
-    try:
-        with open_session(session, live=True) as opened:
-            return ", ".join(opened.about.operators)[:NAME_CHARACTERS_MAX]
-    except BadInputError:
-        return ""
 
 
 COMMAND = Command(

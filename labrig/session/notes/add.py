@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from labrig.errors import BadInputError, LabrigError
-from labrig.session.notes.note import Note
+from labrig.session.notes.note import NAME_CHARACTERS_MAX, Note
 from labrig.session.notes.stored import add_to_file
 from labrig.session.notes.waiting import WaitingNotes, open_waiting
 from labrig.session.reading.session import open_session
@@ -20,13 +20,18 @@ from labrig.session.recording.locking import is_locked
 from labrig.session.supplements.store import replaced
 
 
-def add_note(path: Path, note: Note) -> bool:
+def add_note(path: Path | str, note: Note | str) -> bool:
     """Add a note to a session that is closed, being recorded, or cut short.
 
+    `note` is a `Note`, or its text alone: it is then by the operators that the session states.
     It is on the disk on return: in the file (True), or beside it (False) until the session is
     closed or recovered, or the disk takes a copy of it. Raises BadInputError, LabrigError.
     """
     path = Path(path)
+    if not isinstance(note, Note):
+        if not isinstance(note, str):  # a caller may give anything
+            raise BadInputError(f"A note is a text or a labrig.Note, not {note!r}.")
+        note = Note(who=stated_operators(path), text=note)
     identifier = _identifier(path)
     with open_waiting(path, make=True) as waiting:
         assert waiting is not None  # noqa: S101 - it was made
@@ -40,6 +45,15 @@ def add_note(path: Path, note: Note) -> bool:
             _add(path, identifier, waiting)
             return True
     return False
+
+
+def stated_operators(path: Path) -> str:
+    """Return those whom a session states; one that was cut short opens only when recovered."""
+    try:
+        with open_session(path, live=True) as session:
+            return ", ".join(session.about.operators)[:NAME_CHARACTERS_MAX]
+    except BadInputError:
+        return ""
 
 
 def add_waiting(path: Path) -> int:

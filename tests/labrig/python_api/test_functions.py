@@ -126,6 +126,51 @@ def test_wrong_arguments_of_fit_are_one_sentence(session_file):
         labrig.fit(session_file, apart=True)
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"bootstrap": "20"}, "--bootstrap '20': a number is needed."),
+        ({"q": None}, "--q None: a number is needed."),
+        ({"stiffness_Nm2": "1e-6"}, "--stiffness-Nm2 '1e-6': a number is needed."),
+        ({"hold_out": 25}, "--hold-out '25': write position=25 or configuration=long,position=25."),
+    ],
+)
+def test_a_wrong_type_is_one_sentence_of_fit(session_file, options, said):
+    with pytest.raises(BadInputError) as told:
+        labrig.fit(session_file, **options)
+    assert str(told.value) == said
+
+
+def test_a_wrong_type_is_one_sentence_of_diagnose_and_next(session_file):
+    with pytest.raises(BadInputError, match="--calibrate '5': a number is needed"):
+        labrig.diagnose(session_file, calibrate="5")
+    with pytest.raises(BadInputError, match="--hold-out '25': write position=25"):
+        labrig.diagnose(session_file, hold_out=25)
+    for between in ("gravity", ("gravity",), ("gravity", "clamp_angle", "roll_offset")):
+        with pytest.raises(BadInputError, match="name two effects, such as gravity and clamp_ang"):
+            labrig.next_measurement(session_file, between=between)
+    with pytest.raises(labrig.ModelError, match="36 others: `labrig effects` lists them"):
+        labrig.diagnose(session_file, without="foo")
+
+
+@pytest.mark.slow
+def test_a_stiffness_that_the_forces_determine_is_said_not_to_be_used(session_file):
+    with pytest.warns(labrig.LabrigWarning, match="not used: forces were measured of long, w"):
+        labrig.fit(session_file, configuration="long", stiffness_Nm2=1e-6)
+
+
+def test_a_note_may_be_a_text(tmp_path):
+    path = session(tmp_path / "s.h5", measure("long"))
+    assert labrig.add_note(str(path), "the sheet looks dry")
+    with labrig.open_session(path) as opened:
+        assert [note.text for note in opened.notes] == ["the sheet looks dry"]
+    for wrong in (5, None):
+        with pytest.raises(BadInputError, match=f"a text or a labrig.Note, not {wrong}"):
+            labrig.add_note(path, wrong)
+    with pytest.raises(BadInputError, match="needs a text"):
+        labrig.add_note(path, " ")
+
+
 # -- tables of other programs
 
 
@@ -299,6 +344,32 @@ def test_a_model_that_misses_its_data_is_named_in_a_warning(tmp_path):
         labrig.simulate(model, position_mm=0, voltage=2)
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"position_mm": "5"}, "--position-mm '5': a number is needed"),
+        ({"position_mm": np.ones((2, 2))}, r"--position-mm array.*: a number is needed"),
+        ({"voltage": [2, None]}, "--voltage None: a number is needed"),
+        ({"eibm": {"2": 36e-6}}, "--eibm '2': a number is needed"),
+        ({"eibm": [36e-6]}, "EIBMs by voltage are needed, such as {2.0: 36e-6}"),
+    ],
+)
+def test_a_wrong_type_is_one_sentence_of_simulate(options, said):
+    with pytest.raises(BadInputError, match=said):
+        labrig.simulate(long_sheet(), **({"position_mm": 5, "voltage": 2} | options))
+
+
+def test_an_eibm_whose_places_are_in_mm_is_refused(tmp_path):
+    rows = ([0, 25, 50], [36e-6, 20e-6, 10e-6])
+    said = "reaches to s = 50 m, the sheet to 0.05 m; its places s are in m"
+    with pytest.raises(labrig.ModelError, match=said):
+        labrig.simulate(long_sheet(), position_mm=5, eibm={2.0: rows})
+    with pytest.raises(labrig.ModelError, match=said):
+        long_sheet(EIBM_Nm=rows)
+    far = ([0, 0.3], [36e-6, 10e-6])  # straight lines end where they like
+    assert len(labrig.simulate(long_sheet(), position_mm=5, eibm={2.0: far})) == 1
+
+
 def test_simulate_asks_for_what_is_missing():
     with pytest.raises(BadInputError, match="at least one --position-mm and one --voltage"):
         labrig.simulate(long_sheet(), voltage=2)
@@ -317,6 +388,28 @@ def test_design_is_what_the_command_prints(model_file, capsys):
     assert found[0].wanted.configuration == "short"
     assert len(repr(found).splitlines()) <= 24
     assert "7. short: quasi-static work" in "".join(found.to_dataframe().table.unique())
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"direction": "up"}, "--direction: 'up' is not one of 'both', 'positive', 'negative'."),
+        ({"mass_g": 0}, "--mass-g 0: a number above 0 is needed."),
+        ({"bandwidth_Hz": -1}, "--bandwidth-Hz -1: a number above 0 is needed."),
+        ({"force_mN": -1.5}, "--force-mN -1.5: a number above 0 is needed."),
+        ({"force_mN": "a"}, "--force-mN 'a': a number is needed."),
+        ({"lag_s": -1}, "--lag-s -1: a number from 0 is needed."),
+    ],
+)
+def test_a_wish_that_nobody_can_have_is_one_sentence(options, said):
+    with pytest.raises(BadInputError) as told:
+        labrig.design(long_sheet(), (0, 20), **options)
+    assert str(told.value) == said
+
+
+def test_a_map_asks_for_a_direction_that_there_is():
+    with pytest.raises(BadInputError, match="'up' is not one of"):
+        labrig.map_of_elongation(long_sheet(), (0, 20), configuration="long", direction="up")
 
 
 def test_a_section_may_be_text_or_a_pair():
