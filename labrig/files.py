@@ -5,8 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import shlex
-from collections.abc import Sequence
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from subprocess import list2cmdline
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -62,6 +62,21 @@ def write_zip(path: Path, files: Sequence[Path]) -> None:
     except OSError as error:
         discard(part)
         raise not_written(path, error) from None
+
+
+@contextmanager
+def all_or_none(paths: Iterable[Path]) -> Iterator[None]:
+    """Remove the files that were made of these, where one cannot be, or Ctrl-C comes between.
+
+    Else the same command finds some of them there and refuses to go on. Others stay as they were.
+    """
+    new = [path for path in paths if not path.exists()]
+    try:
+        yield
+    except BaseException:
+        for path in new:
+            discard(path)
+        raise
 
 
 def discard(part: Path) -> None:

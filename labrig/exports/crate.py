@@ -8,9 +8,11 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 from labrig.errors import BadInputError
 from labrig.exports._files import new_file
+from labrig.files import all_or_none
 from labrig.library.fits import looks_like_model
 from labrig.model_file import load_model
 from labrig.report.page.write import write_report
@@ -38,8 +40,18 @@ class _Crate:
             sources = [recording, *_models(crate, session, opened.checksum, recording)]
             if opened.has_measurements:
                 _report(crate, session, Path(made), sources)
-            crate.write(folder)
-        return [metadata, *sorted(p for p in folder.iterdir() if p.is_file() and p != metadata)]
+            files = [_place(folder, entity) for entity in crate.data_entities]
+            with all_or_none([metadata, *files]):
+                crate.write(folder)
+        return [metadata, *sorted(files)]
+
+
+def _place(folder: Path, entity: Any) -> Path:
+    """Return where a file is written. What lies there already must be that very file."""
+    path = folder / unquote(entity.id)
+    if path.exists() and not path.samefile(entity.source):
+        return new_file(folder, path.name)
+    return path
 
 
 def _recording(crate: Any, session: RecordedSession, path: Path) -> Any:

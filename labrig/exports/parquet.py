@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig.exports._files import new_file
+from labrig.files import all_or_none
 from labrig.session import export_session
 from labrig.session.recording.disk import written_beside
 
@@ -26,8 +27,9 @@ class _Parquet:
         with tempfile.TemporaryDirectory() as beside:
             tables = [p for p in export_session(session, Path(beside)) if p.name in _TABLES]
             targets = {table: new_file(folder, f"{table.stem}.parquet") for table in tables}
-            for table, target in targets.items():
-                _convert(table, target)
+            with all_or_none(targets.values()):
+                for table, target in targets.items():
+                    _convert(table, target)
         return list(targets.values())
 
 

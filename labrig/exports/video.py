@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from labrig.errors import BadInputError, LabrigError
 from labrig.exports._files import new_file
-from labrig.files import discard, not_written
+from labrig.files import all_or_none, discard, not_written
 from labrig.session import RunRecord, open_session
 
 Picture = npt.NDArray[np.uint8]
@@ -30,8 +30,9 @@ class _Video:
             if not runs:
                 raise BadInputError(f"{session}: no frames were recorded, so there is no video.")
             paths = [new_file(folder, f"{_name(run)}.avi") for run in runs]
-            for run, path in zip(runs, paths, strict=True):
-                _write(run, path)
+            with all_or_none(paths):
+                for run, path in zip(runs, paths, strict=True):
+                    _write(run, path)
         return paths
 
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from labrig.cli.main import run
+from labrig.exports import video
+from labrig.exports.choice import export
 from labrig.session import open_session
 from tests.labrig.report_data import measure, session
 
@@ -65,6 +67,26 @@ def test_a_folder_that_cannot_be_written_leaves_no_part_of_a_video(
     assert "run-01-long-0mm.avi" in error
     assert "Traceback" not in error
     assert list(tmp_path.glob("*.avi")) == []
+
+
+def test_a_video_export_that_is_stopped_leaves_no_video_and_can_be_repeated(
+    session_file, tmp_path, monkeypatch
+):
+    writer, written = video._write, []
+
+    def stopped(run_, path):
+        if written:
+            raise KeyboardInterrupt
+        writer(run_, path)
+        written.append(path)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(video, "_write", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            export(session_file, tmp_path, "video")
+    assert written
+    assert list(tmp_path.iterdir()) == []
+    assert len(export(session_file, tmp_path, "video")) == 2
 
 
 def test_a_video_that_is_there_is_left_alone(session_file, tmp_path, capsys):

@@ -16,6 +16,7 @@ from labrig.cli.main import run
 from labrig.errors import BadInputError, LabrigError
 from labrig.exports.choice import FORMATS, export
 from labrig.session import load_measurements, open_session, store_measurements
+from labrig.session.tables import exchange
 from tests.labrig.session.measured import measurements
 from tests.labrig.session.session_recording import record, small_schedule
 
@@ -140,6 +141,45 @@ def test_a_crate_names_the_session_its_licence_and_what_made_it(tmp_path):
     (action,) = [e for e in crate.get_entities() if e.type == "CreateAction"]
     assert action["name"] == "labrig run"
     assert action["result"].id == "s.h5"
+
+
+@pytest.mark.slow
+def test_a_crate_replaces_no_file(tmp_path):
+    session = tmp_path / "S ü.h5"
+    record(session, small_schedule(readings=1), texts={"sheet.toml": ""})
+    (tmp_path / "crate").mkdir()
+    (tmp_path / "crate" / "S ü.h5").write_text("mine")
+    (tmp_path / "crate" / "notes.txt").write_text("mine, too")
+    with pytest.raises(BadInputError, match=r"S ü\.h5 exists already"):
+        export(session, tmp_path / "crate", "crate")
+    assert (tmp_path / "crate" / "S ü.h5").read_text() == "mine"
+    assert not (tmp_path / "crate" / "ro-crate-metadata.json").exists()
+    (tmp_path / "crate" / "S ü.h5").unlink()
+    written = export(session, tmp_path / "crate", "crate")
+    assert {path.name for path in written} == {"ro-crate-metadata.json", "S ü.h5"}
+
+
+@pytest.mark.slow
+def test_a_crate_may_be_made_of_the_folder_of_its_session(tmp_path):
+    session = tmp_path / "s.h5"
+    record(session, small_schedule(readings=1), texts={"sheet.toml": ""})
+    before = session.read_bytes()
+    written = export(session, tmp_path, "crate")
+    assert {path.name for path in written} == {"ro-crate-metadata.json", "s.h5"}
+    assert session.read_bytes() == before
+
+
+def test_tables_of_which_one_cannot_be_written_leave_none(session, tmp_path, monkeypatch):
+    with monkeypatch.context() as patched:
+        patched.setattr(exchange, "write_about_and_notes", lambda *_: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            export(session, tmp_path, "csv")
+    assert list(tmp_path.iterdir()) == []
+    written = export(session, tmp_path, "csv")
+    kept = written[0].read_bytes()
+    with pytest.raises(BadInputError, match="exists already"):
+        export(session, tmp_path, "csv")
+    assert written[0].read_bytes() == kept
 
 
 def test_a_missing_package_is_one_sentence_and_leaves_nothing(

@@ -24,9 +24,14 @@ _COLUMNS = ("when", "who", "text", "photograph")
 
 def check_free(session: RecordedSession, folder: Path) -> None:
     """Raise BadInputError when a file that is to be written is there already."""
-    for name, _ in _files(session):
+    for name in file_names(session):
         if (folder / name).exists():
             raise BadInputError(f"{folder / name} exists already; choose another folder with -o.")
+
+
+def file_names(session: RecordedSession) -> list[str]:
+    """Return the names of the files that `write_about_and_notes` writes."""
+    return [name for name, _ in _files(session)]
 
 
 def write_about_and_notes(session: RecordedSession, folder: Path) -> list[Path]:

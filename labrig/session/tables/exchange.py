@@ -15,25 +15,26 @@ from labrig.config import file_kinds, parse_about, parse_sheet, read_text
 from labrig.config.about import FILE as ABOUT
 from labrig.config.file_kinds import SHEET
 from labrig.errors import BadInputError
+from labrig.files import all_or_none
 from labrig.session.derived.store import load_measurements, write_derived
 from labrig.session.format import layout
 from labrig.session.format.setup import IMPORTED_FRAME_RATE_HZ, SessionSetup
-from labrig.session.notes.export import check_free, write_about_and_notes
+from labrig.session.notes.export import check_free, file_names, write_about_and_notes
 from labrig.session.reading.session import open_session
 from labrig.session.recording.create import fill_file
 from labrig.session.recording.disk import written_beside
 from labrig.session.recording.recorder import Recorder
+from labrig.session.tables.control_table import FILE as CONTROL
 from labrig.session.tables.control_table import check_no_control, write_control
 from labrig.session.tables.csv_rows import TextTable
 from labrig.session.tables.preview import in_one_line
 from labrig.session.tables.read import read_and_understood
 from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames
-from labrig.session.tables.write import write_tables
+from labrig.session.tables.write import TABLES, write_tables
 from model.measurements import Measurements
 from protocols.execution.events import Outcome
 from protocols.planning.schedule import Schedule
 
-_TABLES = ("forces.csv", "curves.csv", "signals.csv")
 Agree = Callable[[Sequence[TextTable]], None]
 IMPORTED = "import"  # the name of the protocol of a session that was not recorded
 
@@ -61,7 +62,7 @@ def import_session(
     """
     output = Path(output)
     text = read_text(sheet, SHEET)
-    tables = dict(zip(_TABLES, (forces, curves, signals), strict=True))
+    tables = dict(zip(TABLES, (forces, curves, signals), strict=True))
     geometry = parse_sheet(text, str(sheet))
     read = read_and_understood(geometry, forces, curves, signals, names=names)
     stated = _about_text(about, Path(forces or curves or sheet))
@@ -104,8 +105,10 @@ def export_session(path: Path, folder: Path) -> list[Path]:
             raise BadInputError(f"{path}: {session.outdated}")
         check_free(session, Path(folder))
         check_no_control(Path(folder))
-        tables = write_tables(measurements, Path(folder)) + write_control(session, Path(folder))
-        return [*tables, *write_about_and_notes(session, Path(folder))]
+        with all_or_none(Path(folder) / name for name in (*TABLES, CONTROL, *file_names(session))):
+            tables = write_tables(measurements, Path(folder))
+            control = write_control(session, Path(folder))
+            return [*tables, *control, *write_about_and_notes(session, Path(folder))]
 
 
 def _about_text(about: Path | None, forces: Path) -> str:

@@ -12,6 +12,7 @@ from labrig.session.tables import columns
 from labrig.session.tables.decimals import degrees, milli, plain
 from model.measurements import Condition, Curve, Measurements, TimeSeries
 
+TABLES = ("forces.csv", "curves.csv", "signals.csv")
 Cells = dict[str, str]
 
 
@@ -56,7 +57,7 @@ def _make(folder: Path) -> None:
         raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
     except OSError as error:
         raise BadInputError(f"{folder}: cannot be made ({error.strerror}).") from None
-    for name in ("forces.csv", "curves.csv", "signals.csv"):
+    for name in TABLES:
         if (folder / name).exists():
             raise BadInputError(f"{folder / name} exists already; choose another folder with -o.")
 
