@@ -129,7 +129,8 @@ def compared(
     rows = () if dynamic else _at_rest(session, measurements, given)
     found, why_not = ([], {}) if static else _in_time(session, elongation_g_per_m, steps)
     if dynamic and not found:
-        raise BadInputError("; ".join(why_not.values()) or f"{session}: nothing was driven.")
+        why = "; ".join(one.rstrip(".") for one in why_not.values())
+        raise BadInputError(f"{why}." if why else f"{session}: nothing was driven.")
     return ModelComparison(static=rows, dynamic=tuple(found), why_no_dynamic=why_not)
 
 

@@ -40,8 +40,14 @@ def damage_told(path: Path, what: str = "the file") -> Iterator[None]:
         ) from None
 
 
+def _require_open(file: Any, path: Path) -> None:
+    if not file:  # h5py's closed objects are false
+        raise BadInputError(f"{path}: this session was closed; open it again.")
+
+
 def read_dataset(file: Any, name: str, path: Path) -> Any:
     """Return a dataset by its full name. Raises BadInputError when it is not there."""
+    _require_open(file, path)
     with damage_told(path, name):
         found = file.get(name)
     if not isinstance(found, h5py.Dataset):
@@ -74,6 +80,7 @@ def text_attribute(item: Any, name: str) -> str:
 
 def read_texts(file: Any, name: str, path: Path) -> dict[str, str]:
     """All texts of a group."""
+    _require_open(file, path)
     with damage_told(path, name):
         group = file.get(name)
         if not isinstance(group, h5py.Group):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import importlib
 import inspect
 import json
 from importlib import import_module
@@ -157,6 +158,14 @@ def test_a_wrong_type_is_one_sentence_of_diagnose_and_next(session_file):
 def test_a_stiffness_that_the_forces_determine_is_said_not_to_be_used(session_file):
     with pytest.warns(labrig.LabrigWarning, match="not used: forces were measured of long, w"):
         labrig.fit(session_file, configuration="long", stiffness_Nm2=1e-6)
+
+
+def test_why_several_sheets_are_not_compared_in_time_is_one_sentence(session_file, monkeypatch):
+    compare = importlib.import_module("labrig.api.compare")
+    monkeypatch.setattr(compare, "_in_time", lambda *_: ([], {"a": "A rests.", "b": "B, too."}))
+    with pytest.raises(BadInputError) as told:
+        labrig.compare(session_file, dynamic=True)
+    assert str(told.value) == "A rests; B, too."
 
 
 def test_a_note_may_be_a_text(tmp_path):

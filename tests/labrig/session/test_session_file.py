@@ -196,6 +196,14 @@ def test_nothing_is_left_beside_a_session_that_was_closed(recorded):
     assert [entry.name for entry in recorded.parent.iterdir()] == ["session.h5"]
 
 
+def test_a_session_that_was_closed_is_not_called_damaged(recorded):
+    with open_session(recorded) as session:
+        run = session.runs[0]
+    for read in (session.to_dataframe, lambda: run.image(0), lambda: run.readings):
+        with pytest.raises(BadInputError, match=r"session\.h5: this session was closed; open it"):
+            read()
+
+
 def test_an_existing_file_is_never_overwritten(recorded):
     before = recorded.read_bytes()
     with pytest.raises(BadInputError, match=r"exists already.*another name"):
