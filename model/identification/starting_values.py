@@ -13,14 +13,13 @@ from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.drive_rise import RISE
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import BaseParameters, Bases
-from model.identification.observations import Observation, Observed
+from model.identification.observations import Observed
 from model.identification.paper import Sample, loaded
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import Field
 
 LOOP_RAD = 2.0 * np.pi
 USUAL_BEND_PER_M = 20.0  # Me/B, to begin with where there are no curves
-FEW_SAMPLES = 3  # of each voltage, that are enough for a rough guess; to smooth a curve takes long
 # by configuration: places of its parameters in the vector of an earlier fit, and that vector
 Earlier = Mapping[str, tuple[BaseParameters, FloatArray]]
 
@@ -139,54 +138,36 @@ def _first_guess(
         _from_shapes(theta, observed, scene, part)
         return
     places = sorted({place for place, _ in part.eibm.values()})
-    unknown = [] if stated else [min(part.rest)]
-    found = None
-    for most in (FEW_SAMPLES, len(observed.observations)):
-        samples = _samples(observed, scene.rest, most)
-        if len(samples) >= 2 + len(places):
-            found = _linear_guess(samples, part, places, len(unknown))
-            if found[0] > 0.0:
-                break
-    if found is None:
+    samples = _samples(observed, scene.rest)
+    if len(samples) < 2 + len(places):
         _from_forces(theta, observed, scene, part)
         return
+    unknown = [] if stated else [min(part.rest)]
+    A = np.zeros((len(samples), 1 + len(places) + len(unknown)))
+    for row, sample in zip(A, samples, strict=True):
+        row[0] = sample.mean_moment_Nm * 1e6  # so that 1/B in 1e6 per N m^2 is of order one
+        if sample.observation.voltage_V != 0.0:
+            place, sign = part.eibm[sample.observation.voltage_V]
+            row[1 + places.index(place)] = sign
+        row[1 + len(places) :] = 1.0
+    turns = np.array([s.turn_rad / s.l_hat_m for s in samples])
+    found = np.linalg.lstsq(A, turns, rcond=1e-10)[0]
     if found[0] <= 0.0:
         raise _wrong_sign(observed)
     theta[part.stiffness] = -np.log(found[0]) - 6.0 * np.log(10.0)
     theta[[*places, *unknown]] = found[1:]
 
 
-def _linear_guess(
-    samples: Sequence[Sample], part: BaseParameters, places: Sequence[int], unknown: int
-) -> FloatArray:
-    """Return 1/B in 1e6 per N m^2, so that it is of order one, Me/B at each place, and a k0."""
-    A = np.zeros((len(samples), 1 + len(places) + unknown))
-    for row, sample in zip(A, samples, strict=True):
-        row[0] = sample.mean_moment_Nm * 1e6
-        if sample.observation.voltage_V != 0.0:
-            place, sign = part.eibm[sample.observation.voltage_V]
-            row[1 + places.index(place)] = sign
-        row[1 + len(places) :] = 1.0
-    turns = np.array([s.turn_rad / s.l_hat_m for s in samples])
-    return np.asarray(np.linalg.lstsq(A, turns, rcond=1e-10)[0])
+def _samples(observed: Observed, rest: Field) -> list[Sample]:
+    """Conditions whose curve is a smooth one; the others need not stop a rough guess.
 
-
-def _samples(observed: Observed, rest: Field, most: int) -> list[Sample]:
-    """Return at most so many conditions of each voltage, from one end of the arc to the other.
-
-    Those whose curve is a smooth one; the others need not stop a rough guess.
+    All of these, though few would do to begin with: a diagnosis keeps B near what they say.
     """
-    by_voltage = dict[float, list[Observation]]()
+    result = []
     for o in observed.touching():
         if o.curve is not None and np.isfinite(o.force_N):
-            by_voltage.setdefault(o.voltage_V, []).append(o)
-    result = []
-    for every in by_voltage.values():
-        every.sort(key=lambda o: o.position_m or 0.0)
-        chosen = np.linspace(0, len(every) - 1, min(len(every), most)).round().astype(int)
-        for i in chosen.tolist():
             with suppress(ModelError):
-                result.append(loaded(observed, every[i], rest, 1.0))
+                result.append(loaded(observed, o, rest, 1.0))
     return result
 
 
