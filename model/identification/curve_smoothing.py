@@ -79,13 +79,23 @@ class _Grid:
         return off, by.T
 
 
+@lru_cache(maxsize=8)
+def _basis_and_grid(count: int, length_m: float, s_m: bytes) -> tuple[list[Field], _Grid]:
+    """Return so many Legendre polynomials, with their integrals along points s.
+
+    The curves of a session have the same s as a rule.
+    """
+    basis = [legendre_field(i, length_m) for i in range(count)]
+    return basis, _Grid(basis, np.frombuffer(s_m))
+
+
 def smooth(curve: Curve, sheet: SheetGeometry, where: str, terms: int | None = None) -> SmoothCurve:
     """Fit a smooth curve from the clamp through the points of sheet and elongation."""
     length = sheet.free_length_m
     share = min(1.0, length / sheet.arc_radius_m)
     count = min(terms or 1 + round(5 * share), len(curve.s_m) - 1)
-    basis = [legendre_field(i, length) for i in range(count)]
-    grid = _Grid(basis, np.minimum(curve.s_m, length + sheet.elongation_m))
+    s_m = np.minimum(curve.s_m, length + sheet.elongation_m)
+    basis, grid = _basis_and_grid(count, length, s_m.tobytes())
     c = np.zeros(count)
     c[0] = _mean_curvature(curve, length)
     penalty = _penalty(count, length)
