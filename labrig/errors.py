@@ -39,6 +39,10 @@ class BadInputError(LabrigError):
     code = ExitCode.BAD_INPUT
 
 
+class ReadOnlyError(BadInputError):
+    """A file cannot be changed where it lies, such as in an archive."""
+
+
 class NotReadyError(LabrigError):
     """The rig is not ready; nothing was energised."""
 

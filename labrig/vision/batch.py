@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigWarning
 from labrig.vision.calibration.drawing import is_drawing
 from labrig.vision.calibration.optics import (
     ColourChannel,
@@ -192,12 +193,25 @@ def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
         (SHEET_FILE, options.sheet, lambda path: _check_sheet(path, files, options)),
     )
     for kind, given, load in kinds:
+        _refuse_missing(given)
         found = {path: beside(path, kind, given) for path in files}
         if not any(found.values()) and (kind == OPTICS_FILE or _needs_sheet(files[0], options)):
             raise BadInputError(missing(files[0], kind))
+        if given is not None and given not in found.values():
+            own = own_file(files[0], kind).name
+            warnings.warn(
+                f"{given} is not used: each image has its own file beside it, such as {own}.",
+                LabrigWarning,
+                stacklevel=2,
+            )
         for common in {each for path, each in found.items() if each != own_file(path, kind)}:
             if common is not None:
                 load(common)
+
+
+def _refuse_missing(given: Path | None) -> None:
+    if given is not None and not given.exists():
+        raise BadInputError(f"{given}: there is no such file.")
 
 
 def _needs_sheet(path: Path, options: BatchOptions) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from pathlib import Path
 
 import cv2
@@ -39,6 +40,24 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def arguments(folder: Path) -> list[str]:
     return ["--optics", str(folder / "optics.json"), "--sheet", str(folder / "sheet.toml")]
+
+
+def test_a_file_that_is_stated_and_not_used_is_told(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("sheet0.png", "sheet1.png", "optics.json", "sheet.toml"):
+        shutil.copy(pictures / name, tmp_path)
+    shutil.copy(pictures / "optics.json", tmp_path / "sheet0.optics.json")
+    stated = ["--optics", str(tmp_path / "optics.json")]
+    assert run(["curves", str(tmp_path / "sheet0.png"), *stated]) == 0
+    said = "optics.json is not used: each image has its own file beside it, such as sheet0.optics"
+    assert said in capsys.readouterr().err
+    both = [str(tmp_path / f"sheet{number}.png") for number in range(2)]
+    assert run(["curves", *both, *stated]) == 0
+    assert "not used" not in capsys.readouterr().err
+    for option in ("--optics", "--sheet"):
+        assert run(["curves", str(tmp_path / "sheet0.png"), option, "nix"]) == 2
+        assert capsys.readouterr().err == "labrig: nix: there is no such file.\n"
 
 
 def test_a_picture_gives_one_json_object(

@@ -9,13 +9,14 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, ReadOnlyError
 from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.report.data.quality import Quality, quality
 from labrig.report.data.selection import configurations
 from labrig.report.data.suspicions import suspicions
 from labrig.session import RecordedSession, load_measurements, open_session, stored_curve_extractor
+from labrig.session.supplements.store import check_can_be_added_to
 from model import Fit, FitOptions, Measurements, ModelError
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ def measured(
 ) -> Measurements:
     """Return a session's measurements, analysed now where that was not done or is out of date.
 
-    `tell` reports it.
+    `tell` reports it. Where the session cannot be changed the result is not kept in it.
 
     `processes`: how many search for curves at a time; by default as many as the computer allows.
     """
@@ -88,13 +89,20 @@ def measured(
         known, outdated = session.has_measurements, session.outdated
     if known and not outdated:
         return load_measurements(path)
-    from labrig.analysis import analyze
+    from labrig.analysis.analyze import analyze, measure
     from labrig.extractors.choice import BUILT_IN
 
     why = "runs or readings were marked since it was analysed" if outdated else "not analysed yet"
-    tell(f"{path}: {why}; analysing it now, and keeping the result in it.")
     chosen = stored_curve_extractor(path).partition(" ")[0] or BUILT_IN
-    return analyze(path, progress, workers=processes or workers(), extractor=chosen)
+    count = processes or workers()
+    try:
+        check_can_be_added_to(path)
+    except ReadOnlyError as error:
+        tell(f"{path}: {why}; analysing it now. The result is not kept: {error}")
+        with open_session(path) as session:
+            return measure(session, progress, workers=count, extractor=chosen)
+    tell(f"{path}: {why}; analysing it now, and keeping the result in it.")
+    return analyze(path, progress, workers=count, extractor=chosen)
 
 
 def workers() -> int:

@@ -11,7 +11,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, ReadOnlyError
 
 # Far behind any content: Windows refuses others to read the bytes that are locked.
 _WHERE = 1 << 62
@@ -81,7 +81,7 @@ def locked_file(path: Path, patience_s: float, of: Path | None = None) -> Iterat
         try:
             file = os.fdopen(os.open(path, flags, 0o666), "r+b", buffering=0)
         except OSError as error:
-            raise BadInputError(_cannot_write(path, of, error)) from None
+            raise ReadOnlyError(_cannot_write(path, of, error)) from None
         with file:
             if lock(file) and _is_at(file, path):
                 try:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from labrig.analysis import analyze, measure, measure_curves
 from labrig.analysis.curves import mean_image
 from labrig.config import parse_sheet
 from labrig.errors import BadInputError
+from labrig.report.data.findings import measured
 from labrig.session import load_measurements, open_session, verify
 from labrig.vision import Optics
 from protocols import Extras, Place, make_schedule
@@ -194,6 +198,37 @@ def test_the_analysis_is_kept_in_the_session_and_can_be_made_again(pictured, tmp
     assert zero.curve is not None
     assert all(reading.curve is not None for reading in zero.readings)
     assert same(analyze(path), made)
+
+
+def read_only(monkeypatch):
+    """No file can be made beside a session."""
+    opened = os.open
+
+    def refusing(path, *arguments, **options):
+        if str(path).endswith(".lock"):
+            raise OSError(errno.EROFS, os.strerror(errno.EROFS), str(path))
+        return opened(path, *arguments, **options)
+
+    monkeypatch.setattr(os, "open", refusing)
+
+
+@pytest.mark.slow
+def test_a_session_in_an_archive_is_measured_and_nothing_is_kept_in_it(
+    pictured, tmp_path, monkeypatch
+):
+    path = Path(shutil.copy(pictured, tmp_path / "s.h5"))
+    before = path.read_bytes()
+    told = []
+    with monkeypatch.context() as patched:
+        read_only(patched)
+        found = measured(path, lambda *_: None, told.append, processes=1)
+        with pytest.raises(BadInputError, match=r"s\.h5 cannot be changed"):
+            analyze(path)
+    (said,) = told
+    assert "not analysed yet; analysing it now. The result is not kept: " in said
+    assert "Read-only file system" in said
+    assert path.read_bytes() == before
+    assert same(found, analyze(path))
 
 
 @pytest.mark.slow
