@@ -36,7 +36,8 @@ _KEYS = {
     SHEET: {"arc", "free_length_mm"},
     ABOUT: {"title", "project", "licence", "people", "sample"},
 }
-_COLUMNS = {FORCES: "force_mN", CURVES: "point", SIGNALS: "drive_V"}
+# Signals may have a force, too.
+_COLUMNS = {FORCES: {"force_mN", "voltage_V"}, CURVES: {"point"}, SIGNALS: {"drive_V"}}
 # How somebody who has none comes to one.
 _MADE_BY = {
     MODEL: " (`labrig fit SESSION -o model.toml` writes one)",
@@ -64,7 +65,7 @@ def kinds_of_text(text: str) -> set[str]:
         data = tomllib.loads(text)
     except (ValueError, RecursionError):
         columns = {name.strip() for name in text.partition("\n")[0].split(",")}
-        return {kind for kind, column in _COLUMNS.items() if column in columns}
+        return {kind for kind, own in _COLUMNS.items() if own <= columns}
     return kinds_of_toml(data)
 
 

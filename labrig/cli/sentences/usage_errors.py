@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
 from typer.exceptions import TyperException
 
@@ -35,9 +36,41 @@ def usage_sentence(error: TyperException, arguments: list[str]) -> str:
     text = message.strip().rstrip(".")
     for found, plain in _PLAINER:
         text = re.sub(found, plain, text, flags=re.DOTALL)
+    text = _with_value(text, arguments)
     context = getattr(error, "ctx", None)
     command = context.command_path if context is not None else _command(arguments)
     return f"{text}; see {command} -h."
+
+
+def _with_value(text: str, arguments: list[str]) -> str:
+    """Return the sentence about an option that wants a number, with what it was given."""
+    asked = re.fullmatch(r"(--[\w-]+): (a (?:whole )?number) is needed", text)
+    if asked is None:
+        return text
+    option, wanted = asked.groups()
+    is_one = _is_whole if "whole" in wanted else _is_number
+    wrong = next((value for value in _values_of(option, arguments) if not is_one(value)), "")
+    point = ", with a point for its decimals" if "," in wrong else ""
+    return f"{option} {wrong}: {wanted} is needed{point}" if wrong else text
+
+
+def _values_of(option: str, arguments: list[str]) -> list[str]:
+    after = [value for name, value in pairwise(arguments) if name == option]
+    return after + [
+        one.removeprefix(f"{option}=") for one in arguments if one.startswith(f"{option}=")
+    ]
+
+
+def _is_number(value: str) -> bool:
+    try:
+        float(value)
+    except ValueError:
+        return False
+    return True
+
+
+def _is_whole(value: str) -> bool:
+    return value.strip().lstrip("+-").isdecimal()
 
 
 def _command(arguments: list[str]) -> str:

@@ -394,6 +394,16 @@ def test_an_import_overwrites_nothing_and_leaves_nothing_behind(imported, tmp_pa
     assert not list(tmp_path.glob("b.h5*"))
 
 
+def test_signals_with_a_force_and_no_voltage_are_signals_that_lack_a_column(tmp_path):
+    forces, signals = tmp_path / "forces.csv", tmp_path / "signals.csv"
+    forces.write_text(FORCES)
+    signals.write_text("configuration,position_mm,time_s,force_mN\nlong,5,0,1\nlong,5,0.1,1\n")
+    with pytest.raises(BadInputError, match=r"signals\.csv: column drive_V is missing"):
+        read_tables(SHEETS, forces, None, signals)
+    with pytest.raises(BadInputError, match=r"forces\.csv: this is a forces\.csv; a signals\.csv"):
+        read_tables(SHEETS, forces, None, forces)
+
+
 def test_a_table_of_signals_without_samples_is_refused(tmp_path):
     with pytest.raises(BadInputError, match=r"signals\.csv: holds no samples"):
         read(tmp_path, signals=SIGNALS.splitlines()[0] + "\n")
