@@ -13,6 +13,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 from labrig.errors import BadInputError, LabrigError
 
+SESSION_ENDINGS = (".h5", ".hdf5", ".nxs")
 # A path that cannot be written at all; other errors are the disk's.
 _WRONG_PATH = frozenset(
     {errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT, errno.ENOTDIR, errno.EISDIR,
@@ -28,6 +29,15 @@ def check_free(path: Path, *, force: bool = False) -> None:
         raise BadInputError(f"{path}: is already there; give --force to overwrite it.")
     if not path.parent.is_dir():
         raise BadInputError(f"{path.parent}: there is no such folder.")
+
+
+def check_session_name(path: Path) -> None:
+    """Raise BadInputError for a session that is to be made under the name of another kind of file.
+
+    Commands and the page look for sessions by their names.
+    """
+    if path.suffix.lower() not in SESSION_ENDINGS and not path.is_dir():
+        raise BadInputError(f"{path}: a session is HDF5; name it {path.stem}.h5.")
 
 
 def typed(path: Path | str) -> str:

@@ -20,6 +20,7 @@ from labrig.experiment.rig.rig import Step, no_step
 from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
 from labrig.experiment.signals import stop_signals
+from labrig.files import check_session_name
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event
 from protocols.execution.stop import StopLevel, StopRequest
@@ -79,6 +80,7 @@ def run(
             "done already."
         )
     path = path_of(output)
+    check_session_name(path)
     asked = operator or NoOperator(lambda _prompt: None)  # the session records the prompts
     request = stop or StopRequest()
     hub = EventBus(threaded=not plan.rig.is_simulated)

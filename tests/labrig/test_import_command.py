@@ -93,6 +93,26 @@ def test_somebody_at_a_terminal_is_asked_and_may_agree_to_guesses(monkeypatch, c
 
 
 @pytest.mark.slow
+def test_an_imported_session_shows_what_was_imported(capsys):
+    tables = "--sheet sheet.toml --forces forces.csv --curves curves.csv"
+    assert run(f"import {tables} -o old.h5".split()) == 0
+    capsys.readouterr()
+    assert run(["show", "old.h5"]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "imported conditions 12 of long readings 48 neutral curves 12" in said
+    assert "runs complete" not in said
+
+
+@pytest.mark.parametrize("name", ["old.csv", "old", "old.toml"])
+def test_a_session_is_not_made_under_the_name_of_another_file(capsys, name, folder):
+    before = sorted(folder.iterdir())
+    assert run(f"import --sheet sheet.toml --forces forces.csv -o {name}".split()) == 2
+    assert capsys.readouterr().err == f"labrig: {name}: a session is HDF5; name it old.h5.\n"
+    assert run(f"run rig.toml protocol.toml sheet.toml -o {name}".split()) == 2
+    assert f"{name}: a session is HDF5; name it old.h5." in capsys.readouterr().err
+    assert sorted(folder.iterdir()) == before
+
+
 def test_fit_reads_the_same_tables(capsys):
     assert run(f"fit {OLD} {NAMES} -o model.toml".split()) == 0
     told = capsys.readouterr()

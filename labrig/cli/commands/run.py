@@ -10,6 +10,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import AboutFile
 from labrig.errors import BadInputError
+from labrig.files import check_session_name
 
 
 def run(
@@ -111,6 +112,7 @@ def _free(output: Path | None) -> Path:
     """Return where the session is made; raise BadInputError before anything is opened for it."""
     if output is None:
         raise BadInputError("labrig run needs -o with the name of the session file to make.")
+    check_session_name(output)
     if output.exists():
         raise BadInputError(f"{output} exists already; choose another name with -o.")
     if not output.parent.is_dir():

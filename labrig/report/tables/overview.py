@@ -12,7 +12,7 @@ from labrig.report.parts.table import Table, fixed
 from labrig.report.tables.channels import ChannelSummary, channel_table, channels_as_table
 from labrig.report.tables.devices import device_row, devices_as_table, settings_as_table
 from labrig.report.tables.marks import marks_as_table
-from labrig.session import Mark, RecordedSession, RunRecord
+from labrig.session import Mark, RecordedSession, RunRecord, load_measurements
 from protocols import free_shapes_in_words
 
 
@@ -85,6 +85,12 @@ def overview(session: RecordedSession) -> Overview:
     done = sum(run["state"] == "complete" for run in runs)
     shapes = free_shapes_in_words(session.schedule)
     others = _parts_of_others(session.versions)
+    recorded = (
+        ("runs complete", f"{done} of {len(runs)}"),
+        *([("free shapes", shapes)] if shapes else []),
+        ("readings", str(sum(run["readings"] for run in runs))),
+        ("sample rate", f"{session.rate_hz:g} Hz x {len(session.channels)} channels"),
+    )
     facts = (
         ("file", str(session.path)),
         ("identifier", session.identifier),
@@ -98,10 +104,7 @@ def overview(session: RecordedSession) -> Overview:
         ("boards", session.boards),
         *([("replay of", session.replay_of)] if session.replay_of else []),
         ("protocol", session.schedule.protocol),
-        ("runs complete", f"{done} of {len(runs)}"),
-        *([("free shapes", shapes)] if shapes else []),
-        ("readings", str(sum(run["readings"] for run in runs))),
-        ("sample rate", f"{session.rate_hz:g} Hz x {len(session.channels)} channels"),
+        *(_imported(session) or recorded),
         ("labrig", session.versions.get("labrig", "-")),
         *([("other parts", others)] if others else []),
     )
@@ -122,6 +125,21 @@ def overview(session: RecordedSession) -> Overview:
         channels=channels,
         devices=devices,
         marks=session.marks_after_end,
+    )
+
+
+def _imported(session: RecordedSession) -> tuple[tuple[str, str], ...]:
+    """Return what a session of imported tables holds, which has no runs; nothing of others."""
+    if session.runs or not session.has_measurements:
+        return ()
+    conditions = load_measurements(session.path).conditions
+    sheets = ", ".join(dict.fromkeys(each.configuration for each in conditions))
+    readings = [reading for each in conditions for reading in each.readings]
+    curves = [each.curve for each in conditions] + [reading.curve for reading in readings]
+    return (
+        ("imported conditions", f"{len(conditions)} of {sheets}"),
+        ("readings", str(len(readings))),
+        ("neutral curves", str(sum(curve is not None for curve in curves))),
     )
 
 

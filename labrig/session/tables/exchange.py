@@ -15,7 +15,7 @@ from labrig.config import file_kinds, parse_about, parse_sheet, read_text
 from labrig.config.about import FILE as ABOUT
 from labrig.config.file_kinds import SHEET
 from labrig.errors import BadInputError
-from labrig.files import all_or_none
+from labrig.files import all_or_none, check_session_name
 from labrig.session.derived.store import load_measurements, write_derived
 from labrig.session.format import layout
 from labrig.session.format.setup import IMPORTED_FRAME_RATE_HZ, SessionSetup
@@ -61,6 +61,7 @@ def import_session(
     output exists.
     """
     output = Path(output)
+    check_session_name(output)
     text = read_text(sheet, SHEET)
     tables = dict(zip(TABLES, (forces, curves, signals), strict=True))
     geometry = parse_sheet(text, str(sheet))
