@@ -12,7 +12,8 @@ MECHANICS := tests/model/test_predict.py tests/model/test_engines.py tests/model
 PICTURES := tests/sim_hardware/test_optics_images.py tests/sim_hardware/test_world_chain.py \
 	tests/sim_hardware/test_world_effects.py tests/sim_hardware/test_world.py \
 	tests/sim_hardware/test_moving_world.py tests/labrig/vision/test_batch.py \
-	tests/labrig/vision/test_shortest_path.py tests/labrig/vision/test_strip_end.py
+	tests/labrig/vision/test_shortest_path.py tests/labrig/vision/test_strip_end.py \
+	tests/labrig/vision/test_edge_pairs.py tests/labrig/vision/test_beam_selection.py
 # Without a time-out: a compilation that is cut short is not kept.
 COMPILE = $(PYTEST) --timeout 0 -o faulthandler_timeout=0 -q -m "not slow and not thorough"
 # Where `loadfile` replaces a process that has ended, it begins again with what ended it.

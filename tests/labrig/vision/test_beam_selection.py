@@ -21,7 +21,6 @@ def kept(child, bend, width):
     return rows[:width]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("count", "width"), [(1, 4), (7, 4), (60, 12), (60, 60), (500, 40)])
 def test_the_best_are_kept_two_of_a_kind_and_the_best_comes_first(count, width):
     random = np.random.default_rng(count)

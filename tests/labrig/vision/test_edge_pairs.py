@@ -20,26 +20,22 @@ def strip(ends_at=BLOCKS):
     return slope
 
 
-@pytest.mark.slow
 def test_the_weaker_edge_of_the_pair_that_far_apart_counts_up_to_the_end():
     shown, edges = pairs(strip(ends_at=20), HIGH - LOW)
     assert edges.tolist() == [3.0] * 20
     assert shown == pytest.approx(60.0)
 
 
-@pytest.mark.slow
 def test_edges_that_far_apart_are_not_seen_where_there_are_none():
     assert pairs(strip(), 20.0)[0] == 0
 
 
-@pytest.mark.slow
 def test_two_rises_are_no_strip_unless_they_may_be():
     slope = np.abs(strip())
     assert pairs(slope, HIGH - LOW)[0] == 0
     assert pairs(slope, HIGH - LOW, opposite=False)[0] == pytest.approx(3.0 * BLOCKS)
 
 
-@pytest.mark.slow
 def test_a_short_gap_is_passed_and_a_long_one_is_the_end():
     slope = strip()
     slope[10:13] = 0
