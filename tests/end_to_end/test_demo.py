@@ -76,7 +76,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory, data_unchecked: None) -> Demo
     """All configurations, voltages and steps of it, with fewer positions and readings.
 
     Left out is what other tests look at: figures inside the pages (test_report_page.py), and the
-    models of others beside the moving sheet (test_dynamic_fit_command.py).
+    sheet that moves, which is found below and in test_dynamic_fit_command.py.
     """
 
     def make(folder: Path) -> None:
@@ -86,7 +86,7 @@ def demo(tmp_path_factory: pytest.TempPathFactory, data_unchecked: None) -> Demo
             patch.setattr(demo_command, "_state_readings", fewer)
             patch.setattr("labrig.report.parts.figures.svg_text", lambda _fig: NOTHING)
             patch.setattr("labrig.report.parts.figures.save_all", only_svg)
-            patch.setattr("labrig.cli.moving_demo._compare", lambda _fit, _session: None)
+            patch.setattr(demo_command, "_moving", lambda _folder: None)
             made = run_demo(folder)
         kept_beside(folder).write_text(json.dumps([made.printed, made.code]))
 
@@ -154,8 +154,15 @@ def test_its_ten_seconds_on_the_real_clock_are_recorded_as_simulated(demo: Demo)
         assert session.boards == "simulated"
 
 
-def test_its_sheet_that_moves_is_found_as_the_world_holds_it(demo: Demo) -> None:
-    table = demo.printed[demo.printed.index("The long sheet in time") :].splitlines()
+@pytest.mark.thorough
+def test_its_sheet_that_moves_is_found_as_the_world_holds_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("labrig.cli.moving_demo._compare", lambda _fit, _session: None)
+    folder = tmp_path / "moving"
+    demo_command._moving(folder)
+    printed = capsys.readouterr().out
+    table = printed[printed.index("The long sheet in time") :].splitlines()
     found = {
         line.split("  ")[0]: [float(x) for x in NUMBER.findall(line.partition("  ")[2])]
         for line in table[3:16]
@@ -173,7 +180,6 @@ def test_its_sheet_that_moves_is_found_as_the_world_holds_it(demo: Demo) -> None
         assert fitted == pytest.approx(true, rel=allowed)
     B, true_B = found["relaxed bending stiffness B"][0], found["relaxed bending stiffness B"][-1]
     assert pytest.approx(true_B, rel=0.04) == B  # of set-ups that scatter by 1 %
-    folder = demo.folder / "moving"
     assert {p.name for p in folder.glob("motion.*")} == {"motion.png", "motion.svg"}
     assert load_model(folder / "model.toml").dynamic["long"].fluid == "air"
 
