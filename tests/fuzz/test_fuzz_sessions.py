@@ -24,7 +24,7 @@ from tests.labrig.session.session_recording import TEXTS, record, small_schedule
 from tests.labrig.test_about import FULL
 from tests.labrig.test_note_command import photograph
 
-CASES = 10
+CASES = 6
 JOURNALS = 15
 
 
@@ -43,8 +43,8 @@ def at_places(kinds: Sequence[Any], places: Sequence[str]) -> list[Any]:
     return found
 
 
-MORE = tuple(map(thorough, range(1, 6)))
-PARTS = tuple(map(thorough, range(1, 12)))
+MORE = tuple(map(thorough, range(1, 11)))
+PARTS = tuple(map(thorough, range(1, 24)))
 RUN = layout.run_path(0)
 
 
