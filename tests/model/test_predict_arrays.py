@@ -36,7 +36,13 @@ SETTLED_M = 1e-8  # effects that depend on the force are repeated until they set
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("effects", EFFECTS.values(), ids=EFFECTS)
+@pytest.mark.parametrize(
+    "effects",
+    [
+        pytest.param(some, id=name, marks=[pytest.mark.thorough] * (name == "sheet and rolls"))
+        for name, some in EFFECTS.items()
+    ],
+)
 def test_a_batch_says_the_same_as_one_condition_after_the_other(truth: SheetModel, effects):
     model = truth.with_effects(*effects)
     batch = predict_array(model, "long", POSITIONS_M[:, None], VOLTAGES)

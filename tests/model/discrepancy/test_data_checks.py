@@ -120,7 +120,7 @@ def test_a_wrong_datum_is_told_with_the_value_that_would_fit(name, said):
         assert one.value == pytest.approx(scale * right, rel=BY_NAME[name].tolerance)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_camera_of_another_scale_is_no_wrong_radius():
     """The short sheet asks for another radius than the long one."""
 

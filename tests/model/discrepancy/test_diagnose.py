@@ -107,7 +107,7 @@ def test_the_discarded_pulses_tell_first_pulses_from_drifts():
     assert "along a run 0." in found.sentence
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_late_pictures_that_differ_from_run_to_run_are_named():
     """How late just this run's are, the others cannot say: that does not speak against them."""
     found = diagnosed(LATE)
@@ -237,7 +237,7 @@ def test_a_position_held_out_is_neither_fitted_nor_told():
     assert found.model.held_out == ("all, 15 mm",)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_the_same_data_give_the_same_answer_and_the_threshold_may_be_simulated():
     found = diagnose(session(NOTHING), DiagnoseOptions(calibrate=5))
     assert found.threshold_from == "5 simulated sessions of the base model"
@@ -293,7 +293,7 @@ def test_a_clamp_far_askew_is_something_unknown_where_the_catalogue_lacks_it():
     assert found.unknown.location == "rest_curvature"
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_samples_that_were_all_stamped_late_are_no_lag_of_the_sheet():
     m = session()
     late = [replace(s, time_s=s.time_s - 0.5 * np.median(np.diff(s.time_s))) for s in m.series]

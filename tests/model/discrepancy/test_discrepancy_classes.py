@@ -298,7 +298,7 @@ def finding(promised=()) -> Finding:
     )  # fmt: skip
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_the_promise_of_a_measurement_is_judged_by_the_distance_that_is_proposed_by():
     one = finding()
     proposed = one.separating([effect(name) for name in PAIR])

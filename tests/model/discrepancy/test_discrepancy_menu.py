@@ -117,7 +117,7 @@ def test_the_rig_turned_over_tells_weight_from_what_stays(other: str):
     assert over > 1.5 * again > now
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_size_that_is_next_to_nothing_hides_no_difference():
     """What the first effect leaves of the second says nothing of how far the two are apart."""
     fit = base_fit()

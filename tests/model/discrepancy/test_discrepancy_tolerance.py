@@ -336,7 +336,7 @@ def test_waves_along_the_sheet_have_the_form_s_standard_deviation_however_many()
         assert np.all(np.diff(shares) < 0.0)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_is_looked_for_alone_has_a_profile_to_be_told():
     base = base_fit()
     for one in unknowns(base):
@@ -366,7 +366,7 @@ def test_whatever_is_unknown_can_be_told():
         assert (told.unit == "mm") == in_mm
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
     """Error at both polarities alike and error of opposite sign are not added up, nor are times."""
     base = base_fit()

@@ -64,7 +64,7 @@ def test_a_few_readings_are_no_wave():
     assert wave_in(looks(few)) is None
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_an_eibm_that_breathes_is_seen_in_the_curves_where_the_forces_do_not_show_it():
     found = wave_in(looks(session(BREATHING)))
     assert found is not None

@@ -8,8 +8,9 @@ from benchmarks.worlds.cases import PAPER
 from benchmarks.worlds.registry import world
 from model.discrepancy import diagnose
 
+pytestmark = pytest.mark.thorough
 
-@pytest.mark.slow
+
 def test_an_elongation_that_is_drawn_straight_is_named():
     made = world("shooting").measure(PAPER, {"bar_drawn_on": 2.6e-3}, 9602)
     found = diagnose(made)

@@ -45,14 +45,19 @@ def spreading() -> tuple[Measurements, SheetModel]:
     return data, true_model(SEED, dict(SPREADING), data.sheets["long"])
 
 
+@pytest.fixture(scope="module")
+def rested(spreading) -> Measurements:
+    """What is left of it when its dynamics are taken off."""
+    return at_rest(*spreading).measurements
+
+
 # ---------------------------------------------------------------- what is taken off
 
 
 @pytest.mark.slow
-def test_at_0_V_and_at_rest_nothing_is_taken_off(spreading):
-    data, model = spreading
-    found = at_rest(data, model).measurements
-    for before, after in zip(data.conditions, found.conditions, strict=True):
+def test_at_0_V_and_at_rest_nothing_is_taken_off(spreading, rested):
+    data, _ = spreading
+    for before, after in zip(data.conditions, rested.conditions, strict=True):
         if before.voltage_V == 0.0:
             off = np.hypot(after.curve.x_m - before.curve.x_m, after.curve.y_m - before.curve.y_m)
             assert np.max(off) < 1e-6
@@ -61,7 +66,7 @@ def test_at_0_V_and_at_rest_nothing_is_taken_off(spreading):
                 assert b.force_N == pytest.approx(a.force_N, abs=1e-7)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_a_lumped_quick_line_says_at_the_sampling_point_is_the_static_model():
     """Charged at once and evenly, half a second is long; held sheets are at rest by then."""
     data = session(SEED, ())
@@ -73,22 +78,21 @@ def test_what_a_lumped_quick_line_says_at_the_sampling_point_is_the_static_model
 
 
 @pytest.mark.slow
-def test_without_the_dynamics_forces_and_curves_are_those_of_one_stiffness_and_eibm(spreading):
+def test_without_the_dynamics_forces_and_curves_are_those_of_one_stiffness_and_eibm(
+    spreading, rested
+):
     from model.discrepancy.data_checks.quick_fit import Tolerances, bare, quick_fit
 
     data, model = spreading
-    raw, rested = (
-        quick_fit(bare(each), Tolerances.of(bare(each)))
-        for each in (data, at_rest(data, model).measurements)
-    )
+    raw, still = (quick_fit(bare(each), Tolerances.of(bare(each))) for each in (data, rested))
     assert raw.curve_rms_m > 5e-4
-    assert rested.curve_rms_m < 5e-5
-    assert rested.force_rms_N < 2.5e-5
-    B = float(np.exp(rested.theta[rested.bases.parts[0].stiffness]))
+    assert still.curve_rms_m < 5e-5
+    assert still.force_rms_N < 2.5e-5
+    B = float(np.exp(still.theta[still.bases.parts[0].stiffness]))
     assert pytest.approx(model.sheets["long"].B.value, rel=0.02) == B
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_curve_is_compared_at_the_instant_of_its_own_frame(spreading):
     data, model = spreading
     late = replace(

@@ -83,7 +83,7 @@ def test_what_is_odd_is_odd_about_the_middle():
         assert np.max(function(t)) == pytest.approx(0.3, rel=1e-3)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("hidden", "says"),
     [

@@ -52,7 +52,7 @@ def test_places_are_the_same_within_a_part_of_their_uncertainty():
     assert not certain.near(place(1.0, 0.051, 0.0), sigma)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_fit_that_goes_to_and_fro_or_is_worth_nothing_ends(monkeypatch):
     base = base_fit()
     monkeypatch.setattr(mixed_model_fit, "SMALL", 0.0)  # it never comes to rest
@@ -191,7 +191,7 @@ def test_a_fit_that_was_given_up_is_not_the_fit_of_a_caller_with_another_limit(m
     assert limits == [low, np.inf]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_search_ends_after_so_many_solutions_and_says_so(monkeypatch):
     base, some = base_fit(FALLING), [effect("nonuniform_eibm"), effect("gravity")]
     whole = forward_selection.search(base.problem, base.theta, some, 6.0)

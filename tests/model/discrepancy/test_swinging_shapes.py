@@ -78,7 +78,7 @@ def test_a_fit_leaves_out_what_swings_and_says_so():
     assert found.configurations["long"].B.value == without.configurations["long"].B.value
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_with_dynamics_the_shapes_are_those_at_rest_and_stay():
     data = swinging()
     model = true_model(SEED, {}, data.sheets["long"], "small")

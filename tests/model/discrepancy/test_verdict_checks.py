@@ -115,21 +115,15 @@ def test_where_nothing_is_named_nothing_is_checked():
     assert diagnosed().checks == ()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name",
-    [
-        name if "torsion" in name else pytest.param(name, marks=pytest.mark.thorough)
-        for name in FOREIGN
-    ],
-)
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", FOREIGN)
 def test_what_no_catalogue_has_gets_no_name_with_certainty(name):
     found = foreign(name)
     assert found.verdict == "unknown_effect"
     assert all(one.confidence < CERTAIN for one in found.effects)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_failed_check_is_named_in_the_sentence_and_in_the_json():
     found = foreign("a torsion spring of the wires")
     told = json.loads(json.dumps(found.to_json(), allow_nan=False))

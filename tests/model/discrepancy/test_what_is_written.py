@@ -82,7 +82,7 @@ def test_a_model_without_a_solution_at_half_the_voltage_is_found_out():
     assert where.endswith(" V")
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(("fails", "kept"), [(1, True), (2, True), (10, False)])
 def test_of_what_has_no_solution_everywhere_less_is_written_and_a_note_says_so(
     monkeypatch, fails, kept
@@ -148,7 +148,7 @@ def test_with_the_means_of_fit_a_model_predicts_what_fit_does_measured_or_not():
     assert stiffness == pytest.approx(found.sheet(name).B.value)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_what_the_means_do_not_ask_for_leaves_the_prediction_as_it_is():
     some = session(Case((Hiding("first_pulse_transient"),), seed=4))
     found, base = diagnose(some), fit(some).model

@@ -80,7 +80,7 @@ def test_parameters_are_recovered_from_data_without_noise(found):
         assert off < 0.1 * p.log_sigma + 1e-4, p.name
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_start_with_a_wrong_frequency_and_loss_still_leads_to_the_answer():
     """A period of the ring-down counted wrongly, or explained by loss, would be another minimum."""
     parameters = LogParameters(SHEET)

@@ -198,7 +198,7 @@ def test_the_evidence_of_a_linear_model_is_exact(noise):
     assert both - found == pytest.approx(alone, abs=0.01)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_bad_prediction_of_one_quantity_does_not_silence_the_others(bao_runs):
     """`yim` has no leak: its current is wrong, and its force, shape and evidence are not worse."""
     leaking = contender("bao")
