@@ -154,7 +154,7 @@ def test_a_rig_without_about_toml_runs_and_states_nothing(rig, tmp_path, capsys)
         assert "about.toml" not in session.texts
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_another_about_toml_can_be_given(rig, tmp_path, recorded):
     (tmp_path / "other.toml").write_text('title = "Another"\n')
     assert measured(rig, tmp_path / "s.h5", "--about", str(tmp_path / "other.toml")) == 0

@@ -67,6 +67,7 @@ def test_a_limit_beyond_that_of_the_rig_is_refused(
     assert not (path.parent / "c.toml").exists()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("output", ["force", "tip", "current"])
 def test_a_response_is_a_figure_and_two_tables(
     path: Path, output: str, capsys: pytest.CaptureFixture[str]

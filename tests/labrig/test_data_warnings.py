@@ -52,7 +52,7 @@ def test_a_fit_warns_of_a_load_cell_that_was_unlike(unlike, capsys):
     assert WRONG in one["sentence"]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.usefixtures("words_only")
 def test_a_report_warns_of_them_too(unlike, tmp_path):
     assert run(["report", str(unlike), "-o", str(tmp_path / "out")]) == 0

@@ -129,6 +129,7 @@ def test_the_model_file_is_what_the_commands_in_time_read(model, capsys):
     assert 1e-3 < force_N < 4e-3
 
 
+@pytest.mark.thorough
 def test_the_same_in_python_fits_a_screen_and_a_data_frame(fitted, fits, path, tmp_path):
     found = labrig.fit_in_time(str(path))
     assert len(repr(found).splitlines()) <= 24
@@ -155,6 +156,7 @@ def test_a_stated_file_is_not_overwritten(model, path, capsys):
     assert "is already there" in refusal(capsys, "fit", path, "--dynamic", "-o", model)
 
 
+@pytest.mark.thorough
 def test_next_says_that_a_release_determines_mass_and_loss(model, path, tmp_path, capsys):
     copy = tmp_path / "session.h5"
     copy.write_bytes(path.read_bytes())
@@ -275,6 +277,7 @@ def read_once(read):
     return again
 
 
+@pytest.mark.thorough
 def test_models_of_others_are_ranked_beside_a_fit_that_is_there(fits):
     found = compare_fitted(fits[0], names=("lee", "huynh_alici"))
     assert [one.name for one in found.models] == ["full", "lee", "huynh_alici"]

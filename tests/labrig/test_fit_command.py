@@ -97,7 +97,7 @@ def test_the_papers_numbers_stand_once_beside_sessions_apart(day_1, stiffer, cap
     assert all("long@day1" in line and "long@stiffer" in line for line in headings)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_sessions_apart_whose_files_have_the_same_name_are_told_by_their_folders(
     day_1, tmp_path, capsys
 ):
@@ -176,7 +176,7 @@ def test_each_set_up_has_the_stiffness_it_was_made_with(uneven):
         assert one.eibm[2.0].value > 0 > one.eibm[-2.0].value
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_by_run_prints_a_row_for_each_set_up_below_the_common_values(uneven, tmp_path, capsys):
     path = session(tmp_path / "uneven.h5", uneven)
     out = printed(capsys, path, "--by-run")
@@ -190,7 +190,7 @@ def test_by_run_prints_a_row_for_each_set_up_below_the_common_values(uneven, tmp
     assert "B and EIBM of each set-up" not in printed(capsys, path)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_by_run_names_the_session_of_each_set_up(day_1, day_2, capsys):
     out = printed(capsys, day_1, day_2, "--by-run")
     for name in ("day1", "day2"):
@@ -243,7 +243,7 @@ def test_hold_out_predicts_what_was_left_out_and_keeps_it_in_the_model_file(
     assert "20 mm" in load_model(path).held_out[0]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_hold_out_without_a_configuration_leaves_out_the_position_of_all(
     day_1, stiffer, tmp_path, capsys
 ):
@@ -253,13 +253,13 @@ def test_hold_out_without_a_configuration_leaves_out_the_position_of_all(
     assert [sum(name in text for text in held) for name in ("@day1", "@stiffer")] == [3, 3]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_configuration_fits_one_alone(tmp_path, capsys):
     path = session(tmp_path / "both.h5", measure())
     assert list(fitted_json(capsys, path, "--configuration", "short")) == ["short"]
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_bootstrap_says_how_simulated_repeats_scatter(day_1, capsys):
     out = printed(capsys, day_1, "--bootstrap", "60")
     table = out[out.index("Bootstrap check of the uncertainties") :]

@@ -230,7 +230,7 @@ def test_a_run_tells_that_it_is_done_and_its_file_runs_no_command_elsewhere(tmp_
         assert resumed_plan(session).rig.hooks is None
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_ctrl_c_while_hooks_are_waited_for_does_not_change_how_the_session_ended(
     tmp_path, monkeypatch, capsys
 ):

@@ -46,7 +46,7 @@ def test_figures_are_written_as_pdf_and_svg_into_a_folder(recorded, tmp_path, re
     assert "figure-9.pdf" not in names(figures)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_the_text_of_a_pdf_is_text(recorded, tmp_path):
     assert run(["fit", str(recorded), "--figures", str(tmp_path), "--format", "pdf"]) == 0
     assert names(tmp_path) == {"figure-8.pdf", "figure-9.pdf"}

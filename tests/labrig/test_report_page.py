@@ -141,7 +141,7 @@ def test_a_second_report_removes_the_figures_that_it_no_longer_has(tmp_path):
     assert not (out / "figures" / "figure-7.png").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.usefixtures("words_only")
 def test_one_configuration_alone_is_reported_and_said(tmp_path):
     text = read(write_report(session(tmp_path / "made.h5", measure("long"))))
@@ -161,7 +161,7 @@ def test_a_session_without_valid_readings_gets_a_page_that_says_why(tmp_path):
     assert "Figure 7." in text
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.usefixtures("words_only")
 def test_a_session_stopped_half_way_is_analysed_and_reported(tmp_path):
     path = stopped_session(tmp_path / "half.h5", after_runs=1)
@@ -222,7 +222,7 @@ def test_an_inline_figure_has_names_of_its_own_and_no_metadata():
     assert "a &quot;b&quot; &lt;c>" in text
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.usefixtures("words_only")
 def test_imported_tables_are_reported_without_what_only_a_recording_has(tmp_path):
     path = session(tmp_path / "made.h5", measure("long"))
@@ -272,7 +272,7 @@ def test_the_page_says_of_the_boards_what_they_reported_and_nothing_else(tmp_pat
         assert ("PCI-6703" in text) == bool(devices)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.usefixtures("words_only")
 def test_the_experiments_title_stands_above_the_page_where_one_is_stated(tmp_path):
     about = 'title = "Water and back relaxation"\n[[people]]\nname = "Ada Example"\n'

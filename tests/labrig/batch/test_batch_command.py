@@ -273,6 +273,7 @@ def model_file(tmp_path_factory):
     return path
 
 
+@pytest.mark.thorough
 def test_a_coverage_study_counts_the_intervals_that_hold_the_truth(model_file, tmp_path, capsys):
     out = tmp_path / "out"
     command = ["batch", "simulate", str(model_file), "-o", str(out), "--count", "3"]

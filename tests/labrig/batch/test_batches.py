@@ -53,6 +53,7 @@ def test_a_batch_finds_what_one_by_one_finds(folder):
     assert len(names_once(plan)) == 60
 
 
+@pytest.mark.thorough
 def test_workers_killed_at_any_moment_leave_every_row_there_once(folder):
     dice, kills = random.Random(1), []
     plan = planned(folder, Costless(count=60, wait_s=0.005))

@@ -67,6 +67,7 @@ def test_what_a_killed_worker_was_doing_is_done_by_another(pool, tmp_path):
     assert all(one.attempts == 2 for one in ended)
 
 
+@pytest.mark.thorough
 def test_workers_killed_at_any_moment_lose_nothing_and_double_nothing():
     dice = random.Random(3)
     over = threading.Event()

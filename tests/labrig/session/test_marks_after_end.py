@@ -215,7 +215,7 @@ for n in range(1000):
 """
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="needs SIGKILL")
 def test_a_kill_while_marking_leaves_a_whole_session(session, recorded):
     dice = random.Random(3)

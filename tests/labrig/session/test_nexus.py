@@ -63,7 +63,7 @@ def test_sensors_measure_in_the_words_of_nexus_where_it_has_one(session):
     assert said == {"force_N": "force", "current_A": "current", "drive_V": "voltage"}
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_pynxtools_sees_the_entry_and_what_it_declares(session):
     found = subprocess.run(
         [sys.executable, script("validate_nexus"), session],

@@ -173,7 +173,7 @@ def test_a_path_that_takes_a_line_of_the_clutter_for_the_sheet_is_refused(
     assert said in curve.why
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_lead_from_the_jaw_to_the_border_is_no_face_of_the_sheet_it_runs_with(scenes, known):
     """It begins 4 pixels beside the clamp; the sheet's own end is seen elsewhere."""
     seed = 2_100_151

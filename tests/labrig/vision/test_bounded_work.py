@@ -77,7 +77,7 @@ def test_nothing_is_fitted_beyond_the_bound_and_the_sentence_says_what_would_hel
     assert counted["rounds"] == 1
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_path_beside_a_curve_that_was_refused_is_not_fitted_again(counted, monkeypatch):
     picture = np.full((ROWS, COLUMNS, 3), 60, np.uint8)
     picture[77:84, 30:170] = (40, 120, 200)  # it shows in all channels

@@ -42,7 +42,7 @@ def misses_m(made, shift_m):
     return np.array([(c.position_m - true, c.position_sigma_m) for c, true in contacts])
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_stage_that_is_where_it_says_is_not_doubted(tmp_path):
     made = analysed(tmp_path, EXACT)
     miss, sigma = misses_m(made, 0.0).T

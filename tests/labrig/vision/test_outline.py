@@ -82,7 +82,7 @@ def beside_px(curve, line):
 
 @pytest.mark.parametrize(
     ("length_px", "thick_px"),
-    [(150, 5), (132, 22), pytest.param(140, 14, marks=pytest.mark.thorough)],
+    [(150, 5), *(pytest.param(*one, marks=pytest.mark.thorough) for one in ((132, 22), (140, 14)))],
 )
 def test_clamp_and_ruler_are_enough_for_thin_and_thick_strips(length_px, thick_px):
     line = arc(length_px, 0.8)
@@ -218,6 +218,7 @@ def test_what_is_stated_keeps_the_coordinates_where_they_are():
     )
 
 
+@pytest.mark.thorough
 def test_half_in_shade_or_darker_further_on_it_is_the_same_strip():
     line = arc(140, 0.8)
     across, along = beside(line)
@@ -288,7 +289,7 @@ def test_its_place_is_one_of_the_picture_as_taken(by):
     assert in_camera_pixels(curve, by).refused_at_px == (20.5 * by - 0.5, 10.5 * by - 0.5)
 
 
-@pytest.mark.parametrize("hides", ["mask", "roll"])
+@pytest.mark.parametrize("hides", [pytest.param("mask", marks=pytest.mark.thorough), "roll"])
 def test_what_hides_a_strip_is_not_the_border_of_the_image(hides):
     line = arc(150, 0.8)
     u, v = line[len(line) // 2]
@@ -385,6 +386,7 @@ def beside_its_shade(line, thick_px):
     return drawn(line, thick_px, light, ground=30.0)
 
 
+@pytest.mark.thorough
 def test_where_another_edge_is_as_clear_no_curve_is_known_well():
     line = arc(140, 0.5)
     curve = neutral_curve(beside_its_shade(line, 20), stated(), UNKNOWN)
@@ -394,6 +396,7 @@ def test_where_another_edge_is_as_clear_no_curve_is_known_well():
         assert "check of the" in curve.why or "search failed" in curve.why
 
 
+@pytest.mark.thorough
 def test_a_strip_longer_than_the_image_is_wide_is_followed_to_its_end():
     line = arc(300, 5.2, heading_rad=-1.2)
     line = line - line.min(axis=0) + 16
@@ -425,7 +428,15 @@ class Extra(CurveCheck):
         return CurveFinding(refusal=self.refusal, warning=self.warning, widening_px=wide)
 
 
-@pytest.mark.parametrize("stage", list(CheckStage))
+@pytest.mark.parametrize(
+    "stage",
+    [
+        CheckStage.CHOSEN,
+        CheckStage.OUTLINE,
+        pytest.param(CheckStage.CANDIDATE, marks=pytest.mark.thorough),
+        pytest.param(CheckStage.UNCERTAINTY, marks=pytest.mark.thorough),
+    ],
+)
 def test_checks_of_other_distributions_are_asked_for_a_curve_between_edges(monkeypatch, stage):
     image, told = drawn(arc(140, 0.8), 14), (stated(), UNKNOWN)
     without = neutral_curve(image, *told)

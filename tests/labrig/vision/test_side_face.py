@@ -71,7 +71,7 @@ def test_a_face_that_is_not_separated_from_the_edge_widens_the_credible_band(
     assert any("wider than it is thick" in text for text in curve.warnings)
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("seed", "face"), [(960_024, 0.2), pytest.param(960_057, 0.7, marks=pytest.mark.thorough)]
 )
@@ -84,7 +84,7 @@ def test_a_faint_face_is_found_in_an_image_of_little_noise(scenes, known, seed, 
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.06
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_face_beside_an_elongation_of_unknown_width_is_found(scenes, known):
     """The elongation was taken for a thicker one, and its middle missed by 1.07 pixels."""
     scene = scenes.make_scene(replace(scenes.mixed(2_300_033), face=1.0))
@@ -93,7 +93,7 @@ def test_a_face_beside_an_elongation_of_unknown_width_is_found(scenes, known):
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.2
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_free_sheet_too_wide_to_be_used_tells_of_its_face(scenes, known):
     """The elongation is as wide with a face as without; left to it, the curve missed by 1.48 px."""
     scene = scenes.make_scene(replace(scenes.mixed(3_100_014), face=1.0))
