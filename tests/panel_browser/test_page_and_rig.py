@@ -81,7 +81,10 @@ def test_a_whole_run_with_the_keyboard_alone(world, visit):
 
 
 @pytest.mark.alone
-@pytest.mark.parametrize("way", ["key", "button of a page that only watches"])
+@pytest.mark.parametrize(
+    "way",
+    [pytest.param("key", marks=pytest.mark.thorough), "button of a page that only watches"],
+)
 def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away(world, visit, way):
     page = enter(visit, world)
     start(page, world, "long.toml", f"stop-{way[:3]}.h5")
@@ -107,6 +110,7 @@ def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away(world, visit, way)
     assert page.evaluate("labrig.job.ended.output") == "safe"
 
 
+@pytest.mark.thorough
 @pytest.mark.alone
 def test_reload_and_a_second_browser_in_the_middle_of_a_run(world, visit):
     first = enter(visit, world)
@@ -126,6 +130,7 @@ def test_reload_and_a_second_browser_in_the_middle_of_a_run(world, visit):
     assert first.evaluate("labrig.job.signals.newestTime()") > 2.0
 
 
+@pytest.mark.thorough
 @pytest.mark.alone
 def test_a_browser_that_stops_reading_holds_nobody_back(world, visit):
     first, second = enter(visit, world), enter(visit, world)
@@ -147,6 +152,7 @@ def test_a_browser_that_stops_reading_holds_nobody_back(world, visit):
     assert {round(volts) for volts in rows} == {0, 2, -2}
 
 
+@pytest.mark.thorough
 def test_a_reading_marked_on_the_page_stands_in_the_session(world, visit):
     page = enter(visit, world)
     start(page, world, "long.toml", "marked.h5")

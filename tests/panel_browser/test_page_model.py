@@ -121,6 +121,7 @@ def test_a_stiffness_that_is_off_shows_while_the_sheet_moves(
         assert said.format(round(100 * (1 - B))) in shown
 
 
+@pytest.mark.thorough
 @pytest.mark.alone
 @pytest.mark.timeout(400)
 def test_the_model_follows_a_run_on_the_real_clock(tmp_path, visit):

@@ -158,6 +158,7 @@ def test_a_file_that_is_no_session_is_told_in_a_sentence(world, visit):
     (world.folder / "broken.h5").unlink()
 
 
+@pytest.mark.thorough
 def test_two_sessions_stand_side_by_side(world, visit):
     page = enter(visit, world, "library")
     page.get_by_label("choose a.h5").check()

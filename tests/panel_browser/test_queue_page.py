@@ -67,6 +67,7 @@ def test_a_protocol_with_a_fault_is_refused_with_its_sentence(world, visit):
     assert states(page) == []
 
 
+@pytest.mark.thorough
 def test_the_run_pauses_after_a_position_and_continues(world, visit):
     # the shipped protocol is long enough to be paused; to run it all would only take long
     (world.folder / "protocol.toml").write_text(template_text("protocol.toml"))

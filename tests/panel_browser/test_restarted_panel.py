@@ -60,6 +60,7 @@ def test_the_open_page_follows_the_run_again_and_stops_it(world, visit):
         server.end()
 
 
+@pytest.mark.thorough
 def test_the_open_page_learns_how_a_run_ended_meanwhile(world, visit):
     page = enter(visit, world)
     page.evaluate(

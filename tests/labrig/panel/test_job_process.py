@@ -58,6 +58,7 @@ def test_a_waiting_process_that_has_died_is_replaced(processes, folder):
     assert read_address(folder).state == "ended"
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux lets a process step forward again")
 def test_a_process_that_gets_ready_beside_a_run_computes_after_all_others(processes, folder):
     processes.prepare(beside_a_job=True)

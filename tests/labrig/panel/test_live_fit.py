@@ -202,7 +202,7 @@ def test_a_process_that_crashes_is_started_again_with_the_next_run(session):
     assert len(results) == places
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_fit_that_is_held_reads_nothing_until_the_run_is_over(session):
     results = []
     fitted = FittedSession("job", session, session.parent, lambda _job, r: results.append(r))

@@ -247,7 +247,11 @@ def test_pages_hear_the_prediction_and_the_estimates(panel_side, recorded):
 
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "hung"])
+@pytest.mark.parametrize(
+    "number",
+    [signal.SIGKILL, pytest.param(signal.SIGSTOP, marks=pytest.mark.thorough)],
+    ids=["killed", "hung"],
+)
 def test_a_process_that_fails_is_a_sentence_and_begins_again(panel_side, monkeypatch, number):
     live, tell, hear = panel_side
     tell(0, 200)

@@ -136,6 +136,7 @@ def test_what_is_edited_for_one_run_is_in_its_session_and_not_in_about_toml(page
     assert [one["name"] for one in found] == ["edited.h5"]
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform != "linux", reason="needs pseudo-terminals and /proc")
 def test_notes_of_a_run_survive_the_kill_of_its_process(page, rig_folder):
     session = "killed.h5"

@@ -170,6 +170,7 @@ def test_without_control_the_queue_cannot_be_changed(page, server):
         other.close()
 
 
+@pytest.mark.thorough
 def test_a_held_queue_ends_its_session_and_begins_no_further_one(page):
     add(page, "long.toml", "this.h5")
     add(page, "short.toml", "next.h5")
@@ -256,7 +257,8 @@ def test_a_session_that_needs_hands_waits_and_the_hook_is_told(alone, tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs SIGKILL")
-@pytest.mark.parametrize("how", ["run", pytest.param("queue", marks=pytest.mark.thorough)])
+@pytest.mark.thorough
+@pytest.mark.parametrize("how", ["run", "queue"])
 def test_a_run_of_the_page_that_is_killed_is_told_to_the_hooks_once(alone, tmp_path, how):
     told_in = tmp_path / "told"
     hook = json.dumps([sys.executable, "-c", KEEP, str(told_in)])

@@ -122,7 +122,7 @@ def test_a_run_goes_on_when_its_panel_is_killed_and_when_the_next_one_gets_ctrl_
 
 
 @pytest.mark.alone
-@pytest.mark.parametrize("way", ["stop process", "panel"])
+@pytest.mark.parametrize("way", ["stop process", pytest.param("panel", marks=pytest.mark.thorough)])
 def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away_in_a_fifth_of_a_second(
     rig, server, page, way
 ):
@@ -243,6 +243,7 @@ def test_the_gentle_stop_waits_for_the_reading(rig, server, page):
         assert len(session.runs[0].readings) == len(readings)
 
 
+@pytest.mark.thorough
 def test_declining_a_prompt_stops_the_session(rig, server, page):
     begin(page, "declined.h5", "short.toml")
     prompt = page.until("prompt")

@@ -95,6 +95,7 @@ def _ignored(server, path):
         server.ask("GET", f"/api/result{path}")
 
 
+@pytest.mark.thorough
 def test_a_model_file_of_other_data_is_out_of_date(server, folder):
     files = {"Fit": folder / "a.model.toml", "Diagnose": folder / "a.model+.toml"}
     for file in files.values():
@@ -145,6 +146,7 @@ def test_what_is_no_session_is_refused_in_a_sentence(server):
     assert get(server, "/reading?session=a.h5&condition=0&index=0") == {"curve": None}
 
 
+@pytest.mark.thorough
 def test_steps_of_b_and_eibm_are_shown_as_they_become_known(server, folder):
     session(folder / "steps.h5", measure("long"))
     known = [get(server, "/settling?session=steps.h5")]

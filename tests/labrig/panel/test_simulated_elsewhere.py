@@ -11,7 +11,7 @@ from tests.end_to_end.real_rig import serving
 from tests.labrig.panel.page import Page, panel
 
 pytestmark = [
-    pytest.mark.slow,
+    pytest.mark.thorough,
     pytest.mark.skipif(os.name != "posix", reason="the simulated stage needs a pseudo-terminal"),
 ]
 

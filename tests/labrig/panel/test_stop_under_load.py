@@ -103,7 +103,7 @@ def closed_while_sending(connection, limit_s):
 
 
 @pytest.mark.alone
-@pytest.mark.parametrize("where", ["panel", "stop"])
+@pytest.mark.parametrize("where", ["panel", pytest.param("stop", marks=pytest.mark.thorough)])
 def test_the_voltage_is_gone_at_once_though_connections_and_requests_abound(tmp_path, where):
     with rig_world(tmp_path / "rig") as world:
         page = energised_page(world, "a.h5")
