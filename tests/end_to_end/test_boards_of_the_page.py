@@ -96,7 +96,9 @@ def test_a_session_is_run_on_it(rig):
         assert session.devices[0].identity.serial == "4711"
 
 
-@pytest.mark.parametrize("kind", [signal.SIGKILL, signal.SIGSTOP])
+@pytest.mark.parametrize(
+    "kind", [signal.SIGKILL, pytest.param(signal.SIGSTOP, marks=pytest.mark.thorough)]
+)
 def test_the_guard_takes_the_box_from_a_program_that_died_or_hangs(rig, box, kind):
     run = started(rig)
     until_s = time.monotonic() + 60

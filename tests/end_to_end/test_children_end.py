@@ -129,7 +129,7 @@ def workers_in(name: str) -> list[int]:
     return [pid for pid, line in family(name).items() if "spawn_main" in line]
 
 
-@pytest.mark.parametrize("order", ENDS)
+@pytest.mark.parametrize("order", [pytest.param(ENDS[0], marks=pytest.mark.thorough), *ENDS[1:]])
 def test_nothing_is_left_of_a_diagnosis_however_it_ends(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, order: str
 ) -> None:
@@ -163,6 +163,7 @@ def tracebacks(said: str, order: str) -> int:
     return said.count("Traceback") - own
 
 
+@pytest.mark.thorough
 def test_the_simulator_of_a_killed_run_ends(tmp_path: Path) -> None:
     process = subprocess.Popen(
         [sys.executable, "-c", SERVING, str(tmp_path / "world.csv")], stdout=subprocess.PIPE
@@ -207,9 +208,9 @@ def is_energised(record: Path) -> bool:
 @pytest.mark.parametrize(
     "order",
     [
-        "program", "guard",
+        "program",
         *(pytest.param(one, marks=pytest.mark.thorough)
-          for one in ("hanging program", "guard, program")),
+          for one in ("guard", "hanging program", "guard, program")),
     ],
 )  # fmt: skip
 def test_nothing_is_left_of_a_run_with_its_simulator_whoever_is_killed(

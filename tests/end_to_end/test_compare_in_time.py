@@ -83,6 +83,7 @@ def test_the_moving_sheet_predicts_best_and_the_report_shows_it(compared, tmp_pa
     assert "after Lee, Park and Kim 2005" in page
 
 
+@pytest.mark.thorough
 def test_at_rest_alone_is_a_choice(tmp_path_factory, tmp_path, capsys):
     session = tmp_path / "session.h5"
     session.write_bytes(moving_session(tmp_path_factory).read_bytes())

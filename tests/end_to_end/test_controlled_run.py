@@ -250,7 +250,11 @@ def has_voltage(rig: ServedRig) -> bool:
 @pytest.mark.skipif(sys.platform != "linux", reason="needs ptys, signals and /proc")
 @pytest.mark.parametrize(
     ("number", "limit_s"),
-    [(signal.SIGKILL, 0.3), (signal.SIGSTOP, 1.0), (signal.SIGTERM, 0.3)],
+    [
+        (signal.SIGKILL, 0.3),
+        pytest.param(signal.SIGSTOP, 1.0, marks=pytest.mark.thorough),
+        (signal.SIGTERM, 0.3),
+    ],
     ids=["killed", "hung", "told to stop"],
 )
 def test_a_controlled_run_that_dies_leaves_0_V_in_time(

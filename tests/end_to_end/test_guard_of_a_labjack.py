@@ -35,13 +35,17 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServedRig]:
 @pytest.mark.alone
 @pytest.mark.parametrize(
     ("number", "limit_s"),
-    [(signal.SIGKILL, AFTER_A_KILL_S), (signal.SIGSTOP, AFTER_A_HANG_S)],
+    [
+        (signal.SIGKILL, AFTER_A_KILL_S),
+        pytest.param(signal.SIGSTOP, AFTER_A_HANG_S, marks=pytest.mark.thorough),
+    ],
     ids=["killed", "hung"],
 )
 def test_the_output_is_at_0_V_in_time(served: ServedRig, number: int, limit_s: float) -> None:
     assert zeroed_after(served, number) < limit_s + ROW_S
 
 
+@pytest.mark.thorough
 @pytest.mark.alone
 def test_a_program_that_wakes_after_the_guard_has_acted_stays_at_0_V(served: ServedRig) -> None:
     process = served.energised()

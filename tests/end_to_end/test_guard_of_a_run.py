@@ -44,7 +44,11 @@ def zeroed_after(rig: ServedRig, number: int) -> float:
     return zero_s - sent_s
 
 
-@pytest.fixture(scope="module", params=[(), ("--strict-ownership",)], ids=["", "strict ownership"])
+@pytest.fixture(
+    scope="module",
+    params=[(), pytest.param(("--strict-ownership",), marks=pytest.mark.thorough)],
+    ids=["", "strict ownership"],
+)
 def served(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[ServedRig]:
@@ -82,6 +86,7 @@ def test_boards_that_refuse_for_longer_than_the_run_tries_are_made_safe_by_the_g
             assert session.output_state is OutputState.SAFE
 
 
+@pytest.mark.thorough
 @pytest.mark.alone
 def test_a_server_that_hangs_is_named_and_the_words_agree_with_the_code(tmp_path: Path) -> None:
     """The program did not hang; and what was not known to be safe once was read back at last."""
@@ -122,6 +127,7 @@ def test_a_server_that_hangs_is_told_in_2_s_and_ends_the_run_with_code_6_in_10_s
     assert ended_s < 10.0
 
 
+@pytest.mark.thorough
 def test_a_server_that_stays_away_ends_with_words_and_code_that_say_so(tmp_path: Path) -> None:
     gone = '[[faults]]\nwhat = "daq_write_refused"\nsince = "first_voltage"\nfrom_s = 1.0\n'
     with serving(tmp_path, world=gone) as rig:

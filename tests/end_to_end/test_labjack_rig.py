@@ -181,6 +181,7 @@ def test_the_papers_protocol_runs_from_end_to_end(session: Path) -> None:
             assert abs(drive_V[-20:]).max() < 0.05
 
 
+@pytest.mark.thorough
 def test_it_is_analysed_and_fitted_as_any_other(
     session: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -192,6 +193,7 @@ def test_it_is_analysed_and_fitted_as_any_other(
     assert float(found[1]) == pytest.approx(1.273, rel=0.1)  # the world's
 
 
+@pytest.mark.thorough
 def test_a_replay_of_it_has_the_same_signals(session: Path, tmp_path: Path) -> None:
     assert labrig("replay", session, "-o", tmp_path / "again.h5") == 0
     with open_session(session) as first, open_session(tmp_path / "again.h5") as again:

@@ -54,6 +54,7 @@ def test_a_missing_package_is_refused_before_anything_is_opened(tmp_path, capsys
     assert not (tmp_path / "s.h5").exists()
 
 
+@pytest.mark.thorough
 def test_a_publisher_that_fails_leaves_the_session_whole(tmp_path, monkeypatch):
     from labrig.experiment.notices.publish import BlueskyPublisher
 

@@ -82,6 +82,7 @@ def test_the_analysis_takes_it_as_the_position_measured_again(folder: Path) -> N
     assert ("short", 10, 1) not in runs
 
 
+@pytest.mark.thorough
 def test_a_replay_repeats_it_too(folder: Path) -> None:
     again = folder / "replayed.h5"
     assert labrig("replay", folder / "session.h5", "-o", again) == 0
@@ -93,6 +94,7 @@ def test_a_replay_repeats_it_too(folder: Path) -> None:
     assert [span.run for span in Recording(again, "replayed.h5").spans] == [0, 2, 1]
 
 
+@pytest.mark.thorough
 def test_it_survives_a_crash(folder: Path, tmp_path: Path) -> None:
     whole = folder / "session.h5"
     cut = tmp_path / "cut.h5"

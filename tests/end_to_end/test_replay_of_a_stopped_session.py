@@ -63,7 +63,13 @@ def stopped_session(folder: Path, when: str) -> Path:
     return folder / "session.h5"
 
 
-@pytest.fixture(scope="module", params=["amid", "between", "fault"])
+@pytest.fixture(
+    scope="module",
+    params=[
+        "amid",
+        *(pytest.param(one, marks=pytest.mark.thorough) for one in ("between", "fault")),
+    ],
+)
 def original(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return stopped_session(tmp_path_factory.mktemp(request.param) / "rig", request.param)
 

@@ -77,6 +77,7 @@ def test_a_resumed_session_is_whole_and_keeps_what_was_complete(failed: Path) ->
         assert zeros_s[0] >= first.time_s
 
 
+@pytest.mark.thorough
 def test_the_times_of_all_readings_count_from_the_first_session_s_start(
     failed: Path, tmp_path: Path
 ) -> None:
@@ -102,6 +103,7 @@ def test_verify_says_where_readings_have_no_time_in_the_table_of_all(
     assert check.found.startswith("2 of ")
 
 
+@pytest.mark.thorough
 def test_a_resumed_session_that_fails_can_be_resumed_itself(failed: Path, tmp_path: Path) -> None:
     folder = tmp_path / "rig"
     shutil.copytree(failed, folder)

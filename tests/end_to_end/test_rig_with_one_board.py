@@ -65,6 +65,7 @@ def test_a_run_measures_and_ends_at_zero_volts(rig_6211: Path) -> None:
     assert np.ptp(force_V) > 1e-4  # the load cell is what is wired there
 
 
+@pytest.mark.thorough
 def test_a_replay_of_it_has_the_same_signals(rig_6211: Path, tmp_path: Path) -> None:
     session = run_rig(rig_6211)
     assert labrig("replay", session, "-o", tmp_path / "again.h5") == 0

@@ -51,7 +51,7 @@ def test_ctrl_c_stops_after_the_pulse_and_leaves_the_output_safe(rig, tmp_path):
     assert signal.getsignal(signal.SIGINT) is before
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_a_run_in_another_thread_needs_no_signals(rig, tmp_path):
     results = []
     session = tmp_path / "session.h5"

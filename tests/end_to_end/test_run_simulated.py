@@ -57,6 +57,7 @@ def test_a_replayed_session_has_the_same_signals_readings_and_frames(
                 np.testing.assert_array_equal(run.frame(reading), again.frame(reading))
 
 
+@pytest.mark.thorough
 def test_a_replay_that_nobody_keeps_names_the_session(
     session: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -64,6 +65,7 @@ def test_a_replay_that_nobody_keeps_names_the_session(
     assert capsys.readouterr().out.startswith(f"{session}: completed")
 
 
+@pytest.mark.thorough
 def test_a_rig_that_is_a_recording_is_run_like_any_other(
     rig: Path, session: Path, tmp_path: Path
 ) -> None:

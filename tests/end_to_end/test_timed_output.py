@@ -170,7 +170,10 @@ def test_a_fault_of_the_board_ends_at_0_V_or_is_said_not_to(
 @pytest.mark.skipif(sys.platform != "linux", reason="needs ptys, signals and /proc")
 @pytest.mark.parametrize(
     ("number", "limit_s", "ownership"),
-    [(signal.SIGKILL, 0.3, ()), (signal.SIGSTOP, 1.0, ("--strict-ownership",))],
+    [
+        pytest.param(signal.SIGKILL, 0.3, (), marks=THOROUGH),
+        (signal.SIGSTOP, 1.0, ("--strict-ownership",)),
+    ],
     ids=["killed", "hung, strict ownership"],
 )
 def test_the_guard_ends_a_run_that_the_board_would_go_on_with(

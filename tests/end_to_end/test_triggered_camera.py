@@ -68,7 +68,7 @@ HARDWARE_LABJACK = 'trigger = "hardware"\ntrigger_line = "EIO1"'
     ("keys", "board"),
     [
         (HARDWARE_NI, "ni"),
-        (HARDWARE_LABJACK, "labjack"),
+        pytest.param(HARDWARE_LABJACK, "labjack", marks=pytest.mark.thorough),
         ('trigger = "software"', "ni"),
     ],
     ids=["by NI boards", "by a LabJack", "by command"],

@@ -29,7 +29,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WatchedRig]:
 
 
 @pytest.mark.alone
-@pytest.mark.parametrize("what", ["killed", "stopped"])
+@pytest.mark.parametrize("what", ["killed", pytest.param("stopped", marks=pytest.mark.thorough)])
 def test_program_and_guard_gone_together_are_0_V_within_a_second(
     served: WatchedRig, what: str
 ) -> None:
