@@ -37,7 +37,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServedRig]:
     ("number", "limit_s"),
     [
         (signal.SIGKILL, AFTER_A_KILL_S),
-        pytest.param(signal.SIGSTOP, AFTER_A_HANG_S, marks=pytest.mark.thorough),
+        (signal.SIGSTOP, AFTER_A_HANG_S),
     ],
     ids=["killed", "hung"],
 )

@@ -56,7 +56,7 @@ def test_a_run_over_sockets_is_complete_and_never_exceeds_the_limit(rig: ServedR
     [
         (signal.SIGINT, 1),
         (signal.SIGINT, 2),
-        pytest.param(signal.SIGTERM, 1, marks=pytest.mark.thorough),
+        (signal.SIGTERM, 1),
     ],
 )
 def test_a_stop_signal_ends_at_zero_volts_with_code_4(
