@@ -197,6 +197,7 @@ def falling(tmp_path_factory):
     return labrig.measurements_of_tables(*tables)
 
 
+@pytest.mark.slow
 def test_the_sign_of_the_forces_is_told_where_the_base_model_fits_neither(falling):
     assert check_data(falling).suspicions == ()
     (one,) = check_data(forces_changed(falling, lambda _, forces: -forces)).suspicions
@@ -204,6 +205,7 @@ def test_the_sign_of_the_forces_is_told_where_the_base_model_fits_neither(fallin
     assert "'long' (force_mN) have the opposite sign of what the curves say" in one.sentence
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("factor", "unit"), [(1e-3, "in N"), (1e3, "in µN")])
 def test_forces_in_another_unit_are_told(falling, factor, unit):
     for data in (falling, session()):
@@ -220,6 +222,7 @@ def test_forces_in_another_unit_are_told(falling, factor, unit):
             )
 
 
+@pytest.mark.slow
 def test_a_wrong_thickness_is_no_unit_of_the_forces(falling):
     """Young's modulus is a thousand times too small, but the forces are those of a sheet."""
     (name,) = {c.configuration for c in falling.conditions}

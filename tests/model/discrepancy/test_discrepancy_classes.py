@@ -140,6 +140,7 @@ def test_answers_that_are_sure_of_a_name_outweigh_a_doubt_but_no_impossible_ampl
     assert bool(whole._revised(found).named) is kept
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("likelier", "unknown"), [(0.6, None), (0.6, True), (0.2, None)])
 def test_a_name_gives_way_to_a_likelier_one_of_its_question(monkeypatch, likelier, unknown):
     """The search takes what explains most; left-out positions may choose another."""
