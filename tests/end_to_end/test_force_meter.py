@@ -143,6 +143,7 @@ def test_a_real_device_beside_simulated_boards_is_refused_and_not_replaced(
     assert f"rig.toml: {named} is real" in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="the simulated meter needs a pty")
 def test_it_is_read_over_a_serial_line_in_real_time(tmp_path: Path) -> None:
     with serving(tmp_path) as rig:

@@ -331,6 +331,7 @@ def test_a_section_a_command_and_a_batch_task_use_an_analysed_session(path, tmp_
     assert "1 done" in labrig(path, tmp_path, "batch", "readings_of_each", "made.h5")
 
 
+@pytest.mark.thorough
 @BY_EACH_WAY
 def test_a_page_is_listed_by_the_panel(path, tmp_path):
     script = """

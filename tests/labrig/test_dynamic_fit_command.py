@@ -236,6 +236,7 @@ def test_a_fit_that_leaves_more_than_the_noise_explains_is_not_to_be_trusted(fit
     assert "leaves 2.0 times the squares that the noise explains" in doubt
 
 
+@pytest.mark.thorough
 def test_a_sheet_that_was_not_found_is_refused(path, fits, monkeypatch):
     """Its curves are far off, and the search did not end: the numbers say nothing."""
     noise = replace(fits[0].noise, curve_m=1.2e-3)

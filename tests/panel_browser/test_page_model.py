@@ -92,10 +92,11 @@ def recorded(tmp_path_factory):
     return moving_session(tmp_path_factory)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("stiffness", "said"),
     [
-        pytest.param(1.0, None, marks=pytest.mark.thorough),
+        (1.0, None),
         (1.2, "Stiffness B is {} % below the model’s."),
     ],
     ids=["true", "20 % too stiff"],

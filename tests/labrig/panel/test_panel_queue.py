@@ -225,6 +225,7 @@ def test_a_panel_that_comes_back_later_begins_nothing_by_itself(alone):
         server.end()
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(os.name != "posix", reason="the simulated stage needs a pseudo-terminal")
 def test_a_session_that_needs_hands_waits_and_the_hook_is_told(alone, tmp_path):
     told_in = tmp_path / "told"

@@ -243,7 +243,6 @@ def test_the_gentle_stop_waits_for_the_reading(rig, server, page):
         assert len(session.runs[0].readings) == len(readings)
 
 
-@pytest.mark.thorough
 def test_declining_a_prompt_stops_the_session(rig, server, page):
     begin(page, "declined.h5", "short.toml")
     prompt = page.until("prompt")
