@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
+from labrig.session.format.layout import CONTINUES, NO_RUNS
 from labrig.session.reading.session import open_session
 
 if TYPE_CHECKING:
     from labrig.session.reading.session import RecordedSession
 
-_CONTINUES = re.compile(r"continues the session (\S+); taken there: runs (?!none)")
+_CONTINUES = re.compile(CONTINUES.format(r"(\S+)", f"(?!{NO_RUNS})"))
 
 
 def check_distinct(paths: Sequence[Path]) -> None:

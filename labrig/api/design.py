@@ -141,7 +141,7 @@ def design(
         0.93
 
     """
-    check_wishes(
+    check_requirements(
         {"--force-mN": force_mN, "--mass-g": mass_g, "--bandwidth-Hz": bandwidth_Hz}, lag_s
     )
     _check_direction(direction)
@@ -207,8 +207,8 @@ def map_of_elongation(
     return elongation_map(known, configuration, ends[:-1], ends[1:], direction)
 
 
-def check_wishes(positive: Mapping[str, float | None], lag_s: float) -> None:
-    """Raise BadInputError for what nobody can wish: a number that is not above 0, a lag below."""
+def check_requirements(positive: Mapping[str, float | None], lag_s: float) -> None:
+    """Raise BadInputError for a required number that is not above 0, or a lag below 0."""
     for name, value in positive.items():
         if value is not None and not 0.0 < number(name, value) < math.inf:
             raise BadInputError(f"{name} {value:g}: a number above 0 is needed.")

@@ -66,11 +66,11 @@ def design(
     With --eibm, for EIBMs of your own; with --stiffness-Nm2 too, sheet.toml takes the model file's
     place.
     """
-    from labrig.api.design import check_wishes, map_of_elongation, section_m
+    from labrig.api.design import check_requirements, map_of_elongation, section_m
     from labrig.api.design import design as design_for
 
     section_m(section)
-    check_wishes(
+    check_requirements(
         {"--force-mN": force_mN, "--mass-g": mass_g, "--bandwidth-Hz": bandwidth_Hz}, lag_s
     )
     if output is not None and output.exists() and not output.is_dir():

@@ -75,6 +75,9 @@ ENVIRONMENT: Final = "/session/instrument/environment"
 CHECKSUMS: Final = "/session/checksums"
 EVENTS: Final = "/session/events"
 MORE: Final = "+"  # kind of an event row that continues the text of the row before
+# Text of an event `resumed`: the session that it continues, and its runs that were taken.
+CONTINUES: Final = "continues the session {}; taken there: runs {}"
+NO_RUNS: Final = "none"
 NOBODY_ANSWERED: Final = "nobody answered"  # text of an event `answered`: as if "done"
 MOVE_BEGAN: Final = "load cell left"  # kinds of the events of a load cell moved during a run
 MOVE_ENDED: Final = "load cell arrived"  # subject: where by the stage, "9.9980 mm", if it says

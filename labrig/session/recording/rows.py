@@ -15,7 +15,7 @@ import numpy as np
 
 from drivers.interfaces import Frame
 from labrig.session.format import layout
-from labrig.session.format.layout import NOBODY_ANSWERED, Array
+from labrig.session.format.layout import CONTINUES, NO_RUNS, NOBODY_ANSWERED, Array
 from labrig.session.format.setup import SessionSetup
 from labrig.session.recording.create import FRAME_COMPRESSION
 from labrig.session.recording.nexus import has_scan, scan_columns
@@ -131,8 +131,8 @@ class Translator:
 
     def _resumed(self, event: ev.Resumed) -> list[EventRows]:
         self._began_s = event.time_s
-        runs = ", ".join(str(run + 1) for run in event.runs) or "none"
-        text = f"continues the session {event.identifier}; taken there: runs {runs}"
+        runs = ", ".join(str(run + 1) for run in event.runs) or NO_RUNS
+        text = CONTINUES.format(event.identifier, runs)
         return self._log(event, "resumed", text)
 
     def _asked(self, event: ev.OperatorAsked) -> list[EventRows]:

@@ -39,7 +39,7 @@ def sine(phase: FloatArray) -> FloatArray:
     return np.asarray(np.sin(2.0 * np.pi * phase))
 
 
-def waves(at_s: FloatArray, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
+def cosines_and_sines(at_s: FloatArray, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return cosines and sines (n, m) of times (n,) at evenly spaced rates (m,), 1/s.
 
     As products of a coarse and a fine table of exp(i phase), which has few sines to work out.
@@ -144,7 +144,7 @@ class _Series:
         That is a share of all.
         """
         y = self.left(self.values)
-        c, s = (self.left(lever[:, None] * wave) for wave in waves(at_s, rates))
+        c, s = (self.left(lever[:, None] * wave) for wave in cosines_and_sines(at_s, rates))
         # of each rate, two normal equations by hand
         cc, ss, cs, cy, sy = np.sum(c * c, 0), np.sum(s * s, 0), np.sum(c * s, 0), y @ c, y @ s
         det = cc * ss - cs**2

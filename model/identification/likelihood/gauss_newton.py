@@ -25,8 +25,8 @@ def least_squares(
     """Return the base parameters that minimise the weighted squares of forces, curves and priors.
 
     Damped after Levenberg and Marquardt where a step leads too far. It ends where a step takes
-    less than the share `enough` from the squares, and after `FEW_STEPS` where they are still above
-    `worthless` (`weighted_squares` of a fit that need not be surpassed by far).
+    less than the share `enough` from the squares. It is given up after `FEW_STEPS` where these are
+    still above `worthless`, in units of `weighted_squares`.
     """
     mean, width = priors_of(bases)
     stiffness = [one.stiffness for one in bases.parts]

@@ -19,9 +19,11 @@ from model.discrepancy.data_checks.catalogue import data_checks
 from model.discrepancy.data_checks.changed_data import of_one
 from model.discrepancy.data_checks.conformance import example_measurements, faults
 from model.discrepancy.data_checks.contract import DataCheck, Suspicion
+from model.discrepancy.data_checks.quick_fit import FAR_WORSE, Tolerances, bare, quick_fit
 from model.discrepancy.data_checks.shape_compliance import shape_compliance
 from model.discrepancy.thresholds import SURE_COMPLIANCE_SIGMA
 from model.identification.data.outlier_readings import without_outliers
+from model.identification.likelihood import gauss_newton
 from model.plugins import Part, PluginWarning
 from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
 from tests.model.discrepancy.sessions import session
@@ -336,3 +338,29 @@ def test_the_same_data_are_fitted_once(monkeypatch):
     assert len(fitted) == 1
     check_data(forces_changed(data, lambda _, forces: 1.01 * forces))
     assert len(fitted) == 2
+
+
+def test_a_hopeless_change_is_given_up_after_a_few_solutions(monkeypatch):
+    """Positions in reverse order, of data that fit as they are stated."""
+    counts = []
+    solved = gauss_newton.sensitivities
+    monkeypatch.setattr(
+        gauss_newton, "sensitivities", lambda *given: counts.append(1) or solved(*given)
+    )
+    few = of_one(bare(session()), "long")
+    tolerances = Tolerances.of(few)
+    stated = quick_fit(few, tolerances)
+    turned = replace(
+        few,
+        conditions=tuple(
+            replace(c, position_m=None if c.position_m is None else -c.position_m)
+            for c in few.conditions
+        ),
+    )
+    counts.clear()
+    whole = quick_fit(turned, tolerances)
+    steps = len(counts)
+    counts.clear()
+    given_up = quick_fit(turned, tolerances, stated=stated)
+    assert len(counts) == 1 + gauss_newton.FEW_STEPS < steps
+    assert min(whole.squares, given_up.squares) > FAR_WORSE * stated.squares

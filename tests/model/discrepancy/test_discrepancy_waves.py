@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from model.identification.data.data_vector import look
-from model.identification.data.periodic_terms import PeriodicTerm, wave_in
+from model.identification.data.periodic_terms import (
+    PeriodicTerm,
+    cosine,
+    cosines_and_sines,
+    sine,
+    wave_in,
+)
 from model.measurements import Measurements
 from tests.model.discrepancy.sessions import NOTHING, Case, Hiding, diagnosed, session
 
@@ -96,3 +102,11 @@ def test_it_is_unknown_and_told_with_its_period(case, location):
     assert "in the course of each period" in found.sentence
     assert found.unknown.s_mm[-1] < 12.0  # s
     assert found.fitted.after.chi2_per_dof < 1.3
+
+
+@pytest.mark.parametrize("count", [1, 2, 41, 500])
+def test_tables_of_periods_are_the_cosines_and_sines(count):
+    at_s, rates = np.linspace(0.0, 900.0, 50), np.linspace(0.08, 0.8, 500)[:count]
+    cosines, sines = cosines_and_sines(at_s, rates)
+    np.testing.assert_allclose(cosines, cosine(at_s[:, None] * rates), atol=1e-10)
+    np.testing.assert_allclose(sines, sine(at_s[:, None] * rates), atol=1e-10)

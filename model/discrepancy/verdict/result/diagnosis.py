@@ -127,7 +127,7 @@ class Diagnosis(Displayed):
         """Return the answers among which the truth is in 95 % of sessions, the likeliest first.
 
         Names and 'unknown', each with its probability: what is named, what that may be confused
-        with, and what is not ruled out. Empty: nothing is missing.
+        with, and what is not ruled out. Empty where nothing is missing, or these data cannot tell.
         """
         chances = dict(self.not_ruled_out)
         for one in self.effects:

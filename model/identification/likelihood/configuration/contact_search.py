@@ -30,16 +30,16 @@ def extrapolated(known: Sequence[tuple[float, Equilibria | None]], to: float) ->
         for at, _ in alike
     ]
 
-    def led_on(values: Iterable[FloatArray]) -> FloatArray:
+    def extrapolate(values: Iterable[FloatArray]) -> FloatArray:
         return np.asarray(sum(w * v for w, v in zip(weights, values, strict=True)))
 
     every = [one for _, one in alike]
     return replace(
         last,
-        nu=led_on(one.nu for one in every),
-        s_hat_m=led_on(one.s_hat_m for one in every),
-        phi_hat_rad=led_on(one.phi_hat_rad for one in every),
-        psi=led_on(one.psi for one in every),
+        nu=extrapolate(one.nu for one in every),
+        s_hat_m=extrapolate(one.s_hat_m for one in every),
+        phi_hat_rad=extrapolate(one.phi_hat_rad for one in every),
+        psi=extrapolate(one.psi for one in every),
     )
 
 
