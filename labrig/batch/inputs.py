@@ -11,9 +11,10 @@ from pathlib import Path
 from labrig.batch.contract import TABLES, BatchInput, InputKind
 from labrig.config.file_kinds import MODEL, SESSION, SHEET
 from labrig.errors import BadInputError
+from labrig.files import SESSION_ENDINGS
 from labrig.library.fits import looks_like_model
 
-_SUFFIXES = (".h5", ".toml")
+_SUFFIXES = (*SESSION_ENDINGS, ".toml")
 _BEGIN_BYTES = 1 << 16
 _WORDS = {
     InputKind.SESSION: f"{SESSION} (.h5)",
@@ -86,7 +87,7 @@ def _fitting(
 
 def _kind(path: Path, takes: Collection[InputKind]) -> InputKind | None:
     """Return what a file may be used as: by its name, and a model file by its beginning."""
-    if path.suffix == ".h5":
+    if path.suffix.lower() in SESSION_ENDINGS:
         kind: InputKind | None = InputKind.SESSION
     elif path.suffix != ".toml":
         kind = None
@@ -120,7 +121,7 @@ def _below(folder: Path) -> Iterator[Path]:
         for item in inside:
             if item.is_dir(follow_symlinks=False):
                 waiting.append(Path(item.path))
-            elif item.name.endswith(_SUFFIXES) and item.is_file(follow_symlinks=False):
+            elif item.name.lower().endswith(_SUFFIXES) and item.is_file(follow_symlinks=False):
                 yield Path(item.path)
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from labrig.errors import BadInputError
+from labrig.files import SESSION_ENDINGS
 from labrig.library.database import Database
 from labrig.library.entry import CatalogueEntry, read_entry
 from labrig.library.fits import ModelFits, looks_like_model, read_fits
@@ -24,7 +25,7 @@ _SAVE_EVERY_S = 2.0
 _MOST_UNSAVED = 500
 _LONG_SCAN_S = 0.05  # a folder that takes longer is not gone through at each request
 _SCAN_SHARE = 0.1  # of the time at most, where somebody asks again and again
-_SUFFIXES = (".h5", ".toml")
+_SUFFIXES = (*SESSION_ENDINGS, ".toml")
 
 Stamp = tuple[int, int]  # time of the last change in ns, size
 Advance = Callable[[float, str], None]
@@ -187,7 +188,7 @@ def _forget_all(connection: sqlite3.Connection, names: set[str]) -> None:
 
 
 def _look(path: Path, name: str, stamp: Stamp) -> Looked:
-    if name.endswith(".h5"):
+    if name.lower().endswith(SESSION_ENDINGS):
         return name, stamp, read_entry(path, name), None
     is_model = stamp[1] <= MOST_MODEL_BYTES and looks_like_model(path)
     return name, stamp, None, read_fits(path) if is_model else None
@@ -208,7 +209,7 @@ def _files(folder: Path) -> Iterator[tuple[str, Stamp]]:
                 continue
             if item.is_dir(follow_symlinks=False):
                 waiting.append(f"{name}/")
-            elif item.name.endswith(_SUFFIXES) and item.is_file(follow_symlinks=False):
+            elif item.name.lower().endswith(_SUFFIXES) and item.is_file(follow_symlinks=False):
                 with suppress(OSError):  # it has just gone
                     state = item.stat()
                     yield name, (state.st_mtime_ns, state.st_size)

@@ -15,13 +15,14 @@ import h5py
 import numpy as np
 
 from labrig.errors import BadInputError
+from labrig.files import SESSION_ENDINGS
 from labrig.motion.simulated import SimulatedRun
 from labrig.session.format import layout
 from labrig.session.recording.disk import written_beside
 from labrig.session.recording.hdf5 import create_group, put_text, put_text_list, set_attributes
 from model.dynamics import SheetMotion
 
-HDF5_ENDINGS, CSV_ENDING = (".h5", ".hdf5", ".nxs"), ".csv"
+HDF5_ENDINGS, CSV_ENDING = SESSION_ENDINGS, ".csv"
 # column, unit, what it is
 OVER_TIME = (
     ("drive_V", "V", "voltage of the source; at an edge that before it"),

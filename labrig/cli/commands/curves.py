@@ -19,7 +19,7 @@ from labrig.cli.curves.page import serve_page
 from labrig.cli.curves.session import session_curves
 from labrig.cli.screen import print_json_line, say, warn
 from labrig.errors import BadInputError
-from labrig.files import check_free
+from labrig.files import SESSION_ENDINGS, check_free
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -143,7 +143,7 @@ def curves(
         return
     if not sources:
         raise BadInputError("no image was given; give files, a folder, or --batch FOLDER.")
-    if [path.suffix.lower() for path in sources] == [".h5"]:
+    if len(sources) == 1 and sources[0].suffix.lower() in SESSION_ENDINGS:
         of_images = (optics, sheet, configuration, look, summary, overlay, strip, channel)
         _refuse_beside_session((*of_images, *facts.values(), every > 1))
         session_curves(sources[0], output, name, as_json=as_json)

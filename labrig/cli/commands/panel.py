@@ -10,6 +10,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError
+from labrig.files import SESSION_ENDINGS
 
 if TYPE_CHECKING:
     from labrig.panel.access.settings import PanelSettings
@@ -82,7 +83,7 @@ def _settings(
             raise BadInputError(f"{path}: there is no such file.")
     if data is not None and not data.is_dir():
         raise BadInputError(f"{data}: there is no such folder.")
-    is_session = what is not None and what.suffix.lower() in {".h5", ".hdf5", ".nxs"}
+    is_session = what is not None and what.suffix.lower() in SESSION_ENDINGS
     folder = (data or (what.parent if what else Path())).resolve()
     rig, session = (None, what) if is_session else (what, None)
     if session is not None and not session.resolve().is_relative_to(folder):

@@ -10,7 +10,6 @@ from fastapi import Query
 from labrig.library import CatalogueEntry, read_entry
 from labrig.panel.core.panel import Panel
 
-SUFFIX = ".h5"
 REFRESH_S = 1.0  # for files that have changed; the next request continues
 Session = Annotated[str, Query(max_length=400)]
 

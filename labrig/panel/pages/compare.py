@@ -6,10 +6,11 @@ from typing import Any
 
 from fastapi import APIRouter
 
+from labrig.files import SESSION_ENDINGS
 from labrig.library import compare_means
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.requests import Here
-from labrig.panel.pages._sessions import SUFFIX, Session, entry_of, shown
+from labrig.panel.pages._sessions import Session, entry_of, shown
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.session import open_session
 
@@ -20,7 +21,7 @@ router = APIRouter(prefix="/api/library")
 def compare(panel: Here, a: Session, b: Session) -> Any:
     """Two sessions side by side."""
     data = panel.settings.data
-    first, second = existing(data, a, SUFFIX), existing(data, b, SUFFIX)
+    first, second = existing(data, a, *SESSION_ENDINGS), existing(data, b, *SESSION_ENDINGS)
     with open_session(first, live=True) as left, open_session(second, live=True) as right:
         rows = compare_means(left, right)
     return {

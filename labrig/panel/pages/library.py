@@ -6,11 +6,12 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 
+from labrig.files import SESSION_ENDINGS
 from labrig.library import CatalogueEntry, SessionQuery
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
-from labrig.panel.pages._sessions import REFRESH_S, SUFFIX, shown
+from labrig.panel.pages._sessions import REFRESH_S, shown
 from labrig.panel.pages.interface import PanelPage, own_script
 from labrig.session import is_left_by_a_crash, recover
 
@@ -59,7 +60,7 @@ def recover_session(request: Request, body: RecoverBody, panel: Here) -> Any:
     """Write what can be saved to a file beside the session, as `labrig recover`."""
     who = panel.acting(request)
     data = panel.settings.data
-    report = recover(existing(data, body.name, SUFFIX))
+    report = recover(existing(data, body.name, *SESSION_ENDINGS))
     output = None if report.output is None else report.output.relative_to(data).as_posix()
     if output is not None:
         panel.actions.add(who, f"recovered {body.name} as {output}")

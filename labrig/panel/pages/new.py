@@ -13,6 +13,7 @@ from labrig.config.schema import schemas
 from labrig.errors import BadInputError, LabrigError
 from labrig.experiment.plan import Plan, load_plan, make_plan
 from labrig.experiment.rig.networked_rig import why_not_served
+from labrig.files import SESSION_ENDINGS
 from labrig.panel.analysis.outputs import ENDINGS
 from labrig.panel.core import configuration_files as files
 from labrig.panel.core.configuration_files import about_text
@@ -20,7 +21,7 @@ from labrig.panel.core.file_names import existing, inside
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
 from labrig.panel.live.plans import message_of_plan
-from labrig.panel.pages._sessions import SUFFIX, Session
+from labrig.panel.pages._sessions import Session
 from labrig.panel.pages.interface import PanelPage, own_script
 
 router = APIRouter(prefix="/api")
@@ -74,7 +75,7 @@ def read(name: str, panel: Here) -> Any:
 def next_protocol(panel: Here, session: Session) -> Any:
     """Return the protocol that was proposed after a session; it lies beside it."""
     name = PurePosixPath(session).with_suffix(ENDINGS["next"]).as_posix()
-    existing(panel.settings.data, session, SUFFIX)
+    existing(panel.settings.data, session, *SESSION_ENDINGS)
     path = existing(panel.settings.data, name, ".toml")
     return {"name": path.name, **files.read_file(path).as_dict()}
 
@@ -170,8 +171,8 @@ def run(request: Request, body: RunBody, panel: Here) -> Any:
     who = panel.acting(request)
     data, folder = panel.settings.data, panel.rig.parent
     if body.resume is not None:
-        before = existing(data, body.resume, ".h5")
-        name = body.session or body.resume.removesuffix(".h5") + "-resumed.h5"
+        before = existing(data, body.resume, *SESSION_ENDINGS)
+        name = body.session or str(PurePosixPath(body.resume).with_suffix("")) + "-resumed.h5"
         files: dict[str, str] = {"resume": str(before)}
     elif body.session is None:
         raise BadInputError("a run needs the name of the session file to make.")
@@ -183,7 +184,7 @@ def run(request: Request, body: RunBody, panel: Here) -> Any:
         }
         if body.about is not None:
             files["about"] = about_text(folder, body.about)
-    session = inside(data, name, ".h5")
+    session = inside(data, name, *SESSION_ENDINGS)
     if session.exists():
         raise BadInputError(f"{name} exists already; choose another name.")
     session.parent.mkdir(parents=True, exist_ok=True)

@@ -10,6 +10,7 @@ from pydantic import Field
 from labrig.errors import BadInputError
 from labrig.experiment.plan import load_plan
 from labrig.experiment.rig.networked_rig import why_not_served
+from labrig.files import SESSION_ENDINGS
 from labrig.panel.core.configuration_files import about_text
 from labrig.panel.core.file_names import existing, inside
 from labrig.panel.core.panel import Panel
@@ -60,7 +61,7 @@ def add(request: Request, body: AddBody, panel: Here) -> Any:
         if why_not:
             raise BadInputError(why_not)
     if body.session is not None:
-        inside(panel.settings.data, body.session, ".h5")
+        inside(panel.settings.data, body.session, *SESSION_ENDINGS)
     entry = panel.queue.add(
         Entry(
             id="",

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from fastapi import APIRouter, WebSocket
 
 from labrig.errors import LabrigError
+from labrig.files import SESSION_ENDINGS
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here
 from labrig.panel.core.sockets import Post, receive_messages, together
 from labrig.panel.live.event_stream import Message
-from labrig.panel.pages._sessions import SUFFIX
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.panel.replay import Player
 
@@ -52,7 +52,7 @@ async def serve_replay(socket: WebSocket, panel: Panel, name: str) -> None:
 
 
 async def _play(socket: WebSocket, panel: Panel, name: str) -> None:
-    path = existing(panel.settings.data, name, SUFFIX)
+    path = existing(panel.settings.data, name, *SESSION_ENDINGS)
     player = await asyncio.to_thread(Player, path, name, panel.model_path)
 
     async def on_message(command: Message) -> None:

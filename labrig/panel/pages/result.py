@@ -12,12 +12,13 @@ from fastapi import APIRouter, Query
 from fastapi.responses import Response
 
 from labrig.analysis.results import reading_curve
+from labrig.files import SESSION_ENDINGS
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here
 from labrig.panel.pages._result_cache import ResultCache, as_text, state_of
 from labrig.panel.pages._result_data import beside, measured_of, measured_result
-from labrig.panel.pages._sessions import SUFFIX, Session
+from labrig.panel.pages._sessions import Session
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.session import open_session
 from model import Measurements
@@ -30,7 +31,7 @@ router = APIRouter(prefix="/api/result")
 @router.get("")
 def result(panel: Here, session: Session, upto: Stage = "settled") -> Response:
     """Return a session's result; up to a stage that takes less time, where it is not kept whole."""
-    path = existing(panel.settings.data, session, SUFFIX)
+    path = existing(panel.settings.data, session, *SESSION_ENDINGS)
     cache, data = panel.state(ResultCache), panel.settings.data
     text = _live(panel, path, session) or cache.kept(data, path)
     if text is None and upto == "measured":
@@ -46,7 +47,7 @@ def result(panel: Here, session: Session, upto: Stage = "settled") -> Response:
 @router.get("/settling")
 def settling(panel: Here, session: Session) -> Response:
     """Return how B and EIBM settle, as far as it is computed: ask again until it is complete."""
-    path = existing(panel.settings.data, session, SUFFIX)
+    path = existing(panel.settings.data, session, *SESSION_ENDINGS)
     text = panel.state(ResultCache).settling(panel.settings.data, path, session)
     return Response(text, media_type="application/json")
 
@@ -84,7 +85,7 @@ def reading(
     index: Annotated[int, Query(ge=0)],
 ) -> Any:
     """Return the curve of one reading's image, null where it has none."""
-    path = existing(panel.settings.data, session, SUFFIX)
+    path = existing(panel.settings.data, session, *SESSION_ENDINGS)
     return {"curve": reading_curve(_measurements(path, state_of(path)), condition, index)}
 
 

@@ -13,9 +13,10 @@ from pydantic import Field
 from starlette.background import BackgroundTask
 
 from labrig.errors import BadInputError
+from labrig.files import SESSION_ENDINGS
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.requests import Here, Name, RequestModel
-from labrig.panel.pages._sessions import REFRESH_S, SUFFIX, Session, entry_of, shown
+from labrig.panel.pages._sessions import REFRESH_S, Session, entry_of, shown
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.report.tables.about import about_tables
 from labrig.report.tables.devices import devices_as_table
@@ -31,7 +32,7 @@ _MOST_LOG = 5000
 @router.get("/session")
 def one(panel: Here, name: Session) -> Any:
     """One session, its runs and its log."""
-    path = existing(panel.settings.data, name, SUFFIX)
+    path = existing(panel.settings.data, name, *SESSION_ENDINGS)
     pending = panel.library.refresh(REFRESH_S)  # a fit may have been written since
     entry = entry_of(panel, path, name)
     with open_session(path, live=True) as session:
@@ -64,7 +65,7 @@ class MarkAfterEndBody(RequestModel):
 def add(request: Request, body: MarkAfterEndBody, panel: Here) -> Any:
     """Mark a reading or run invalid, or take that back; the recording stays as it is."""
     who = panel.acting(request)
-    path = existing(panel.settings.data, body.name, SUFFIX)
+    path = existing(panel.settings.data, body.name, *SESSION_ENDINGS)
     why = " ".join(body.why.split())
     name = layout.cut(who, layout.MARK_WHO_BYTES).decode("utf-8")
     add_mark(
@@ -95,7 +96,7 @@ def export(
     panel: Here, name: Session, kind: Annotated[str, Query(alias="as")] = "h5"
 ) -> FileResponse:
     """Return the file itself, or the tables of its measurements as a zip."""
-    path = existing(panel.settings.data, name, SUFFIX)
+    path = existing(panel.settings.data, name, *SESSION_ENDINGS)
     if kind == "h5":
         with open_session(path):  # one that is being recorded is not whole
             pass

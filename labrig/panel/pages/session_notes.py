@@ -11,12 +11,12 @@ from fastapi.responses import Response
 from pydantic import Field
 
 from labrig.errors import BadInputError
+from labrig.files import SESSION_ENDINGS
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here, Name, RequestModel
 from labrig.panel.errors import NotNowError
 from labrig.panel.live.frames import jpeg
-from labrig.panel.pages._sessions import SUFFIX
 from labrig.panel.pages.interface import NOWHERE, PanelPage, own_script
 from labrig.session import Note, add_note, open_session
 from labrig.session.notes.note import NAME_CHARACTERS_MAX, TEXT_CHARACTERS_MAX
@@ -137,11 +137,11 @@ def _shown(note: Note) -> dict[str, Any]:
 
 def _path(panel: Panel, session: str | None) -> Path:
     if session is not None:
-        return existing(panel.settings.data, session, SUFFIX)
+        return existing(panel.settings.data, session, *SESSION_ENDINGS)
     current = _current(panel)
     if current is None:
         raise BadInputError("no session has been run yet; name one.")
-    return existing(panel.settings.data, current, SUFFIX)
+    return existing(panel.settings.data, current, *SESSION_ENDINGS)
 
 
 def _current(panel: Panel) -> str | None:

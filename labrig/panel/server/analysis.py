@@ -8,6 +8,7 @@ from fastapi import APIRouter, Query, Request
 from fastapi.responses import FileResponse
 
 from labrig.errors import BadInputError
+from labrig.files import SESSION_ENDINGS
 from labrig.panel.analysis.outputs import ENDINGS, output_path, outputs_of
 from labrig.panel.core.control import utc_now
 from labrig.panel.core.file_names import existing
@@ -16,7 +17,6 @@ from labrig.panel.errors import MissingError
 from labrig.session import open_session
 
 router = APIRouter(prefix="/api/analysis")
-SUFFIX = ".h5"
 WORDS = {
     "analyze": "analysis",
     "fit": "fit",
@@ -60,7 +60,7 @@ def start(request: Request, body: StartBody, panel: Here) -> Any:
     who = panel.acting(request)
     if body.between is not None and body.kind != "next":
         raise BadInputError("between is for next only.")
-    path = existing(panel.settings.data, body.session, SUFFIX)
+    path = existing(panel.settings.data, body.session, *SESSION_ENDINGS)
     job = panel.analysis_jobs.start(
         body.kind, path, body.session, who, utc_now(), between=body.between
     )
@@ -80,7 +80,7 @@ def cancel(request: Request, body: CancelBody, panel: Here) -> Any:
 @router.get("/outputs")
 def outputs(panel: Here, session: Annotated[str, Query(max_length=400)]) -> Any:
     """Return the files beside a session that an analysis has written, and whether it has been."""
-    path = existing(panel.settings.data, session, SUFFIX)
+    path = existing(panel.settings.data, session, *SESSION_ENDINGS)
     with open_session(path, live=True) as opened:
         analysed = opened.has_measurements
     return {"outputs": outputs_of(path), "analysed": analysed}
@@ -96,7 +96,7 @@ def output(
     """Return one of these files, to be shown, or with `save` to be stored."""
     if name not in ENDINGS:
         raise BadInputError(f"{name!r}: one of {', '.join(ENDINGS)} is possible.")
-    path = output_path(existing(panel.settings.data, session, SUFFIX), name)
+    path = output_path(existing(panel.settings.data, session, *SESSION_ENDINGS), name)
     if not path.is_file():
         raise MissingError(f"{path.name}: there is no such file yet.")
     return FileResponse(

@@ -90,6 +90,14 @@ def test_a_file_is_opened_once_and_again_only_when_it_has_changed(folder, looked
     assert sorted(entry.name for entry in again.entries()) == ["b.h5", "below/c.h5", "broken.h5"]
 
 
+def test_every_name_that_a_session_may_have_is_listed(tmp_path):
+    for name in ("a.h5", "b.hdf5", "c.nxs", "D.H5", "e.csv"):
+        (tmp_path / name).write_bytes(b"no session")
+    library = Library(tmp_path)
+    library.refresh()
+    assert sorted(entry.name for entry in library.entries()) == ["D.H5", "a.h5", "b.hdf5", "c.nxs"]
+
+
 @pytest.mark.slow
 def test_a_damaged_file_is_listed_with_its_fault(folder):
     library = Library(folder)
