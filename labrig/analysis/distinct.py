@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
-from labrig.session.format.layout import CONTINUES, NO_RUNS
 from labrig.session.reading.session import open_session
 
 if TYPE_CHECKING:
     from labrig.session.reading.session import RecordedSession
-
-_CONTINUES = re.compile(CONTINUES.format(r"(\S+)", f"(?!{NO_RUNS})"))
 
 
 def check_distinct(paths: Sequence[Path]) -> None:
@@ -42,5 +38,4 @@ def check_distinct(paths: Sequence[Path]) -> None:
 def _origins(session: RecordedSession) -> list[tuple[str, str]]:
     """Return how the session holds the recordings of others, and their identifiers."""
     found = [("is a replay of", session.replay_of)] if session.replay_of else []
-    continued = [_CONTINUES.match(e.text) for e in session.events if e.kind == "resumed"]
-    return [*found, *(("holds the complete runs of", match[1]) for match in continued if match)]
+    return [*found, *(("holds the complete runs of", whose) for whose in session.continues)]

@@ -125,7 +125,9 @@ class Resumption:
         shift_s = self._shift_s(now_s)
         began_s = self.session.events[0].time_s if self.session.events else 0.0
         done = tuple(sorted(self.done))
-        handle(ev.Resumed(began_s + shift_s, self.session.identifier, done))
+        copied = {**self.session.continues, self.session.identifier: done}  # runs copied twice, too
+        for whose, runs in copied.items():
+            handle(ev.Resumed(began_s + shift_s, whose, runs))
         for run in self.session.runs:
             if run.completed:
                 moves = moves_of(self.session, run, shift_s)

@@ -169,3 +169,18 @@ def test_a_session_and_its_continuation_are_not_taken_together(
         assert labrig(command, whole, failed / "s.h5") == 2
         said = f"{whole}: holds the complete runs of {failed / 's.h5'}; give one of the two."
         assert said in capsys.readouterr().err
+
+
+def test_the_continuation_of_a_continuation_names_both(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = make_rig(tmp_path / "rig", PROTOCOL, OVERLOADED_IN_THE_SECOND_RUN)
+    first, second, third = (folder / f"{name}.h5" for name in ("first", "second", "third"))
+    assert labrig("run", *(folder / f for f in FILES), "-o", first) == 5
+    assert labrig("run", "--resume", first, "-o", second) == 5
+    (folder / "world.toml").write_text("seed = 1\n")
+    assert labrig("run", "--resume", second, "-o", third) == 0
+    with open_session(first) as one, open_session(second) as two, open_session(third) as whole:
+        assert whole.continues == {one.identifier: (0,), two.identifier: (0, 1)}
+    assert labrig("fit", third, first) == 2
+    assert f"{third}: holds the complete runs of {first}" in capsys.readouterr().err

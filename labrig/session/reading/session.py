@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -55,6 +56,7 @@ OUTDATED = (
     "analyze again."
 )
 VOLATILE_UNDER = f"{layout.SETUP}/versions/"
+_CONTINUES = re.compile(layout.CONTINUES.format(r"(\S+)", r"(\d+(?:, \d+)*)"))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,6 +162,14 @@ class RecordedSession(Displayed):
     def replay_of(self) -> str:
         """Identifier of the session that was played in the rig's place; empty of an original."""
         return self.versions.get(REPLAY_OF, "")
+
+    @property
+    def continues(self) -> Mapping[str, tuple[int, ...]]:
+        """The sessions whose complete runs were copied into it, by identifier, and which runs."""
+        told = (_CONTINUES.match(e.text) for e in self.events if e.kind == "resumed")
+        return {
+            match[1]: tuple(int(run) - 1 for run in match[2].split(", ")) for match in told if match
+        }
 
     @property
     def outcome(self) -> Outcome:
