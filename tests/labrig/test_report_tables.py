@@ -117,9 +117,10 @@ def test_a_session_without_any_valid_reading_has_no_fit_but_reasons(measured):
 
 
 @pytest.mark.slow
-def test_a_fit_without_curves_says_what_it_rests_on():
+def test_a_fit_without_curves_says_what_it_rests_on_and_when_it_is_wrong():
     fit = fit_what_can_be(measure("long", curves=False)).fit
-    assert any("no neutral curves" in text for text in trust(fit))
+    (said,) = (text for text in trust(fit) if "no neutral curves" in text)
+    assert "where it is not, B and the EIBM are off by more than their intervals" in said
 
 
 def test_the_forces_where_the_sheets_rest_are_compared():

@@ -136,8 +136,9 @@ def trust(fit: Fit) -> list[str]:
         said.append(f"{name}: 90 % intervals reach {', '.join(shares)}.")
         if not _has_curves(fit, name):
             said.append(
-                f"{name}: no neutral curves were measured. These numbers rest on the forces alone, "
-                "and the EIBM is assumed constant along the sheet."
+                f"{name}: no neutral curves were measured. These numbers rest on the forces alone "
+                "and take the EIBM as constant along the sheet; where it is not, B and the EIBM "
+                "are off by more than their intervals. Curves (--curves) show it."
             )
     return said + [_sentence(note) for note in fit.notes]
 

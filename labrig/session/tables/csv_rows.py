@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -18,7 +19,12 @@ from labrig.session.tables.decimals import from_plain
 from labrig.session.tables.text.layout import Cells, TextLayout
 from labrig.session.tables.text.meaning import ColumnMeaning, How
 
+NUMBER = "a number"
 _MOST_DIGITS = 9  # a session counts in 32 bits
+_NOTHING = frozenset({"nan", "na", "n/a", "none", "null", "-", "--"})
+_WITHOUT = "; leave lines out in which nothing was measured"
+_EMPTY = "; leave the cell empty where nothing was measured"
+_CLOCK = re.compile(r"(\d{4}-\d\d-\d\d[ T])?\d{1,2}:\d\d(:\d\d([.,]\d*)?)?")
 Value = TypeVar("Value")
 
 
@@ -91,8 +97,8 @@ class TextTable:
         elif not needed and not self.has(column):
             return np.full(len(self.cells), math.nan)
         if needed:
-            return np.array([row.get(column, read, "a number") for row in self.rows()])
-        return np.array([row.optional(column, read, "a number", math.nan) for row in self.rows()])
+            return np.array([row.get(column, read, NUMBER) for row in self.rows()])
+        return np.array([row.optional(column, read, NUMBER, math.nan) for row in self.rows()])
 
     def blocks(self, columns: Sequence[str]) -> Iterator[tuple[int, int]]:
         """Yield first and end of lines that follow each other with the same text in columns."""
@@ -129,15 +135,16 @@ class CsvRow:
         """Return a value that must be there."""
         text = self._table.text(self.index, column)
         if not text:
-            raise self.fault(f"column {column} is empty; {wanted} is needed")
-        return self._read(column, text, read, wanted)
+            advice = _WITHOUT if wanted == NUMBER else ""
+            raise self.fault(f"column {column} is empty; {wanted} is needed{advice}")
+        return self._read(column, text, read, wanted, _WITHOUT)
 
     def optional(
         self, column: str, read: Callable[[str], Value], wanted: str, default: Value
     ) -> Value:
         """Return a value that may be missing or empty."""
         text = self._table.text(self.index, column)
-        return self._read(column, text, read, wanted) if text else default
+        return self._read(column, text, read, wanted, _EMPTY) if text else default
 
     def has(self, column: str) -> bool:
         """Whether the file has a column."""
@@ -147,7 +154,7 @@ class CsvRow:
         """Return the numbers in columns that begin with `prefix`, by the rest of their names."""
         cells = {name: self._table.text(self.index, name) for name in self._table.after(prefix)}
         return {
-            name.removeprefix(prefix): self._read(name, text, from_plain, "a number")
+            name.removeprefix(prefix): self._read(name, text, from_plain, NUMBER, _EMPTY)
             for name, text in cells.items()
             if text
         }
@@ -156,14 +163,24 @@ class CsvRow:
         """Return an error at this line."""
         return BadInputError(f"{self.file}, line {self.line}: {text}.")
 
-    def _read(self, column: str, text: str, read: Callable[[str], Value], wanted: str) -> Value:
+    def _read(
+        self, column: str, text: str, read: Callable[[str], Value], wanted: str, without: str
+    ) -> Value:
         try:
             return read(text)
         except ValueError:
             if column not in self._table.columns:
                 raise BadInputError(f"--value {column}={text}: {text!r} is not {wanted}.") from None
             asked = self._table.as_named(column)
-            raise self.fault(f"column {asked}: {text!r} is not {wanted}") from None
+            advice = _advice(text, without) if wanted == NUMBER else ""
+            raise self.fault(f"column {asked}: {text!r} is not {wanted}{advice}") from None
+
+
+def _advice(text: str, without: str) -> str:
+    """Return what to do about a text in place of a number; empty where it may be anything."""
+    if text.lower() in _NOTHING:
+        return without
+    return "; give seconds since the beginning" if _CLOCK.fullmatch(text) else ""
 
 
 def _numbers(texts: Sequence[str], read: Callable[[str], float], behind: str) -> FloatArray:

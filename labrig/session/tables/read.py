@@ -13,7 +13,7 @@ import numpy as np
 from labrig.errors import BadInputError
 from labrig.plausibility import table_warnings
 from labrig.session.tables import columns
-from labrig.session.tables.csv_rows import CsvRow, TextTable, integer, one_of, truth
+from labrig.session.tables.csv_rows import NUMBER, CsvRow, TextTable, integer, one_of, truth
 from labrig.session.tables.curve_points import CurvePoints, IntArray, numbers_of
 from labrig.session.tables.decimals import from_degrees, from_milli, from_plain, milli
 from labrig.session.tables.signals import SIGNAL_COLUMNS, configuration_of, series_of
@@ -22,7 +22,6 @@ from labrig.session.tables.table import read_table
 from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames, ExpectedColumns, How
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry
 
-NUMBER = "a number"
 WHOLE = "a whole number from 0"
 FORCE_COLUMNS: Final = ExpectedColumns(
     kind="forces", required=columns.FORCES, optional=columns.FORCES_OPTIONAL,

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from drivers.interfaces import FloatArray
 from labrig.errors import BadInputError
 from labrig.session.tables import columns
-from labrig.session.tables.csv_rows import CsvRow, TextTable, integer
+from labrig.session.tables.csv_rows import NUMBER, CsvRow, TextTable, integer
 from labrig.session.tables.decimals import from_milli, from_plain
 from labrig.session.tables.text.meaning import ExpectedColumns
 from model.measurements import SheetGeometry, TimeSeries
@@ -70,7 +70,7 @@ def _runs(
         row = table.row(first)
         place = (
             configuration_of(row, sheet),
-            row.optional("position_mm", from_milli, "a number", None),
+            row.optional("position_mm", from_milli, NUMBER, None),
             row.optional("mounting", integer, "a whole number from 0", 0),
             row.optional("run", integer, "a whole number from 0", None),
         )

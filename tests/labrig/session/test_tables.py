@@ -278,7 +278,15 @@ BAD_FORCES = {
     "forces.csv: this is an empty file; a forces.csv is needed": "",
     "forces.csv: holds no readings": f"{HEAD}\n",
     "line 3: column force_mN: 'O.29' is not a number": FORCES.replace("0.29", "O.29"),
-    "line 3: column force_mN: 'nan' is not a number": FORCES.replace("0.29", "nan"),
+    "line 3: column force_mN: 'nan' is not a number; leave lines out in which nothing was": (
+        FORCES.replace("0.29", "nan")
+    ),
+    "line 2: column time_s: '10:01:02' is not a number; give seconds since the beginning.": (
+        f"{HEAD},time_s\nlong,5,0,0,1,10:01:02\n"
+    ),
+    "line 2: column time_s: 'n/a' is not a number; leave the cell empty where nothing was": (
+        f"{HEAD},time_s\nlong,5,0,0,1,n/a\n"
+    ),
     "line 3: column force_mN: '1e999' is not a number": FORCES.replace("0.29", "1e999"),
     "line 3: column force_mN is empty; a number is needed": FORCES.replace("0.29", ""),
     "line 3: 6 values for 5 columns; a number must have a point": FORCES.replace("0.29", "0,29"),
