@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
@@ -45,20 +47,14 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
         raise BadInputError(f"--as: {error}.") from None
     with open_session(session):  # a file of another kind leaves no empty folder
         pass
-    target = Path(folder)
-    try:
-        target.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise BadInputError(f"{target}: this is a file, a folder is needed.") from None
-    except OSError as error:
-        raise BadInputError(f"{target}: cannot be made ({error.strerror}).") from None
-    try:
-        written: object = chosen.write(Path(session), target)
-    except ModuleNotFoundError as error:
-        raise BadInputError(
-            f"--as {name} needs the package {error.name}; install it with: "
-            f'pip install "labrig[{chosen.extra}]".'
-        ) from None
+    with _folder(Path(folder)) as target:
+        try:
+            written: object = chosen.write(Path(session), target)
+        except ModuleNotFoundError as error:
+            raise BadInputError(
+                f"--as {name} needs the package {error.name}; install it with: "
+                f'pip install "labrig[{chosen.extra}]".'
+            ) from None
     whose = f"the export format '{name}' of {FORMATS.origins().get(name, 'labrig')}"
     if not isinstance(written, list) or not all(isinstance(one, Path) for one in written):
         raise LabrigError(
@@ -71,3 +67,22 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
             f"{whose} did not write {', '.join(missing)}, which it says it wrote; see {target}."
         )
     return written
+
+
+@contextmanager
+def _folder(path: Path) -> Iterator[Path]:
+    """Make a folder where there is none, and take it away again if nothing comes into it."""
+    was_there = path.exists()
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadInputError(f"{path}: this is a file, a folder is needed.") from None
+    except OSError as error:
+        raise BadInputError(f"{path}: cannot be made ({error.strerror}).") from None
+    try:
+        yield path
+    except BaseException:
+        if not was_there:
+            with suppress(OSError):  # something is in it
+                path.rmdir()
+        raise

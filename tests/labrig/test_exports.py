@@ -190,7 +190,7 @@ def test_a_missing_package_is_one_sentence_and_leaves_nothing(
     assert run(["export", str(session), "-o", str(tmp_path / "x"), "--as", "parquet"]) == 2
     said = capsys.readouterr().err
     assert 'pip install "labrig[dataframe]"' in said
-    assert list((tmp_path / "x").iterdir()) == []
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_format_that_is_not_there_is_refused_with_those_that_are(session, tmp_path):
