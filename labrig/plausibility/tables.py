@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from model.measurements import Condition, Curve, Measurements
+from model.measurements import Condition, Curve, FloatArray, Measurements
 
 # Far beyond what a sheet on such a rig does, and far below what its load cell and stage resolve.
 LARGEST_FORCE_N, SMALLEST_FORCE_N = 1.0, 5e-6
@@ -17,6 +17,7 @@ LARGEST_LENGTH_RATIO = 5.0  # of a curve, in free lengths of its sheet
 LARGEST_BEGIN_RATIO = 0.2  # of the way from the clamp to where curves begin, in the same
 # What lies closer was set alike and then measured.
 MEASURED_V, MEASURED_M = 0.02, 5e-5
+SLOWEST_SAMPLE_S = 0.5  # slower signals show nothing of pulses of the paper's length
 MEASURED_COUNT = 3  # so many values more than were set cannot be slips
 
 
@@ -33,6 +34,7 @@ def table_warnings(measurements: Measurements) -> Iterator[str]:
     yield from _voltages(voltages_V)
     yield from _measured("position_mm", positions_m, MEASURED_M)
     yield from _measured("voltage_V", voltages_V, MEASURED_V)
+    yield from _times([one.time_s for one in measurements.series])
     for name, sheet in measurements.sheets.items():
         yield from _curves(
             name, sheet.free_length_m + sheet.elongation_m, _all_curves(conditions, name)
@@ -45,6 +47,16 @@ def _forces(values: list[float]) -> Iterator[str]:
         yield f"The forces reach {1e3 * largest_N:g} mN: is force_mN in mN?"
     if 0.0 < largest_N < SMALLEST_FORCE_N:
         yield f"No force is farther from 0 than {1e3 * largest_N:g} mN: is force_mN in mN?"
+
+
+def _times(runs: list[FloatArray]) -> Iterator[str]:
+    steps_s = np.concatenate([np.zeros(0), *(np.diff(time_s) for time_s in runs)])
+    if len(steps_s) and np.median(steps_s) >= SLOWEST_SAMPLE_S:
+        whole_s = max(float(np.ptp(time_s)) for time_s in runs)
+        yield (
+            f"The signals have a sample every {np.median(steps_s):g} s, a run of up to "
+            f"{whole_s:g} s: is time_s in s?"
+        )
 
 
 def _positions(values: set[float]) -> Iterator[str]:

@@ -261,6 +261,14 @@ def test_signals_make_a_series_for_each_position(tmp_path):
     assert series.force_N is None
 
 
+def test_times_in_ms_under_time_s_are_asked_about(tmp_path):
+    lines = [f"long,5,{k},{2 * (k // 3 % 2)}" for k in range(12)]
+    found = read(tmp_path, signals="\n".join([SIGNALS.split("\n", maxsplit=1)[0], *lines]))
+    said = "The signals have a sample every 1 s, a run of up to 11 s: is time_s in s?"
+    assert said in found.warnings
+    assert not any("time_s" in one for one in read(tmp_path, signals=SIGNALS).warnings)
+
+
 def test_signals_that_begin_anew_are_of_the_next_run(tmp_path):
     again = SIGNALS + "\n".join(SIGNALS.strip().split("\n")[1:])
     assert [s.run for s in read(tmp_path, signals=again).series] == [0, 1]
