@@ -7,13 +7,14 @@ from pathlib import Path
 
 import pytest
 
+from tests.cases import few
 from tests.panel_browser.every_page import PAGES
 
 AXE = (Path(__file__).parent / "vendor" / "axe.min.js").read_text(encoding="utf-8")
 RULES = {"runOnly": ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]}
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", few(PAGES, "run", "new"))
 def test_axe_finds_nothing(turn_to, name):
     page = turn_to(name)
     page.wait_for_selector(PAGES[name])
@@ -23,6 +24,7 @@ def test_axe_finds_nothing(turn_to, name):
     assert violations(page, ["color-contrast"]) == []
 
 
+@pytest.mark.thorough  # the run page has its check above
 def test_axe_finds_nothing_in_any_state_nor_on_a_phone(full, visit):
     page = visit(f"{full.url}#/run", width=390, height=844)
     page.wait_for_selector(".mean")
@@ -32,6 +34,7 @@ def test_axe_finds_nothing_in_any_state_nor_on_a_phone(full, visit):
         assert violations(page, None if state == "safe" else ["color-contrast"]) == [], state
 
 
+@pytest.mark.thorough
 def test_axe_itself_finds_what_is_wrong(full, visit):
     page = visit(f"{full.url}#/run")
     page.wait_for_selector(".mean")
@@ -86,6 +89,7 @@ FOCUS = """() => {
 }"""
 
 
+@pytest.mark.thorough
 def test_the_words_that_matter_can_be_read_at_two_metres(full, visit):
     # 8 arc minutes of capital height at 2 m are 4.7 mm; a pixel of a 24 inch screen is 0.277 mm
     page = visit(f"{full.url}#/run", 1920, 1080)
@@ -105,6 +109,7 @@ def test_the_words_that_matter_can_be_read_at_two_metres(full, visit):
         assert 0.7 * size * 0.277 > 4.7, where
 
 
+@pytest.mark.thorough
 def test_colours_of_plus_and_minus_differ_for_the_colour_blind_and_shapes_do_too(full, visit):
     page = visit(f"{full.url}#/run")
     page.wait_for_selector(".timeline-wave .mark-plus")
@@ -121,6 +126,7 @@ def shape_of(path):
     return y[0] < y[1]
 
 
+@pytest.mark.thorough
 def test_the_theme_can_be_chosen_and_stays(full, visit):
     page = visit(f"{full.url}#/run")
     page.wait_for_selector(".mean")

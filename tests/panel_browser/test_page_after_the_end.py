@@ -40,6 +40,7 @@ def test_after_stop_no_number_of_the_last_sample_stands_beside_SAFE(fake, visit)
     assert "3 min ago" in said
 
 
+@pytest.mark.thorough
 def test_between_two_runs_numbers_are_those_of_the_last_reading_and_say_so(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_function(f"{NUMERALS}[0] === '\N{MINUS SIGN}2.00'")
@@ -52,6 +53,7 @@ def test_between_two_runs_numbers_are_those_of_the_last_reading_and_say_so(fake,
     page.wait_for_selector(".strips-age", state="hidden")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("how", ["ended", "lost"])
 def test_the_schedule_has_no_now_after_the_end(fake, visit, how):
     page = visit(f"{fake.url}#/run")
@@ -70,6 +72,7 @@ def test_the_schedule_has_no_now_after_the_end(fake, visit, how):
     assert page.locator(".cell-broken").count() == 1
 
 
+@pytest.mark.thorough
 def test_the_log_counts_from_the_start_whose_date_and_zone_are_told_once(fake, visit):
     page = visit(f"{fake.url}#/run", timezone_id="Europe/Zurich")
     until(page, ".log-times", "times since the start, 2026-11-21 13:00 (UTC+1)")
@@ -78,6 +81,7 @@ def test_the_log_counts_from_the_start_whose_date_and_zone_are_told_once(fake, v
     until(page, ".log-times", "by the session\N{RIGHT SINGLE QUOTATION MARK}s own, virtual clock")
 
 
+@pytest.mark.thorough
 def test_the_newest_line_of_the_log_is_in_sight_until_the_reader_scrolls_away(fake, visit):
     page = visit(f"{fake.url}#/run")
     bottom = """() => {

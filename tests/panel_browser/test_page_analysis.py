@@ -58,6 +58,7 @@ def test_a_running_job_shows_its_step_its_progress_and_a_way_to_cancel(fake, pag
     assert ("POST", "/api/analysis/cancel", {"id": "diagnose-1"}) in fake.asked
 
 
+@pytest.mark.thorough
 def test_the_outcome_is_one_sentence_that_is_read_aloud_and_the_focus_stays(fake, page):
     page.focus(f"{row('fit')} button")
     fake.tell(jobs(job("fit")))
@@ -104,6 +105,7 @@ def test_a_session_is_fitted_with_the_mouse_alone(world, visit):
     page.wait_for_function("document.querySelector('.facts').innerText.includes('B, long')")
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("recorded")
 def test_a_job_is_cancelled_with_the_keyboard(world, visit):
     page = enter(visit, world, f"session?name={NAME}")
@@ -126,6 +128,7 @@ positions_mm = [7.5]
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.usefixtures("recorded")
 def test_the_protocol_that_was_proposed_is_opened_and_checked_as_a_new_run(world, visit):
     folder = world.folder / "night"

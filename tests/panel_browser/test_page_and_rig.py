@@ -224,6 +224,7 @@ def test_the_load_cell_is_calibrated_from_the_page(world, visit):
     assert "V/N" in text_of(page, ".facts-big")
 
 
+@pytest.mark.thorough
 def test_the_camera_is_calibrated_by_pointing(world, visit):
     page = enter(visit, world, "camera")
     page.click("text=Start the camera")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.panel_browser.conftest import text_of
 
 ONE = {
@@ -42,6 +44,7 @@ def test_each_sheet_has_its_own_errors_and_the_common_ones_are_named_so(fake, vi
     assert "model file model.toml" in said
 
 
+@pytest.mark.thorough
 def test_errors_that_a_file_states_for_all_sheets_stand_under_none_of_them(fake, visit):
     old = ONE | {"rmse_force_mN": None, "rmse_curve_mm": None}
     said = shown(fake, visit, SESSION | {"fit": {"long": old, "short": old}})
@@ -49,6 +52,7 @@ def test_errors_that_a_file_states_for_all_sheets_stand_under_none_of_them(fake,
     assert "RMSE, all sheets together force 0.33 mN" in said
 
 
+@pytest.mark.thorough
 def test_the_list_of_sessions_names_the_kind_of_eibm_and_the_file(fake, visit):
     fake.answers["GET", "/api/library"] = {"sessions": [SESSION], "total": 1, "damaged": 0}
     page = visit(f"{fake.url}#/library")

@@ -55,6 +55,7 @@ def test_every_key_of_the_protocol_has_a_field(fake, visit):
     assert set(keys_of(schema, schema)) <= shown
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["protocol", "sheet"])
 def test_an_untouched_form_says_what_the_file_says(fake, visit, kind):
     page = visit(f"{fake.url}#/new")
@@ -74,6 +75,7 @@ def test_a_value_beyond_its_limit_is_refused_with_the_limit(fake, visit):
     page.wait_for_function("!document.querySelector('.new-start .main').disabled")
 
 
+@pytest.mark.thorough
 def test_the_limit_is_the_schemas_own(fake, visit):
     schemas = copy.deepcopy(fake.answers["GET", "/api/schemas"])
     schemas["protocol"]["$defs"]["PulseTrain"]["properties"]["pulse_s"]["maximum"] = 0.55
@@ -83,6 +85,7 @@ def test_the_limit_is_the_schemas_own(fake, visit):
     until_fault(page, "pulse_s", "0.6 is not allowed: more than 0, at most 0.55 s.")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("typed", "told"),
     [("", ""), pytest.param("ten", "a number", marks=pytest.mark.thorough), ("2.5", "whole")],
@@ -124,6 +127,7 @@ def test_a_changed_protocol_is_saved_before_it_runs(fake, visit):
     assert run == {**files, "session": "mine.h5", "clock": "real"}
 
 
+@pytest.mark.thorough
 def test_places_can_be_added_and_removed(fake, visit):
     page = visit(f"{fake.url}#/new")
     page.click("text=Add to places")
@@ -138,6 +142,7 @@ def test_places_can_be_added_and_removed(fake, visit):
     page.locator(".list .field-fault").filter(has_text="at least 1").wait_for()
 
 
+@pytest.mark.thorough
 def test_a_protocol_is_of_the_one_kind_that_is_chosen(fake, visit):
     page = visit(f"{fake.url}#/new")
     kinds = page.locator("select[data-key='kind']")
@@ -153,6 +158,7 @@ def test_a_protocol_is_of_the_one_kind_that_is_chosen(fake, visit):
     assert page.evaluate("labrig.page.protocol.form.get()")["pulse_train"]["pulse_s"] == 0.6
 
 
+@pytest.mark.thorough
 def test_an_extra_is_on_or_off_or_has_values_of_its_own(fake, visit):
     page = visit(f"{fake.url}#/new")
     choice = page.locator("select[data-key='release']")
@@ -168,6 +174,7 @@ def test_an_extra_is_on_or_off_or_has_values_of_its_own(fake, visit):
     assert page.evaluate("labrig.page.protocol.form.get()")["extras"]["release"] is False
 
 
+@pytest.mark.thorough
 def test_curvature_is_a_number_or_nodes_or_measured(fake, visit):
     page = visit(f"{fake.url}#/new")
     page.click("summary:has-text('Sheet')")
@@ -199,6 +206,7 @@ def test_a_schedule_that_is_refused_cannot_be_started(fake, visit):
     assert page.is_disabled("text=Start the run")
 
 
+@pytest.mark.thorough
 def test_preflight_results_are_shown(fake, visit):
     page = visit(f"{fake.url}#/new")
     page.wait_for_selector("[data-key='pulse_s']")

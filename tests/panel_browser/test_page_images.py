@@ -35,6 +35,7 @@ def test_each_image_is_acknowledged_once_when_it_is_drawn(fake, visit):
     assert fake.seen == [300, 301, 302, 303, 304, 305]
 
 
+@pytest.mark.thorough
 def test_a_page_without_a_picture_acknowledges_none_until_it_shows_one(fake, visit):
     page = opened(fake, visit, "log")
     page.wait_for_function("labrig.job.picture?.frame === 300")
@@ -58,6 +59,7 @@ def test_an_image_that_cannot_be_decoded_is_said_so_and_does_not_end_the_stream(
     assert fake.seen == [300, 301, 302]
 
 
+@pytest.mark.thorough
 def test_an_image_that_a_story_makes_pointless_is_acknowledged_all_the_same(fake, visit):
     page = opened(fake, visit, "log")
     page.wait_for_function("labrig.job.picture?.frame === 300")
@@ -85,6 +87,7 @@ def test_the_page_says_how_old_the_image_is_by_the_servers_clock(fake, visit, ah
     assert page.evaluate(f"{said}.dataset.stale") == "true"
 
 
+@pytest.mark.thorough
 def test_the_page_says_at_what_rate_images_come(fake, visit):
     page = opened(fake, visit)
     page.wait_for_function("labrig.job.clock.now_s() !== null")
@@ -96,6 +99,7 @@ def test_the_page_says_at_what_rate_images_come(fake, visit):
     assert 1 < found < 61
 
 
+@pytest.mark.thorough
 def test_the_prediction_is_seen_over_the_sheet_and_its_error_is_a_number(fake, visit):
     page = opened(fake, visit)
     at_rest = {**made_up.motion(300, 2.0), "shape": None}  # no model of the sheet in time
@@ -125,6 +129,7 @@ def test_the_prediction_is_seen_over_the_sheet_and_its_error_is_a_number(fake, v
     assert 0.35 < share < 0.7, shares  # dashes, and gaps through which the sheet is seen
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("width", [390, 1920, pytest.param(1024, marks=pytest.mark.thorough)])
 def test_lines_over_the_image_are_as_wide_as_the_image_allows(fake, visit, width):
     page = visit(f"{fake.url}#/run", width, 900)
@@ -148,6 +153,7 @@ def test_lines_over_the_image_are_as_wide_as_the_image_allows(fake, visit, width
     assert prediction < 0.02 * page.evaluate("labrig.page.view.picture.canvas.width") + 3
 
 
+@pytest.mark.thorough
 def test_all_that_is_drawn_shares_the_frames_of_the_browser(fake, visit):
     page = opened(fake, visit)
     page.wait_for_function("labrig.page?.view.picture.shown === 1")
@@ -175,6 +181,7 @@ def test_all_that_is_drawn_shares_the_frames_of_the_browser(fake, visit):
     assert found[0] == ["a", "b", "late", "a"], found  # `a` again: in the tick after
 
 
+@pytest.mark.thorough
 def test_traces_give_way_to_images_where_the_browser_does_not_keep_up(fake, visit):
     page = opened(fake, visit)
     page.wait_for_function("labrig.page?.view.strips.points > 0")

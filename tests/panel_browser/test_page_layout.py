@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tests.cases import few
 from tests.panel_browser.every_page import every_page
 
 PAGES = every_page()
@@ -14,7 +15,7 @@ SIZES = {"desk": (1440, 900), "laptop": (1280, 800), "phone": (390, 844)}
 @pytest.mark.parametrize(
     "sizes", [("laptop", "phone"), pytest.param(("desk",), marks=pytest.mark.thorough)]
 )
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", few(PAGES, "run", "new", "library"))
 def test_nothing_is_wider_than_what_it_stands_in(turn_to, name, sizes):
     for where in sizes:
         page = turn_to(name, *SIZES[where])
@@ -42,7 +43,7 @@ CUT = """() => {
 }"""
 
 
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize("name", few(PAGES, "new"))
 def test_labels_stand_above_their_fields_on_a_phone(turn_to, name):
     page = turn_to(name, *SIZES["phone"])
     assert page.evaluate(BESIDE) == []

@@ -35,6 +35,7 @@ def has_colour(page, canvas, near):
     )
 
 
+@pytest.mark.thorough
 def test_the_card_shows_errors_and_slow_parameters_with_their_sigma(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(f"{CARD} canvas")
@@ -64,6 +65,7 @@ def test_the_predicted_force_lies_over_the_strip_chart_and_the_shape_over_the_im
     assert "(model " in text_of(page, ".strips .chart-read")
 
 
+@pytest.mark.thorough
 def test_more_of_a_prediction_is_appended_and_another_run_begins_anew(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_function("labrig.job.predicted.count === 1290")
@@ -73,6 +75,7 @@ def test_more_of_a_prediction_is_appended_and_another_run_begins_anew(fake, visi
     page.wait_for_function("labrig.job.predicted.count === 10 && labrig.job.predicted.run === 5")
 
 
+@pytest.mark.thorough
 def test_a_failure_is_a_sentence_and_no_model_is_no_card(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(CARD)

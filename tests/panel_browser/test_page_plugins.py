@@ -30,6 +30,7 @@ def test_the_menu_leads_to_the_pages_of_another_distribution(server, visit):
     assert page.locator("#tabs a[aria-current]").all_inner_texts() == ["Notes"]
 
 
+@pytest.mark.thorough
 def test_the_pages_of_the_docs_work_as_they_stand_there(server, visit):
     page = visit(server.address)
     page.click("#tabs >> text=Humidity")
@@ -40,6 +41,7 @@ def test_the_pages_of_the_docs_work_as_they_stand_there(server, visit):
     assert page.locator("main li").all_inner_texts() == ["8: 41", "9: 43"]
 
 
+@pytest.mark.thorough
 def test_a_page_that_has_no_data_says_why(server, visit):
     page = visit(server.address)
     page.click("#tabs >> text=Failing")

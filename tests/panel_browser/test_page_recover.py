@@ -35,6 +35,7 @@ def world(tmp_path_factory):
         yield RigWorld(server, folder / "data")
 
 
+@pytest.mark.thorough
 def test_who_does_not_hold_control_recovers_nothing(world):
     page = Page(world.server)
     status, _ = page.ask("POST", "/api/library/recover", {"name": "again.h5"})
@@ -64,6 +65,7 @@ def test_a_crashed_session_is_recovered_from_the_library(world, visit):
     said.filter(has_text="exists already").wait_for()
 
 
+@pytest.mark.thorough
 def test_the_page_of_a_crashed_session_offers_it_too(world, visit):
     page = enter(visit, world, "session?name=again.h5")
     page.get_by_role("button", name="Recover").click()

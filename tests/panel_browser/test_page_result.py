@@ -85,6 +85,7 @@ def ink_at(page, point):
     )
 
 
+@pytest.mark.thorough
 def test_the_curve_of_one_reading_is_drawn_when_its_time_is_chosen(page):
     before = np.array(thick(page)["points"])
     page.get_by_label(re.compile("^time")).press("ArrowRight")
@@ -97,6 +98,7 @@ def test_the_curve_of_one_reading_is_drawn_when_its_time_is_chosen(page):
     assert not page.get_by_label(re.compile("^time")).is_visible()
 
 
+@pytest.mark.thorough
 def test_the_cursor_reads_the_means_of_the_file(page, world):
     measured = load_measurements(world.folder / NAME)
     means = [
@@ -116,6 +118,7 @@ def test_the_cursor_reads_the_means_of_the_file(page, world):
         assert read.inner_text().startswith("measured, +2 V")
 
 
+@pytest.mark.thorough
 def test_the_cursor_of_the_mouse_reads_the_nearest_point(page):
     x, y = page.evaluate(
         """() => {
@@ -180,6 +183,7 @@ def drag(page, start, by):
     page.mouse.up()
 
 
+@pytest.mark.thorough
 def test_a_millimetre_of_the_sheet_is_as_long_along_x_as_along_y_even_zoomed(page):
     for key in ("0", "+", "+"):
         page.get_by_role("application", name="the sheet, in millimetres").press(key)
@@ -192,6 +196,7 @@ def test_a_millimetre_of_the_sheet_is_as_long_along_x_as_along_y_even_zoomed(pag
         assert per_px[0] == pytest.approx(per_px[1], rel=0.01)
 
 
+@pytest.mark.thorough
 def test_intervals_of_b_and_eibm_narrow_as_positions_are_added(page):
     drawn = page.evaluate(
         "[...labrig.page.charts[2].charts].map(([name, one]) => [name, one.series[0].points])"
@@ -205,6 +210,7 @@ def test_intervals_of_b_and_eibm_narrow_as_positions_are_added(page):
     assert "bending stiffness B" in text_of(page, ".result-words")
 
 
+@pytest.mark.thorough
 def test_what_is_not_there_yet_is_told_and_the_report_opens_once_it_is_written(page, world):
     assert "There is no a.report.html yet" in text_of(page, ".result-do")
     (world.folder / "a.report.html").write_text("<style>h1 {color: red}</style><h1>Report</h1>")
@@ -268,6 +274,7 @@ def test_the_result_grows_with_each_position_of_the_run(fake, visit):
     assert "It is the live fit." in text_of(page, ".result-do")
 
 
+@pytest.mark.thorough
 def test_the_result_shows_the_newest_position_unless_another_one_was_chosen(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.get_by_role("link", name="The result so far").click()
@@ -307,6 +314,7 @@ def test_the_result_shows_the_newest_position_unless_another_one_was_chosen(fake
     assert sheet() == "short"
 
 
+@pytest.mark.thorough
 def test_of_a_session_that_is_not_analysed_no_curve_is_said_to_be_lacking(full, visit):
     long, short = (dict(one) for one in every_page.result()["configurations"])
     long["conditions"] = [{**one, "curve": None} for one in long["conditions"]]
@@ -335,6 +343,7 @@ def test_of_a_session_that_is_not_analysed_no_curve_is_said_to_be_lacking(full, 
     assert position.evaluate("(label) => label.scrollWidth <= label.clientWidth")
 
 
+@pytest.mark.thorough
 def test_the_strip_charts_are_zoomed_together_and_read_with_a_cursor(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_function("labrig.page?.view.strips.points > 0")

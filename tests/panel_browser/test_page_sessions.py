@@ -50,6 +50,7 @@ def test_sessions_are_listed_filtered_sorted_and_opened(world, visit):
     assert any(name.endswith("forces.csv") for name in names)
 
 
+@pytest.mark.thorough
 def test_a_reading_of_a_closed_session_is_marked_and_taken_back_with_the_mouse(world, visit):
     page = enter(visit, world, "session?name=b.h5")
     card = page.locator(".session-marks")
@@ -108,6 +109,7 @@ def test_a_session_plays_at_once_at_ten_times_and_by_hand(world, visit):
     assert "NOT IN USE" in text_of(page, "#output")  # the rig's, not the recording's
 
 
+@pytest.mark.thorough
 def test_a_replay_opens_on_the_first_reading_with_the_curve_that_the_session_holds(world, visit):
     with open_session(world.folder / "a.h5") as session:
         analysed = session.has_measurements
@@ -130,6 +132,7 @@ def test_a_replay_opens_on_the_first_reading_with_the_curve_that_the_session_hol
     assert not page.evaluate("labrig.page.player.job.replay.playing")
 
 
+@pytest.mark.thorough
 def test_two_sessions_are_compared_at_the_same_position_and_voltage(world, visit):
     text = TWO_POSITIONS.replace("5, 15", "10, 5")
     (world.folder / "protocol.toml").write_text(text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from tests.cases import few
 from tests.panel_browser import fake_panel, made_up
 from tests.panel_browser.conftest import text_of
 
@@ -17,7 +18,7 @@ def until(page, selector, text):
     )
 
 
-@pytest.mark.parametrize("state", ["safe", "armed", "energised", "unknown"])
+@pytest.mark.parametrize("state", few(["safe", "armed", "energised", "unknown"], "safe", "unknown"))
 def test_the_output_is_told_by_a_word_a_shape_and_a_colour(fake, visit, state):
     page = visit(f"{fake.url}#/run")
     until(page, LAMP, "ENERGISED")
@@ -28,6 +29,7 @@ def test_the_output_is_told_by_a_word_a_shape_and_a_colour(fake, visit, state):
     assert state.upper() in page.title()
 
 
+@pytest.mark.thorough
 def test_the_shapes_of_all_states_differ(fake, visit):
     page = visit(f"{fake.url}#/run")
     shapes = page.evaluate("import('/static/js/words.js').then((m) => Object.values(m.SHAPES))")
@@ -66,6 +68,7 @@ def test_a_run_that_the_guard_has_ended_says_so_and_that_the_output_is_at_0_V(fa
     until(page, ".notice", said)
 
 
+@pytest.mark.thorough
 def test_why_a_run_has_ended_is_told_once(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")
@@ -79,6 +82,7 @@ def test_why_a_run_has_ended_is_told_once(fake, visit):
     assert text_of(page, ".notice").count(why) == 1
 
 
+@pytest.mark.thorough
 def test_means_and_scatter_leave_out_discarded_and_invalid_readings(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")
@@ -98,6 +102,7 @@ def test_means_and_scatter_leave_out_discarded_and_invalid_readings(fake, visit)
     assert "5 of 10" in card
 
 
+@pytest.mark.thorough
 def test_each_sampling_point_is_marked_in_the_schedule(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".timeline-wave .mark")
@@ -140,6 +145,7 @@ def test_pictures_curves_and_signals_reach_the_screen(fake, visit):
     assert found[2] < 60, found
 
 
+@pytest.mark.thorough
 def test_a_page_that_falls_behind_is_told_the_story_anew(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")
@@ -182,6 +188,7 @@ def test_who_does_not_hold_control_watches(fake, visit):
     assert not any("prompt" in (body or {}) for body in bodies)
 
 
+@pytest.mark.thorough
 def test_enter_in_the_name_takes_control_that_is_free_and_no_other(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")
@@ -224,6 +231,7 @@ def test_a_reading_is_marked_invalid_with_a_reason(fake, visit):
     assert page.evaluate("labrig.job.means(4)[1].count") == 4
 
 
+@pytest.mark.thorough
 def test_how_a_run_ended_is_told_in_full(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")
@@ -237,6 +245,7 @@ def test_how_a_run_ended_is_told_in_full(fake, visit):
     until(page, GOING, "FAILED")
 
 
+@pytest.mark.thorough
 def test_readings_that_do_not_count_are_told_in_log_table_and_warning(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")
@@ -252,6 +261,7 @@ def test_readings_that_do_not_count_are_told_in_log_table_and_warning(fake, visi
     assert "3 of 4" in row.inner_text()
 
 
+@pytest.mark.thorough
 def test_the_offer_to_measure_a_run_again_has_its_own_answers(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")
@@ -263,6 +273,7 @@ def test_the_offer_to_measure_a_run_again_has_its_own_answers(fake, visit):
     assert {"prompt": 9, "done": False} in [body for _, path, body in fake.asked if body]
 
 
+@pytest.mark.thorough
 def test_a_run_that_is_measured_again_is_a_row_of_its_own(fake, visit):
     page = visit(f"{fake.url}#/run")
     page.wait_for_selector(".mean")
@@ -278,6 +289,7 @@ def test_a_run_that_is_measured_again_is_a_row_of_its_own(fake, visit):
     assert page.evaluate("labrig.job.planned(14).position_mm") == 20
 
 
+@pytest.mark.thorough
 def test_the_strips_and_the_readings_are_those_of_the_sessions_channels(fake, visit):
     page = visit(f"{fake.url}#/run")
     until(page, ".strips", "Current")
@@ -306,6 +318,7 @@ def test_the_strips_and_the_readings_are_those_of_the_sessions_channels(fake, vi
     assert "current" not in text
 
 
+@pytest.mark.thorough
 def test_an_address_without_a_page_says_so(fake, visit):
     page = visit(f"{fake.url}#/moonlight")
     until(page, "#page", 'There is no page "moonlight" here: choose one from the menu.')

@@ -45,6 +45,7 @@ def test_sessions_are_added_ordered_and_run(world, visit):
     assert "completed" in page.inner_text(".queue table")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("width", [1440, pytest.param(390, marks=pytest.mark.thorough)])
 def test_axe_finds_nothing_on_a_queue_with_sessions(world, visit, width):
     page = enter(visit, world, "queue", width=width)
@@ -56,6 +57,7 @@ def test_axe_finds_nothing_on_a_queue_with_sessions(world, visit, width):
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
+@pytest.mark.thorough
 def test_a_protocol_with_a_fault_is_refused_with_its_sentence(world, visit):
     (world.folder / "hot.toml").write_text(
         (world.folder / "short.toml").read_text().replace("zero_readings = 2", "zero_readings = -2")

@@ -13,7 +13,8 @@ from tests.labrig.diagnose import made
 from tests.labrig.report_data import measure, session
 from tests.panel_browser.test_page_access import FOCUS, violations
 
-pytestmark = pytest.mark.slow
+# The page's own tests (tests/labrig/test_report_page.py) hold its words, its marks and its order.
+pytestmark = [pytest.mark.thorough, pytest.mark.slow]
 POSITIONS_M = (0.0, 0.015, 0.03)  # more of them are more of the same elements
 
 
@@ -43,7 +44,6 @@ def test_the_page_is_no_wider_than_a_phone(pages, visit):
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
 
 
-@pytest.mark.thorough
 def test_axe_finds_nothing_on_a_phone(pages, visit):
     assert violations(visit(pages["report"], width=390, height=844)) == []
 

@@ -82,6 +82,7 @@ def test_the_open_page_learns_how_a_run_ended_meanwhile(world, visit):
         server.end()
 
 
+@pytest.mark.thorough
 def test_a_new_token_lets_no_earlier_page_in(world, visit):
     page = enter(visit, world)
     world.server.end(signal.SIGKILL)
