@@ -13,6 +13,7 @@ from labrig.config.templates import write_templates
 from labrig.errors import BadInputError
 from labrig.experiment.plan import load_plan
 from sim_hardware.world import WorldError, load_world
+from tests.cases import few
 from tests.fuzz.mangle import DEEP, text_of
 from tests.fuzz.told import small_and_soon, told
 
@@ -52,7 +53,7 @@ def test_unharmed_files_are_read(rig: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", few(FILES))
 def test_a_damaged_file_is_refused_in_words_or_read(rig: Path, name: str) -> None:
     sound = (rig / name).read_text(encoding="utf-8")
     dice = random.Random(name)
@@ -64,7 +65,7 @@ def test_a_damaged_file_is_refused_in_words_or_read(rig: Path, name: str) -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", few(FILES))
 def test_bytes_that_are_no_text_are_refused(rig: Path, name: str) -> None:
     for raw in (b"\xff\xfe\0\0", b"\x80" * 1000, b"\0" * 1000, b""):
         (rig / name).write_bytes(raw)
@@ -72,13 +73,14 @@ def test_bytes_that_are_no_text_are_refused(rig: Path, name: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", FILES)
+@pytest.mark.parametrize("name", few(FILES))
 def test_brackets_without_end_are_refused(rig: Path, name: str) -> None:
     for text in ("[" * DEEP, "a = " + "[" * DEEP, '{"a":' * DEEP, "a = " + "{a = " * DEEP):
         (rig / name).write_text(text)
         assert refused_by_run(rig)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_hundred_thousand_faults_are_told_in_a_few_sentences(rig: Path) -> None:
     text = (rig / "rig.toml").read_text()
@@ -113,7 +115,7 @@ HUGE = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", HUGE)
+@pytest.mark.parametrize("kind", few(HUGE))
 def test_a_protocol_without_measure_is_refused(rig: Path, kind: str) -> None:
     positions = ", ".join(map(str, range(900)))
     places = f'[[places]]\nconfiguration = "long"\npositions_mm = [{positions}]\n'

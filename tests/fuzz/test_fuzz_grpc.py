@@ -19,6 +19,7 @@ from sim_hardware.clock import VirtualClock
 from sim_hardware.ni import LoopbackWires, NiDeviceServer
 from sim_hardware.ni.rpc import CallError
 from sim_hardware.ni.transport.in_process import InProcessRpcError
+from tests.cases import few
 from tests.fuzz.told import small_and_soon
 
 CASES = 60
@@ -134,7 +135,7 @@ METHODS = (
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", few(METHODS, first=4))
 def test_every_call_may_answer_nonsense(method: str) -> None:
     for seed in range(12):
         dice = random.Random(f"{method}{seed}")
@@ -152,6 +153,7 @@ def test_every_call_may_fail(method: str, code: grpc.StatusCode) -> None:
     refused(change)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_taking_over_from_such_a_server_never_raises() -> None:
     place = OutputPlace(

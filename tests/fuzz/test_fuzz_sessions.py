@@ -17,6 +17,7 @@ from labrig.session import Note, add_note, store_measurements
 from labrig.session.format import layout
 from labrig.session.recording.hdf5 import put_text
 from labrig.session.recording.journal import journal_path
+from tests.cases import few
 from tests.fuzz.mangle import DEEP, NUMBERS, bytes_of
 from tests.fuzz.told import told
 from tests.labrig.session.measured import measurements
@@ -104,6 +105,7 @@ def test_flipped_bits_and_missing_pieces_are_told_in_words(
     assert refused > CASES / 2
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_session_cut_off_anywhere_is_refused(sound: Path, tmp_path: Path) -> None:
     raw, path = sound.read_bytes(), tmp_path / "s.h5"
@@ -131,11 +133,11 @@ def _links(file: Any) -> dict[str, Any]:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "where"),
-    at_places(
+    few(at_places(
         ["soft", "soft into nothing", "soft to itself", "external", "external session",
          "to the root", "to a run"],
         ["/session/extra", f"{RUN}/signals/force", "/session/setup/texts/x"],
-    ),
+    ), first=2),
 )  # fmt: skip
 def test_links_are_refused(sound: Path, tmp_path: Path, kind: str, where: str) -> None:
     path = Path(shutil.copy(sound, tmp_path / "s.h5"))
@@ -206,7 +208,7 @@ FOREIGN = (_vlen, _outside, _virtual, _endless, _reference, _type, _object_array
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "name"),
-    at_places(FOREIGN, ["/session/extra", "/session/outcome", f"{RUN}/readings"]),
+    few(at_places(FOREIGN, ["/session/extra", "/session/outcome", f"{RUN}/readings"]), first=2),
 )
 def test_what_a_session_never_holds_is_refused(
     sound: Path, tmp_path: Path, make: Callable[[Any, str], None], name: str
@@ -243,6 +245,7 @@ def _datasets(path: Path) -> list[str]:
     return names
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("part", [0, *PARTS])
 def test_a_dataset_of_another_type_or_shape_or_none_at_all_is_told_in_words(
@@ -310,6 +313,7 @@ def _other_leaf(text: str, dice: random.Random) -> str:
     return json.dumps(data)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_attributes_that_make_no_sense_are_told_in_words(sound: Path, tmp_path: Path) -> None:
     path = tmp_path / "s.h5"
@@ -368,25 +372,28 @@ def test_damaged_journals_are_used_as_far_as_they_are_whole(cut: Path, tmp_path:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
-    [
-        {"path": "/session/setup/schedule"},
-        thorough({"path": "/session"}),
-        thorough({"path": "/"}),
-        {"path": "../../etc"},
-        thorough({"path": 7}),
-        {"path": "/session/run_000/acquisition", "at": None},
-        {"at": -1},
-        thorough({"at": 10**30}),
-        {"at": "x"},
-        thorough({"at": None}),
-        thorough({"count": -1}),
-        {"count": 10**12},
-        thorough({"count": None}),
-        {"packed": True},
-        thorough({"packed": "x"}),
-        thorough({"blob": b""}),
-        {"blob": b"x"},
-    ],
+    few(
+        [
+            {"path": "/session/setup/schedule"},
+            thorough({"path": "/session"}),
+            thorough({"path": "/"}),
+            {"path": "../../etc"},
+            thorough({"path": 7}),
+            {"path": "/session/run_000/acquisition", "at": None},
+            {"at": -1},
+            thorough({"at": 10**30}),
+            {"at": "x"},
+            thorough({"at": None}),
+            thorough({"count": -1}),
+            {"count": 10**12},
+            thorough({"count": None}),
+            {"packed": True},
+            thorough({"packed": "x"}),
+            thorough({"blob": b""}),
+            {"blob": b"x"},
+        ],
+        first=2,
+    ),
     ids=str,
 )
 def test_a_journal_whose_checksums_are_right_and_content_wrong_is_used_up_to_there(
@@ -418,14 +425,18 @@ def test_a_journal_that_would_unpack_to_gigabytes_does_not(cut: Path, tmp_path: 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "number",
-    [
-        NUMBERS[1],
-        NUMBERS[5],
-        *(thorough(number) for number in (NUMBERS[0], *NUMBERS[2:5], *NUMBERS[6:11])),
-    ],
+    few(
+        [
+            NUMBERS[1],
+            NUMBERS[5],
+            *(thorough(number) for number in (NUMBERS[0], *NUMBERS[2:5], *NUMBERS[6:11])),
+        ],
+        first=3,
+    ),
 )
 @pytest.mark.parametrize(
-    "key", ["rate_hz", "frame_shape", "signals", "range_V", "gain", "unit", "frame_dtype"]
+    "key",
+    few(["rate_hz", "frame_shape", "signals", "range_V", "gain", "unit", "frame_dtype"], first=3),
 )
 def test_a_journal_of_an_absurd_setup_is_refused(
     cut: Path, tmp_path: Path, key: str, number: str

@@ -38,6 +38,7 @@ def test_exact_data_give_back_the_exact_parameters(truth, measure):
     assert found.rmse["constant"].curve_m < 1e-8
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_noisy_data_give_parameters_within_their_stated_uncertainty(truth, measure):
     found = fit(measure(seed=1))
@@ -115,6 +116,7 @@ def test_the_constant_eibm_of_a_falling_one_is_its_mean_up_to_the_contact(fallin
     assert one.rmse["varying"].force_N < 0.5 * one.rmse["constant"].force_N
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_json_has_exactly_the_agreed_keys(measure):
     answer = fit(measure(seed=5, names=("short",))).to_json()
@@ -164,6 +166,7 @@ def test_a_wrong_stated_curvature_is_noted_and_hardly_moves_the_stiffness(truth,
     assert any("differ from the stated initial curvature" in note for note in found.notes)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_one_eibm_for_both_polarities_when_asked(measure, truth):
     one = truth.sheet("short")

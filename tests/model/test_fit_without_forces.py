@@ -71,6 +71,7 @@ def test_with_nothing_hidden_nothing_is_found_in_shapes():
     assert any("B is not determined" in note for note in diagnosed().notes)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_what_changes_shapes_is_found_in_them():
     found = diagnosed(Hiding("camera_scale"))

@@ -14,6 +14,7 @@ from model.effects import effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.identification.likelihood.model_state import Found
 from model.measurements import Curve, FloatArray, Measurements
+from tests.cases import few
 
 OVER_M = 0.05
 Pictured = Callable[[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
@@ -76,9 +77,9 @@ def made(measure) -> Measurements:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "error", [-0.05, *(pytest.param(e, marks=pytest.mark.thorough) for e in (0.05, 0.15))]
+    "error", few([-0.05, *(pytest.param(e, marks=pytest.mark.thorough) for e in (0.05, 0.15))])
 )
-@pytest.mark.parametrize("seen", [pictured, along_the_sheet])
+@pytest.mark.parametrize("seen", few([pictured, along_the_sheet]))
 def test_a_scale_is_what_it_is(made: Measurements, seen, error: float):
     value, half = interval(fitted(seen(made, larger(error)), "camera_scale", axis=0.0))
     assert value == pytest.approx(error, abs=half)
@@ -93,6 +94,7 @@ def test_a_perspective_is_what_it_is(made: Measurements):
     assert half < 5e-4
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_rolled_camera_is_named_and_not_a_sheet_that_is_bent(measure):
     """All set-ups have it, so that it would hide in the scatter of the clamp's direction."""

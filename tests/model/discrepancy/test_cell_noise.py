@@ -60,6 +60,7 @@ def beside_a_name(kind: str) -> Diagnosis:
         return diagnose(with_force(session(FALLING), added))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_force_that_goes_with_the_position_is_unknown_beside_a_name():
     found = beside_a_name("gap")
@@ -83,11 +84,13 @@ def test_noise_of_the_load_cell_without_an_order_names_nothing_new():
     assert found.unknown is None or found.unknown.location != "load_cell"
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_usual_noise_of_the_load_cell_is_not_looked_at():
     assert unusual_cell_noise(base_fit(NOTHING)) is None
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_what_comes_back_on_the_other_sheet_is_no_noise():
     found = unusual_cell_noise(fitted(with_force(session(NOTHING), along_the_arc)))

@@ -28,6 +28,7 @@ def test_nothing_named_leaves_one_question():
     assert len(names) == len(set(names)) > 4
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_each_name_has_its_question_and_there_is_one_about_the_rest():
     first, rest = diagnosed(FALLING).choice_sets

@@ -25,6 +25,7 @@ from model.discrepancy.thresholds import SURE_COMPLIANCE_SIGMA
 from model.identification.data.outlier_readings import without_outliers
 from model.identification.likelihood import gauss_newton
 from model.plugins import Part, PluginWarning
+from tests.cases import few
 from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
 from tests.model.discrepancy.sessions import session
 
@@ -172,6 +173,7 @@ def test_a_search_of_data_in_another_unit_stops_with_the_reason():
         )
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_base_fit_that_fails_is_said_and_not_explained():
     random = np.random.default_rng(5)
@@ -208,7 +210,7 @@ def test_the_sign_of_the_forces_is_told_where_the_base_model_fits_neither(fallin
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("factor", "unit"), [(1e-3, "in N"), (1e3, "in µN")])
+@pytest.mark.parametrize(("factor", "unit"), few([(1e-3, "in N"), (1e3, "in µN")]))
 def test_forces_in_another_unit_are_told(falling, factor, unit):
     for data in (falling, session()):
         found = check_data(forces_changed(data, lambda _, forces: factor * forces)).suspicions
@@ -224,6 +226,7 @@ def test_forces_in_another_unit_are_told(falling, factor, unit):
             )
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_wrong_thickness_is_no_unit_of_the_forces(falling):
     """Young's modulus is a thousand times too small, but the forces are those of a sheet."""
@@ -241,6 +244,7 @@ def test_few_conditions_say_nothing_of_the_stiffness(falling):
     assert shape_compliance(replace(falling, conditions=()), name) is None
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_strong_effects_of_the_load_cell_are_no_wrong_data():
     lifted = forces_changed(session(), lambda _, forces: forces + 0.4e-3)

@@ -11,6 +11,7 @@ import pytest
 from model import ModelError, SheetGeometry
 from model.discrepancy import DiagnoseOptions, diagnose, next_measurement
 from model.discrepancy.prepare import Options, prepare, setups
+from tests.cases import few
 from tests.model.discrepancy.sessions import (
     FALLING,
     NOTHING,
@@ -228,6 +229,7 @@ def test_what_a_model_lacks_beside_what_it_has_is_named_with_its_own_values():
     assert found.closed > 0.5
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_position_held_out_is_neither_fitted_nor_told():
     found = diagnose(session(FALLING), DiagnoseOptions(hold_out=(("", 0.015),)))
@@ -328,6 +330,7 @@ def test_few_set_ups_name_nothing_and_say_why():
     assert (names(found), found.unknown, found.threshold) == ([], None, np.inf)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_one_position_is_few_set_ups_too():
     found = diagnose(means_of(kept(session(), lambda c: c.position_m == 0.01)))
@@ -354,10 +357,12 @@ def test_readings_under_voltage_that_do_not_count_are_not_called_unmeasured():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("condition", "said"),
-    [
-        (lambda c: c.voltage_V >= 0.0, "was driven at one voltage"),
-        (lambda c: c.voltage_V != 0.0, "was not measured at 0 V"),
-    ],
+    few(
+        [
+            (lambda c: c.voltage_V >= 0.0, "was driven at one voltage"),
+            (lambda c: c.voltage_V != 0.0, "was not measured at 0 V"),
+        ]
+    ),
 )
 def test_what_voltages_do_not_allow_is_said(condition, said: str):
     notes = prepare(kept(session(), condition), Options()).notes
@@ -404,7 +409,7 @@ def test_no_conditions_are_refused():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("value", few([np.nan, np.inf]))
 def test_a_number_that_is_not_finite_costs_its_sheet_and_is_told_with_its_place(value: float):
     m = session()
     c = m.conditions[1]
@@ -450,6 +455,7 @@ def test_a_position_that_was_not_measured_cannot_be_held_out():
         prepare(session(), Options(hold_out=(("long", 0.012),)))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_an_effect_that_does_not_exist_cannot_be_excluded():
     with pytest.raises(ModelError, match="there is no effect called 'gravitty'"):

@@ -166,6 +166,7 @@ def test_a_condition_left_out_has_no_say():
     assert set(changed) == set(rows) | modes
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_slip_of_one_reading_s_force_is_left_out_and_nothing_else():
     m = session()
@@ -265,6 +266,7 @@ def test_a_fit_ends_where_a_second_one_begins():
     assert again.deviance == pytest.approx(base.deviance, abs=0.05)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_parameters_are_found_whatever_the_readings_order():
     m = session()

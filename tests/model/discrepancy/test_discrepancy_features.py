@@ -105,6 +105,7 @@ def test_pulses_are_counted_from_the_first_that_is_driven():
     np.testing.assert_allclose(up * down, 1.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_first_pulses_stand_for_themselves_and_are_in_no_mean():
     """Force and shape of each, less the mean of those that count."""

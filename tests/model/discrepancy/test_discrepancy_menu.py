@@ -18,6 +18,7 @@ from model.discrepancy.verdict import finding
 from model.discrepancy.verdict.result import Next
 from model.effects import effect
 from model.identification.data.data_vector import look
+from tests.cases import few
 from tests.model.discrepancy.sessions import Case, Extras, base_fit, session
 
 ENTRIES = {entry.name: entry for entry in MENU}
@@ -40,6 +41,7 @@ def test_every_entry_adds_runs_that_are_none_of_the_session(entry):
         assert entry.minutes(one) > 0.0
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_an_entry_is_measured_once_at_each_place_however_often_it_was_before():
     plain = look(session(), "long")
@@ -79,6 +81,7 @@ def test_long_runs_go_on_with_the_same_pulses_at_three_positions():
             np.testing.assert_allclose(np.diff(seen.clock.driven_s), 1.2)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_free_shapes_are_taken_when_measured_ones_are():
     """Amid pulses, not in the first one after 0 V, of which a lag or the first pulses say much."""
@@ -103,7 +106,7 @@ def test_the_load_cell_s_zero_tells_an_offset_from_a_meniscus():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("other", ["initial_curvature", "force_offset"])
+@pytest.mark.parametrize("other", few(["initial_curvature", "force_offset"]))
 def test_the_rig_turned_over_tells_weight_from_what_stays(other: str):
     """Weight changes sides; repeating everything as it was tells less."""
 

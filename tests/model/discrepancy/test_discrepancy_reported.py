@@ -20,6 +20,7 @@ def rms(values) -> float:
     return float(np.sqrt(np.nanmean(np.square(values))))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_model_at_each_set_ups_offsets_meets_the_points():
     rows = [r for r in diagnosed(FALLING).rows if np.isfinite(r.force_N)]

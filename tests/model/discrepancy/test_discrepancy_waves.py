@@ -16,6 +16,7 @@ from model.identification.data.periodic_terms import (
     wave_in,
 )
 from model.measurements import Measurements
+from tests.cases import few
 from tests.model.discrepancy.sessions import NOTHING, Case, Hiding, diagnosed, session
 
 BEATING = Case((Hiding("beating_cell", size=0.3),), seed=11)
@@ -41,8 +42,10 @@ def beating(m: Measurements, size_N: float, period_s: float, since: str) -> Meas
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("since", "clock"), [("time_s", "run"), ("session_s", "session")])
-@pytest.mark.parametrize("period_s", [1.9, 3.3, 5.1])
+@pytest.mark.parametrize(
+    ("since", "clock"), few([("time_s", "run"), ("session_s", "session")], first=2)
+)
+@pytest.mark.parametrize("period_s", few([1.9, 3.3, 5.1], first=2))
 def test_a_wave_in_the_forces_is_found_with_its_period_and_size(since, clock, period_s):
     found = wave_in(looks(beating(session(), 2e-4, period_s, since)))
     assert found is not None
@@ -52,14 +55,14 @@ def test_a_wave_in_the_forces_is_found_with_its_period_and_size(since, clock, pe
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("size_N", [1.5e-5, 6e-5])
+@pytest.mark.parametrize("size_N", few([1.5e-5, 6e-5]))
 def test_what_is_no_more_than_a_load_cell_s_wander_is_not_told(size_N):
     """A wander may have one rate above all others, so that it explains most of what is left."""
     assert wave_in(looks(beating(session(), size_N, 3.3, "time_s"))) is None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", [NOTHING, WANDERING], ids=["quiet", "wandering"])
+@pytest.mark.parametrize("case", few([NOTHING, WANDERING]), ids=["quiet", "wandering"])
 def test_where_nothing_comes_again_nothing_is_found(case):
     assert wave_in(looks(session(case))) is None
 
@@ -90,6 +93,7 @@ def test_what_a_wave_adds_to_the_force():
     assert replace(wave, what="EIBM").added_N(clock) == 0.0
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "location"),

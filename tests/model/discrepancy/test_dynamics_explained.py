@@ -54,6 +54,7 @@ def rested(spreading) -> Measurements:
 # ---------------------------------------------------------------- what is taken off
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_at_0_V_and_at_rest_nothing_is_taken_off(spreading, rested):
     data, _ = spreading

@@ -12,6 +12,7 @@ import pytest
 from model.discrepancy.criticism.picture_noise import aside, picture_noise, unusual_pictures
 from model.discrepancy.thresholds import EVIDENCE_THRESHOLD_LN
 from model.measurements import Condition, Curve, Measurements
+from tests.cases import few
 from tests.model.discrepancy.sessions import NOTHING, base_fit, diagnosed, fitted, session
 
 TURN_RAD = 1.5e-3
@@ -48,7 +49,7 @@ def test_usual_noise_of_curves_is_no_evidence():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("which", ["long", "short"])
+@pytest.mark.parametrize("which", few(["long", "short"]))
 def test_noise_of_one_configuration_is_compared_with_the_other(which):
     found = unusual_pictures(fitted(turned(session(NOTHING), {which})))
     assert found is not None
@@ -62,6 +63,7 @@ def test_noise_that_all_configurations_have_is_the_cameras_usual_one():
     assert unusual_pictures(fitted(turned(session(NOTHING), {"long", "short"}))) is None
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_few_pictures_that_are_far_off_are_outliers():
     m = session(NOTHING)

@@ -64,6 +64,7 @@ def test_a_fit_that_goes_to_and_fro_or_is_worth_nothing_ends(monkeypatch):
     assert len(list(approach(base.problem, base.theta))) == mixed_model_fit.ROUNDS + 1
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_fit_of_an_effect_may_begin_where_it_is_known_and_ends_at_the_same_place(monkeypatch):
     base, one = base_fit(FALLING), effect("nonuniform_eibm")

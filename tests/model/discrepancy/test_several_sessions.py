@@ -30,6 +30,7 @@ def found() -> Diagnosis:
         return diagnose(two_days())
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_zero_that_another_day_has_is_said_to_differ_between_sessions():
     assert [one.name for one in found().effects] == ["session_zero"]

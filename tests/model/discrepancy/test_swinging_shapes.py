@@ -55,6 +55,7 @@ def test_where_one_voltage_swings_the_other_goes_too_though_its_pictures_agree()
     assert free_voltages(without_swinging(replace(data, conditions=still))[0]) == {0.0}
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_shapes_at_rest_stay():
     data = session(SEED, (), loss="small", free_shapes=1)
@@ -69,6 +70,7 @@ def test_shapes_at_rest_stay():
     assert not any("left out" in note for note in found.notes)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_fit_leaves_out_what_swings_and_says_so():
     data = swinging()

@@ -77,6 +77,7 @@ def test_of_one_session_both_times_are_the_same():
         np.testing.assert_allclose(one.clock.overall, one.clock.session, atol=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_readings_of_a_later_session_come_after_all_of_the_first():
     whole = together([(Path("a.h5"), session()), (Path("b.h5"), session())])

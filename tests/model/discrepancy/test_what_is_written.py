@@ -44,6 +44,7 @@ def test_what_spoils_the_prediction_of_left_out_positions_is_not_written():
     assert means_ask_for(worse, base)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_where_the_base_model_predicts_better_the_file_has_it_and_a_note_says_so(monkeypatch):
     monkeypatch.setattr(chosen, "predicts_better", lambda *_: False)
@@ -126,6 +127,7 @@ def with_lag(base: SheetModel) -> SheetModel:
     return replace(base, sheets=sheets, effects=(lag,))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_with_the_means_of_fit_a_model_predicts_what_fit_does_measured_or_not():
     base, told = fit(session()).model, base_fit()

@@ -38,6 +38,7 @@ def pulled(fitted, *, everywhere: bool):
     return replace(fitted, linear=linear)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_zero_in_contact_alone_is_as_good_a_zero_as_a_meniscus_is(bare):
     both = [effect("force_offset"), effect("surface_tension")]

@@ -97,6 +97,7 @@ def test_the_written_model_predicts_what_the_fit_says_of_the_measured_conditions
     assert model.merit["force_rmse_N"] == pytest.approx(stated, rel=1e-3)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("of", CASES)
 def test_the_written_model_predicts_what_nobody_measured(of: Case):
@@ -108,6 +109,7 @@ def test_the_written_model_predicts_what_nobody_measured(of: Case):
     assert written[1] < 0.5 * base[1]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_form_that_only_follows_the_session_is_not_written():
     """A prediction is one amid the session, away from the times that were measured."""
@@ -116,6 +118,7 @@ def test_a_form_that_only_follows_the_session_is_not_written():
     assert not any(effect.form for effect in model.effects)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_with_the_written_model_nothing_is_missing_and_no_form_is_let_in_again():
     options = DiagnoseOptions(model=read_back(OTHER_FORM))

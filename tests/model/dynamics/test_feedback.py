@@ -8,6 +8,7 @@ import pytest
 from model.dynamics.linear.feedback import ForceController, LqgWeights, lqg, pi
 from model.dynamics.linear.state_space import LinearSystem, balanced, discretised
 from model.measurements import ModelError
+from tests.cases import few
 from tests.model.dynamics.sheets import beam, model_of
 
 LIMIT_V = 2.0
@@ -35,7 +36,7 @@ def bandwidth_hz(plant, controller):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("rate_hz", "delay_s", "wanted_hz"),
-    [(200.0, 3e-3, 5.6), (1000.0, 5e-4, 4.0), (25.0, 0.04, 2.4)],
+    few([(200.0, 3e-3, 5.6), (1000.0, 5e-4, 4.0), (25.0, 0.04, 2.4)]),
 )
 def test_a_pi_loop_is_as_fast_as_the_delay_and_the_light_mode_allow(
     long_sheet, rate_hz, delay_s, wanted_hz
@@ -47,7 +48,7 @@ def test_a_pi_loop_is_as_fast_as_the_delay_and_the_light_mode_allow(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["pi", "lqg"])
+@pytest.mark.parametrize("method", few(["pi", "lqg"]))
 def test_a_loop_is_stable_within_its_margin_and_reaches_the_reference(long_sheet, method):
     plant, controller = loop_of(long_sheet, method)
     closed = controller.closed_loop(plant)

@@ -23,6 +23,7 @@ from model.dynamics.identification.predicted_run import predict
 from model.dynamics.identification.thresholds import MOST_PRIOR
 from model.dynamics.identification.uncertainty import judged, surely
 from model.dynamics.load_cell import LoadCellFilter
+from tests.cases import few
 from tests.model.dynamics.cases import L, R, driven
 
 SHEET = driven(fluid=AIR)
@@ -108,9 +109,10 @@ CURRENT = RunPlan(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("line", LINES.values(), ids=LINES)
-def test_electrodes_of_another_line_that_explains_the_first_instants_are_not_settled_for(line):
+@pytest.mark.parametrize("length", few(LINES))
+def test_electrodes_of_another_line_that_explains_the_first_instants_are_not_settled_for(length):
     """A line so many times as long, r, c, g as many times less and rho more, begins the same."""
+    line = LINES[length]
     names = ("electrode_ohm_per_m", "capacitance_F_per_m", "bulk_ohm_m", "leak_S_per_m")
     electrodes = ElectrodeLine(source_ohm=1.0, **dict(zip(names, line, strict=True)))
     said = predict(replace(SHEET, electrodes=electrodes), CURRENT, RESOLVED).current_A
@@ -158,7 +160,7 @@ def test_free_shapes_alone_tell_ratios_to_the_stiffness_only():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "more", [{"zero": 1e-3}, {"drift_per_sqrt_s": 1e-3}, {"hum": 1e-2}], ids=str
+    "more", few([{"zero": 1e-3}, {"drift_per_sqrt_s": 1e-3}, {"hum": 1e-2}]), ids=str
 )
 def test_drift_and_hum_widen_the_intervals(more):
     white = sigmas(NOISE, PUSH)
@@ -216,6 +218,7 @@ def test_a_viscous_loss_found_too_small_to_be_seen_hides_nothing_of_the_others()
     assert [one.name for one in sure if not one.determined] == ["viscous_time", "time_1"]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_worse_residuals_than_the_noise_explains_widen_the_intervals():
     quiet = replace(NOISE, current=replace(NOISE.current, white=2.5e-5))

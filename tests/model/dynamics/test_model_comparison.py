@@ -23,6 +23,7 @@ from model.dynamics.models import ModelParameter, PublishedModel, Response, mode
 from model.dynamics.models.conformance import SHEET
 from model.measurements import ModelError
 from model.mechanics.field import Field
+from tests.cases import few
 from tests.model.dynamics.cases import driven as moving
 from tests.model.dynamics.compared import NOISE, PULSES, planned, recorded
 
@@ -65,7 +66,7 @@ USUAL = ("bao", "lee", "tamagawa")  # in `make test`: each takes seconds
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(n, marks=[] if n in USUAL else [pytest.mark.thorough]) for n in models()],
+    few([pytest.param(n, marks=[] if n in USUAL else [pytest.mark.thorough]) for n in models()]),
 )
 def test_a_model_finds_the_values_that_made_its_own_data_within_its_intervals(name):
     one = contender(name)
@@ -86,6 +87,7 @@ def test_a_model_finds_the_values_that_made_its_own_data_within_its_intervals(na
     assert fitted.chi2_per_value == pytest.approx(1.0, abs=4.0 * np.sqrt(2.0 / count))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_full_model_is_one_of_them():
     start = moving(fluid=AIR, rest=Field.constant(5.0, SHEET.free_length_m))
@@ -130,6 +132,7 @@ def test_the_model_that_made_the_data_comes_first_and_predicts_them_best(bao_run
     assert set(by["huynh_alici"].scores) == {"force"}
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_of_two_models_that_fit_alike_the_one_with_fewer_parameters_has_more_evidence():
     """Data of one lag in contact: `lee` (3) against `bao` (7)."""

@@ -10,6 +10,7 @@ import pytest
 from model.dynamics import ContactSetup, simulate
 from model.dynamics.online import GRID_S, Estimate, GridMotion, RunEstimator
 from model.dynamics.online.grid_motion import Drive, scaled
+from tests.cases import few
 from tests.model.dynamics.sheets import RADIUS_M, beam
 
 PULSE_S, PULSES, END_S = 0.6, (2.0, -2.0, 0.0, 2.0, -2.0, 0.0, 2.0, -2.0, 0.0), 6.0
@@ -76,14 +77,16 @@ def test_a_voltage_that_is_not_written_yet_is_not_known():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("stiffness", "moment"),
-    [
-        (1.0, 1.0),
-        (1.25, 0.9),
-        *(
-            pytest.param(*pair, marks=pytest.mark.thorough)
-            for pair in ((1.2, 1.0), (0.8, 1.0), (1.0, 0.85))
-        ),
-    ],
+    few(
+        [
+            (1.0, 1.0),
+            (1.25, 0.9),
+            *(
+                pytest.param(*pair, marks=pytest.mark.thorough)
+                for pair in ((1.2, 1.0), (0.8, 1.0), (1.0, 0.85))
+            ),
+        ]
+    ),
 )
 def test_stiffness_and_moment_of_the_sheet_are_found_with_a_model_that_is_off(stiffness, moment):
     rows = recorded(beam())
@@ -118,6 +121,7 @@ def test_a_free_sheet_shows_the_ratio_of_both():
     assert moment / stiffness == pytest.approx(1.2, abs=0.03)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_sheet_that_dries_from_run_to_run_is_followed():
     estimate, seen = Estimate.unknown(), []
