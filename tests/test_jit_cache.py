@@ -102,6 +102,7 @@ def test_a_change_in_another_file_and_a_renamed_class_are_compiled_in(package):
     assert package.run() == (123.0, True)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_python_and_compiled_functions_call_the_same_function(package):
     code = (

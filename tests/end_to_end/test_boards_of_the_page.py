@@ -87,6 +87,7 @@ def started(rig: Path) -> subprocess.Popen[str]:
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
 
 
+@pytest.mark.thorough
 def test_a_session_is_run_on_it(rig):
     run = started(rig)
     _, said = last_words(run)

@@ -18,6 +18,7 @@ import pytest
 from labrig.config.templates import write_templates
 from labrig.panel.processes import step_forward
 from sim_hardware.serve import LINGER_S
+from tests.cases import few
 from tests.end_to_end.real_rig import PROTOCOL, children
 from tests.end_to_end.small_rig import small_rig
 from tests.labrig.panel.page import Page, Server, jobs_of, start
@@ -147,7 +148,7 @@ def test_nothing_is_left_of_a_diagnosis_however_it_ends(
     assert tracebacks(said, order) == 0
 
 
-@pytest.mark.parametrize("order", ENDS)
+@pytest.mark.parametrize("order", few(ENDS))
 def test_nothing_is_left_of_a_batch_however_it_ends(tmp_path: Path, order: str) -> None:
     for session in ("a.h5", "b.h5"):
         (tmp_path / session).write_bytes(session.encode())  # the task does not look into them

@@ -93,6 +93,7 @@ def test_at_rest_alone_is_a_choice(tmp_path_factory, tmp_path, capsys):
     assert "in time" not in told
 
 
+@pytest.mark.thorough
 def test_without_a_moving_free_sheet_one_sentence_says_what_to_record(
     tmp_path_factory, tmp_path, capsys
 ):

@@ -128,6 +128,7 @@ def test_a_controlled_session_follows_its_reference_and_records_every_period(
     assert left.board_V == 0.0
 
 
+@pytest.mark.thorough
 def test_a_controlled_session_is_exported_but_neither_replayed_nor_resumed(rig: FaultyRig) -> None:
     left = rig.run(options=control)
     folder = left.path.parent / "tables"
@@ -146,6 +147,7 @@ def test_a_controlled_session_is_exported_but_neither_replayed_nor_resumed(rig: 
     assert "a controlled session is not resumed" in rig.capsys.readouterr().err
 
 
+@pytest.mark.thorough
 def test_a_controlled_session_is_reported_beside_the_linear_model(rig: FaultyRig) -> None:
     left = rig.run(options=control)
     folder = left.path.parent / "report"
@@ -202,6 +204,7 @@ def test_a_reference_longer_than_the_time_under_voltage_is_refused(rig: FaultyRi
     assert left.highest_V == 0.0
 
 
+@pytest.mark.thorough
 def test_a_controlled_session_that_was_cut_short_is_recovered(rig: FaultyRig) -> None:
     left = rig.run(options=control)
     with open_session(left.path) as session:

@@ -62,6 +62,7 @@ def over_sockets(tmp_path_factory: pytest.TempPathFactory) -> Path:
         return rig.completed()
 
 
+@pytest.mark.thorough
 def test_a_simulated_rig_over_sockets_is_recorded_as_simulated(over_sockets: Path) -> None:
     with open_session(over_sockets) as session:
         assert session.simulated
@@ -84,6 +85,7 @@ def test_with_yes_nobody_is_recorded_as_having_moistened_the_sheet(over_sockets:
         assert session.runs[0].since_wetting_s is None
 
 
+@pytest.mark.thorough
 def test_the_analysis_says_that_the_time_since_wetting_is_not_known(
     over_sockets: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

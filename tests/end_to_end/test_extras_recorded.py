@@ -142,6 +142,7 @@ def test_replay_serves_the_series_and_the_frames(recorded):
         assert np.array_equal(one.image(missing), two.image(0))
 
 
+@pytest.mark.thorough
 def test_a_resumed_session_gets_all_that_was_recorded_of_an_extra(recorded):
     events = []
     with open_session(recorded) as session:
@@ -172,6 +173,7 @@ def test_a_session_is_replayed_and_resumed_with_its_own_schedule(recorded, monke
         assert resumed_plan(session).schedule == session.schedule
 
 
+@pytest.mark.thorough
 def test_exports_say_which_series_is_an_extras(recorded, tmp_path):
     assert labrig("export", recorded.parent / "replayed.h5", "-o", tmp_path / "csv") == 0
     with (tmp_path / "csv" / "signals.csv").open(newline="") as file:

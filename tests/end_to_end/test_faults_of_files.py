@@ -105,6 +105,7 @@ def test_a_session_that_is_deleted_under_the_run_comes_back_from_its_journal(
         assert len(session.runs[0].readings) == 5
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows renames no folder of open files")
 def test_a_folder_that_is_renamed_under_the_run_is_named(
     rig: FaultyRig, monkeypatch: pytest.MonkeyPatch
@@ -119,6 +120,7 @@ def test_a_folder_that_is_renamed_under_the_run_is_named(
     assert labrig("recover", moved / "s.h5", "-o", moved / "whole.h5") == 0
 
 
+@pytest.mark.thorough
 @pytest.mark.skipif(sys.platform == "win32", reason="a lock of POSIX")
 def test_a_session_that_another_program_locks_is_recorded_all_the_same(
     rig: FaultyRig, monkeypatch: pytest.MonkeyPatch
@@ -160,6 +162,7 @@ def test_a_folder_that_cannot_be_written_is_found_before_the_first_voltage(
     assert left.highest_V == 0.0
 
 
+@pytest.mark.thorough
 def test_a_display_that_raises_changes_nothing_but_is_told(
     rig: FaultyRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -193,6 +196,7 @@ def test_a_display_that_blocks_holds_up_nothing(
     assert left.invalid == []
 
 
+@pytest.mark.thorough
 def test_the_time_of_day_that_jumps_back_changes_no_measured_time(
     rig: FaultyRig, monkeypatch: pytest.MonkeyPatch
 ) -> None:

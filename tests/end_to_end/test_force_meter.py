@@ -64,6 +64,7 @@ def test_the_session_says_what_read_the_force(metered: Path) -> None:
         assert session.runs[0].ranges_V["force"] == 0.98
 
 
+@pytest.mark.thorough
 def test_a_session_is_analyzed_and_replayed_with_the_same_forces(
     metered: Path, tmp_path: Path
 ) -> None:

@@ -65,6 +65,7 @@ def test_further_channels_are_shown(recorded: Path, capsys: pytest.CaptureFixtur
     assert "temperature" in capsys.readouterr().out
 
 
+@pytest.mark.thorough
 def test_further_channels_are_exported(recorded: Path, tmp_path: Path) -> None:
     assert labrig("analyze", recorded) == 0
     assert labrig("export", recorded, "-o", tmp_path / "tables") == 0
@@ -75,6 +76,7 @@ def test_further_channels_are_exported(recorded: Path, tmp_path: Path) -> None:
         assert float(row["channel_temperature_degC"]) == pytest.approx(21.5, abs=1.0)
 
 
+@pytest.mark.thorough
 def test_a_session_with_further_channels_is_replayed(recorded: Path, tmp_path: Path) -> None:
     assert labrig("replay", recorded, "-o", tmp_path / "again.h5") == 0
     with open_session(recorded) as old, open_session(tmp_path / "again.h5") as new:

@@ -12,6 +12,7 @@ import pytest
 from labrig.config import RigConfig, load_rig
 from labrig.session import open_session
 from protocols.execution.events import Outcome, OutputState
+from tests.cases import few
 from tests.end_to_end.faulty_rig import FaultyRig, spied_writes
 from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig, run_rig
 from tests.end_to_end.test_faults import (
@@ -205,7 +206,7 @@ def test_a_replay_of_it_has_the_same_signals(session: Path, tmp_path: Path) -> N
             np.testing.assert_allclose(signals[0][:shared], signals[1][:shared], atol=step_V)
 
 
-@pytest.mark.parametrize("product_type", ["T7 DAC0", "T4", "T8 DAC0"])
+@pytest.mark.parametrize("product_type", few(["T7 DAC0", "T4", "T8 DAC0"]))
 def test_other_models_and_an_offset_stage_run_too(tmp_path: Path, product_type: str) -> None:
     world = f'[boards]\nLJ = "{product_type}"\n[load_cell]\nsensitivity_V_per_N = 5.0\n'
     folder = make_rig(tmp_path / "rig", ONE_POSITION + 'mode = "paper"\n', world, "labjack")

@@ -12,6 +12,7 @@ from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig, run_rig
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("data_unchecked")]
 
 
+@pytest.mark.thorough
 def test_a_fit_after_a_mark_analyses_again_and_leaves_the_reading_out(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -87,6 +87,7 @@ def difference(found: TimeSeries, values: FloatArray, motion: dict[str, FloatArr
     return gap - np.mean(gap)
 
 
+@pytest.mark.thorough
 def test_force_and_current_of_its_session_are_those_of_its_sheets_model(rig: Path) -> None:
     found, motion = recorded(rig, CONTACT), simulated(rig, CONTACT)
     assert np.ptp(motion["force_N"]) > 2e-3
@@ -95,6 +96,7 @@ def test_force_and_current_of_its_session_are_those_of_its_sheets_model(rig: Pat
     assert np.sqrt(np.mean(difference(found, motion["current_A"], motion) ** 2)) < 0.3e-3
 
 
+@pytest.mark.thorough
 def test_its_release_is_free(rig: Path) -> None:
     found, motion = recorded(rig, RELEASE), simulated(rig, RELEASE)
     assert found.force_N is None
@@ -102,6 +104,7 @@ def test_its_release_is_free(rig: Path) -> None:
     assert np.sqrt(np.mean(difference(found, motion["current_A"], motion) ** 2)) < 0.04e-3
 
 
+@pytest.mark.thorough
 def test_its_frames_show_a_sheet_that_swings(rig: Path) -> None:
     with open_session(rig / "session.h5") as session:
         assert_swings(session)

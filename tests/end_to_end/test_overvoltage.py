@@ -9,13 +9,14 @@ import pytest
 
 from labrig.session import open_session
 from protocols.execution.events import Outcome, OutputState
+from tests.cases import few
 from tests.end_to_end.small_rig import ONE_POSITION, TWO_POSITIONS, labrig, make_rig
 
 LONGEST_S = 0.1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("board", ["ni", "labjack"])
+@pytest.mark.parametrize("board", few(["ni", "labjack"]))
 def test_an_amplifier_with_more_gain_than_stated_is_noticed_at_the_first_step(
     tmp_path: Path, board: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -38,7 +39,9 @@ def test_an_amplifier_with_more_gain_than_stated_is_noticed_at_the_first_step(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("board", "pulse_V"), [("ni", 2.0), ("labjack", 2.0), ("ni", 0.15)])
+@pytest.mark.parametrize(
+    ("board", "pulse_V"), few([("ni", 2.0), ("labjack", 2.0), ("ni", 0.15)], first=2)
+)
 def test_a_voltage_that_stays_after_0_v_was_written_ends_the_session_before_the_next_position(
     tmp_path: Path, board: str, pulse_V: float, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -202,6 +202,7 @@ def unserved(installed: Path, tmp_path: Path) -> Path:
     return file
 
 
+@pytest.mark.thorough
 def test_boards_that_cannot_make_themselves_safe_are_refused(unserved: Path) -> None:
     file = unserved
     file.write_text(file.read_text().replace("[pico]", "[unsafe]"))
@@ -211,6 +212,7 @@ def test_boards_that_cannot_make_themselves_safe_are_refused(unserved: Path) -> 
         assert "[unsafe] cannot be made safe by another process" in done.stdout + done.stderr
 
 
+@pytest.mark.thorough
 def test_a_rig_has_one_family_of_boards(unserved: Path) -> None:
     unserved.write_text(unserved.read_text() + "[ni]\n")
     done = command("check", unserved)
@@ -218,6 +220,7 @@ def test_a_rig_has_one_family_of_boards(unserved: Path) -> None:
     assert "[ni] and [pico]; a rig has one table of boards" in done.stderr
 
 
+@pytest.mark.thorough
 def test_the_schema_shows_the_keys_of_every_part(installed: Path, tmp_path: Path) -> None:
     del installed
     assert command("config", "schema", tmp_path).returncode == 0

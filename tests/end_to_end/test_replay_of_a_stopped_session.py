@@ -92,6 +92,7 @@ def test_only_what_was_recorded_is_played(original: Path, replayed: Path) -> Non
                 np.testing.assert_array_equal(its.readings[column], run.readings[column])
 
 
+@pytest.mark.thorough
 def test_it_ends_as_the_original_did(original: Path, replayed: Path) -> None:
     with open_session(original) as first, open_session(replayed) as again:
         assert again.outcome is Outcome.ABORTED
@@ -109,6 +110,7 @@ def test_the_last_line_says_where_the_recording_ends(
     assert "readings do not count" not in told or "overload" in told
 
 
+@pytest.mark.thorough
 def test_a_run_without_readings_ends_with_its_samples(tmp_path: Path) -> None:
     stop, release = StopRequest(), []
 

@@ -90,6 +90,7 @@ def test_the_times_of_all_readings_count_from_the_first_session_s_start(
         np.testing.assert_allclose(file["session/data/time_s"][()], np.concatenate(times))
 
 
+@pytest.mark.thorough
 def test_verify_says_where_readings_have_no_time_in_the_table_of_all(
     failed: Path, tmp_path: Path
 ) -> None:
@@ -117,6 +118,7 @@ def test_a_resumed_session_that_fails_can_be_resumed_itself(failed: Path, tmp_pa
         assert [run.completed for run in session.runs] == [True] * 3
 
 
+@pytest.mark.thorough
 def test_the_files_may_be_given_when_they_are_those_of_the_session_and_others_of_people_and_sample(
     failed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -160,6 +162,7 @@ def test_what_is_missing_is_said(
     assert said in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 def test_a_session_and_its_continuation_are_not_taken_together(
     failed: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

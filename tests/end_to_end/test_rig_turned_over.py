@@ -34,6 +34,7 @@ def measured(folder: Path, protocol: str, load_N_per_m: float) -> Measurements:
         return measure(session, curves=False)
 
 
+@pytest.mark.thorough
 def test_weight_pulls_the_other_way_and_the_conditions_say_so(tmp_path: Path) -> None:
     over = measured(tmp_path / "over", PROTOCOL + "tilt_deg = 180\n", 0.01)
     other = measured(tmp_path / "other", PROTOCOL, -0.01)

@@ -22,6 +22,7 @@ def rig(tmp_path):
     return [str(tmp_path / name) for name in FILES]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_run_is_recorded_and_its_events_are_followed(rig, tmp_path):
     seen = []

@@ -44,6 +44,7 @@ def test_the_same_rig_gives_bit_identical_datasets_and_another_seed_others(tmp_p
     assert any("signals" in difference for difference in compare_sessions(one, other))
 
 
+@pytest.mark.thorough
 def test_a_replayed_session_has_the_same_signals_readings_and_frames(
     session: Path, tmp_path: Path
 ) -> None:

@@ -169,10 +169,12 @@ def test_an_effect_is_in_the_catalogue(path, tmp_path):
     assert "tanh" in one
 
 
+@pytest.mark.thorough
 def test_a_fact_of_a_strip_has_its_option(path, tmp_path):
     assert "--wall" in labrig(path, tmp_path, "curves", "--help")
 
 
+@pytest.mark.thorough
 @BY_EACH_WAY
 def test_an_effect_of_a_recorded_channel_is_found_where_it_was_recorded(path, tmp_path):
     script = """
@@ -213,6 +215,7 @@ print(json.dumps([found.name, p.value, p.sigma]))
     assert abs(value - 0.1) < 3.0 * sigma < 0.1
 
 
+@pytest.mark.thorough
 @BY_EACH_WAY
 def test_an_effect_and_a_location_change_what_a_model_predicts(path, tmp_path):
     script = """
@@ -320,6 +323,7 @@ assert run(["--help"]) == 0
 """
 
 
+@pytest.mark.thorough
 @BY_EACH_WAY
 def test_a_section_a_command_and_a_batch_task_use_an_analysed_session(path, tmp_path):
     session(tmp_path / "made.h5", measure("long", curves=False))

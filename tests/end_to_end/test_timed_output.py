@@ -81,6 +81,7 @@ def test_an_edge_is_the_sample_that_is_recorded_however_the_clocks_differ(timed:
         np.testing.assert_allclose(steps, np.diff(run.writes["planned_s"]), atol=1e-9)
 
 
+@pytest.mark.thorough
 def test_a_replay_has_the_same_samples_and_edges(timed: Path, tmp_path: Path) -> None:
     assert labrig("replay", timed, "-o", tmp_path / "again.h5") == 0
     with open_session(timed) as first, open_session(tmp_path / "again.h5") as again:

@@ -96,6 +96,7 @@ def test_each_picture_shows_the_sampling_point_to_better_than_1_ms(
         assert camera.acquisition.exposure_s == EXPOSURE_S
 
 
+@pytest.mark.thorough
 def test_pictures_of_a_free_camera_do_not(tmp_path: Path) -> None:
     folder = triggered_rig(tmp_path, MOVING + MARKED, "")
     with open_session(run_rig(folder)) as session:

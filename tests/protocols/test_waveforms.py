@@ -15,6 +15,7 @@ from protocols.kinds.pseudo_random import PseudoRandom, sequence
 from protocols.kinds.sine import Sine
 from protocols.kinds.sweep import Sweep
 from protocols.kinds.table import Table
+from tests.cases import few
 from tests.end_to_end.small_rig import labrig, make_rig, run_rig
 
 KINDS = (Sine, Sweep, MultiSine, PseudoRandom, Table)
@@ -128,6 +129,7 @@ def folder_with(tmp_path: Path, protocol: str, rows: str | None = None) -> Path:
 FROM_CSV = '[table]\nfile = "drive.csv"\nwrite_every_s = 0.05\n'
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_table_from_csv_is_run_and_its_rows_are_kept_in_the_session(tmp_path: Path):
     rows = "time_s,voltage_V\n0,0\n1,1.5\n2,-1.5\n3,0\n"
@@ -170,7 +172,7 @@ def test_what_cannot_be_driven_is_one_sentence_before_anything_is_touched(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+@pytest.mark.parametrize("kind", few(KINDS), ids=lambda kind: kind.name)
 def test_plan_shows_its_schedule_as_a_picture(
     tmp_path: Path, kind, capsys: pytest.CaptureFixture[str]
 ):

@@ -19,6 +19,7 @@ import pytest
 from nidaqmx.system import System
 
 from sim_hardware.serve import main
+from tests.cases import few
 from tests.processes import last_words
 
 POSIX = os.name == "posix"
@@ -72,7 +73,7 @@ def _kill(process: Any) -> None:
 
 @pytest.mark.slow
 @pytest.mark.skipif(not POSIX, reason="meter and stage need pseudo-terminals")
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.parametrize("number", few([signal.SIGTERM, signal.SIGINT]))
 def test_a_whole_rig_is_served_until_it_is_told_to_end(
     serve: Any, tmp_path: Path, number: int
 ) -> None:
@@ -100,6 +101,7 @@ def test_a_whole_rig_is_served_until_it_is_told_to_end(
     assert served.end(number) == (0, "")
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_moving_world_is_served_and_its_current_decays_while_the_voltage_stays(
     serve: Any,
@@ -121,7 +123,7 @@ def test_a_moving_world_is_served_and_its_current_decays_while_the_voltage_stays
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("model", ["PCIe-6363", "USB-6211"])
+@pytest.mark.parametrize("model", few(["PCIe-6363", "USB-6211"]))
 def test_a_rig_with_one_board_is_served(serve: Any, model: str) -> None:
     served = serve("--device", f"Dev1={model}", "--serial", "zaber", "--configuration", "short")
     assert [line.split("=")[0] for line in served.lines] == ["grpc", "camera", "stage", "ready"]
