@@ -142,6 +142,7 @@ def test_a_session_holds_people_and_sample_as_nexus_has_them(recorded):
         assert session.texts["about.toml"] == FULL
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_rig_without_about_toml_runs_and_states_nothing(rig, tmp_path, capsys):
     (rig / "about.toml").rename(rig / "away.toml")

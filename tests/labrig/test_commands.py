@@ -17,6 +17,7 @@ import labrig.cli.commands
 from labrig.cli.app import all_commands, module_of
 from labrig.cli.command import Command, CommandExample, faults
 from labrig.cli.main import run
+from tests.cases import few
 from tests.labrig.report_data import measure, session
 
 ROOT = Path(__file__).parents[2]
@@ -187,12 +188,22 @@ def test_a_command_of_another_distribution_is_listed_and_runs(tmp_path: Path) ->
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("point", "code", "why"),
-    [
-        ("broken", "raise RuntimeError('no board')", "loading it failed with RuntimeError: no boa"),
-        ("undocumented", COUNT.replace('    """Count the lines of a file."""\n', ""), "no help"),
-        ("plan", COUNT, "there is a command of that name already"),
-        ("imported", COUNT.replace("count-lines", "import"), "a command of that name already"),
-    ],
+    few(
+        [
+            (
+                "broken",
+                "raise RuntimeError('no board')",
+                "loading it failed with RuntimeError: no boa",
+            ),
+            (
+                "undocumented",
+                COUNT.replace('    """Count the lines of a file."""\n', ""),
+                "no help",
+            ),
+            ("plan", COUNT, "there is a command of that name already"),
+            ("imported", COUNT.replace("count-lines", "import"), "a command of that name already"),
+        ]
+    ),
 )
 def test_a_broken_command_is_left_out_with_one_sentence(
     tmp_path: Path, point: str, code: str, why: str

@@ -62,6 +62,7 @@ def test_every_question_is_answered_with_its_uncertainty(
     assert found["unanswered"] == {} or "without elongation" in found["unanswered"]
 
 
+@pytest.mark.thorough
 def test_tables_and_figures_are_made(
     model_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

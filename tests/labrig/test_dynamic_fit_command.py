@@ -112,6 +112,7 @@ def test_json_holds_the_same_in_si(fitted, fits, path, capsys):
     assert found["chi2_per_value"] == pytest.approx(1.0, abs=0.2)
 
 
+@pytest.mark.thorough
 def test_the_model_file_is_what_the_commands_in_time_read(model, capsys):
     known = load_model(model)
     beam, rolls = known.moving("long", 0.005)

@@ -48,6 +48,7 @@ def test_fit_writes_a_model_that_predicts_like_the_sheet(recorded, tmp_path, cap
     assert pytest.approx(wanted.F_N, rel=0.05) == found.F_N
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_fit_writes_the_model_that_describes_the_data_unless_told_otherwise(
     recorded, tmp_path, capsys
@@ -80,6 +81,7 @@ def test_fit_json_is_one_object_of_the_documented_shape(recorded, capsys):
         assert set(one["EIBM_along_sheet"]["2.0"]) == {"s_mm", "Me_Nm", "sigma"}
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_fit_does_not_overwrite_a_model_unless_told_to(recorded, tmp_path, capsys):
     path = tmp_path / "model.toml"
@@ -115,6 +117,7 @@ def test_fit_of_a_session_without_valid_readings_is_one_sentence(tmp_path, capsy
     assert not (tmp_path / "model.toml").exists()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_fit_leaves_out_and_names_a_configuration_that_cannot_be_fitted(tmp_path, capsys):
     path = session(tmp_path / "made.h5", invalid(measure(), "short", "the sheet stuck"))
@@ -139,6 +142,7 @@ def test_fit_analyses_a_session_that_was_not_and_says_so(tmp_path, capsys):
         assert opened.has_measurements
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_analyze_keeps_what_it_found_in_the_session(tmp_path, capsys):
     path = stopped_session(tmp_path / "half.h5", after_runs=1)
@@ -154,6 +158,7 @@ def test_analyze_keeps_what_it_found_in_the_session(tmp_path, capsys):
     assert "long, 0 mm, +2 V" in out
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_analyze_of_a_session_without_runs_is_one_sentence(tmp_path, capsys):
     path = stopped_session(tmp_path / "none.h5", after_runs=0)

@@ -17,6 +17,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.exports.choice import FORMATS, export
 from labrig.session import load_measurements, open_session, store_measurements
 from labrig.session.tables import exchange
+from tests.cases import few
 from tests.labrig.session.measured import measurements
 from tests.labrig.session.session_recording import record, small_schedule
 
@@ -159,6 +160,7 @@ def test_a_crate_replaces_no_file(tmp_path):
     assert {path.name for path in written} == {"ro-crate-metadata.json", "S ü.h5"}
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_crate_may_be_made_of_the_folder_of_its_session(tmp_path):
     session = tmp_path / "s.h5"
@@ -169,6 +171,7 @@ def test_a_crate_may_be_made_of_the_folder_of_its_session(tmp_path):
     assert session.read_bytes() == before
 
 
+@pytest.mark.thorough
 def test_tables_of_which_one_cannot_be_written_leave_none(session, tmp_path, monkeypatch):
     with monkeypatch.context() as patched:
         patched.setattr(exchange, "write_about_and_notes", lambda *_: 1 / 0)
@@ -199,7 +202,7 @@ def test_a_format_that_is_not_there_is_refused_with_those_that_are(session, tmp_
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["xarray", "bluesky"])
+@pytest.mark.parametrize("name", few(["xarray", "bluesky"]))
 def test_a_file_that_is_there_is_not_replaced(session, tmp_path, name):
     export(session, tmp_path, name)
     with pytest.raises(BadInputError, match="exists already"):

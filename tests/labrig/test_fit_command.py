@@ -14,6 +14,7 @@ from labrig.cli.main import run
 from labrig.model_file import load_model
 from model import Along, Parameter, SheetModel, predict
 from model.identification.fit import fit
+from tests.cases import few
 from tests.labrig.report_data import STIFFNESS, measure, session, truth
 
 pytestmark = pytest.mark.usefixtures("data_unchecked")
@@ -75,6 +76,7 @@ def test_sessions_of_the_same_sheet_share_its_parameters_and_fix_them_better(day
     assert 0.5 < B["sigma"] / alone["long"]["B_Nm2"]["sigma"] < 0.9
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_sessions_apart_have_parameters_of_their_own(day_1, stiffer, tmp_path, capsys):
     path = tmp_path / "model.toml"
@@ -88,6 +90,7 @@ def test_sessions_apart_have_parameters_of_their_own(day_1, stiffer, tmp_path, c
     assert other == pytest.approx(1.5 * one, rel=0.01)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_papers_numbers_stand_once_beside_sessions_apart(day_1, stiffer, capsys):
     out = printed(capsys, day_1, stiffer, "--apart")
@@ -111,7 +114,7 @@ def test_sessions_apart_whose_files_have_the_same_name_are_told_by_their_folders
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "said"),
-    [({"width_m": 0.02}, "width of 20 mm"), ({"arc_origin_rad": 0.1}, "arc begins at 5.7")],
+    few([({"width_m": 0.02}, "width of 20 mm"), ({"arc_origin_rad": 0.1}, "arc begins at 5.7")]),
 )
 def test_sessions_of_other_geometry_cannot_share_but_can_be_kept_apart(
     day_1, tmp_path, capsys, change, said
@@ -161,6 +164,7 @@ def uneven():
     return scattered()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_each_set_up_has_the_stiffness_it_was_made_with(uneven):
     from model.identification.mounting import by_run
@@ -201,6 +205,7 @@ def test_by_run_names_the_session_of_each_set_up(day_1, day_2, capsys):
 # -- options
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_symmetric_gives_both_polarities_one_size(day_1, capsys):
     free, one = fitted_json(capsys, day_1), fitted_json(capsys, day_1, "--symmetric")
@@ -211,6 +216,7 @@ def test_symmetric_gives_both_polarities_one_size(day_1, capsys):
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_measured_curvature_does_not_need_what_sheet_toml_states(tmp_path, capsys):
     made = measure("long")
@@ -295,6 +301,7 @@ def test_figures_8_and_9_are_written_as_png_and_svg(day_1, tmp_path, capsys):
     assert "<svg" in (folder / "figure-9.svg").read_text(encoding="utf-8")
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_without_neutral_curves_there_is_no_figure_8(tmp_path, capsys):
     path = session(tmp_path / "forces.h5", measure("long", curves=False))
@@ -323,7 +330,7 @@ def test_a_mistake_is_one_sentence(day_1, capsys, arguments, said):
     assert said in refused(capsys, *[a.format(day_1=day_1) for a in arguments])
 
 
-@pytest.mark.parametrize("command", ["fit", "fit --apart", "diagnose", "next"])
+@pytest.mark.parametrize("command", few(["fit", "fit --apart", "diagnose", "next"]))
 def test_a_copy_of_a_session_is_no_further_measurement(day_1, day_2, tmp_path, capsys, command):
     copy = shutil.copy(day_1, tmp_path / "copy.h5")
     assert run([*command.split(), str(day_1), str(day_2), str(copy)]) == 2

@@ -14,6 +14,7 @@ from labrig.cli.main import run
 from labrig.library import Library, SessionQuery
 from labrig.report.page.write import write_report
 from labrig.session import SessionWriter, open_session, verify
+from tests.cases import few
 from tests.labrig.report_data import TEXTS, measure, session
 from tests.labrig.session.session_recording import session_events, settings, small_schedule
 from tests.labrig.test_about import FULL
@@ -50,6 +51,7 @@ def refused(capsys, path, *more):
     return line
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_note_is_by_the_operator_unless_somebody_else_is_named(path, capsys):
     assert note(path, "a bubble at the clamp") == 0
@@ -77,7 +79,7 @@ def test_a_note_during_a_run_waits_beside_the_file(tmp_path, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("suffix", [".jpg", ".png"])
+@pytest.mark.parametrize("suffix", few([".jpg", ".png"]))
 def test_a_photograph_is_kept_byte_by_byte_with_its_caption(path, tmp_path, suffix):
     file = photograph(tmp_path / f"clamp{suffix}")
     assert note(path, "the clamp", "--photograph", file) == 0
@@ -87,6 +89,7 @@ def test_a_photograph_is_kept_byte_by_byte_with_its_caption(path, tmp_path, suff
         assert opened.photograph(found.identifier) == file.read_bytes()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_photograph_is_known_by_its_content_not_by_its_name(path, tmp_path, capsys):
     good = photograph(tmp_path / "really.png", kind=".jpg")
@@ -132,7 +135,7 @@ def test_show_names_people_sample_and_notes(path, capsys):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "words", ["aged sheets", "Sheets 2026", "s-17", "ada", "nafion", "bubble clamp"]
+    "words", few(["aged sheets", "Sheets 2026", "s-17", "ada", "nafion", "bubble clamp"])
 )
 def test_the_library_finds_a_session_by_people_sample_and_notes(path, words):
     note(path, "a bubble at the clamp")

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from labrig.own_packages import NAMES
+from tests.cases import few
 
 ROOT = Path(__file__).parents[2]
 
@@ -29,7 +30,7 @@ def assert_told(result: subprocess.CompletedProcess[str], hiding: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", few(NAMES))
 def test_a_module_in_the_folder_that_hides_a_package_is_named(tmp_path: Path, name: str) -> None:
     (tmp_path / f"{name}.py").write_text("x = 1\n")
     result = ended([sys.executable, "-m", "labrig", "--help"], tmp_path)
@@ -44,6 +45,7 @@ def test_a_package_in_the_folder_that_hides_one_is_named(tmp_path: Path) -> None
     assert_told(result, tmp_path / "model")
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_folder_that_is_no_package_hides_nothing(tmp_path: Path) -> None:
     (tmp_path / "model").mkdir()

@@ -32,6 +32,7 @@ def outcomes(folder):
     return found
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_protocols_are_run_one_after_the_other_and_each_is_reported(rig, tmp_path):
     hook = json.dumps([sys.executable, "-c", KEEP, str(tmp_path / "told")])

@@ -25,6 +25,7 @@ def names(folder):
     return {path.name for path in folder.iterdir()}
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_figures_are_written_as_pdf_and_svg_into_a_folder(recorded, tmp_path, request):
     figures = tmp_path / "for the thesis"

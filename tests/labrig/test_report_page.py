@@ -149,6 +149,7 @@ def test_one_configuration_alone_is_reported_and_said(tmp_path):
     assert "short, this session" not in text
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.usefixtures("words_only")
 def test_a_session_without_valid_readings_gets_a_page_that_says_why(tmp_path):
@@ -172,6 +173,7 @@ def test_a_session_stopped_half_way_is_analysed_and_reported(tmp_path):
     assert "1 of 4" in text
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.usefixtures("words_only")
 def test_a_session_in_which_nothing_was_run_gets_a_page_all_the_same(tmp_path):

@@ -23,6 +23,7 @@ from labrig.report.parts.table import Table
 from labrig.report.sections.conformance import content_faults, faults
 from labrig.report.sections.interface import SECTIONS, ReportSection, ordered
 from labrig.session import Mark, add_mark, open_session
+from tests.cases import few
 from tests.labrig.report_data import measure, session, stopped_session
 
 pytestmark = pytest.mark.usefixtures("data_unchecked")
@@ -154,19 +155,23 @@ def test_a_section_that_ends_the_program_is_left_out_too(findings, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "says"),
-    [
-        (lambda *_: None, "neither a Section nor a sentence"),
-        (lambda *_: Section(("text",)), "neither a table nor a figure"),
-        (
-            lambda *_: Section((Table(title="T", columns=("a", "b"), rows=(("1",),)),)),
-            "not as many cells",
-        ),
-        (
-            lambda *_: Section((Folded("F", Table(title="", columns=("a",), rows=(("1", "2"),))),)),
-            "not as many cells",
-        ),
-        (lambda *_: "  ", "its sentence is empty"),
-    ],
+    few(
+        [
+            (lambda *_: None, "neither a Section nor a sentence"),
+            (lambda *_: Section(("text",)), "neither a table nor a figure"),
+            (
+                lambda *_: Section((Table(title="T", columns=("a", "b"), rows=(("1",),)),)),
+                "not as many cells",
+            ),
+            (
+                lambda *_: Section(
+                    (Folded("F", Table(title="", columns=("a",), rows=(("1", "2"),))),)
+                ),
+                "not as many cells",
+            ),
+            (lambda *_: "  ", "its sentence is empty"),
+        ]
+    ),
 )
 def test_content_that_the_page_cannot_show_is_left_out(make, says, findings, tmp_path):
     found = content(findings, tmp_path, made("Odd", make))
@@ -248,6 +253,7 @@ def test_the_section_of_the_docs_stands_where_its_order_puts_it(distribution, tm
     assert (page.parent / "figures" / "every-force.svg").exists()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.usefixtures("words_only")
 def test_a_section_does_not_appear_where_it_does_not_apply(distribution, tmp_path):

@@ -43,6 +43,7 @@ def value(text):
     return float(text.split(" ")[0])
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_table_3_tells_this_session_from_the_paper(measured, fit):
     table = table_3(measured, ["long", "short"], fit)
@@ -85,6 +86,7 @@ def test_table_5_and_6_have_errors_like_the_papers_for_a_sheet_like_the_papers(m
     assert value(cell(six, "EIBM along the sheet: force, mN", "long, this session")) < 0.05
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_sheet_that_the_paper_does_not_have_gets_no_columns_of_the_paper(measured):
     long = measured.sheets["long"]
@@ -233,6 +235,7 @@ def test_numbers_have_the_digits_that_their_uncertainty_allows(text, wanted):
     assert text == wanted
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_simulated_force_curve_has_the_single_predictions_and_gaps_where_none_is_reachable():
     model = truth("long")

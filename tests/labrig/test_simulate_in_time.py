@@ -11,6 +11,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.model_file import save_model
+from tests.cases import few
 from tests.labrig.moving_model import model
 
 pytestmark = pytest.mark.slow
@@ -58,11 +59,13 @@ def motion(
 
 @pytest.mark.parametrize(
     ("table", "options"),
-    [
-        ("contact_p0", ["--position-mm", 0]),
-        ("contact_p15", ["--position-mm", 15]),
-        ("free", []),
-    ],
+    few(
+        [
+            ("contact_p0", ["--position-mm", 0]),
+            ("contact_p15", ["--position-mm", 15]),
+            ("free", []),
+        ]
+    ),
 )
 def test_the_table_of_a_motion_is_the_exact_one(
     tmp_path: Path, table: str, options: list[object]
@@ -196,19 +199,22 @@ def refused(capsys: pytest.CaptureFixture[str]) -> str:
 
 @pytest.mark.parametrize(
     ("options", "words"),
-    [
-        (["--voltage", 2], "--voltage is of the sheet at rest"),
-        (["--session", 1], "--session is of the sheet at rest"),
-        (["--json"], "--json is of the sheet at rest"),
-        (["--position-mm", 5, "--position-mm", 10], "--position-mm: give one"),
-        (["--configuration", "short"], "does not know short in time; it knows long"),
-        (["--every-ms", 0], "--every-ms 0: a positive number"),
-        (["--every-ms", "nan"], "--every-ms nan: a positive number"),
-        (["--every-ms", 1e-5], "rows and 500000 are the most"),
-        (["--start", 2000], "the drive lasts from 0 to 1000 ms"),
-        (["--run", 1], "is a table of one run"),
-        (["--position-mm", 200], "long, at 200 mm: "),
-    ],
+    few(
+        [
+            (["--voltage", 2], "--voltage is of the sheet at rest"),
+            (["--session", 1], "--session is of the sheet at rest"),
+            (["--json"], "--json is of the sheet at rest"),
+            (["--position-mm", 5, "--position-mm", 10], "--position-mm: give one"),
+            (["--configuration", "short"], "does not know short in time; it knows long"),
+            (["--every-ms", 0], "--every-ms 0: a positive number"),
+            (["--every-ms", "nan"], "--every-ms nan: a positive number"),
+            (["--every-ms", 1e-5], "rows and 500000 are the most"),
+            (["--start", 2000], "the drive lasts from 0 to 1000 ms"),
+            (["--run", 1], "is a table of one run"),
+            (["--position-mm", 200], "long, at 200 mm: "),
+        ],
+        first=3,
+    ),
 )
 def test_options_that_make_no_sense_are_refused(
     folder: Path, options: list[object], words: str, capsys: pytest.CaptureFixture[str]

@@ -22,6 +22,7 @@ from protocols import Extras, Place, make_schedule
 from protocols.execution import events as ev
 from protocols.extras.free_shapes import FreeShapes
 from protocols.kinds.pulse_train import PulseTrain
+from tests.cases import few
 from tests.labrig.analysis.analysed import (
     OPTICS,
     bent,
@@ -104,6 +105,7 @@ def test_extras_become_conditions_of_their_own_kind(tmp_path):
     ]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_load_cell_that_weighs_wrong_is_reported(tmp_path):
     extras = Extras(dead_weights_N=(0.01, 0.02))
@@ -159,6 +161,7 @@ def test_curves_are_found_in_mean_images_and_frame_by_frame(pictured):
     assert [list(curves.by_reading) for curves in found] == [[0, 1], [2, 4, 6], [3, 5, 7]]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_two_processes_find_the_same_as_one(tmp_path, monkeypatch):
     monkeypatch.setattr("labrig.analysis.curves.WORTH_PROCESSES_S", 0.0)
@@ -170,6 +173,7 @@ def test_two_processes_find_the_same_as_one(tmp_path, monkeypatch):
         assert same(measure(session, workers=1), measure(session, workers=2))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_sheet_that_moved_between_frames_is_reported(tmp_path):
     schedule = make_schedule(TRAIN, [Place("long", (0.005,))])
@@ -212,6 +216,7 @@ def read_only(monkeypatch):
     monkeypatch.setattr(os, "open", refusing)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_session_in_an_archive_is_measured_and_nothing_is_kept_in_it(
     pictured, tmp_path, monkeypatch
@@ -244,6 +249,7 @@ def test_a_session_that_cannot_be_added_to_is_refused_before_the_work(tmp_path, 
         analyze(path)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_frames_without_a_sheet_are_reported_once_for_each_condition(tmp_path):
     path = record_with(tmp_path / "s.h5", make_schedule(TRAIN, [Place("long", (0.0,))]))
@@ -257,18 +263,20 @@ def test_frames_without_a_sheet_are_reported_once_for_each_condition(tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("texts", "said"),
-    [
-        ({"sheet.toml": SHEET}, "holds no load_cell.toml"),
-        ({}, "holds no sheet.toml"),
-        (
-            {
-                "sheet.toml": SHEET.replace("[short]", "[other]"),
-                "load_cell.toml": "date = 2026-11-01\nsensitivity_V_per_N = 0.15",
-            },
-            r"no table \[short\], which run 3 needs",
-        ),
-        ({"sheet.toml": SHEET, "load_cell.toml": "date = 3"}, "load_cell.toml: .*date"),
-    ],
+    few(
+        [
+            ({"sheet.toml": SHEET}, "holds no load_cell.toml"),
+            ({}, "holds no sheet.toml"),
+            (
+                {
+                    "sheet.toml": SHEET.replace("[short]", "[other]"),
+                    "load_cell.toml": "date = 2026-11-01\nsensitivity_V_per_N = 0.15",
+                },
+                r"no table \[short\], which run 3 needs",
+            ),
+            ({"sheet.toml": SHEET, "load_cell.toml": "date = 3"}, "load_cell.toml: .*date"),
+        ]
+    ),
 )
 def test_what_a_session_lacks_is_reported(tmp_path, texts, said):
     path = record_with(tmp_path / "s.h5", small_schedule(), texts=texts)

@@ -107,6 +107,7 @@ def test_only_some_positions_and_marked_runs_are_left_out(path, tmp_path):
     assert any("No force was recorded" in text for text in found.missing)
 
 
+@pytest.mark.thorough
 def test_what_was_not_recorded_is_said_with_what_to_do(path, monkeypatch):
     with open_session(path) as session:
         monkeypatch.setitem(session.resolved["rig"], "current_sense", {})

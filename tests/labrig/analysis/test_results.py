@@ -118,6 +118,7 @@ def test_lines_go_through_the_predicted_forces_with_their_bands(result):
                 assert line["half90_mN"][at] == pytest.approx(half, abs=1e-3)
 
 
+@pytest.mark.thorough
 def test_the_last_step_of_the_convergence_is_the_fit_of_all(measured, fitted):
     points = converging(measured, whole=fitted)
     last = list(measured.sheets)[-1]
@@ -133,6 +134,7 @@ def test_the_last_step_of_the_convergence_is_the_fit_of_all(measured, fitted):
         assert np.ptp(known[-1]) < np.ptp(known[0]), name
 
 
+@pytest.mark.thorough
 def test_a_fit_that_begins_where_an_earlier_one_ended_finds_the_same(measured, fitted):
     points = converging(measured)  # each fit but the first begins so
     last = list(measured.sheets)[-1]
@@ -141,6 +143,7 @@ def test_a_fit_that_begins_where_an_earlier_one_ended_finds_the_same(measured, f
     assert found["sigma"] == pytest.approx(1e6 * B.sigma, rel=0.05)
 
 
+@pytest.mark.thorough
 def test_steps_that_are_known_are_not_fitted_again(measured):
     last = list(measured.sheets)[-1]
     points = converging(measured)
@@ -151,6 +154,7 @@ def test_steps_that_are_known_are_not_fitted_again(measured):
     assert sum(map(len, converging(measured, cancelled=lambda: next(asked)).values())) == 1
 
 
+@pytest.mark.thorough
 def test_steps_without_enough_data_say_why(measured):
     curves = tuple(replace(c, readings=c.readings[:0]) for c in measured.conditions)
     nothing = converging(replace(measured, conditions=curves))
@@ -173,6 +177,7 @@ def test_forces_alone_and_curves_alone_make_a_result(measured):
     assert all(one["force"] is None and one["curve"] and not one["models"] for one in shown)
 
 
+@pytest.mark.thorough
 def test_effects_widen_the_band_by_the_doubt_about_their_parameters(measured, fitted):
     def amount(sigma):
         return ActiveEffect(

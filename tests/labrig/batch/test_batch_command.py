@@ -90,6 +90,7 @@ def test_sessions_are_verified_and_a_faulty_file_is_one_row(data, capsys):
     assert (data / "batch" / "verify" / "counts.png").exists()
 
 
+@pytest.mark.thorough
 def test_the_same_command_goes_on_and_a_dry_run_does_nothing(data, capsys):
     assert run(["batch", "verify", "DATA", "--dry-run", "--json"]) == 0
     todo = json.loads(capsys.readouterr().out)["todo"]
@@ -104,6 +105,7 @@ def test_the_same_command_goes_on_and_a_dry_run_does_nothing(data, capsys):
     assert len((data / "batch" / "verify" / "rows.jsonl").read_text().splitlines()) == 4
 
 
+@pytest.mark.thorough
 def test_a_batch_without_any_result_has_an_exit_code_that_says_so(data, capsys):
     whole = data / "DATA" / "a.h5"
     assert run(["batch", "report", "DATA/broken.h5"]) == 2
@@ -157,6 +159,7 @@ def test_tables_are_fitted_as_one_by_one(cases, monkeypatch, capsys):
     assert "2 in all, 0 to do" in capsys.readouterr().out
 
 
+@pytest.mark.thorough
 def test_a_stiffness_that_no_force_measured_is_in_no_row(cases, tmp_path):
     case = shutil.copytree(cases / "CASES" / "case1", tmp_path / "case")
     (case / "forces.csv").unlink()
@@ -207,6 +210,7 @@ def test_an_error_in_a_task_of_another_distribution_is_named_with_its_place(
     )
 
 
+@pytest.mark.thorough
 def test_tables_with_other_names_of_columns_are_read(cases, tmp_path):
     case = shutil.copytree(cases / "CASES" / "case1", tmp_path / "case")
     ours = (case / "forces.csv").read_text()
@@ -250,6 +254,7 @@ sys.meta_path.insert(0, Hidden())
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("task", ["fit", pytest.param("diagnose", marks=pytest.mark.thorough)])
 def test_workers_fit_and_diagnose_without_the_packages_of_a_rig(cases, tmp_path, task):
     (tmp_path / "sitecustomize.py").write_text(_HIDE)

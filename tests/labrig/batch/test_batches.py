@@ -92,6 +92,7 @@ def test_a_killed_program_goes_on_where_it_was_and_does_nothing_twice(folder):
     assert not planned(folder, Costless(count=60, wait_s=0.01)).todo
 
 
+@pytest.mark.thorough
 def test_a_fault_of_the_file_is_said_at_once_and_other_errors_are_tried_three_times(folder):
     plan = do_batch(folder, Costless(count=6, faulty=5, broken=3))
     by_name = {row.name: row for row in rows_of(plan)}
@@ -114,6 +115,7 @@ def test_a_piece_that_kills_its_worker_is_lost_and_all_others_are_done(folder):
     assert [piece.item.name for piece in again.todo] == ["a.h5 piece 2", "b.h5 piece 2"]
 
 
+@pytest.mark.thorough
 def test_errors_are_left_alone_until_they_are_asked_for(folder):
     task = Costless(count=4, faulty=2)
     do_batch(folder, task)
@@ -122,6 +124,7 @@ def test_errors_are_left_alone_until_they_are_asked_for(folder):
     assert len(planned(folder, task, retry_errors=True).todo) == 4
 
 
+@pytest.mark.thorough
 def test_content_and_options_decide_what_is_done_and_not_the_time_of_a_file(folder):
     task = Costless(count=2)
     do_batch(folder, task)
@@ -135,6 +138,7 @@ def test_content_and_options_decide_what_is_done_and_not_the_time_of_a_file(fold
     assert len(planned(folder, Costless(count=2, broken=9)).todo) == 4
 
 
+@pytest.mark.thorough
 def test_results_and_files_may_be_moved_together(folder, tmp_path_factory):
     do_batch(folder, Costless(count=2))
     elsewhere = tmp_path_factory.mktemp("elsewhere") / "moved"
@@ -142,6 +146,7 @@ def test_results_and_files_may_be_moved_together(folder, tmp_path_factory):
     assert not planned(elsewhere, Costless(count=2)).todo
 
 
+@pytest.mark.thorough
 def test_a_limit_leaves_the_rest_for_the_next_time(folder):
     task = Costless(count=5)
     plan = do_batch(folder, task, limit=3)

@@ -54,6 +54,7 @@ def cluster(folder):
             ended(process, 30)
 
 
+@pytest.mark.thorough
 @pytest.mark.filterwarnings("ignore")
 def test_a_cluster_does_a_batch_and_a_killed_worker_loses_nothing(tmp_path):
     pytest.importorskip("distributed")

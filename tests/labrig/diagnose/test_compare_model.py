@@ -27,6 +27,7 @@ def test_the_true_model_is_nearer_than_one_with_its_mean_eibm():
     assert mended.force_rmse_N == pytest.approx(true.force_rmse_N, abs=1e-5)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_compare_lists_a_model_file_with_the_fitted_ones(tmp_path, capsys):
     measurements = measure("long", positions_m=(0.0, 0.015, 0.03))

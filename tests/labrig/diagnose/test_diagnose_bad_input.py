@@ -12,6 +12,7 @@ from labrig.cli.main import run
 from labrig.config.templates import template_text
 from labrig.model_file import save_model
 from labrig.session.tables.write import write_tables
+from tests.cases import few
 from tests.labrig.report_data import invalid, measure, truth
 
 
@@ -86,10 +87,13 @@ def told(capsys) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
-    [
-        *sorted(CASES.keys() - MORE),
-        *(pytest.param(name, marks=pytest.mark.thorough) for name in MORE),
-    ],
+    few(
+        [
+            *sorted(CASES.keys() - MORE),
+            *(pytest.param(name, marks=pytest.mark.thorough) for name in MORE),
+        ],
+        first=2,
+    ),
 )
 def test_data_that_say_too_little_end_in_a_verdict_or_in_a_sentence(
     name, measured, tmp_path, capsys
@@ -138,6 +142,7 @@ def test_a_position_to_leave_out_must_be_one_that_was_measured(
     assert says in told(capsys)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_model_of_another_sheet_is_refused(measured, tmp_path, capsys):
     model = truth("long")

@@ -25,6 +25,7 @@ from model import predict
 from model.discrepancy import Next
 from model.discrepancy.verdict.result import BeforeAfter, Promise
 from model.effects import catalogue
+from tests.cases import few
 from tests.labrig.diagnose import made
 from tests.labrig.report_data import TEXTS, measure, session
 from tests.labrig.test_report_page import read
@@ -87,7 +88,7 @@ def test_everything_is_printed_in_the_order_in_which_it_was_found(finding, recor
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("make", made.ALL)
+@pytest.mark.parametrize("make", few(made.ALL))
 def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recorded, capsys):
     finding(make)
     assert run(["diagnose", str(recorded), "--json"]) == 0
@@ -116,21 +117,25 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("make", "says"),
-    [
-        (made.nothing_missing, "Verdict: Nothing is seen that is not in the model:"),
-        (made.indistinguishable, "One of EIBM along the sheet or load cell hysteresis: 97 %"),
-        (made.indistinguishable, "Measure next: Six free shapes"),
-        (
-            made.indistinguishable,
-            "Separation of the candidates: 1.8 → 14.0 sigma (now → expected), after 2 min",
-        ),
-        (
-            made.inseparable,
-            "Nothing on the menu would tell EIBM along the sheet from load cell hysteresis. What",
-        ),
-        (made.unknown, "most clearly in the long sheet, at 30 mm from the clamp."),
-        (made.cannot_tell, "Verdict: The scatter of the set-ups can be neither"),
-    ],
+    few(
+        [
+            (made.nothing_missing, "Verdict: Nothing is seen that is not in the model:"),
+            (made.indistinguishable, "One of EIBM along the sheet or load cell hysteresis: 97 %"),
+            (made.indistinguishable, "Measure next: Six free shapes"),
+            (
+                made.indistinguishable,
+                "Separation of the candidates: 1.8 → 14.0 sigma (now → expected), after 2 min",
+            ),
+            (
+                made.inseparable,
+                "Nothing on the menu would tell EIBM along the sheet from load cell hysteresis."
+                " What",
+            ),
+            (made.unknown, "most clearly in the long sheet, at 30 mm from the clamp."),
+            (made.cannot_tell, "Verdict: The scatter of the set-ups can be neither"),
+        ],
+        first=2,
+    ),
 )
 def test_each_verdict_is_a_plain_sentence(make, says, finding, recorded, capsys):
     finding(make)
@@ -200,7 +205,7 @@ def test_options_reach_the_procedure(finding, recorded, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("make", [made.found, made.unknown])
+@pytest.mark.parametrize("make", few([made.found, made.unknown]))
 def test_the_model_file_predicts_with_what_was_found(make, finding, recorded, tmp_path, capsys):
     finding(make)
     path = tmp_path / "model+.toml"
@@ -216,6 +221,7 @@ def test_the_model_file_predicts_with_what_was_found(make, finding, recorded, tm
     assert json.loads(capsys.readouterr().out)[0]["F_N"] == pytest.approx(one, rel=1e-6)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_model_with_what_was_found_answers_design_questions(finding, recorded, tmp_path, capsys):
     finding(made.found)
@@ -225,6 +231,7 @@ def test_a_model_with_what_was_found_answers_design_questions(finding, recorded,
     assert "Traceback" not in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.usefixtures("words_only")
 def test_what_was_found_is_kept_and_shown_in_the_sessions_report(finding, tmp_path):
@@ -370,7 +377,7 @@ EXTRAS = [
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("extra", EXTRAS)
+@pytest.mark.parametrize("extra", few(EXTRAS))
 def test_next_writes_a_protocol_that_can_be_run(extra, proposing, recorded, tmp_path, capsys):
     proposing(extra)
     path = tmp_path / "protocol.toml"
@@ -402,6 +409,7 @@ def test_next_writes_a_protocol_that_can_be_run(extra, proposing, recorded, tmp_
         assert voltages == {0.0, 2.0, -2.0}
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_next_without_a_file_prints_the_protocol(proposing, recorded, capsys):
     proposing("free_shapes")
@@ -413,6 +421,7 @@ def test_next_without_a_file_prints_the_protocol(proposing, recorded, capsys):
     assert found["separation_expected"] == 9.0
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_next_needs_no_names_where_the_diagnosis_has_them(finding, monkeypatch, recorded, capsys):
     finding(made.indistinguishable)
@@ -444,6 +453,7 @@ def test_next_and_the_diagnosis_give_one_distance_for_a_pair(finding, recorded, 
     assert (found["separation_now"], found["separation_expected"]) == (1.8, 14.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_measurement_made_as_proposed_is_compared_with_its_promise(finding, tmp_path, capsys):
     first = session(tmp_path / "first.h5", measure("long"))
@@ -493,6 +503,7 @@ def test_the_hint_at_the_next_measurement_is_a_command_that_works(finding, recor
     assert run(words[1:]) == 0
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_next_diagnoses_first_what_was_not_diagnosed_yet(finding, tmp_path, capsys):
     path = session(tmp_path / "new.h5", measure("long"))

@@ -207,6 +207,7 @@ def test_the_extractor_of_the_docs_works_as_it_stands_there(documented, strip_im
     assert tips[1] == pytest.approx(tips[0], abs=0.2)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_session_records_which_extractor_made_its_curves(other, tmp_path):
     schedule = make_schedule(

@@ -20,6 +20,7 @@ from labrig.library.records import put_entry
 from labrig.library.select import select
 from labrig.model_file import load_model, save_model
 from labrig.session import open_session
+from tests.cases import few
 from tests.labrig.session.session_recording import record, small_schedule
 from tests.processes import last_words
 
@@ -108,7 +109,7 @@ def test_a_damaged_file_is_listed_with_its_fault(folder):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", ["empty", "text", "zeros", "half", "no_table", "no_entry"])
+@pytest.mark.parametrize("damage", few(["empty", "text", "zeros", "half", "no_table", "no_entry"]))
 def test_a_cache_that_is_damaged_is_made_anew(folder, looked, damage):
     library = Library(folder)
     library.refresh()
@@ -158,6 +159,7 @@ def test_a_cache_that_cannot_be_written_is_kept_in_memory(folder, monkeypatch, t
     assert len(library.entries()) == 4
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_programs_that_look_at_once_do_not_disturb_each_other(folder):
     script = (

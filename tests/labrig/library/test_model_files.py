@@ -107,6 +107,7 @@ def test_the_list_names_quantity_unit_sheet_voltage_and_file(fitted, folder, cap
     assert entry["fit"]["short"]["model"] == "model.toml"
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_errors_of_a_diagnosis_are_stated_for_each_configuration():
     from model.discrepancy import diagnose

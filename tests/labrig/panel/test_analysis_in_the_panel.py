@@ -89,9 +89,7 @@ def test_requests_that_make_no_sense_are_refused(page, body, status):
     assert page.ask("POST", "/api/analysis/cancel", {"id": "nobody"})[0] == 404
 
 
-def test_a_session_is_analysed_fitted_diagnosed_and_reported_as_by_the_command_line(
-    folder, page, server, tmp_path
-):
+def test_a_session_is_analysed_and_fitted_as_by_the_command_line(folder, page, tmp_path):
     first = done(page, "fit")  # which analyses first
     assert first["result"]["files"] == {"model": "session.model.toml"}
     assert "not analysed yet" in first["result"]["notes"][0]
@@ -99,6 +97,11 @@ def test_a_session_is_analysed_fitted_diagnosed_and_reported_as_by_the_command_l
     with fits_unchecked():  # which adds words, not numbers
         assert labrig("fit", folder / "session.h5", "-o", tmp_path / "cli.toml") == 0
     assert (folder / "session.model.toml").read_text() == (tmp_path / "cli.toml").read_text()
+
+
+@pytest.mark.thorough
+def test_a_session_is_diagnosed_and_reported_as_by_the_command_line(folder, page, server):
+    done(page, "fit")
     found = done(page, "next")["result"]  # which diagnoses first, as there is no diagnosis yet
     kept = kept_diagnosis(folder / "session.h5")
     assert f"It was diagnosed first: {kept.sentence}" in found["notes"]

@@ -94,6 +94,7 @@ def test_a_cancelled_job_is_ended_at_once_and_leaves_the_session_as_it_was(sessi
     assert [path.name for path in session.parent.glob("session*")] == ["session.h5"]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_process_that_is_killed_is_a_failed_job_with_a_sentence_and_the_next_one_begins(session):
     bare = session.with_name("bare.h5")
@@ -188,6 +189,7 @@ def test_a_process_ends_with_the_panel_that_started_it(session):
         assert not opened.has_measurements
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_part_that_the_process_of_an_analysis_leaves_out_is_told(session, tmp_path, monkeypatch):
     site = tmp_path / "site"

@@ -49,6 +49,7 @@ def test_the_process_that_waits_carries_out_the_next_order(processes, folder):
     assert (folder / ".labrig" / LOG).exists()
 
 
+@pytest.mark.thorough
 def test_a_waiting_process_that_has_died_is_replaced(processes, folder):
     processes.prepare()
     processes._waiting.kill()
@@ -78,6 +79,7 @@ def test_a_process_that_got_ready_beside_a_run_hurries_when_the_run_is_over(proc
     assert os.sched_getscheduler(processes._waiting.pid) == os.SCHED_OTHER
 
 
+@pytest.mark.thorough
 def test_a_rig_that_cannot_be_read_is_reported_by_the_job_and_not_by_the_one_that_waits(folder):
     (folder / "rig.toml").write_text("nonsense = 1\n")
     processes = JobProcesses(folder, folder / "rig.toml")

@@ -50,6 +50,7 @@ def test_runs_are_measured_one_by_one_as_the_whole_analysis_measures_them(tmp_pa
     assert running.measure_next() is None
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_session_is_measured_while_it_is_recorded_and_again_when_a_run_is_marked(tmp_path):
     path, schedule = tmp_path / "s.h5", small_schedule()
@@ -185,6 +186,7 @@ def test_a_result_goes_to_the_pages_and_is_kept_for_those_that_ask(followed):
     assert live.result("old.h5") is None
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_process_that_crashes_is_started_again_with_the_next_run(session):
     with open_session(session) as opened:

@@ -80,6 +80,7 @@ def test_the_true_model_predicts_force_and_shape_within_the_noise(of_the_true_mo
     assert row["B_sigma"] < 0.03
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_stiffness_that_is_off_by_20_per_cent_shows_in_the_error_and_in_the_estimate(
     recorded, model_file, of_the_true_model
@@ -108,6 +109,7 @@ def test_the_prediction_has_each_bin_of_the_signals_once(recorded, of_the_true_m
     np.testing.assert_allclose(predicted[-1], measured[-1], atol=1e-5)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_model_that_is_slow_skips_images_and_takes_signals_in_larger_pieces(
     recorded, model_file, of_the_true_model
@@ -132,6 +134,7 @@ def test_a_model_that_is_slow_skips_images_and_takes_signals_in_larger_pieces(
     assert abs(row["B"] - last_estimate(every)["B"]) < max(2 * row["B_sigma"], 0.03)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_signals_from_before_the_run_do_not_end_the_prediction(recorded, model_file):
     rows = recorded[2][:200]
@@ -163,6 +166,7 @@ def test_what_the_model_cannot_do_is_a_sentence(recorded, model_file, tmp_path):
     assert any("long" in why and why.endswith("goes on with the next run.") for why in whys)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_load_cell_that_moves_ends_the_prediction_of_its_run(recorded, model_file):
     rows = recorded[2]
@@ -245,6 +249,7 @@ def test_pages_hear_the_prediction_and_the_estimates(panel_side, recorded):
     until(a_shape_is_heard)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.skipif(os.name != "posix", reason="needs signals")
 @pytest.mark.parametrize(

@@ -180,6 +180,7 @@ def test_a_held_queue_ends_its_session_and_begins_no_further_one(page):
     assert states(held(page)) == [("this.h5", "completed"), ("next.h5", "waiting")]
 
 
+@pytest.mark.thorough
 def test_a_restarted_panel_goes_on_with_a_run_that_lives_and_then_with_the_next(alone):
     server = Server(alone / "rig.toml", lean=True)
     page = Page(server)

@@ -81,6 +81,7 @@ def test_without_control_nobody_pauses(page, server):
         other.close()
 
 
+@pytest.mark.thorough
 def test_another_terminal_pauses_a_session(rig_folder, tmp_path):
     (rig_folder / "positions.toml").write_text(POSITIONS)
     session = tmp_path / "terminal.h5"

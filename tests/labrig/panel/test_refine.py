@@ -43,6 +43,7 @@ def test_the_middle_of_a_roll_is_found_to_a_twentieth_of_a_pixel(bright):
     assert np.hypot(found.px[0] - 80.37, found.px[1] - 60.61) < 0.05
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_stated_uncertainty_covers_the_error_of_many_rolls():
     errors = []

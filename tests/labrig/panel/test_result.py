@@ -61,6 +61,7 @@ def test_what_was_measured_comes_first_then_the_models_then_how_b_and_eibm_settl
     assert get(server, "?session=a.h5&upto=measured") == whole  # now it is kept
 
 
+@pytest.mark.thorough
 def test_a_result_is_kept_until_one_of_its_files_changes(server, folder):
     whole = get(server, "?session=a.h5")
     kept = next((folder / ".labrig" / "results").glob("a-*.json"))
@@ -76,6 +77,7 @@ def test_a_result_is_kept_until_one_of_its_files_changes(server, folder):
         other.end()
 
 
+@pytest.mark.thorough
 def test_the_panel_ends_at_once_while_a_result_is_computed(folder):
     other = Server(None, "--data", str(folder))
     session(folder / "slow.h5", measure())

@@ -19,6 +19,7 @@ def path(tmp_path_factory):
     return run_rig(folder)
 
 
+@pytest.mark.thorough
 def test_the_log_of_a_session_begins_at_0(path):
     with open_session(path) as session:
         assert session.events[0].time_s > 1.0  # by a clock whose zero means nothing

@@ -53,6 +53,7 @@ def test_each_part_of_measurements_fits_one_screen(measured):
     assert "50 x 11 x 0.21 mm" in repr(measured.sheets["long"])
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_models_and_predictions_fit_one_screen():
     model = truth("long", "short")

@@ -108,6 +108,7 @@ def test_fit_takes_text_paths_and_measurements(session_file, fitted):
     assert row.low90 < B.value < row.high90
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_fit_is_what_the_command_prints(session_file, capsys):
     printed = printed_json(capsys, "fit", session_file, "--hold-out", "position=20")
@@ -216,6 +217,7 @@ def test_wrong_names_of_columns_are_one_sentence(tmp_path):
 # -- the next measurement
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_next_measurement_is_what_the_command_prints(session_file, folder, capsys):
     between = ("gravity", "clamp_angle")

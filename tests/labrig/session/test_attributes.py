@@ -11,6 +11,7 @@ import pytest
 from labrig.session import compare_sessions, open_session, recover, verify
 from labrig.session.format import layout
 from labrig.session.recording.journal import Journal, journal_path
+from tests.cases import few
 from tests.labrig.session.session_recording import record, small_schedule
 
 
@@ -37,15 +38,17 @@ def failed(path):
 
 @pytest.mark.parametrize(
     ("name", "attribute", "value"),
-    [
-        ("/session/run_000", "position_m", 0.006),
-        ("/session/run_000", "configuration", np.bytes_(b"shor")),
-        ("/session/run_001/signals/force", "units", np.bytes_(b"N")),
-        ("/session/run_001/frames/time", "units", np.bytes_(b"m")),
-        ("/session", "default", np.bytes_(b"run_001")),
-        ("/session/run_000/readings", "remark", 1.0),
-        ("/session/checksums", "remark", 1.0),
-    ],
+    few(
+        [
+            ("/session/run_000", "position_m", 0.006),
+            ("/session/run_000", "configuration", np.bytes_(b"shor")),
+            ("/session/run_001/signals/force", "units", np.bytes_(b"N")),
+            ("/session/run_001/frames/time", "units", np.bytes_(b"m")),
+            ("/session", "default", np.bytes_(b"run_001")),
+            ("/session/run_000/readings", "remark", 1.0),
+            ("/session/checksums", "remark", 1.0),
+        ]
+    ),
 )
 def test_an_attribute_that_was_changed_or_added_is_found(session, name, attribute, value):
     change(session, name, attribute, value)
@@ -69,6 +72,7 @@ def test_a_group_that_was_added_is_found(session):
     assert failed(session)["datasets"] == "/session/run_000/more"
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_comparison_names_the_object_whose_attribute_differs(session, recorded):
     change(session, "/session/run_000", "position_m", 0.006)

@@ -15,6 +15,7 @@ from labrig.session.recording.journal import Journal, journal_path
 from labrig.session.recording.rows import Translator
 from protocols import Channel
 from protocols.execution import events as ev
+from tests.cases import few
 from tests.labrig.session.session_recording import (
     CHANNELS,
     session_events,
@@ -81,6 +82,7 @@ def test_a_fourth_channel_survives_a_crash(tmp_path):
     check_temperature(tmp_path / "whole.h5")
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_rig_without_a_current_channel_has_no_current_in_its_readings(tmp_path):
     two = (CHANNELS[0], CHANNELS[2])
@@ -116,7 +118,7 @@ def test_a_channel_that_a_session_cannot_hold_is_refused(change, says):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("unit", "found"), [("N", "N"), ("V", "V"), (None, "V")])
+@pytest.mark.parametrize(("unit", "found"), few([("N", "N"), ("V", "V"), (None, "V")]))
 def test_the_raw_force_has_the_unit_in_which_it_was_read(tmp_path, unit, found):
     resolved = {} if unit is None else {"force_channel_unit": unit}
     with SessionWriter(tmp_path / "s.h5", **settings(small_schedule()) | {"resolved": resolved}):

@@ -81,6 +81,7 @@ def test_devices_are_recorded_shown_and_survive_a_crash(tmp_path, monkeypatch, c
     assert read_entry(tmp_path / "whole.h5", "whole.h5").boards.startswith("PCI6703 real")
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_of_a_session_without_devices_real_boards_are_not_claimed(tmp_path):
     record(tmp_path / "s.h5", SHORT, simulated=False)

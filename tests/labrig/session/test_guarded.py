@@ -13,6 +13,7 @@ from labrig.session import SessionWriter, open_session, recover, verify
 from labrig.session.reading.guard_report import guard_report_path, read_guard_report
 from labrig.session.recording.journal import journal_path
 from protocols.execution.events import OutputState
+from tests.cases import few
 from tests.labrig.session.session_recording import session_events, settings, small_schedule
 
 SAFE = {"why": "the program hangs", "state": "safe", "read_back_V": 0.0004, "failures": []}
@@ -49,7 +50,7 @@ def test_an_output_that_the_guard_could_not_make_safe_is_told_as_such(cut):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("report", "state"), [(SAFE, OutputState.SAFE), (UNKNOWN, OutputState.UNKNOWN)]
+    ("report", "state"), few([(SAFE, OutputState.SAFE), (UNKNOWN, OutputState.UNKNOWN)])
 )
 def test_what_is_recovered_keeps_what_the_guard_has_found(cut, report, state):
     guard_report_path(cut).write_text(json.dumps(report))
@@ -66,7 +67,7 @@ def test_recovered_in_place_the_session_says_it_itself(cut):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("text", ["", '{"why": "the prog', "[]", '{"state": "fine"}', "null"])
+@pytest.mark.parametrize("text", few(["", '{"why": "the prog', "[]", '{"state": "fine"}', "null"]))
 def test_a_report_that_is_not_whole_is_none(cut, text):
     guard_report_path(cut).write_text(text)
     assert read_guard_report(cut) is None

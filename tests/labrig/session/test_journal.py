@@ -241,6 +241,7 @@ except WriterError as error:
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are POSIX")
 def test_when_the_system_refuses_more_bytes_what_came_before_is_kept(tmp_path):

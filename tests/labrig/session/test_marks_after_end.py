@@ -33,6 +33,7 @@ from labrig.session import (
 from labrig.session.format import layout
 from labrig.session.supplements.store import seal
 from protocols.execution import events as ev
+from tests.cases import few
 from tests.labrig.session.measured import measurements
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
 from tests.processes import ended
@@ -95,6 +96,7 @@ def test_a_whole_run_is_marked_and_a_mark_is_taken_back_but_never_removed(sessio
     assert failed(session) == {}
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_mark_of_the_session_itself_can_be_taken_back_after_its_end(tmp_path):
     path = tmp_path / "s.h5"
@@ -115,7 +117,7 @@ def test_a_mark_of_the_session_itself_can_be_taken_back_after_its_end(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("version", [1, 2])
+@pytest.mark.parametrize("version", few([1, 2]))
 def test_sessions_of_older_versions_can_be_marked(version, tmp_path):
     path = Path(shutil.copy(DATA / f"version_{version}.hdf5", tmp_path / "old.h5"))
     add_mark(path, mark(0, 0))
@@ -159,7 +161,7 @@ def test_a_session_that_is_not_closed_cannot_be_marked(session):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("change", ["why", "order", "first one gone"])
+@pytest.mark.parametrize("change", few(["why", "order", "first one gone"]))
 def test_a_mark_that_was_changed_is_found_and_the_recording_still_proved(session, change):
     for reading in range(3):
         add_mark(session, mark(0, reading, why=f"reason {reading}"))
@@ -189,6 +191,7 @@ def test_marks_that_are_damaged_leave_the_recording_proved(session):
     assert not all(found.values())
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_programs_that_mark_at_once_all_do(session):
     threads = [
@@ -249,6 +252,7 @@ def analysed(path):
     store_measurements(path, replace(measurements(), checksum=data))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_an_analysis_of_before_is_out_of_date_until_the_mark_is_taken_back(session, tmp_path):
     analysed(session)

@@ -52,6 +52,7 @@ def test_nxvalidate_finds_no_error(session):
     assert "Total number of errors: 0" in found.stdout
 
 
+@pytest.mark.thorough
 def test_sensors_measure_in_the_words_of_nexus_where_it_has_one(session):
     with h5py.File(session) as file:
         sensors = file["session/instrument/environment"]
@@ -137,6 +138,7 @@ def test_columns_say_from_where_they_count_and_that_marks_may_follow(session):
             assert "as recorded; later marks are in /session/marks" in comment
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_anybody_may_add_anything_to_the_additional_group(session, tmp_path):
     path = tmp_path / "s.h5"
@@ -163,6 +165,7 @@ def test_a_link_to_anything_but_a_sensor_is_refused(session, tmp_path):
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_readings_of_all_runs_come_back_from_the_journal(session, tmp_path, monkeypatch):
     monkeypatch.setattr(Journal, "remove", Journal.close)
     crashed = tmp_path / "crashed.h5"

@@ -28,6 +28,7 @@ from labrig.session.notes import waiting as waiting_module
 from labrig.session.notes.note import PHOTOGRAPH_BYTES_MAX
 from labrig.session.notes.waiting import open_waiting, waiting_path
 from labrig.session.recording.journal import journal_path
+from tests.cases import few
 from tests.labrig.session.measured import measurements
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
 
@@ -85,7 +86,7 @@ def test_a_photograph_comes_back_byte_by_byte(closed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("what", ["author", "description", "date", "sequence_index", "data"])
+@pytest.mark.parametrize("what", few(["author", "description", "date", "sequence_index", "data"]))
 def test_verify_finds_a_note_that_was_changed(closed, what):
     add_note(closed, note("before", media_type="image/png", photograph=b"abc"))
     add_note(closed, note("after"))
@@ -148,7 +149,7 @@ def killed_while_recording(path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("in_place", [True, False])
+@pytest.mark.parametrize("in_place", few([True, False]))
 def test_a_kill_loses_no_note_and_recover_doubles_none(tmp_path, in_place):
     path = tmp_path / "s.h5"
     killed_while_recording(path)
@@ -163,6 +164,7 @@ def test_a_kill_loses_no_note_and_recover_doubles_none(tmp_path, in_place):
         assert texts_of(path) == [*wanted, "later"]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_kill_between_file_and_clearing_doubles_no_note(closed, monkeypatch):
     with monkeypatch.context() as patch:
@@ -191,6 +193,7 @@ def test_a_note_that_the_file_does_not_take_is_kept_beside_it_and_added_later(
     assert not waiting_path(closed).exists()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_note_and_an_analysis_at_the_same_time_are_both_in_the_file(closed):
     threads = [
@@ -244,6 +247,7 @@ def test_notes_of_another_session_are_not_taken_for_those_of_this_one(closed):
     assert not journal_path(closed).exists()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_notes_from_many_threads_at_once_are_all_kept(closed):
     threads = [

@@ -347,6 +347,7 @@ def test_the_examples_are_read(tmp_path):
         write_examples(tmp_path)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_means_with_their_scatter_say_what_their_readings_say():
     whole = measure("long")

@@ -18,6 +18,7 @@ from labrig.session import SessionWriter, compare_sessions, open_session, recove
 from labrig.session.recording.journal import journal_path
 from labrig.session.repair.recover import RecoverReport
 from protocols.execution import events as ev
+from tests.cases import few
 from tests.labrig.session import session_recording
 from tests.labrig.session.session_recording import record, session_events, settings, small_schedule
 from tests.processes import ended
@@ -149,7 +150,7 @@ def test_without_its_journal_the_file_itself_is_enough(cut):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("damage", ["gone", "empty", "cut in half", "overwritten"])
+@pytest.mark.parametrize("damage", few(["gone", "empty", "cut in half", "overwritten"]))
 def test_without_the_file_its_journal_is_enough(cut, damage):
     raw = cut.read_bytes()
     if damage == "gone":
@@ -162,6 +163,7 @@ def test_without_the_file_its_journal_is_enough(cut, damage):
     assert all(check.ok for check in verify(report.output))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_rows_that_only_the_file_still_holds_are_added_to_those_of_the_journal(cut):
     raw = journal_path(cut).read_bytes()
@@ -187,6 +189,7 @@ def test_a_session_that_is_still_alive_is_not_recovered(tmp_path):
         recover(tmp_path / "s.h5")
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_whole_session_needs_no_recovery(tmp_path):
     record(tmp_path / "s.h5", small_schedule())
@@ -202,6 +205,7 @@ def test_recovery_overwrites_nothing(cut):
         recover(cut)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_journal_of_the_whole_session_makes_the_same_file(tmp_path):
     """A kill between the last event and the removal of the journal loses nothing."""

@@ -61,6 +61,7 @@ def test_a_reading_that_is_missing_is_found(session):
     assert failed(session)["run 2: readings"] == "5 of 8"
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_two_recordings_of_the_same_run_are_equal_however_the_samples_came(recorded, tmp_path):
     record(tmp_path / "b.h5", small_schedule(), block=173)
@@ -70,6 +71,7 @@ def test_two_recordings_of_the_same_run_are_equal_however_the_samples_came(recor
         assert a.checksum == b.checksum
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_comparison_names_what_differs_and_where(session, recorded):
     with h5py.File(session, "r+") as file:

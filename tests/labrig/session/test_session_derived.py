@@ -45,6 +45,7 @@ def test_measurements_come_back_to_the_last_bit(session):
     assert same(load_measurements(session), measurements())
 
 
+@pytest.mark.thorough
 def test_nothing_measured_comes_back_too(session):
     store_measurements(session, Measurements(sheets={}, conditions=()))
     assert same(load_measurements(session), Measurements(sheets={}, conditions=()))
@@ -69,6 +70,7 @@ def test_raw_data_are_the_same_before_and_after(session, recorded):
     assert compare_sessions(session, recorded) == []
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_measurements_made_again_replace_the_old_and_the_file_does_not_grow(session):
     store_measurements(session, measurements())

@@ -111,6 +111,7 @@ def test_the_log_has_one_line_for_each_event_in_order(recorded):
         assert session.events[1].subject == "move"
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_long_warning_is_not_cut(tmp_path):
     schedule = small_schedule()
@@ -148,6 +149,7 @@ def test_a_mark_makes_a_reading_invalid_and_the_raw_row_stays(tmp_path):
         assert file["session/run_001/readings"]["valid"].all()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_samples_that_were_lost_leave_a_gap_of_nan(tmp_path):
     schedule = small_schedule()
@@ -162,6 +164,7 @@ def test_samples_that_were_lost_leave_a_gap_of_nan(tmp_path):
         assert np.isfinite(session.runs[0].time_s).all()
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_session_without_a_camera_has_no_frames(tmp_path):
     record(tmp_path / "s.h5", small_schedule(), frame_shape=None)
@@ -234,6 +237,7 @@ with h5py.File(sys.argv[1], "r"):
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_viewer_that_has_the_new_file_open_does_not_end_the_recording(tmp_path, monkeypatch):
     path = tmp_path / "looked_at.h5"
@@ -270,6 +274,7 @@ with open(sys.argv[2], "w+b") as journal, h5py.File(sys.argv[1], "r+", libver=LI
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_session_that_is_just_beginning_can_be_looked_at(tmp_path):
     """The file cannot be read between its opening for writing and its switch to shared reading."""

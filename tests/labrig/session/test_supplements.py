@@ -49,6 +49,7 @@ def test_a_supplement_leaves_the_recording_and_its_checksum_as_they_were(noted, 
         assert after.checksum == before.checksum
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "change",
     [
@@ -88,6 +89,7 @@ def test_a_supplement_that_fails_leaves_the_session_as_it_was(noted):
     assert [path.name for path in noted.parent.iterdir()] == ["s.h5"]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_recover_keeps_the_supplements_that_are_whole(noted, tmp_path):
     store_measurements(noted, measurements())

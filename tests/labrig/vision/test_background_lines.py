@@ -10,6 +10,7 @@ from labrig.vision.curve.background_lines import BackgroundLine
 from labrig.vision.image.image import read_grey_image
 from labrig.vision.search.ridge_tracing import ridge_maps
 from labrig.vision.search.straight_lines import find_branches, find_wires
+from tests.cases import few
 
 
 def drawn(paths, noise=6.0, seed=0):
@@ -63,14 +64,16 @@ def test_a_wire_that_ends_in_the_image_is_followed_to_its_end(known, plain):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "most_px"),
-    [
-        (950_396, 0.08),
-        (950_299, 0.3),
-        *(
-            pytest.param(*case, marks=pytest.mark.thorough)
-            for case in ((990_058, 0.15), (700_219, 0.15), (700_374, 0.1))
-        ),
-    ],
+    few(
+        [
+            (950_396, 0.08),
+            (950_299, 0.3),
+            *(
+                pytest.param(*case, marks=pytest.mark.thorough)
+                for case in ((990_058, 0.15), (700_219, 0.15), (700_374, 0.1))
+            ),
+        ]
+    ),
 )
 def test_a_sheet_is_measured_beside_a_wire_that_crosses_it_at_a_small_angle(
     scenes, known, seed, most_px
@@ -85,7 +88,7 @@ def test_a_sheet_is_measured_beside_a_wire_that_crosses_it_at_a_small_angle(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [950_314, 3_010_129])
+@pytest.mark.parametrize("seed", few([950_314, 3_010_129]))
 def test_a_sheet_that_a_wire_hides_too_far_is_refused(scenes, known, seed):
     scene = scenes.make_scene(scenes.mixed(seed))
     curve = neutral_curve(scene.image, *known(scene))
@@ -96,7 +99,7 @@ def test_a_sheet_that_a_wire_hides_too_far_is_refused(scenes, known, seed):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "covered"),
-    [(950_110, 0.85), (950_193, 0.85), (1_300_000, 0.8), (1_300_114, 0.8)],
+    few([(950_110, 0.85), (950_193, 0.85), (1_300_000, 0.8), (1_300_114, 0.8)]),
 )
 def test_a_straight_sheet_near_the_border_or_a_straight_elongation_is_no_wire(
     scenes, known, seed, covered
@@ -144,6 +147,7 @@ def test_what_begins_at_the_clamp_may_be_the_sheet_though_it_reaches_the_border(
     assert not wire.begins_at(np.array([5.0, 90.0]), 60.0)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "sheet", "said"),
@@ -185,7 +189,7 @@ def test_a_lead_from_the_jaw_to_the_border_is_no_face_of_the_sheet_it_runs_with(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("spacing", [40, 47])
+@pytest.mark.parametrize("spacing", few([40, 47]))
 def test_lines_that_cross_the_sheet_steeply_hide_no_more_than_their_crossings(
     scenes, known, spacing
 ):
@@ -222,7 +226,7 @@ def test_a_straight_sheet_is_none_where_the_joint_of_the_jaws_continues_behind_t
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [4_100_024, 4_100_027])
+@pytest.mark.parametrize("seed", few([4_100_024, 4_100_027]))
 def test_the_sheets_own_straight_end_is_no_wire(scenes, known, seed):
     """It is seen to where the sheet ends, and nothing goes on there: what is left is not enough."""
     scene = scenes.make_scene(scenes.mixed(seed))

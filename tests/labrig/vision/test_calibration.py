@@ -15,6 +15,7 @@ from labrig.vision import (
     calibrate_ruler,
     write_board_pdf,
 )
+from tests.cases import few
 
 CAMERA = np.array([[1500, 0, 322.0], [0, 1500, 236.0], [0, 0, 1]])
 LENS = np.array([-0.15, 0.1, 0.0005, -0.0004, 0])
@@ -51,7 +52,7 @@ def plane_error_um(optics: Optics, plane):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "board", [CalibrationBoard(), CalibrationBoard(marker_mm=0)], ids=["charuco", "checker"]
+    "board", few([CalibrationBoard(), CalibrationBoard(marker_mm=0)]), ids=["charuco", "checker"]
 )
 def test_one_flat_view_measures_the_plane_to_a_few_um(board):
     image, plane = view(board, (0.02, -0.02, 0.01), (-30, -22.5, 170))
@@ -76,6 +77,7 @@ def test_the_world_starts_at_the_clamp_and_runs_along_the_sheet():
     assert math.isclose(o.roll_rad, math.atan2(-10, 120), abs_tol=0.01)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "board",

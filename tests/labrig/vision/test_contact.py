@@ -78,6 +78,7 @@ def test_without_a_curve_there_is_no_contact(plain, known):
     assert contact_from_image(black, neutral_curve(black, optics, strip), optics, 0.04) is None
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [16, pytest.param(40, marks=pytest.mark.thorough)])
 def test_no_rolls_are_seen_where_there_are_none_and_none_are_misplaced(scenes, known, count):

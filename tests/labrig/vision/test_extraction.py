@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.vision import StripGeometry, Tracker, neutral_curve
+from tests.cases import few
 
 
 def normal_errors_mm(curve, scene):
@@ -20,7 +21,7 @@ def normal_errors_mm(curve, scene):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "recipe",
-    [
+    few([
         {},
         {"bright": False},
         {"bits": 16},
@@ -32,7 +33,7 @@ def normal_errors_mm(curve, scene):
         {"free_mm": 4.5, "elongation_mm": 40.0, "elongation_thickness_mm": 0.21, "bright": False,
          "turn_rad": -0.4, "physical": False},
         {"rolls": True, "spots": 3, "uneven": 0.4},
-    ],
+    ], first=3),
 )  # fmt: skip
 def test_the_curve_is_good_to_a_few_hundredths_of_a_pixel(recipe, scenes, known):
     scene = scenes.make_scene(scenes.Recipe(**({"seed": 11, "physical": True} | recipe)))
@@ -81,6 +82,7 @@ def faced(request, scenes):
     return scenes.make_scene(recipe)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_side_face_hardly_moves_the_curve_and_is_reported(faced, scenes, known):
     curve = neutral_curve(faced.image, *known(faced))
@@ -93,6 +95,7 @@ def test_the_side_face_hardly_moves_the_curve_and_is_reported(faced, scenes, kno
     assert np.mean(miss_mm < 1.96 * curve.sigma_m * 1000) > 0.8
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "face"),
@@ -113,7 +116,7 @@ def test_a_face_beside_a_bent_or_a_short_sheet_is_separated_from_its_edge(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "most_px"), [(830_073, 0.02), (700_326, 0.03)])
+@pytest.mark.parametrize(("seed", "most_px"), few([(830_073, 0.02), (700_326, 0.03)]))
 def test_a_thick_elongation_is_not_taken_for_an_edge_with_a_face(scenes, known, seed, most_px):
     scene = scenes.make_scene(scenes.mixed(seed))
     curve = neutral_curve(scene.image, *known(scene))
@@ -122,6 +125,7 @@ def test_a_thick_elongation_is_not_taken_for_an_edge_with_a_face(scenes, known, 
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < most_px
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_chord_along_a_wire_is_not_taken_for_the_sheet(scenes, known):
     scene = scenes.make_scene(scenes.mixed(900_080))
@@ -130,7 +134,7 @@ def test_a_chord_along_a_wire_is_not_taken_for_the_sheet(scenes, known):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("thickness_mm", [0.1, 0.21, 0.5, 1.2])
+@pytest.mark.parametrize("thickness_mm", few([0.1, 0.21, 0.5, 1.2]))
 def test_a_thickness_that_nobody_stated_is_taken_from_the_image(scenes, known, thickness_mm):
     recipe = scenes.Recipe(seed=3, physical=True, thickness_mm=thickness_mm)
     scene = scenes.make_scene(recipe)
@@ -148,6 +152,7 @@ def test_a_thickness_that_nobody_stated_is_taken_from_the_image(scenes, known, t
     assert again.thickness_m == pytest.approx(curve.thickness_m, rel=2e-3)  # measured again
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_wire_is_left_out_while_a_sheet_is_followed_too(scenes, known):
     scene = scenes.make_scene(scenes.mixed(990_058))
@@ -243,6 +248,7 @@ def test_an_image_without_a_sheet_does_not_end_the_tracking(plain, known):
     assert tracker.curve(plain.image).ok
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("count", [8, pytest.param(60, marks=pytest.mark.thorough)])
 def test_mixed_scenes_give_no_silent_failure(scenes, known, count):
@@ -281,7 +287,7 @@ def test_the_stated_bands_cover_the_truth(scenes, known):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [95_400_017, 95_600_001])
+@pytest.mark.parametrize("seed", few([95_400_017, 95_600_001]))
 def test_a_wire_that_goes_on_beyond_a_stated_length_is_not_the_sheet(scenes, known, seed):
     """Its edges lead along the wire; its intensities end where the sheet does."""
     scene = scenes.make_scene(scenes.mixed(seed))

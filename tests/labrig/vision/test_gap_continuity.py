@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from labrig.vision import neutral_curve
+from tests.cases import few
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_drawn_line_that_leaves_the_rolls_is_not_taken_for_the_sheets_end(scenes, known):
     """The side of a rectangle: taken for the last 13 % of the sheet it was nine pixels off."""
@@ -38,7 +40,7 @@ def turned_beyond_a_disc(scene, turn_rad):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("turn_rad", "ok"), [(0.0, True), (0.25, False), (-0.25, False)])
+@pytest.mark.parametrize(("turn_rad", "ok"), few([(0.0, True), (0.25, False), (-0.25, False)]))
 def test_a_sharp_turn_where_nobody_sees_it_is_refused(plain, known, scenes, turn_rad, ok):
     curve = neutral_curve(turned_beyond_a_disc(plain, turn_rad), *known(plain))
     assert curve.ok is ok
@@ -65,8 +67,8 @@ def two_lines(gap_px, turn_rad, contrast):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("contrast", [20, 100])
-@pytest.mark.parametrize(("turn_rad", "ok"), [(0.0, True), (0.6, False)])
+@pytest.mark.parametrize("contrast", few([20, 100]))
+@pytest.mark.parametrize(("turn_rad", "ok"), few([(0.0, True), (0.6, False)]))
 def test_a_line_that_begins_beyond_plain_background_is_no_sheet_unless_it_continues(
     plain, known, contrast, turn_rad, ok
 ):
@@ -78,6 +80,7 @@ def test_a_line_that_begins_beyond_plain_background_is_no_sheet_unless_it_contin
     assert ok or "beyond a hidden stretch" in curve.why
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_line_and_an_arc_of_a_sheets_length_are_no_sheet(scenes, known):
     """Eleven pixels of plain background lie between them, and a turn that no sheet makes there."""

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from labrig.vision import neutral_curve
+from tests.cases import few
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_wire_is_not_followed_where_the_sheet_disappears_before_something_as_bright(
     scenes, known
@@ -38,11 +40,13 @@ def test_a_sheet_that_is_seen_before_another_ground_is_used_there(scenes, known)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("seed", "said"),
-    [
-        (1_800_167, "beside the clamp"),
-        (2_100_106, "plain background"),
-        (2_100_107, "plain background"),
-    ],
+    few(
+        [
+            (1_800_167, "beside the clamp"),
+            (2_100_106, "plain background"),
+            (2_100_107, "plain background"),
+        ]
+    ),
 )
 def test_a_line_that_leads_past_the_clamp_is_no_sheet(scenes, known, seed, said):
     """As long as a sheet, and beginning at the jaw, but only a sharp kink leads into the clamp."""
@@ -54,8 +58,10 @@ def test_a_line_that_leads_past_the_clamp_is_no_sheet(scenes, known, seed, said)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("beside_px", "ok"), [(0.0, True), (2.0, True), (7.0, False)])
-@pytest.mark.parametrize("hidden_px", [0.0, 20.0, 30.0])
+@pytest.mark.parametrize(
+    ("beside_px", "ok"), few([(0.0, True), (2.0, True), (7.0, False)], first=2)
+)
+@pytest.mark.parametrize("hidden_px", few([0.0, 20.0, 30.0], first=2))
 def test_a_sheet_that_curves_most_where_its_root_is_hidden_still_leads_to_the_clamp(
     plain, known, beside_px, ok, hidden_px
 ):

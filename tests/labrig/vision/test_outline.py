@@ -20,6 +20,7 @@ from labrig.vision.image.downscaling import in_camera_pixels
 from labrig.vision.image.image import read_grey_image
 from labrig.vision.image.overlay import picture_with
 from labrig.vision.search.work import OutlineWork
+from tests.cases import few
 
 SIZE = (150, 220)  # rows, columns
 CLAMP = (30.0, 110.0)
@@ -97,6 +98,7 @@ def test_clamp_and_ruler_are_enough_for_thin_and_thick_strips(length_px, thick_p
     assert "direction at the clamp" in said
 
 
+@pytest.mark.thorough
 def test_the_clamp_within_20_pixels_is_enough():
     line = arc(150, 0.8)
     curve = neutral_curve(drawn(line, 6), stated((CLAMP[0] + 9, CLAMP[1] + 14)), UNKNOWN)
@@ -132,6 +134,7 @@ def hook(length_px, share, radius_px, turn_rad, heading_rad=-0.3):
     return np.array(CLAMP) + np.concatenate([[[0, 0]], np.cumsum(steps, axis=0)])
 
 
+@pytest.mark.thorough
 def test_a_strip_of_a_stated_length_is_followed_around_a_hook():
     line = hook(140, 0.55, 10, 2.6)
     curve = neutral_curve(drawn(line, 8), *of_length(140))
@@ -151,6 +154,7 @@ def test_a_strip_that_ends_far_from_its_stated_length_is_refused():
     assert "mm beyond the stated 55.0 mm" in further
 
 
+@pytest.mark.thorough
 def test_a_curve_that_leaves_the_clamp_in_another_direction_than_stated_is_refused():
     line = arc(150, 0.8)
     image = drawn(line, 6)
@@ -161,6 +165,7 @@ def test_a_curve_that_leaves_the_clamp_in_another_direction_than_stated_is_refus
     assert "stated direction" in found.why
 
 
+@pytest.mark.thorough
 def test_a_path_of_which_both_edges_are_nowhere_measured_is_no_strip():
     image = read_grey_image(drawn(arc(150, 0.0, heading_rad=0.0), 10), stated())
     basis = make_basis(120.0, 120.0, 6, 1.0)
@@ -244,7 +249,7 @@ def test_dirt_in_a_gap_does_not_make_the_strip_seen_there():
 
 @pytest.mark.parametrize(
     ("thick_px", "thinner"),
-    [(12, lambda along: 0.5 * (along > 0.5)), (16, lambda along: 0.7 * along)],
+    few([(12, lambda along: 0.5 * (along > 0.5)), (16, lambda along: 0.7 * along)]),
     ids=["half as thick from the middle on", "tapers"],
 )
 def test_a_strip_that_becomes_thinner_is_followed_in_its_own_width(thick_px, thinner):
@@ -255,6 +260,7 @@ def test_a_strip_that_becomes_thinner_is_followed_in_its_own_width(thick_px, thi
     assert beside_px(curve, line).max() < 0.3
 
 
+@pytest.mark.thorough
 def test_a_bridged_stretch_is_known_less_well():
     line = arc(150, 0.8)
     image = drawn(line, 10)
@@ -289,6 +295,7 @@ def test_its_place_is_one_of_the_picture_as_taken(by):
     assert in_camera_pixels(curve, by).refused_at_px == (20.5 * by - 0.5, 10.5 * by - 0.5)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("hides", [pytest.param("mask", marks=pytest.mark.thorough), "roll"])
 def test_what_hides_a_strip_is_not_the_border_of_the_image(hides):
     line = arc(150, 0.8)
@@ -303,6 +310,7 @@ def test_what_hides_a_strip_is_not_the_border_of_the_image(hides):
     assert not any("border" in text for text in curve.warnings)
 
 
+@pytest.mark.thorough
 def test_a_strip_that_ends_under_a_mask_ends_where_it_is_seen_last():
     line = arc(150, 0.8)
     u, v = line[int(0.8 * len(line))]
@@ -332,6 +340,7 @@ def coloured(line, thick_px):
     return np.clip(np.round(image), 0, 255).astype(np.uint8)
 
 
+@pytest.mark.thorough
 def test_a_strip_that_differs_in_colour_only_is_found():
     line = arc(140, 0.8)
     curve = neutral_curve(coloured(line, 10), stated(), UNKNOWN)
@@ -340,6 +349,7 @@ def test_a_strip_that_differs_in_colour_only_is_found():
     assert any("differences of colours were used" in text for text in curve.warnings)
 
 
+@pytest.mark.thorough
 def test_a_channel_may_be_chosen():
     line = arc(140, 0.8)
     image = coloured(line, 10)
@@ -349,6 +359,7 @@ def test_a_channel_may_be_chosen():
     assert not any("colour" in text for text in curve.warnings)
 
 
+@pytest.mark.thorough
 def test_transparent_ground_is_white():
     line = arc(140, 0.8)
     across, _ = beside(line)
@@ -370,7 +381,7 @@ def test_noise_is_no_strip_and_the_refusal_says_what_to_do(seed):
     assert any(remedy in curve.why for remedy in ("--along-px", "clamp_px", "visible"))
 
 
-@pytest.mark.parametrize(("said_px", "side"), [(150, "before"), (95, "after")])
+@pytest.mark.parametrize(("said_px", "side"), few([(150, "before"), (95, "after")]))
 def test_a_strip_of_another_length_than_stated_is_refused(said_px, side):
     line = arc(120, 0.8)
     strip = StripGeometry(free_length_m=said_px / 2000, thickness_m=12 / 2000)
@@ -430,12 +441,14 @@ class Extra(CurveCheck):
 
 @pytest.mark.parametrize(
     "stage",
-    [
-        CheckStage.CHOSEN,
-        CheckStage.OUTLINE,
-        pytest.param(CheckStage.CANDIDATE, marks=pytest.mark.thorough),
-        pytest.param(CheckStage.UNCERTAINTY, marks=pytest.mark.thorough),
-    ],
+    few(
+        [
+            CheckStage.CHOSEN,
+            CheckStage.OUTLINE,
+            pytest.param(CheckStage.CANDIDATE, marks=pytest.mark.thorough),
+            pytest.param(CheckStage.UNCERTAINTY, marks=pytest.mark.thorough),
+        ]
+    ),
 )
 def test_checks_of_other_distributions_are_asked_for_a_curve_between_edges(monkeypatch, stage):
     image, told = drawn(arc(140, 0.8), 14), (stated(), UNKNOWN)
@@ -469,6 +482,7 @@ def test_a_thin_strip_that_is_thinner_further_on_shows_both_edges_there():
     assert blocks.by_edges.mean() > 0.9
 
 
+@pytest.mark.thorough
 def test_a_strip_of_few_blocks_is_as_long_as_before_where_lonely_ones_are_left_out():
     line = arc(60, 0.0, heading_rad=0.0)
     image = read_grey_image(drawn(line, 24), stated())

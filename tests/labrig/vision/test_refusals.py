@@ -5,6 +5,7 @@ import pytest
 
 from labrig.errors import BadInputError
 from labrig.vision import StripGeometry, neutral_curve
+from tests.cases import few
 
 
 def refused(image, optics, strip, said):
@@ -87,7 +88,7 @@ def test_the_wrong_polarity(plain, known):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor", [0.85, 1.15])
+@pytest.mark.parametrize("factor", few([0.85, 1.15]))
 def test_another_cameras_scale(plain, known, factor):
     optics, strip = known(plain)
     other = optics.model_copy(update={"px_per_mm": optics.px_per_mm * factor})
@@ -95,7 +96,7 @@ def test_another_cameras_scale(plain, known, factor):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("factor", [0.85, 1.15])
+@pytest.mark.parametrize("factor", few([0.85, 1.15]))
 def test_a_sheet_of_another_length(plain, known, factor):
     optics, _ = known(plain)
     refused(plain.image, optics, StripGeometry(free_length_m=0.05 * factor), "length")
@@ -111,7 +112,7 @@ def test_a_sheet_that_leaves_the_image(scenes, known):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "seed", [0, 1, 2, *(pytest.param(s, marks=pytest.mark.thorough) for s in (3, 4, 5))]
+    "seed", few([0, 1, 2, *(pytest.param(s, marks=pytest.mark.thorough) for s in (3, 4, 5))])
 )
 def test_clutter_without_a_sheet(scenes, known, seed):
     scene = scenes.make_scene(scenes.Recipe(seed=seed, sheet=False, clutter=3 * seed, spots=2))
@@ -130,6 +131,7 @@ def test_two_sheets_at_one_clamp(scenes, known):
     refused(both, *known(one), "two sheets")
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_weak_reflection_beside_the_sheet_is_no_second_one(scenes, known):
     scene = scenes.make_scene(scenes.Recipe(seed=5, place=(100.0, 240.0), turn_rad=0.8))
@@ -160,11 +162,19 @@ def test_geometry_that_cannot_be():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "factor",
-    [0.95, 1.05, *(pytest.param(f, marks=pytest.mark.thorough) for f in (0.85, 0.92, 1.08, 1.15))],
+    few(
+        [
+            0.95,
+            1.05,
+            *(pytest.param(f, marks=pytest.mark.thorough) for f in (0.85, 0.92, 1.08, 1.15)),
+        ]
+    ),
 )
 @pytest.mark.parametrize(
     "seed",
-    [810_000, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (810_018, 810_023))],
+    few(
+        [810_000, *(pytest.param(seed, marks=pytest.mark.thorough) for seed in (810_018, 810_023))]
+    ),
 )
 def test_a_wrong_scale_is_seen_from_the_sheets_end(scenes, known, factor, seed):
     """Scenes whose true end lies far beyond the stated one, under a roll, or in much noise."""
@@ -176,7 +186,7 @@ def test_a_wrong_scale_is_seen_from_the_sheets_end(scenes, known, factor, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [700_047, 700_052])
+@pytest.mark.parametrize("seed", few([700_047, 700_052]))
 def test_a_line_that_happens_to_leave_the_clamp_is_no_sheet(scenes, known, seed):
     """It goes on for too long, up to the image's border."""
     recipe = replace(scenes.mixed(seed), sheet=False, rolls=False, clutter=3 + seed % 17)
@@ -187,6 +197,7 @@ def test_a_line_that_happens_to_leave_the_clamp_is_no_sheet(scenes, known, seed)
     assert any(reason in curve.why for reason in reasons)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_line_that_continues_beyond_what_crosses_its_stated_end_is_no_sheet(scenes, known):
     """The brighter line that crosses it there hides that it is 90 pixels too long."""
@@ -207,7 +218,7 @@ def test_sheetless_and_cluttered_images_give_no_curve(scenes, known):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("share", "along_px"), [(0.23, 4), (0.35, 4), (0.3, -4)])
+@pytest.mark.parametrize(("share", "along_px"), few([(0.23, 4), (0.35, 4), (0.3, -4)]))
 def test_a_reflection_that_touches_the_sheet_is_in_the_credible_band(
     scenes, known, share, along_px
 ):

@@ -7,6 +7,7 @@ from labrig.vision import Optics, StripGeometry, neutral_curve
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.extraction import outline_curve, second_size
 from labrig.vision.extraction.extract import unconfirmed_curve
+from tests.cases import few
 from tests.labrig.vision.drawn_strips import BENT_UP, STRIP, off_px
 
 WAY = np.stack([np.linspace(10, 210, 201), np.full(201, 50.0)], axis=1)
@@ -71,12 +72,14 @@ def test_a_plain_strip_is_the_same_at_both_sizes(monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("why", "refused"),
-    [
-        (outline_curve.TWO_WAYS, True),
-        ("check of the width failed: it changes.", True),
-        (outline_curve.UNSEEN, False),
-        (second_size.START_UNSEEN, False),
-    ],
+    few(
+        [
+            (outline_curve.TWO_WAYS, True),
+            ("check of the width failed: it changes.", True),
+            (outline_curve.UNSEEN, False),
+            (second_size.START_UNSEEN, False),
+        ]
+    ),
 )
 def test_what_is_only_not_seen_in_fewer_pixels_contradicts_nothing(monkeypatch, why, refused):
     searches(monkeypatch, as_it_is, refused_for(why))
@@ -85,6 +88,7 @@ def test_what_is_only_not_seen_in_fewer_pixels_contradicts_nothing(monkeypatch, 
     assert not refused or found.why.endswith(why)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_another_look_gets_the_curve_with_the_doubt(monkeypatch):
     searches(monkeypatch, as_it_is, refused_for(outline_curve.TWO_WAYS))
@@ -108,7 +112,7 @@ def test_a_strip_with_a_second_edge_is_taken_from_two_smaller_pictures(monkeypat
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("not_shown", [1, 2])
+@pytest.mark.parametrize("not_shown", few([1, 2]))
 def test_it_stays_refused_where_one_of_them_does_not_show_it(monkeypatch, not_shown):
     shown = [as_it_is] * (not_shown - 1)
     searches(monkeypatch, refused_for(RIVAL), *shown, refused_for(outline_curve.UNSEEN))
@@ -123,7 +127,7 @@ def test_what_is_refused_otherwise_is_searched_once(monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("stated", ["length", "tip"])
+@pytest.mark.parametrize("stated", few(["length", "tip"]))
 def test_a_strip_whose_end_is_stated_is_looked_at_once(monkeypatch, stated):
     done = searches(monkeypatch)
     optics, strip = STATED, TO_END
@@ -137,6 +141,7 @@ def test_a_strip_whose_end_is_stated_is_looked_at_once(monkeypatch, stated):
     assert len(done) == 1
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_curve_that_is_followed_is_looked_at_once(monkeypatch):
     start = neutral_curve(BENT_UP.image, STATED, TO_END)

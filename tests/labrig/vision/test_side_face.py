@@ -9,6 +9,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.vision import neutral_curve
+from tests.cases import few
 
 
 @pytest.fixture(scope="module")
@@ -19,6 +20,7 @@ def silhouette(scenes, tmp_path_factory):
     return folder / "dark.png"
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize("look", ["silhouette", pytest.param("auto", marks=pytest.mark.thorough)])
 def test_the_look_is_an_option(silhouette, look, capsys):
@@ -35,7 +37,7 @@ def test_another_look_is_refused_with_what_there_is(silhouette, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("radius_px", [2.0, 2.6])
+@pytest.mark.parametrize("radius_px", few([2.0, 2.6]))
 def test_a_lens_far_out_of_focus_is_not_taken_for_a_side_face(scenes, known, radius_px):
     """It draws discs, not bells: the sheet looks wider, to both its sides."""
     scene = scenes.make_scene(scenes.Recipe(seed=3, physical=True, blur_px=0.6, snr=4000))
@@ -103,6 +105,7 @@ def test_a_free_sheet_too_wide_to_be_used_tells_of_its_face(scenes, known):
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.1
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_what_looks_much_wider_than_the_sheet_gives_no_curve(scenes, known):
     """A silhouette's face and a wire beside it: nothing tells which part is the edge."""
@@ -112,6 +115,7 @@ def test_what_looks_much_wider_than_the_sheet_gives_no_curve(scenes, known):
     assert "wider than the sheet" in curve.why
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_the_mean_image_of_a_swinging_sheet_is_not_taken_for_a_side_face(scenes, known):
     """It is blurred more and more towards the tip, on both sides alike."""

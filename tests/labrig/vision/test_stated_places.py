@@ -43,6 +43,7 @@ def test_the_curve_passes_the_places_that_are_stated(forked):
     assert curve.s_m[-1] * 2000 == pytest.approx(150, abs=4)
 
 
+@pytest.mark.thorough
 def test_a_strip_ends_where_its_tip_is_stated_though_it_looks_as_if_it_went_on():
     line = arc(160, 0.8)
     curve = neutral_curve(drawn(line, 6), stated(tip_px=at(line, 0.6)), UNKNOWN)

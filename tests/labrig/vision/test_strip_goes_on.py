@@ -8,6 +8,7 @@ from labrig.vision.checks.around_end import shown_beyond
 from labrig.vision.checks.kinds.strip_goes_on import CHECK
 from labrig.vision.image.image import read_grey_image
 from labrig.vision.thresholds import STRIP_GOES_ON_MIN
+from tests.cases import few
 
 ROWS, COLUMNS = 140, 260
 CLAMP, BEND, THICK = (20.0, 60.0), (180.0, 60.0), 8.0
@@ -41,7 +42,7 @@ def beyond(pixels, line=TO_BEND):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("turn_deg", [0, 60, 110, 150])
+@pytest.mark.parametrize("turn_deg", few([0, 60, 110, 150]))
 def test_a_strip_that_goes_on_shows_beyond_the_end_of_its_curve(turn_deg):
     assert beyond(picture(hooked(turn_deg))) > 0.8
 
@@ -91,6 +92,7 @@ def asked(pixels, *, length_known=False, tip_px=None, free_length_m=0.04):
     return neutral_curve(pixels, optics, strip)
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_curve_that_ends_at_a_hook_says_so():
     curve = asked(picture(hooked(150)))
@@ -100,6 +102,7 @@ def test_a_curve_that_ends_at_a_hook_says_so():
     assert said == [CHECK.warning.format(u=u, v=v)]
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_curve_to_a_plain_end_or_to_one_that_is_stated_says_nothing_of_it():
     plain, hook = picture(TO_BEND), picture(hooked(150))
