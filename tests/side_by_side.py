@@ -39,15 +39,15 @@ LONGEST = (
     "tests/end_to_end/test_closed_loop",
     "tests/labrig/panel/test_live_fit.py",
 )
-# Of those that run alone: one worker takes the first and the third, the other the rest. So they end
+# Of those that run alone: each worker takes the next file. The longest come first, so that both end
 # together, and what has the narrowest limits, at the page, is beside what waits most.
 ALONE = (
     "tests/soak/",
     "tests/end_to_end/test_guard_of_a_run.py",
-    "tests/panel_browser/",
-    "tests/drivers/",
-    "tests/end_to_end/",
     "tests/labrig/panel/",
+    "tests/panel_browser/",
+    "tests/end_to_end/",
+    "tests/drivers/",
     "",
 )
 STEP_BACK = 5  # as `nice`

@@ -20,6 +20,7 @@ from drivers.boards.ni.rescue import OutputPlace, shut_down
 from drivers.interfaces import DeviceError, RealClock
 from drivers.safe_shutdown import Safety
 from sim_hardware.ni import LoopbackWires, NiDeviceServer
+from tests.cases import few
 from tests.processes import ended
 
 pytestmark = pytest.mark.slow
@@ -139,7 +140,8 @@ def lives(pid: int) -> bool:
         return False
 
 
-@pytest.fixture(params=[False, True], ids=["server owns", "strict ownership"])
+# Whole runs on a server that owns the tasks: tests/end_to_end/test_guard_of_a_run.py.
+@pytest.fixture(params=few([False, True], True), ids=["server owns", "strict ownership"])
 def scene(request, tmp_path):
     scene = Scene(tmp_path, strict=request.param)
     yield scene
@@ -304,7 +306,7 @@ def test_an_output_that_does_not_follow_is_reported_as_unknown(remote):
 
 @pytest.mark.alone
 @posix
-@pytest.mark.parametrize("strict", [False, True])
+@pytest.mark.parametrize("strict", few([False, True]))
 def test_the_simulated_server_as_a_program_is_made_safe_too(tmp_path, strict):
     """Everything in processes of its own, as on a rig."""
     more = ["--strict-ownership"] if strict else []

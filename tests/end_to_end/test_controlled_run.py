@@ -256,7 +256,7 @@ def has_voltage(rig: ServedRig) -> bool:
     [
         (signal.SIGKILL, 0.3),
         pytest.param(signal.SIGSTOP, 1.0, marks=pytest.mark.thorough),
-        (signal.SIGTERM, 0.3),
+        pytest.param(signal.SIGTERM, 0.3, marks=pytest.mark.thorough),
     ],
     ids=["killed", "hung", "told to stop"],
 )

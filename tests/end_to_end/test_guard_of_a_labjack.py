@@ -37,7 +37,7 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServedRig]:
     ("number", "limit_s"),
     [
         (signal.SIGKILL, AFTER_A_KILL_S),
-        (signal.SIGSTOP, AFTER_A_HANG_S),
+        pytest.param(signal.SIGSTOP, AFTER_A_HANG_S, marks=pytest.mark.thorough),
     ],
     ids=["killed", "hung"],
 )
@@ -58,8 +58,12 @@ def test_a_program_that_wakes_after_the_guard_has_acted_stays_at_0_V(served: Ser
 
 
 @pytest.mark.alone
+@pytest.mark.parametrize("then_freed", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_the_devices_watchdog_drops_the_supply_when_program_and_guard_are_both_killed(
-    tmp_path_factory: pytest.TempPathFactory, capsys: pytest.CaptureFixture[str]
+    tmp_path_factory: pytest.TempPathFactory,
+    capsys: pytest.CaptureFixture[str],
+    *,
+    then_freed: bool,
 ) -> None:
     folder = tmp_path_factory.mktemp("watchdog")
     with serving(folder, world=INTERLOCK, more=INTERLOCK, board="labjack") as rig:
@@ -71,6 +75,8 @@ def test_the_devices_watchdog_drops_the_supply_when_program_and_guard_are_both_k
         rig.until(lambda: not rig.is_energised(), 3.0)
         zero_s = float(rig.rows()[-1]["time_s"])
         assert zero_s - killed_s < WATCHDOG_S + 0.1
+        if not then_freed:
+            return
         assert rig.start().wait(60) == 3
         assert "`labrig safe` writes 0 V and frees it" in rig.said()
         assert labrig("safe", rig.folder / "rig" / "rig.toml") == 0

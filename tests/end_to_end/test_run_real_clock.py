@@ -55,7 +55,7 @@ def test_a_run_over_sockets_is_complete_and_never_exceeds_the_limit(rig: ServedR
     ("number", "times"),
     [
         (signal.SIGINT, 1),
-        (signal.SIGINT, 2),
+        pytest.param(signal.SIGINT, 2, marks=pytest.mark.thorough),
         (signal.SIGTERM, 1),
     ],
 )

@@ -37,6 +37,7 @@ def test_program_and_guard_gone_together_are_0_V_within_a_second(
     served.hear("the output is safe: 0 V written and read back")
 
 
+@pytest.mark.thorough
 @pytest.mark.alone
 def test_a_run_that_is_watched_ends_as_any_other(served: WatchedRig) -> None:
     process = served.rig.energised()

@@ -80,11 +80,11 @@ def test_a_whole_run_with_the_keyboard_alone(world, visit):
     assert counted == sum(r["valid"] and r["kind"] != "discarded" for r in taken)
 
 
+# The same press without a browser: tests/labrig/panel/test_panel_runs.py; the button and the key of
+# the page: test_page_stop.py; a run that is stopped by the button: test_restarted_panel.py.
+@pytest.mark.thorough
 @pytest.mark.alone
-@pytest.mark.parametrize(
-    "way",
-    [pytest.param("key", marks=pytest.mark.thorough), "button of a page that only watches"],
-)
+@pytest.mark.parametrize("way", ["key", "button of a page that only watches"])
 def test_stop_in_the_middle_of_a_pulse_takes_the_voltage_away(world, visit, way):
     page = enter(visit, world)
     start(page, world, "long.toml", f"stop-{way[:3]}.h5")
@@ -190,6 +190,7 @@ def test_every_page_keeps_to_the_content_security_policy(world, visit):
     assert "script-src 'self';" in policy
 
 
+@pytest.mark.thorough  # the form without scripts: test_page_stop.py
 @pytest.mark.alone
 def test_stop_reaches_a_run_from_a_page_whose_scripts_are_switched_off(world, visit):
     page = enter(visit, world)

@@ -128,8 +128,7 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
             ),
             (
                 made.inseparable,
-                "Nothing on the menu would tell EIBM along the sheet from load cell hysteresis."
-                " What",
+                "Nothing on the menu would tell EIBM along the sheet from load cell hysteresis.",
             ),
             (made.unknown, "most clearly in the long sheet, at 30 mm from the clamp."),
             (made.cannot_tell, "Verdict: The scatter of the set-ups can be neither"),

@@ -187,6 +187,7 @@ def test_stop_works_while_the_run_itself_hangs(rig, server, page):
             os.kill(int(pid), signal.SIGTERM)
 
 
+@pytest.mark.thorough
 @pytest.mark.alone  # nothing is lost on the way, by the real clock
 def test_pages_see_the_same_though_others_read_nothing_and_only_one_acts(rig, server, page):
     ann, bob = page, Page(server)
