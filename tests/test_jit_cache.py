@@ -161,6 +161,7 @@ def test_model_compiles_through_its_module_alone():
     assert users == ["model/jit.py"]
 
 
+@pytest.mark.slow
 def test_compiling_leaves_the_search_for_garbage_as_it_was(tmp_path):
     import labrig.vision.jit  # noqa: F401 - a second package that listens
 

@@ -149,6 +149,7 @@ def test_links_are_refused(sound: Path, tmp_path: Path, kind: str, where: str) -
     told("verify", path, codes={2})
 
 
+@pytest.mark.slow
 def test_groups_that_hold_each_other_twice_are_not_followed_for_ever(
     sound: Path, tmp_path: Path
 ) -> None:

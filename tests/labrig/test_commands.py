@@ -47,6 +47,7 @@ def test_the_order_of_the_commands_is_given_by_themselves() -> None:
     assert len(set(orders)) == len(orders)
 
 
+@pytest.mark.slow
 def test_to_list_the_commands_imports_nothing_slow() -> None:
     code = (
         "import sys; from labrig.cli.app import all_commands; all_commands(); "

@@ -147,6 +147,7 @@ def test_strips_stand_in_optics_json_and_take_their_tables_of_sheet_toml(
     assert "20.0 mm" in str(right["why"])
 
 
+@pytest.mark.slow
 def test_a_strips_name_that_would_overwrite_another_images_curve_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

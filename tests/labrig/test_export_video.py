@@ -51,6 +51,7 @@ def test_each_run_becomes_a_video_of_its_frames(session_file, tmp_path, capsys):
         assert rate == pytest.approx(1.0 / np.median(steps), rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_folder_that_cannot_be_written_leaves_no_part_of_a_video(
     session_file, tmp_path, monkeypatch, capsys
 ):
@@ -69,6 +70,7 @@ def test_a_folder_that_cannot_be_written_leaves_no_part_of_a_video(
     assert list(tmp_path.glob("*.avi")) == []
 
 
+@pytest.mark.slow
 def test_a_video_export_that_is_stopped_leaves_no_video_and_can_be_repeated(
     session_file, tmp_path, monkeypatch
 ):

@@ -185,6 +185,7 @@ def test_tables_of_which_one_cannot_be_written_leave_none(session, tmp_path, mon
     assert written[0].read_bytes() == kept
 
 
+@pytest.mark.slow
 def test_a_missing_package_is_one_sentence_and_leaves_nothing(
     session, tmp_path, monkeypatch, capsys
 ):

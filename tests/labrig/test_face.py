@@ -32,6 +32,7 @@ def test_the_optics_wait_for_no_compiler() -> None:
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+@pytest.mark.slow
 def test_importing_labrig_loads_nothing_slow() -> None:
     code = (
         "import sys, labrig, labrig.cli; "

@@ -330,6 +330,7 @@ def test_a_mistake_is_one_sentence(day_1, capsys, arguments, said):
     assert said in refused(capsys, *[a.format(day_1=day_1) for a in arguments])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", few(["fit", "fit --apart", "diagnose", "next"]))
 def test_a_copy_of_a_session_is_no_further_measurement(day_1, day_2, tmp_path, capsys, command):
     copy = shutil.copy(day_1, tmp_path / "copy.h5")

@@ -113,6 +113,7 @@ def test_a_session_is_not_made_under_the_name_of_another_file(capsys, name, fold
     assert sorted(folder.iterdir()) == before
 
 
+@pytest.mark.slow
 def test_fit_reads_the_same_tables(capsys):
     assert run(f"fit {OLD} {NAMES} -o model.toml".split()) == 0
     told = capsys.readouterr()

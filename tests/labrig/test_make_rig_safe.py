@@ -39,6 +39,7 @@ def test_boards_that_are_not_known_are_not_taken_for_others(tmp_path: Path) -> N
         make_rig_safe(rig)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["safe", "check"])
 def test_boards_of_others_that_are_installed_but_not_used_are_not_even_loaded(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str

@@ -45,6 +45,7 @@ def pair() -> tuple[MotionComparison, MotionComparison]:
     return compared(beam, recorded(0.005, 1.0)), compared(beam, recorded(None, 1.0))
 
 
+@pytest.mark.slow
 def test_errors_are_those_that_were_added(pair: tuple[MotionComparison, MotionComparison]) -> None:
     held, free = pair
     assert held.force_rms_N == pytest.approx(1e-3, rel=1e-3)

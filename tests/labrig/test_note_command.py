@@ -146,6 +146,7 @@ def test_the_library_finds_a_session_by_people_sample_and_notes(path, words):
     assert not library.find(SessionQuery(text="somebody else")).total
 
 
+@pytest.mark.slow
 def test_list_shows_the_sample(path, capsys):
     assert run(["list", str(path.parent), "--text", "S-17", "--json"]) == 0
     (found,) = json.loads(capsys.readouterr().out)["sessions"]

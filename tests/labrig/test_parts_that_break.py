@@ -136,6 +136,7 @@ def test_a_stage_that_cannot_be_made_is_named(check: Check) -> None:
     assert code == 3
 
 
+@pytest.mark.slow
 def test_a_stage_that_cannot_be_opened_is_named_with_the_place_in_its_code(check: Check) -> None:
     code, said = check(('"manual"', '"shut"'))
     where = "in broken-parts 2.0 (broken_parts.py, line 12)"

@@ -69,6 +69,7 @@ def installed(tmp_path, monkeypatch):
     sys.modules.pop("flash_protocol", None)
 
 
+@pytest.mark.slow
 def test_an_installed_protocol_is_planned_and_has_a_form_and_a_version(installed, tmp_path, capsys):
     installed(FLASH)
     steps = parse_protocol(TEXT, "protocol.toml").schedule("protocol.toml").runs[0].steps

@@ -71,6 +71,7 @@ def test_table_4_has_the_true_parameters_within_their_intervals(fit):
     assert value(cell(table, "constant EIBM at -2 V, µN·m", "long")) < 0
 
 
+@pytest.mark.slow
 def test_table_5_and_6_have_errors_like_the_papers_for_a_sheet_like_the_papers(measured, fit):
     compared = compared_conditions(measured, fit)
     assert [(c.configuration, c.position_m, c.voltage_V) for c in compared] == [

@@ -56,6 +56,7 @@ def test_sources_that_nobody_installed_have_a_version_too(monkeypatch):
     assert version() == NOT_INSTALLED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])
 def test_a_signal_after_a_command_has_ended_does_not_change_its_code(name):
     """Somebody presses Ctrl-C until the prompt returns."""

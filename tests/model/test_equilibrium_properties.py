@@ -57,6 +57,7 @@ def test_mirrored_sheet_gives_mirrored_answer(values, length, position):
     assert other.phi_hat_rad[0] == pytest.approx(-one.phi_hat_rad[0], abs=1e-12)
 
 
+@pytest.mark.slow
 @quick
 @given(curvatures, lengths, positions, real(0.3, 3.0))
 def test_a_sheet_and_arc_of_another_size_have_the_same_shape(values, length, position, factor):

@@ -58,6 +58,7 @@ def test_a_stated_stiffness_is_kept_and_scales_the_eibm():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness_Nm2", [0.0, -1e-6, float("nan")])
 def test_a_stiffness_that_is_none_is_refused(stiffness_Nm2):
     with pytest.raises(ModelError, match="B must be a positive number"):

@@ -69,6 +69,7 @@ def check_ended_at_zero(rig, scheduler, finish, words, within_s=math.inf):
     assert zero_s - energised[-1] <= within_s
 
 
+@pytest.mark.slow
 def test_the_force_follows_its_reference_and_ends_at_0_V():
     rig, scheduler = run_controlled()
     assert scheduler.status.finish is FinishReason.COMPLETED
@@ -82,6 +83,7 @@ def test_the_force_follows_its_reference_and_ends_at_0_V():
     assert rig.output.last_V == 0.0
 
 
+@pytest.mark.slow
 def test_a_period_is_written_at_its_time_and_recorded_with_what_it_knew():
     rig, _ = run_controlled()
     periods = periods_of(rig)
@@ -98,6 +100,7 @@ def test_a_period_is_written_at_its_time_and_recorded_with_what_it_knew():
     assert written[: len(recorded) - skip] == recorded[skip:]
 
 
+@pytest.mark.slow
 def test_forces_count_from_the_force_at_0_V_before_the_run():
     rig = FakeRig()
     rig.signals.spoil = lambda times_s, volts: np.add(volts[0], 5e-3, out=volts[0])
@@ -360,6 +363,7 @@ def test_a_reference_that_makes_no_sense_is_refused(reference, words):
         check_schedule(controlled_schedule(reference), SafetyLimits(2.5, 30.0))
 
 
+@pytest.mark.slow
 def test_samples_are_emitted_before_the_voltage_that_they_lead_to():
     rig, _ = run_controlled()
     blocks = {event.block.first_index: event.time_s for event in rig.of_kind(SignalsArrived)}

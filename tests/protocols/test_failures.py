@@ -236,6 +236,7 @@ def test_a_channel_without_a_meaning_is_found_before_the_first_voltage():
     assert not scheduler.status.energised_once
 
 
+@pytest.mark.slow
 def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
     rig = FakeRig()
     rig.scheduler(timing=COARSE).run(short_schedule())

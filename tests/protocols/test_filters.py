@@ -22,6 +22,7 @@ def test_a_linear_trend_leaves_the_value_at_the_centre_unbiased(centre, half_win
     assert found == pytest.approx(level + slope * centre, abs=1e-9, rel=1e-12)
 
 
+@pytest.mark.slow
 @given(centre=st.floats(400.0, 600.0), half_window=st.floats(3.0, 300.0))
 def test_samples_outside_the_window_have_no_say(centre, half_window):
     signal = np.where(np.abs(INDEX - centre) < half_window, 1.0, np.nan)

@@ -75,6 +75,7 @@ def test_single_samples_that_are_no_numbers_hide_nothing():
     assert read_back.shows_zero
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise_V", [1e-3, 5e-3, 20e-3])
 def test_noise_of_the_read_back_is_no_voltage_that_stays(noise_V):
     random = np.random.default_rng(5)

@@ -151,6 +151,7 @@ def test_the_hydrodynamic_function_is_that_of_sader() -> None:
     assert water.added_kg_per_m / MU == pytest.approx(21, abs=0.5)
 
 
+@pytest.mark.slow
 def test_a_sheet_that_is_let_go_swings_as_the_converged_solution() -> None:
     exact = rows("ix_release_from_tip_load.csv")
     errors = {}
@@ -195,6 +196,7 @@ def tip(phi: Floats, h: float) -> Floats:
     return np.array([length @ np.cos(phi), length @ np.sin(phi)])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "position_m", "most_N", "most_m"),
     [("contact_p0", 0.0, 2e-6, 5e-6), ("contact_p15", 0.015, 2e-6, 5e-6), ("free", None, 0, 3e-5)],

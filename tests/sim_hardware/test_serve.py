@@ -207,6 +207,7 @@ def test_bad_arguments_are_one_sentence_and_exit_2(
     assert "Traceback" not in printed.err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("flag", ["--port", "--camera-port"])
 def test_a_port_that_is_taken_exits_3(flag: str, capsys: pytest.CaptureFixture[str]) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:

@@ -22,6 +22,7 @@ def test_a_session_holds_every_condition_with_its_readings_and_curve() -> None:
     assert 0.02e-3 < np.std(spread) < 0.05e-3
 
 
+@pytest.mark.slow
 def test_the_curve_errors_are_as_stated() -> None:
     errors = CurveErrors(white_m=1e-6, smooth_m=3e-6)
     settings = load_world()

@@ -89,6 +89,7 @@ def test_its_noise_is_that_of_the_cell_and_readings_are_made_of_the_series() -> 
     assert zeros[0] == pytest.approx(np.average(run.force_N[near], weights=weights) * 1e3)
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_session() -> None:
     visits = [
         Visit(configuration="short", position_m=0.0),

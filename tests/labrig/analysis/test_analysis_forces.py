@@ -79,6 +79,7 @@ def test_live_readings_do_not_matter(tmp_path):
     assert measured(plain) == measured(other)
 
 
+@pytest.mark.slow
 def test_a_zero_reading_is_timed_from_the_write_of_its_step(tmp_path):
     with open_session(record_with(tmp_path / "s.h5", ONE_RUN)) as session:
         run = session.runs[0]

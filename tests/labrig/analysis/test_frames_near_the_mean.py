@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from types import SimpleNamespace
 
+import pytest
+
 from labrig.analysis.curves import CurveJob, curves_of
 from labrig.extractors.choice import BUILT_IN
 from labrig.extractors.examples import STRIP, examples
 from labrig.vision.extraction.curve_search import CurveSearch
 
 
+@pytest.mark.slow
 def test_frames_near_their_mean_are_not_searched_from_the_start(monkeypatch):
     searched = []
     search = CurveSearch.search

@@ -71,6 +71,7 @@ def test_it_ends_when_nothing_on_the_menu_helps():
     assert rig.measured == []
 
 
+@pytest.mark.slow
 def test_what_hardly_helps_is_not_measured():
     one = proposing("free_shapes")
     little = replace(one.next_measurement, separation=1.3, expected=1.6)

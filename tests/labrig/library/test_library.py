@@ -175,6 +175,7 @@ def test_programs_that_look_at_once_do_not_disturb_each_other(folder):
     assert said == {"a.h5 b.h5 below/c.h5 broken.h5"}
 
 
+@pytest.mark.slow
 def test_a_folder_with_more_files_than_are_listed_says_so(folder, monkeypatch, capsys):
     from labrig.cli.main import run
 

@@ -140,6 +140,7 @@ def test_curves_and_signals_become_rows(measured):
     assert curve.to_dataframe().x_m.to_numpy() == pytest.approx(curve.x_m)
 
 
+@pytest.mark.slow
 def test_an_unknown_part_is_one_sentence(measured, session_file):
     with pytest.raises(ModelError, match="no part 'forces', but conditions, readings"):
         measured.to_dataframe("forces")
@@ -150,6 +151,7 @@ def test_an_unknown_part_is_one_sentence(measured, session_file):
         opened.to_dataframe("curves")
 
 
+@pytest.mark.slow
 def test_a_session_gives_its_readings_runs_and_samples(session_file):
     with labrig.open_session(session_file) as opened:
         readings, runs = opened.to_dataframe(), opened.to_dataframe("runs")

@@ -143,6 +143,7 @@ def test_a_wrong_type_is_one_sentence_of_fit(session_file, options, said):
     assert str(told.value) == said
 
 
+@pytest.mark.slow
 def test_a_wrong_type_is_one_sentence_of_diagnose_and_next(session_file):
     with pytest.raises(BadInputError, match="--calibrate '5': a number is needed"):
         labrig.diagnose(session_file, calibrate="5")
@@ -169,6 +170,7 @@ def test_why_several_sheets_are_not_compared_in_time_is_one_sentence(session_fil
     assert str(told.value) == "A rests; B, too."
 
 
+@pytest.mark.slow
 def test_a_note_may_be_a_text(tmp_path):
     path = session(tmp_path / "s.h5", measure("long"))
     assert labrig.add_note(str(path), "the sheet looks dry")
@@ -463,6 +465,7 @@ def test_a_data_frame_is_no_session():
         labrig.diagnose(frame)
 
 
+@pytest.mark.slow
 def test_a_fit_is_no_model_and_its_models_are_named(fitted):
     with pytest.raises(BadInputError, match="not a Fit; a fit has three: preferred_model, model"):
         labrig.predict(fitted, "long", 0.0, 2.0)

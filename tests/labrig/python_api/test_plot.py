@@ -37,6 +37,7 @@ def lines_of(axes: Axes) -> dict[str, np.ndarray]:
     return {str(line.get_label()): line.get_xydata() for line in axes.get_lines()}
 
 
+@pytest.mark.slow
 def test_forces_are_drawn_in_mN_with_the_models_lines(axes):
     measured = measure("long", "short")
     drawn = labrig.plot.forces(measured, truth("long", "short"), configuration="long", ax=axes)

@@ -36,6 +36,7 @@ def failed(path):
     return {check.name: check.found for check in verify(path) if not check.ok}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "attribute", "value"),
     few(
@@ -55,17 +56,20 @@ def test_an_attribute_that_was_changed_or_added_is_found(session, name, attribut
     assert name in " ".join(failed(session).values())
 
 
+@pytest.mark.slow
 def test_an_attribute_that_was_removed_is_found(session):
     with h5py.File(session, "r+") as file:
         del file["session/run_000"].attrs["position_m"]
     assert "changed: /session/run_000" in failed(session)["checksums"]
 
 
+@pytest.mark.slow
 def test_an_attribute_without_a_fixed_length_is_found(session):
     change(session, "/session/run_000", "purpose", "free shape")
     assert "changed: /session/run_000" in failed(session)["checksums"]
 
 
+@pytest.mark.slow
 def test_a_group_that_was_added_is_found(session):
     with h5py.File(session, "r+") as file:
         file.create_group("session/run_000/more")

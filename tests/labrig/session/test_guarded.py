@@ -33,6 +33,7 @@ def cut(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_whoever_opens_it_is_told_that_the_guard_has_written_0_V(cut):
     guard_report_path(cut).write_text(json.dumps(SAFE))
     told = r"output guard has ended this run \(the program hangs\).*0 V written and read back as"
@@ -42,6 +43,7 @@ def test_whoever_opens_it_is_told_that_the_guard_has_written_0_V(cut):
     assert "the program hangs" in verify(cut)[0].found
 
 
+@pytest.mark.slow
 def test_an_output_that_the_guard_could_not_make_safe_is_told_as_such(cut):
     guard_report_path(cut).write_text(json.dumps(UNKNOWN))
     with pytest.raises(BadInputError, match=r"NOT KNOWN TO BE SAFE .*switch the amplifier off"):

@@ -207,6 +207,7 @@ def test_a_disk_that_does_not_answer_is_noticed(tmp_path, monkeypatch):
         open_session(tmp_path / "s.h5")
 
 
+@pytest.mark.slow
 def test_nothing_can_be_recorded_after_the_close(tmp_path):
     writer = SessionWriter(tmp_path / "s.h5", **settings(small_schedule()))
     writer.close()

@@ -125,6 +125,7 @@ def test_sessions_of_older_versions_can_be_marked(version, tmp_path):
     assert failed(path) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("made", "said"),
     [
@@ -182,6 +183,7 @@ def test_a_mark_that_was_changed_is_found_and_the_recording_still_proved(session
         add_mark(session, mark(1))
 
 
+@pytest.mark.slow
 def test_marks_that_are_damaged_leave_the_recording_proved(session):
     add_mark(session, mark(0, 1))
     with h5py.File(session, "r+") as file:
@@ -271,6 +273,7 @@ def test_an_analysis_of_before_is_out_of_date_until_the_mark_is_taken_back(sessi
     assert not read_entry(session, "s.h5").analysis_outdated
 
 
+@pytest.mark.slow
 def test_a_fit_of_before_is_shown_as_out_of_date(session):
     entry = read_entry(session, "s.h5")
     fits = {entry.checksum: (1, {"long": {"B_Nm2": 1e-6}})}

@@ -90,6 +90,7 @@ def test_silx_plots_the_force_of_all_readings(session):
         assert np.isfinite(np.asarray(found.signal)).all()
 
 
+@pytest.mark.slow
 def test_h5grove_serves_what_h5web_shows(session):
     from h5grove.content import DatasetContent, get_content_from_file
 

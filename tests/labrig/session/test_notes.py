@@ -74,6 +74,7 @@ def test_a_note_on_a_closed_session_is_in_the_file_and_the_recording_is_untouche
     assert not waiting_path(closed).exists()
 
 
+@pytest.mark.slow
 def test_a_photograph_comes_back_byte_by_byte(closed):
     content = bytes(range(256)) * 10
     add_note(closed, Note(who="", text="", media_type="image/png", photograph=content))
@@ -277,6 +278,7 @@ def test_what_is_no_note_is_refused_with_its_reason(wrong, why):
         Note(**({"who": "A", "text": "t"} | wrong))
 
 
+@pytest.mark.slow
 def test_notes_of_a_session_of_an_older_format_have_a_checksum_too(tmp_path):
     path = Path(shutil.copy(Path(__file__).parent / "data" / "version_2.hdf5", tmp_path / "s.h5"))
     add_note(path, note("years later"))

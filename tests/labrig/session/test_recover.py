@@ -91,6 +91,7 @@ def test_a_running_session_can_be_read_live(tmp_path):
             assert session.runs[1].frame(3) is not None
 
 
+@pytest.mark.slow
 def test_a_session_left_by_a_crash_is_not_live(cut):
     with pytest.raises(BadInputError, match="labrig recover"):
         open_session(cut, live=True)

@@ -45,6 +45,7 @@ def test_one_changed_sample_is_found(session):
     assert "/session/run_001/signals/force" in failed(session)["checksums"]
 
 
+@pytest.mark.slow
 def test_one_flipped_bit_in_a_frame_is_found(session):
     with h5py.File(session) as file:
         at = file["session/run_000/frames/images"].id.get_chunk_info(2)

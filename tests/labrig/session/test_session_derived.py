@@ -51,6 +51,7 @@ def test_nothing_measured_comes_back_too(session):
     assert same(load_measurements(session), Measurements(sheets={}, conditions=()))
 
 
+@pytest.mark.slow
 def test_measurements_changed_by_hand_are_read_with_a_warning(session):
     store_measurements(session, measurements())
     assert not any("another program" in one for one in load_measurements(session).warnings)

@@ -51,6 +51,7 @@ def test_what_was_planned_is_in_the_file(recorded):
         assert session.channels == NAMES
 
 
+@pytest.mark.slow
 def test_the_outcome_and_its_reason_are_in_the_file(recorded):
     with open_session(recorded) as session:
         assert session.outcome is ev.Outcome.COMPLETED

@@ -76,6 +76,7 @@ def test_a_supplement_survives_the_analysis_and_the_analysis_it(noted):
     assert failed(noted) == {}
 
 
+@pytest.mark.slow
 def test_a_supplement_that_fails_leaves_the_session_as_it_was(noted):
     before = noted.read_bytes()
 

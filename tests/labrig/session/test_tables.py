@@ -68,6 +68,7 @@ def test_thousandths_survive_to_the_last_bit(value):
     assert from_milli(milli(value)) == value
 
 
+@pytest.mark.slow
 @given(st.floats(-7, 7))
 def test_angles_survive_to_the_last_bit(value):
     assert from_degrees(degrees(value)) == value

@@ -28,6 +28,7 @@ def rolled(scenes):
     return scenes.make_scene(scenes.Recipe(seed=15, physical=True, rolls=True, snr=20))
 
 
+@pytest.mark.slow
 def test_both_rolls_are_found_and_the_contact_is_between_them(rolled, known):
     optics, curve, radius, position = look(rolled, known)
     contact = contact_from_image(rolled.image, curve, optics, radius)

@@ -181,6 +181,7 @@ def test_what_shows_beside_the_edge_can_be_chosen(faced, scenes, known):
     assert not silhouette.ok or silhouette.side_face_share in (0.0, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [700_533, 700_660])
 def test_where_something_lies_along_the_sheet_the_rest_gives_the_curve(scenes, known, seed):
     scene = scenes.make_scene(scenes.mixed(seed))

@@ -47,11 +47,13 @@ def test_a_strip_that_goes_on_shows_beyond_the_end_of_its_curve(turn_deg):
     assert beyond(picture(hooked(turn_deg))) > 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [2.0, 25.0, 60.0])
 def test_only_ground_shows_beyond_a_plain_end(noise):
     assert beyond(picture(TO_BEND, noise=noise)) < STRIP_GOES_ON_MIN
 
 
+@pytest.mark.slow
 def test_a_strip_that_fades_shows_less_of_itself_beyond_the_end():
     faint = picture(hooked(0, more_px=60), along=lambda share: np.where(share < 0.52, 1.0, 0.5))
     assert 0.35 < beyond(faint) < 0.65

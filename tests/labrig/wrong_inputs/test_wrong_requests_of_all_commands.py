@@ -52,6 +52,7 @@ def test_the_requests_are_of_all_commands_and_many() -> None:
     assert {command.name for command in all_commands()} <= {asked.split()[0] for asked, _ in CASES}
 
 
+@pytest.mark.slow  # hundreds of them
 @pytest.mark.parametrize(("asked", "told"), CASES, ids=[asked for asked, _ in CASES])
 def test_a_request_is_answered_in_one_sentence(
     files: Path,

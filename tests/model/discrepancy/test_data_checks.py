@@ -251,6 +251,7 @@ def test_strong_effects_of_the_load_cell_are_no_wrong_data():
     assert check_data(lifted).suspicions == ()
 
 
+@pytest.mark.slow
 def test_readings_far_from_the_others_are_left_out_and_told():
     wild = forces_changed(
         session(),
@@ -344,6 +345,7 @@ def test_the_same_data_are_fitted_once(monkeypatch):
     assert len(fitted) == 2
 
 
+@pytest.mark.slow
 def test_a_hopeless_change_is_given_up_after_a_few_solutions(monkeypatch):
     """Positions in reverse order, of data that fit as they are stated."""
     counts = []

@@ -424,6 +424,7 @@ def test_a_number_that_is_not_finite_costs_its_sheet_and_is_told_with_its_place(
     assert str(refused.value) == said
 
 
+@pytest.mark.slow
 def test_a_sheet_that_was_not_measured_is_left_out():
     ready = prepare(kept(session(), lambda c: c.configuration == "short"), Options())
     assert ready.problem.forward.names == ["short"]

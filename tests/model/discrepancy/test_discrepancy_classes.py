@@ -175,6 +175,7 @@ def test_a_name_gives_way_to_a_likelier_one_of_its_question(monkeypatch, likelie
         assert other.known is fits["clamp_angle"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("answers", "verdict"),
     [(("clamp_angle", "gravity"), "indistinguishable"), (("gravity", "unknown"), "effect_named"),

@@ -226,6 +226,7 @@ def test_what_the_base_model_has_already_cannot_be_seen(seen):
     assert all(told.values())
 
 
+@pytest.mark.slow
 def test_an_effect_is_invisible_where_no_amplitude_of_a_laboratory_would_show_it(seen):
     """A prior scale is a guess, and a laboratory may have many times as much."""
     base, _, found = seen

@@ -112,6 +112,7 @@ def test_a_curve_is_compared_at_the_instant_of_its_own_frame(spreading):
     assert pair[0] == pytest.approx(pair[1], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_the_drive_is_the_recorded_one_or_that_which_the_readings_tell(spreading):
     data, _ = spreading
     recorded = recorded_drive(data.series[0])

@@ -181,6 +181,7 @@ def test_the_whitening_knows_its_determinant():
     assert white.ln_determinant == pytest.approx(exact, rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", [NOISE, DRIFTING])
 def test_the_evidence_of_a_linear_model_is_exact(noise):
     from scipy.stats import multivariate_normal, norm  # slow to import
