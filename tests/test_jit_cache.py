@@ -85,6 +85,7 @@ class Small:
         path.write_text(text.replace(old, new))
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_change_in_another_file_and_a_renamed_class_are_compiled_in(package):
     assert package.run() == (1012.0, False)

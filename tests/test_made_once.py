@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+from tests.cases import few
 from tests.made_once import made_once
 
 ROOT = Path(__file__).parents[1]
@@ -32,7 +33,7 @@ def test_it_is_whole(folder, number):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", [0, 2])
+@pytest.mark.parametrize("workers", few([0, 2], 2))
 def test_it_is_made_once_and_whole_in_each_worker(tmp_path: Path, workers: int) -> None:
     (tmp_path / "test_some.py").write_text(TESTS)
     options = ["-q", "-c", str(ROOT / "pyproject.toml"), "--rootdir", str(ROOT), "-n", str(workers)]

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.cases import few
+
 ROOT = Path(__file__).parents[1]
 TESTS = """
 import pytest
@@ -27,7 +29,7 @@ def test_of_nothing():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("workers", [0, 1])
+@pytest.mark.parametrize("workers", few([0, 1], 1))
 def test_it_says_what_ran_and_why_the_others_did_not(tmp_path: Path, workers: int) -> None:
     (tmp_path / "test_some.py").write_text(TESTS)
     options = ["-q", "-c", str(ROOT / "pyproject.toml"), "--rootdir", str(ROOT), "-p"]

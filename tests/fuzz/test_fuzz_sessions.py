@@ -407,6 +407,7 @@ def test_a_journal_whose_checksums_are_right_and_content_wrong_is_used_up_to_the
     told("recover", path, "-o", tmp_path / "whole.h5", codes={0})
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_journal_that_would_unpack_to_gigabytes_does_not(cut: Path, tmp_path: Path) -> None:
     import zlib

@@ -18,6 +18,7 @@ list(by_processes(Path("day1.h5"), [None] * 4, workers=2))
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_script_that_its_own_workers_begin_anew_is_told_so_in_one_sentence(tmp_path):
     script = tmp_path / "evaluate.py"

@@ -23,6 +23,7 @@ from labrig.session.format import layout
 from labrig.session.recording.journal import journal_path
 from protocols.execution import events as ev
 from protocols.execution.events import Outcome
+from tests.cases import few
 from tests.labrig.session.measured import measurements
 from tests.labrig.session.session_recording import CHANNELS, FRAME_SHAPE, RATE_HZ, TEXTS
 
@@ -39,10 +40,9 @@ def old(tmp_path, request):
     return Path(shutil.copy(DATA / f"version_{version}.hdf5", tmp_path / "old.h5"))
 
 
-def of_each(test):
-    return pytest.mark.parametrize(("old", "version"), [(v, v) for v in OLDER], indirect=["old"])(
-        test
-    )
+EACH = [(v, v) for v in OLDER]
+of_each = pytest.mark.parametrize(("old", "version"), EACH, indirect=["old"])
+of_the_oldest = pytest.mark.parametrize(("old", "version"), few(EACH), indirect=["old"])
 
 
 @pytest.mark.slow
@@ -90,7 +90,7 @@ def test_a_session_of_version_1_is_read_with_the_units_of_its_channels(old):
 
 
 @pytest.mark.slow
-@of_each
+@of_the_oldest
 def test_an_older_session_is_recovered_from_its_journal_in_its_own_version(old, version, tmp_path):
     crashed = tmp_path / "crashed.h5"
     journal = (DATA / f"version_{version}.hdf5-journal").read_bytes()
@@ -110,7 +110,7 @@ def test_an_older_session_is_recovered_from_its_journal_in_its_own_version(old, 
 
 
 @pytest.mark.slow
-@of_each
+@of_the_oldest
 def test_the_runs_of_an_older_session_are_copied_into_a_new_one_when_it_is_resumed(
     old, version, tmp_path
 ):

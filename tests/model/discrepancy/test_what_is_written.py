@@ -71,6 +71,7 @@ def along(value: float, full_V: float = 0.0) -> Profile:
     )  # fmt: skip
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 def test_a_model_without_a_solution_at_half_the_voltage_is_found_out():
     forward = base_fit().problem.forward
