@@ -130,6 +130,7 @@ def workers_in(name: str) -> list[int]:
     return [pid for pid, line in family(name).items() if "spawn_main" in line]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("order", [pytest.param(ENDS[0], marks=pytest.mark.thorough), *ENDS[1:]])
 def test_nothing_is_left_of_a_diagnosis_however_it_ends(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, order: str

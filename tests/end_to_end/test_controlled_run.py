@@ -69,7 +69,8 @@ CASES = [
 MORE = {
     "daq_refused for a moment", "daq_hung for a moment", "daq_write_refused for a moment",
     "daq_buffer_overflow for a moment", "force_nan for good",
-    "cell_unplugged for good", "camera_gone for good",
+    "cell_unplugged for good", "camera_gone for good", "cell_overloaded for good",
+    "daq_refused for good", "daq_write_refused for good",
 }  # fmt: skip
 
 

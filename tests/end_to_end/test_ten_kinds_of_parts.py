@@ -245,6 +245,7 @@ print(json.dumps([list(locations()), force(), force(scale), force(pickup)]))
     assert picked_N - plain_N == pytest.approx(-1e-3 * np.tanh(1.0), rel=1e-6)
 
 
+@pytest.mark.thorough
 @BY_EACH_WAY
 def test_a_simulated_board_is_wired_by_world_toml_and_checked(path, tmp_path):
     names = {"drive": "ao0", "force": "ai0", "current": "ai1", "readback": "ai2"}
@@ -278,6 +279,7 @@ def test_devices_are_kinds_of_rig_toml_with_keys_of_their_own(path, tmp_path):
     assert kinds == ["pico", "bar", "stepper", "balance"]
 
 
+@pytest.mark.thorough
 @BY_EACH_WAY
 def test_a_protocol_and_an_extra_are_planned_and_run_and_recorded(path, tmp_path):
     protocol = ONE_POSITION.replace("[pulse_train]", "[triangle]\npeak_V = 1.5")

@@ -247,6 +247,7 @@ def test_what_was_found_is_kept_and_shown_in_the_sessions_report(finding, tmp_pa
     assert 'id="diagnosis-maps"' in page
 
 
+@pytest.mark.thorough
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "make",
