@@ -71,7 +71,6 @@ def test_the_output_is_at_0_V_in_time_whoever_owns_the_tasks(
         open_session(served.session)
 
 
-@pytest.mark.thorough  # in one process: test_faults.py, daq_write_refused
 @pytest.mark.alone
 def test_boards_that_refuse_for_longer_than_the_run_tries_are_made_safe_by_the_guard(
     tmp_path: Path,
