@@ -151,8 +151,16 @@ class _Inner(CPUDispatcher):  # type: ignore[misc]  # numba has no types
     for_python: Callable[[], Any]
 
     def __call__(self, *args: Any, **keywords: Any) -> Any:
-        """Call the function from Python."""
-        return self.for_python()(*args, **keywords)
+        """Call the function from Python. Raises KeyboardInterrupt where Ctrl-C came meanwhile.
+
+        numba turns that into a SystemError, which would pass for a fault of the function.
+        """
+        try:
+            return self.for_python()(*args, **keywords)
+        except SystemError as error:
+            if _was_stopped(error):
+                raise KeyboardInterrupt from error
+            raise
 
 
 class _Cache(FunctionCache):  # type: ignore[misc]  # numba has no types
@@ -198,6 +206,12 @@ class _Compilations(event.Listener):  # type: ignore[misc]  # numba has no types
         if self.depth == 0 and self.threshold is not None:
             gc.set_threshold(*self.threshold)
             self.threshold = None
+
+
+def _was_stopped(error: BaseException | None) -> bool:
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__
+    return error is not None
 
 
 event.register("numba:compile", _Compilations())

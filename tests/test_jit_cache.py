@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 from numba.core import event
 
+from labrig.vision.jit import jit
+
 ROOT = Path(__file__).parents[1]
 TOPS = ("labrig", "drivers", "protocols", "model", "sim_hardware")
 MODULES = sorted(path for top in TOPS for path in (ROOT / top).rglob("jit.py"))
@@ -190,3 +192,25 @@ class Noting(event.Listener):
 
     def on_end(self, event):
         pass
+
+
+@pytest.mark.parametrize(
+    ("behind", "raised"), [(KeyboardInterrupt(), KeyboardInterrupt), (None, SystemError)]
+)
+def test_ctrl_c_in_compiled_code_is_no_fault_of_it(behind, raised):
+    unpickling = SystemError("_numba_unpickle returned a result with an exception set")
+    unpickling.__cause__ = behind
+    fault = SystemError("CPUDispatcher(half) returned a result with an exception set")
+    fault.__cause__ = unpickling
+
+    def stopped(number):
+        raise fault
+
+    compiled = jit(half)
+    compiled.for_python = lambda: stopped
+    with pytest.raises(raised):
+        compiled(1.0)
+
+
+def half(number):
+    return number / 2
