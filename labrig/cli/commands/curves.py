@@ -15,11 +15,12 @@ from labrig.cli.curves.facts import (
     stated_facts,
     with_facts,
 )
+from labrig.cli.curves.outputs import check_outputs
 from labrig.cli.curves.page import serve_page
 from labrig.cli.curves.session import session_curves
 from labrig.cli.screen import print_json_line, say, warn
 from labrig.errors import BadInputError
-from labrig.files import SESSION_ENDINGS, check_free
+from labrig.files import SESSION_ENDINGS
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -146,9 +147,12 @@ def curves(
     if len(sources) == 1 and sources[0].suffix.lower() in SESSION_ENDINGS:
         of_images = (optics, sheet, configuration, look, summary, overlay, strip, channel)
         _refuse_beside_session((*of_images, *facts.values(), every > 1))
+        check_outputs(output)
         session_curves(sources[0], output, name, as_json=as_json)
         return
-    _refuse_unwritable(sources, output, summary, overlay)
+    check_outputs(output, summary, overlay)
+    if overlay is not None and (len(sources) > 1 or sources[0].is_dir()):
+        raise BadInputError(ONE_IMAGE)
     found, drawing = _of_images(sources, options, overlay, as_json=as_json)
     _write_tables(found, output, summary)
     if drawing is not None:
@@ -192,18 +196,8 @@ def _compare(
     elif not sources:
         raise BadInputError("no image was given; give files or a folder to compare on.")
     else:
+        check_outputs(output)
         compare_methods(sources, methods, options, output)
-
-
-def _refuse_unwritable(
-    sources: list[Path], output: Path | None, summary: Path | None, overlay: Path | None
-) -> None:
-    """Raise BadInputError, before anything is measured, for what cannot be written."""
-    for path in (output, summary, overlay):
-        if path is not None:
-            check_free(path, force=True)
-    if overlay is not None and (len(sources) > 1 or sources[0].is_dir()):
-        raise BadInputError(ONE_IMAGE)
 
 
 @dataclass

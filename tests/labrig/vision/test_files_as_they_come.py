@@ -376,6 +376,30 @@ def test_the_picture_of_a_calibration_replaces_no_photograph(folder, capsys):
         assert run(["calibrate", "camera", str(picture), *ruler, *made]) == 0
 
 
+@pytest.mark.parametrize(
+    ("written", "said"),
+    [
+        (["--overlay", "strip.png"], "strip.png: this image would be overwritten"),
+        (["--overlay", "curve.jpg"], "an overlay is PNG; name it curve.png"),
+        (["-o", "strip.png"], "a table is CSV; name it strip.csv"),
+        (["-o", "strip.xlsx"], "a table is CSV; name it strip.csv"),
+        (["-o", "new"], "a table is CSV; name it new.csv"),
+        (["--summary", "optics.json"], "a table is CSV; name it optics.csv"),
+        (["-o", "a.csv", "--summary", "a.csv"], "two tables; name two files"),
+    ],
+)
+def test_nothing_is_written_over_a_photograph_or_what_is_known_of_it(
+    folder, monkeypatch, capsys, written, said
+):
+    cv2.imwrite(str(folder / "strip.png"), marked(200, 300) + 30)
+    (folder / "sheet.toml").write_text("free_length_mm = 50\n")
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    monkeypatch.chdir(folder)
+    assert run(["curves", "strip.png", *written]) == 2
+    assert said in capsys.readouterr().err
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
 def test_tables_are_whole_or_not_there(folder):
     cv2.imwrite(str(folder / "bright.png"), marked() + 30)
     (folder / "out" / "summary.csv").mkdir(parents=True)
