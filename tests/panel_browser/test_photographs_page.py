@@ -69,6 +69,17 @@ def test_clicked_once_for_all_then_accepted_and_refused(folder, address, visit):
     for end in RULER_PX:
         click_at(page, end)
     page.get_by_label("ruler, mm").fill(str(RULER_MM))
+    for length, thickness, said in (
+        ("30,5", "", "free length: 30,5 is no length"),
+        ("30", "-1", "thickness: -1 is no length"),
+        ("", "0.6", "state the free length as well"),
+    ):
+        page.get_by_label("free length, mm").fill(length)
+        page.get_by_label("thickness, mm").fill(thickness)
+        page.click("text=Measure all")
+        page.get_by_text(said).wait_for()
+        assert not (folder / "optics.json").exists()
+    page.get_by_label("thickness, mm").fill("")
     page.get_by_label("free length, mm").fill("30")
     page.click("text=Measure all")
     tile(page, "a", "found")

@@ -12,6 +12,14 @@ const TOOLS = {
 
 const NAMES = { clamp: "Clamp", along: "Direction", ruler: "Ruler" };
 
+/** What was typed into a field; an error where it is no length. */
+function millimetres({ input, name }) {
+  const value = parseNumber(input.value);
+  if (value > 0) return value;
+  const [what] = name.split(",");
+  throw new Error(`${what}: ${input.value.trim()} is no length; give a number above 0, with a point for its decimals.`);
+}
+
 const toolOf = (fact) => fact.key.replace(/_px$/, "");
 
 export class KnownForm {
@@ -174,7 +182,7 @@ export class KnownForm {
     put(this.strips, names.map((name) => h("option", { value: name, selected: name === this.strip }, name || "the only one")));
   }
 
-  /** What is sent to the server; an error where a ruler is stated, but not where it is. */
+  /** What is sent to the server; an error where what is stated cannot be, or not without more. */
   body() {
     const placed = Object.entries(this.places).filter(([, place]) => place.clamp_px);
     const single = placed.length === 1 && placed[0][0] === "";
@@ -182,9 +190,10 @@ export class KnownForm {
     if (single) body.clamp = placed[0][1];
     else if (placed.length) body.strips = Object.fromEntries(placed);
     if (this.rulerPx.length === 2) body.ruler_px = this.rulerPx;
-    for (const [key, { input }] of [["ruler_mm", this.ruler], ["free_length_mm", this.free], ["thickness_mm", this.thickness]])
-      if (input.value.trim()) body[key] = parseNumber(input.value);
-    if (body.thickness_mm !== undefined && body.free_length_mm === undefined) delete body.thickness_mm;
+    for (const [key, field] of [["ruler_mm", this.ruler], ["free_length_mm", this.free], ["thickness_mm", this.thickness]])
+      if (field.input.value.trim()) body[key] = millimetres(field);
+    if (body.thickness_mm !== undefined && body.free_length_mm === undefined)
+      throw new Error("A thickness is stated: state the free length as well, or empty the field.");
     if (!body.ruler_px) {
       const stated = this.ruler.input.value.trim();
       if (stated && stated !== this.rulerSent)
