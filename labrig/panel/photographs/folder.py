@@ -59,6 +59,7 @@ class PhotographFolder:
             dict.fromkeys(one.path for one in self._photographs.values())
         )
         self._busy: Path | None = None  # what is measured now
+        self._states: dict[Path, _FileState] = {}  # of the files when they were measured
         self._closed = False
         self.thread = threading.Thread(target=self._work, name="photographs", daemon=True)
         self.thread.start()
@@ -188,11 +189,15 @@ class PhotographFolder:
             self._measure_again(next(iter(again)), again)
 
     def write_tables(self) -> list[str]:
-        """Write curves.csv and summary.csv of all photographs; refused ones with their reason."""
+        """Write curves.csv and summary.csv of all photographs; refused ones with their reason.
+
+        Raises BadInputError where some are not measured yet, or were changed since they were.
+        """
         with self._lock:
             waiting = len(self._queue) + (self._busy is not None)
             if waiting:
                 raise BadInputError(f"{waiting} photographs are not measured yet; wait for them.")
+            self._measure_changed()
             found = [row for one in self._photographs.values() for row in one.rows()]
         output = self.folder / RESULTS
         output.mkdir(exist_ok=True)
@@ -223,6 +228,18 @@ class PhotographFolder:
                     self._changed(one)
             self._wake.notify_all()
 
+    def _measure_changed(self) -> None:
+        """Measure anew what was replaced or removed since it was measured, and raise."""
+        changed = [path for path in self._paths() if self._states.get(path) != _file_state(path)]
+        if changed:
+            self._measure_again(changed[0], set(changed))
+            names = ", ".join(path.name for path in changed[:3])
+            more = f" and {len(changed) - 3} more" if len(changed) > 3 else ""
+            raise BadInputError(
+                f"{names}{more}: changed since measured; measured again now: look, then write the "
+                "tables."
+            )
+
     def _work(self) -> None:
         while True:
             with self._wake:
@@ -231,6 +248,7 @@ class PhotographFolder:
                 if self._closed:
                     return
                 path = self._busy = self._queue.popleft()
+                self._states[path] = _file_state(path)
             measured = _measured(path)
             with self._lock:
                 self._busy = None
@@ -298,6 +316,17 @@ def _shown(facts: Facts, of: FactOf) -> Facts:
     return {
         fact.name: facts.get(fact.name, empty.get(fact.shape, ())) for fact in clicked_facts(of)
     }
+
+
+_FileState = tuple[int, int] | None  # time of the last change, ns, and size; None: not there
+
+
+def _file_state(path: Path) -> _FileState:
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
 
 
 class _Measured:

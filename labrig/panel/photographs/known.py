@@ -23,6 +23,7 @@ CLICK_SIGMA_PX = 2.0  # of a place that was clicked
 UNMOVED_PX = 0.05  # nearer to the known place than that it was not clicked anew
 ALONG_M = 0.005  # from the clamp to the place that shows its direction
 METHOD = "clicked on the page"
+_SAMPLES, _SAMPLE_BYTES = 64, 16384  # up to 1 MB of a file
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,9 +196,23 @@ def _keep_once(path: Path) -> None:
 
 
 def digest_of(path: Path) -> str:
-    """Return what stands for all that is known of a picture; it changes when that does."""
-    found = hashlib.sha256()
+    """Return what stands for a picture and all that is known of it; it changes when one does."""
+    found = hashlib.sha256(_sample(path))
     for kind in (OPTICS_FILE, SHEET_FILE):
         file = beside(path, kind, None)
         found.update(b"\0" if file is None or not file.exists() else file.read_bytes())
     return found.hexdigest()[:32]
+
+
+def _sample(path: Path) -> bytes:
+    """Return the size and parts of a file: stacks of pages may be too large to read whole."""
+    try:
+        size = path.stat().st_size
+        with path.open("rb") as file:
+            parts = [b"%d" % size]
+            for start in range(0, size, max(_SAMPLE_BYTES, size // _SAMPLES)):
+                file.seek(start)
+                parts.append(file.read(_SAMPLE_BYTES))
+    except OSError:
+        return b""
+    return b"".join(parts)

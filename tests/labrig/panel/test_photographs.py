@@ -155,6 +155,24 @@ def test_an_accepted_curve_that_is_made_from_something_else_is_to_be_looked_at_a
     ) == ["b"]
 
 
+def test_a_photograph_that_is_replaced_is_measured_and_looked_at_again(photographs):
+    photographs.set_known("a", clicked(), for_all=True)
+    measured(photographs)
+    photographs.decide(["a", "b"], "accepted", "Ann", "")
+    cv2.imwrite(str(photographs.folder / "a.png"), BENT_UP.image // 2 + 60)
+    with pytest.raises(BadInputError, match=r"^a\.png: changed since measured"):
+        photographs.write_tables()
+    shown = measured(photographs)
+    assert (shown["a"]["decision"], shown["b"]["decision"]) == (None, "accepted")
+    photographs.write_tables()
+    (photographs.folder / "b.png").unlink()
+    with pytest.raises(BadInputError, match=r"^b\.png: changed since measured"):
+        photographs.write_tables()
+    assert measured(photographs)["b"]["state"] == "unreadable"
+    photographs.write_tables()
+    assert "no such file" in (photographs.folder / "curves" / "summary.csv").read_text()
+
+
 def test_a_direction_that_is_not_known_is_not_shown_and_stays_so_until_it_is_clicked(tmp_path):
     drawn_strips.write(tmp_path, BENT_UP.image, "a", clamp_angle_known=False)
     opened = PhotographFolder(tmp_path)
