@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import errno
 import os
 import shlex
@@ -48,6 +49,23 @@ def typed(path: Path | str) -> str:
 def write_text(path: Path, text: str) -> None:
     """Write a file beside its place and rename it. Raise what `not_written` returns."""
     write_bytes(path, text.replace("\n", os.linesep).encode("utf-8"))
+
+
+def keep_replaced(path: Path, text: str) -> Path | None:
+    """Copy a file that `text` is to replace to NAME.DATE.bak, or to the next free name like it.
+
+    Returns the copy; None where nothing is lost. Raise what `not_written` returns.
+    """
+    if not path.is_file():
+        return None
+    before = path.read_bytes()
+    if before == text.replace("\n", os.linesep).encode("utf-8"):
+        return None
+    day = dt.datetime.fromtimestamp(path.stat().st_mtime, dt.UTC).date().isoformat()
+    names = (f"{path.name}.{day}{n}.bak" for n in ("", *(f".{i}" for i in range(1, 1000))))
+    kept = next(path.with_name(name) for name in names if not path.with_name(name).exists())
+    write_bytes(kept, before)
+    return kept
 
 
 def write_bytes(path: Path, content: bytes) -> None:

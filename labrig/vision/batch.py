@@ -30,10 +30,10 @@ from labrig.vision.image.image import in_levels
 from labrig.vision.image.overlay import write_overlay
 from labrig.vision.image.reading import (
     IMAGE_SUFFIXES,
-    VIDEO_SUFFIXES,
     Picture,
     PictureLabel,
     Pixels,
+    files_in,
     holds_several,
     is_video,
     pictures_in,
@@ -145,10 +145,7 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[Pictur
 def _files(sources: Sequence[Path]) -> Iterator[Path]:
     for source in sources:
         if source.is_dir():
-            inside = sorted(
-                p for p in source.iterdir() if p.suffix.lower() in IMAGE_SUFFIXES + VIDEO_SUFFIXES
-            )
-            yield from (p for p in inside if not is_drawing(p))
+            yield from (p for p in files_in(source, videos=True) if not is_drawing(p))
         elif source.exists():
             yield source
         else:

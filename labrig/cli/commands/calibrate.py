@@ -11,7 +11,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
-from labrig.files import write_text
+from labrig.files import keep_replaced, write_text
 
 if TYPE_CHECKING:
     from labrig.vision import Calibration, CalibrationBoard
@@ -94,7 +94,8 @@ def camera(
 ) -> None:
     """Calibrate the camera with images of a board or a ruler.
 
-    It finds scale, axes and lens, and writes optics.json.
+    It finds scale, axes and lens, and writes optics.json. One that is replaced is kept under its
+    date, with what was stated in it by hand.
 
     Print the board with `labrig calibrate board`. One image of it, flat in the sheet's plane, is
     enough; three or more fix the lens better.
@@ -175,8 +176,10 @@ def _report(found: Calibration, output: Path) -> None:
         )
     for text in found.warnings:
         warn(f"warning: {text}")
-    write_text(output, optics.model_dump_json(indent=2, exclude_none=True) + "\n")
-    say(f"wrote {output}")
+    text = optics.model_dump_json(indent=2, exclude_none=True) + "\n"
+    kept = keep_replaced(output, text)
+    write_text(output, text)
+    say(f"wrote {output}" + (f"; the one before is {kept}" if kept else ""))
 
 
 _app = typer.Typer(help="Calibrate what measures.", no_args_is_help=True)

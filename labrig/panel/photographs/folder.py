@@ -29,8 +29,8 @@ from labrig.vision.facts.stated import Facts
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
 from labrig.vision.image.files import load_strip
 from labrig.vision.image.reading import (
-    IMAGE_SUFFIXES,
     Pixels,
+    files_in,
     is_video,
     labels_in,
     pictures_in,
@@ -366,8 +366,8 @@ def _measured(path: Path) -> _Measured:
 
 def _listed(folder: Path) -> Iterator[Photograph]:
     """Yield the photographs of a folder, labrig's own drawings left out."""
-    for path in sorted(folder.iterdir()):
-        if path.suffix.lower() in IMAGE_SUFFIXES and path.is_file() and not is_drawing(path):
+    for path in files_in(folder, videos=False):
+        if path.is_file() and not is_drawing(path):
             try:
                 labels = labels_in(path)
             except BadInputError:

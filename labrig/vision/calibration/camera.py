@@ -105,11 +105,14 @@ def calibrate_ruler(
 
     Each is read to `reading_sigma_px`. The ruler may lie in any direction: the x axis runs from
     `clamp_px` to `along_px`, a second pixel on the clamped sheet (default: along the image's rows,
-    and the sheet's direction is found in each image).
+    and the sheet's direction is found in each image). Raises BadInputError where a place lies
+    outside of the image, or the ruler's points are too close.
     """
     _check_clamp(clamp_px, along_px, image_size)
+    for place in (first_px, second_px):
+        _inside(place, "the ruler's point", image_size)
     length = math.dist(first_px, second_px)
-    if distance_mm <= 0 or length < 20:
+    if not 0 < distance_mm < math.inf or length < 20:
         raise BadInputError(
             f"the ruler's points are {length:.1f} pixels and {distance_mm:g} mm apart; "
             "choose two points at least 20 pixels apart and their distance in mm."

@@ -19,7 +19,9 @@ from labrig.errors import BadInputError
 
 IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
 TIFF_SUFFIXES = (".tif", ".tiff")
+HEIC_SUFFIXES = (".heic", ".heif")  # of many telephones; refused with a reason
 VIDEO_SUFFIXES = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg", ".gif")
+_HEIC = frozenset(b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"mif1", b"msf1"))
 
 Pixels = npt.NDArray[Any]
 
@@ -59,6 +61,16 @@ def whole_file(path: Path) -> PictureLabel:
 def is_video(path: Path) -> bool:
     """Return whether a file is read as a video."""
     return path.suffix.lower() in VIDEO_SUFFIXES
+
+
+def files_in(folder: Path, *, videos: bool) -> list[Path]:
+    """Return the images, and videos, of a folder; HEIC ones that are not there in another form."""
+    suffixes = IMAGE_SUFFIXES + (VIDEO_SUFFIXES if videos else ())
+    every = sorted(folder.iterdir())
+    known = [path for path in every if path.suffix.lower() in suffixes]
+    stems = {path.stem for path in known}
+    heic = [p for p in every if p.suffix.lower() in HEIC_SUFFIXES and p.stem not in stems]
+    return sorted(known + heic)
 
 
 def holds_several(path: Path) -> bool:
@@ -155,6 +167,10 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
         image = None
     if image is None:
         image = _decoded_by_pillow(data)
+    if image is None and bytes(data[4:12]) in _HEIC:
+        raise BadInputError(
+            f"{path}: a photograph in HEIC, which labrig does not read; save it as JPEG or PNG."
+        )
     if image is None:
         raise BadInputError(f"{path}: not an image, or damaged.")
     return np.asarray(image)

@@ -126,6 +126,11 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
         calibrate_ruler((640, 480), (100, 100), (500, 100), 45.0, clamp_px=(80, 480))
     with pytest.raises(BadInputError, match="20 pixels"):
         calibrate_ruler((640, 480), (100, 100), (105, 100), 1.0, clamp_px=(80, 240))
+    with pytest.raises(BadInputError, match=r"ruler's point \(9460, 100\) is outside of the image"):
+        calibrate_ruler((640, 480), (60, 100), (9460, 100), 40.0, clamp_px=(80, 240))
+    for number in (math.nan, math.inf, -3.0):
+        with pytest.raises(BadInputError, match=f"pixels and {number:g} mm apart"):
+            calibrate_ruler((640, 480), (60, 100), (460, 100), number, clamp_px=(80, 240))
     with pytest.raises(BadInputError, match=r"4e\+04 pixels a mm; is its length in mm\?"):
         calibrate_ruler((640, 480), (100, 100), (500, 100), 0.01, clamp_px=(80, 240))
 

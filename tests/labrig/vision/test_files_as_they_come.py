@@ -376,6 +376,31 @@ def test_the_picture_of_a_calibration_replaces_no_photograph(folder, capsys):
         assert run(["calibrate", "camera", str(picture), *ruler, *made]) == 0
 
 
+def test_a_calibration_that_is_replaced_is_kept(folder, capsys):
+    cv2.imwrite(str(folder / "strip.png"), marked(200, 300) + 30)
+    (folder / "optics.json").write_text('{"px_per_mm": 8, "clamp_px": [80, 100], "mask_px": []}')
+    ruler = ["--ruler-px", "20,20,220,20", "--ruler-mm", "25", "--clamp-px", "80,100"]
+    asked = ["calibrate", "camera", str(folder / "strip.png"), *ruler]
+    for clamp_too in ([], [], ["--along-px", "120,100"]):  # the second one changes nothing
+        assert run([*asked, *clamp_too, "-o", str(folder / "optics.json")]) == 0
+    first, second = sorted(folder.glob("optics.json.*.bak"), key=lambda kept: len(kept.name))
+    assert "mask_px" in first.read_text()
+    assert json.loads(second.read_text())["clamp_angle_known"] is False
+    assert capsys.readouterr().out.count("the one before is") == 2
+
+
+@pytest.mark.parametrize("suffix", [".HEIC", ".heif"])
+def test_a_photograph_in_heic_is_refused_with_what_to_do(folder, suffix):
+    for name in ("strip", "both"):
+        (folder / f"{name}{suffix}").write_bytes(b"\0\0\0\x18ftypheic\0\0\0\0mif1heic" + bytes(40))
+    cv2.imwrite(str(folder / "both.png"), marked() + 30)
+    (folder / "sheet.toml").write_text("free_length_mm = 50\n")
+    found = extract_curves([folder], folder / "out", BatchOptions(overlays=False, find=answer))
+    assert list(found.curves) == ["both", "strip"]  # not twice what is there as PNG, too
+    assert list(found.failed) == ["strip"]
+    assert "HEIC, which labrig does not read; save it as JPEG or PNG." in found.failed["strip"]
+
+
 @pytest.mark.parametrize(
     ("written", "said"),
     [
