@@ -20,6 +20,8 @@ FloatArray = npt.NDArray[np.float64]
 
 
 USUAL_LENGTHS_M = (0.04, 0.06)  # length of a strip
+USUAL_THICKNESS_M = 0.21e-3
+_UNSTATED = float("nan")  # this one object alone; another NaN is a wrong value
 
 
 def smallness(length_m: float) -> float:
@@ -32,15 +34,23 @@ def smallness(length_m: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class StripGeometry:
-    """The sheet's lengths, known before the image is read."""
+    """The sheet's lengths, known before the image is read.
+
+    A thickness that is not stated is measured in the image. Raises BadInputError for lengths that
+    no sheet has.
+    """
 
     free_length_m: float
     elongation_m: float = 0.0  # rigid and straight, beyond the free length
-    thickness_m: float = 0.21e-3
+    thickness_m: float = _UNSTATED
     thickness_known: bool = True  # else `thickness_m` is a guess, and the image is measured
     length_known: bool = True  # else `free_length_m` is a guess, and it is followed to its end
 
     def __post_init__(self) -> None:
+        if self.thickness_m is _UNSTATED:
+            guess_m = min(USUAL_THICKNESS_M, 0.1 * self.free_length_m)
+            object.__setattr__(self, "thickness_m", guess_m)
+            object.__setattr__(self, "thickness_known", False)
         if not 0 < self.free_length_m < 10:
             raise BadInputError(
                 f"the sheet's free length is {self.free_length_m * 1000:g} mm; "

@@ -45,13 +45,7 @@ def load_strip(path: Path, configuration: str | None = None, strip: str = "") ->
     stated = validate(_Strip, known | {key: table[key] for key in unused}, str(path))
     free_m, elongation_m = stated.free_length_mm / 1000, stated.elongation_mm / 1000
     if stated.thickness_mm is None:
-        guess_m = min(StripGeometry.thickness_m, 0.1 * free_m)
-        return StripGeometry(
-            free_length_m=free_m,
-            elongation_m=elongation_m,
-            thickness_m=guess_m,
-            thickness_known=False,
-        )
+        return StripGeometry(free_length_m=free_m, elongation_m=elongation_m)
     return StripGeometry(
         free_length_m=free_m, elongation_m=elongation_m, thickness_m=stated.thickness_mm / 1000
     )

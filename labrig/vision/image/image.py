@@ -91,8 +91,10 @@ def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
     low, high = float(grey.min()), float(grey.max())
     # a camera of ten bits leaves most of sixteen empty: what little there is may show all
     if high - low < min(LEVEL_RANGE_MIN_RATIO * full_scale, LEVEL_RANGE_MAX_SIGMAS * noise):
+        floats = f"multiply floats from 0 to 1 by {full_scale:g}, or "
         raise ImageError(
             f"the image is uniform (levels {low:g} to {high:g} of {full_scale:g}); "
+            f"{floats if image.dtype.kind == 'f' and high <= 1 + UNIT_RANGE_MARGIN else ''}"
             "check lens cap, light and exposure."
         )
     return GreyImage(

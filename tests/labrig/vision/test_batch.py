@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from labrig.errors import BadInputError
-from labrig.vision import BatchOptions, extract_curves, load_strip
+from labrig.vision import BatchOptions, StripGeometry, extract_curves, load_strip
 
 KEYS = ["image", "frame", "time_s", "ok", "x_mm", "y_mm", "s_mm", "curvature_per_m", "sigma_mm",
         "curvature_sigma_per_m", "points_px", "seen", "covered", "residual_px",
@@ -94,6 +94,15 @@ def test_a_sheet_file_may_be_small_or_whole(tmp_path):
     path.write_text("free_length_mm = 50\nthicknes_mm = 1\n")
     with pytest.raises(BadInputError, match="did you mean thickness_mm"):
         load_strip(path)
+
+
+def test_in_python_a_thickness_that_is_not_stated_is_measured_as_well(tmp_path):
+    (tmp_path / "sheet.toml").write_text("free_length_mm = 50\n")
+    assert StripGeometry(free_length_m=0.05) == load_strip(tmp_path / "sheet.toml")
+    assert not StripGeometry(free_length_m=0.05).thickness_known
+    assert StripGeometry(free_length_m=0.05, thickness_m=0.21e-3).thickness_known
+    with pytest.raises(BadInputError, match="thickness is nan mm"):
+        StripGeometry(free_length_m=0.05, thickness_m=float("nan"))
 
 
 def test_a_fault_beside_one_image_costs_that_image_only(folder, plain, scenes):

@@ -12,7 +12,15 @@ from PIL import Image
 
 from labrig.cli.main import run
 from labrig.errors import BadInputError
-from labrig.vision import BatchOptions, NeutralCurve, extract_curves, read_image
+from labrig.vision import (
+    BatchOptions,
+    NeutralCurve,
+    Optics,
+    StripGeometry,
+    extract_curves,
+    neutral_curve,
+    read_image,
+)
 from labrig.vision.batch import curves_of
 from labrig.vision.image.reading import PictureLabel, pictures_in
 from labrig.vision.image.tables import mean_curvature_per_m, tip_angle_rad, write_points
@@ -122,6 +130,13 @@ def test_floats_that_are_levels_stay_as_they_are(folder):
         cv2.imwrite(str(folder / f"{name}.tif"), np.full((30, 50), most, np.float32))
     list(curves_of([folder], BatchOptions(find=find)))
     assert given == [(np.float32, 180.0), (np.float32, 127.5)]
+
+
+def test_in_python_floats_from_0_to_1_are_told():
+    image = (marked(200, 300) + 30) / 255
+    optics = Optics(px_per_mm=8.0, clamp_px=(80.0, 100.0))
+    why = neutral_curve(image, optics, StripGeometry(free_length_m=0.02)).why
+    assert "multiply floats from 0 to 1 by 255, or check lens cap" in why
 
 
 def test_each_page_of_a_tiff_is_an_image(folder):

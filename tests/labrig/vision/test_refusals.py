@@ -99,7 +99,12 @@ def test_another_cameras_scale(plain, known, factor):
 @pytest.mark.parametrize("factor", few([0.85, 1.15]))
 def test_a_sheet_of_another_length(plain, known, factor):
     optics, _ = known(plain)
-    refused(plain.image, optics, StripGeometry(free_length_m=0.05 * factor), "length")
+    refused(
+        plain.image,
+        optics,
+        StripGeometry(free_length_m=0.05 * factor, thickness_m=0.21e-3),
+        "length",
+    )
 
 
 @pytest.mark.slow
