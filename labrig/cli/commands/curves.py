@@ -140,6 +140,11 @@ def curves(
         _compare(sources, method, options, output, extra=(batch, summary, overlay, extractor))
         return
     if batch is not None:
+        if as_json or overlay is not None:
+            raise BadInputError(
+                "--batch writes NAME.json and NAME_curve.png for each image into its folder; "
+                "leave --json and --overlay out."
+            )
         _batch(batch, sources, output, summary, options)
         return
     if not sources:

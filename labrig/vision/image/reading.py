@@ -163,6 +163,8 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
         image = cv2.imdecode(data, _flags()) if data.size else None
+        if image is not None and _may_be_transparent(data):
+            image = _on_white(cv2.imdecode(data, cv2.IMREAD_UNCHANGED), image)
     except cv2.error:  # such as a header that states more pixels than OpenCV takes
         image = None
     if image is None:
@@ -174,6 +176,21 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
     if image is None:
         raise BadInputError(f"{path}: not an image, or damaged.")
     return np.asarray(image)
+
+
+def _may_be_transparent(data: npt.NDArray[np.uint8]) -> bool:
+    """Whether a file is a PNG with an alpha channel (colour types 4 and 6 of its header)."""
+    return bytes(data[:4]) == b"\x89PNG" and len(data) > 25 and data[25] in (4, 6)
+
+
+def _on_white(whole: Pixels, opaque: Pixels) -> Pixels:
+    """Return a picture on white paper, as viewers show it; `opaque`: the same without alpha."""
+    top = np.iinfo(whole.dtype).max
+    if whole.ndim != 3 or whole.shape[2] != 4 or whole[..., 3].min() == top:
+        return opaque
+    share = whole[..., 3:] / top
+    colours = np.rint(top - share * (top - whole[..., :3].astype(float))).astype(whole.dtype)
+    return colours if opaque.ndim == 3 else colours[..., 0]
 
 
 def _decoded_by_pillow(data: npt.NDArray[np.uint8]) -> Pixels | None:

@@ -21,7 +21,8 @@ COLUMNS = ("image", "point", "s_mm", "x_mm", "y_mm", "curvature_per_m", "sigma_m
            "curvature_sigma_per_m", "state", "frame", "time_s", "reason", "strip")  # fmt: skip
 SUMMARY_COLUMNS = ("image", "frame", "time_s", "state", "tip_x_mm", "tip_y_mm", "tip_sigma_mm",
                    "tip_angle_deg", "mean_curvature_per_m", "covered", "reason",
-                   "warnings", "strip")  # fmt: skip
+                   "warnings", "strip", "length_mm", "length_sigma_mm",
+                   "thickness_mm")  # fmt: skip
 
 
 def write_points(path: Path, curves: Iterable[LabelledCurve]) -> None:
@@ -30,7 +31,7 @@ def write_points(path: Path, curves: Iterable[LabelledCurve]) -> None:
 
 
 def write_summary(path: Path, curves: Iterable[LabelledCurve]) -> None:
-    """Write a line for each picture: its tip and mean curvature, or why there is no curve."""
+    """Write a line for each picture: tip, mean curvature, length, or why there is no curve."""
     _write(path, SUMMARY_COLUMNS, (_summary(label, curve) for label, curve in curves))
 
 
@@ -81,6 +82,9 @@ def _summary(label: PictureLabel, curve: NeutralCurve) -> Cells:
         "mean_curvature_per_m": f"{mean_curvature_per_m(curve):.5f}",
         "covered": f"{curve.covered:.4f}",
         "warnings": "; ".join(curve.warnings),
+        "length_mm": f"{1e3 * curve.s_m[-1]:.6f}",
+        "length_sigma_mm": f"{1e3 * curve.end_sigma_m:.6f}" if curve.end_sigma_m else "",  # stated
+        "thickness_mm": f"{1e3 * curve.thickness_m:.6f}" if curve.thickness_m else "",
     }
 
 

@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import struct
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -23,7 +24,12 @@ from labrig.vision import (
 )
 from labrig.vision.batch import curves_of
 from labrig.vision.image.reading import PictureLabel, pictures_in
-from labrig.vision.image.tables import mean_curvature_per_m, tip_angle_rad, write_points
+from labrig.vision.image.tables import (
+    mean_curvature_per_m,
+    tip_angle_rad,
+    write_points,
+    write_summary,
+)
 
 IMAGE_WIDTH = 256  # TIFF: the tag of the number of columns
 SIDEWAYS = 6  # EXIF: to be turned clockwise by a quarter
@@ -327,6 +333,16 @@ def test_a_summary_has_a_line_for_each_picture(folder):
     assert dark["tip_x_mm"] == ""
 
 
+def test_a_summary_has_the_length_and_thickness_that_were_measured(tmp_path):
+    to_end = replace(arc(), end_sigma_m=4e-4, thickness_m=6e-4)
+    label = PictureLabel(name="a", file_stem="a")
+    write_summary(tmp_path / "summary.csv", [(label, to_end), (label, arc())])
+    measured, stated = table(tmp_path / "summary.csv")
+    names = ("length_mm", "length_sigma_mm", "thickness_mm")
+    assert [measured[name] for name in names] == ["50.000000", "0.400000", "0.600000"]
+    assert [stated[name] for name in names] == ["50.000000", "", ""]
+
+
 def test_the_angle_of_a_tip_counts_whole_turns():
     assert tip_angle_rad(arc(curvature_per_m=160.0)) == pytest.approx(8.0, abs=1e-6)
 
@@ -404,6 +420,23 @@ def test_a_calibration_that_is_replaced_is_kept(folder, capsys):
     assert capsys.readouterr().out.count("the one before is") == 2
 
 
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("colours", [3, 1])
+def test_what_is_transparent_is_white_as_viewers_show_it(tmp_path, dtype, colours):
+    top = np.iinfo(dtype).max
+    alpha = (marked() > 0).astype(dtype) * top
+    if colours == 3:
+        cv2.imwrite(str(tmp_path / "cut.png"), np.dstack([0 * alpha] * 3 + [alpha]))
+    else:  # grey with alpha, which OpenCV does not write
+        Image.fromarray(np.dstack([alpha * 0, alpha]).astype(np.uint8), "LA").save(
+            tmp_path / "cut.png"
+        )
+        top = 255
+    image = read_image(tmp_path / "cut.png")
+    assert image.max() == top
+    assert ((image == 0) == (np.dstack([alpha] * 3) > 0 if image.ndim == 3 else alpha > 0)).all()
+
+
 @pytest.mark.parametrize("suffix", [".HEIC", ".heif"])
 def test_a_photograph_in_heic_is_refused_with_what_to_do(folder, suffix):
     for name in ("strip", "both"):
@@ -426,6 +459,8 @@ def test_a_photograph_in_heic_is_refused_with_what_to_do(folder, suffix):
         (["-o", "new"], "a table is CSV; name it new.csv"),
         (["--summary", "optics.json"], "a table is CSV; name it optics.csv"),
         (["-o", "a.csv", "--summary", "a.csv"], "two tables; name two files"),
+        (["--batch", ".", "-o", "out", "--json"], "leave --json and --overlay out"),
+        (["--batch", ".", "-o", "out", "--overlay", "a.png"], "leave --json and --overlay out"),
     ],
 )
 def test_nothing_is_written_over_a_photograph_or_what_is_known_of_it(

@@ -31,7 +31,8 @@ FACT = Along(
     shape=FactShape.POINT,
     of=FactOf.PICTURE,
     option=FactOption(
-        flag="--along-px", help="U,V: a second pixel on the strip near the clamp: its direction"
+        flag="--along-px",
+        help="U,V: a second pixel on the strip near the clamp: its direction, and the x axis",
     ),
     example="40,30",
     order=20,
