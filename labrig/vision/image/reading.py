@@ -164,7 +164,7 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
     try:
         image = cv2.imdecode(data, _flags()) if data.size else None
         if image is not None and _may_be_transparent(data):
-            image = _on_white(cv2.imdecode(data, cv2.IMREAD_UNCHANGED), image)
+            image = _on_white(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED)), image)
     except cv2.error:  # such as a header that states more pixels than OpenCV takes
         image = None
     if image is None:
@@ -189,7 +189,9 @@ def _on_white(whole: Pixels, opaque: Pixels) -> Pixels:
     if whole.ndim != 3 or whole.shape[2] != 4 or whole[..., 3].min() == top:
         return opaque
     share = whole[..., 3:] / top
-    colours = np.rint(top - share * (top - whole[..., :3].astype(float))).astype(whole.dtype)
+    colours: Pixels = np.rint(top - share * (top - whole[..., :3].astype(float))).astype(
+        whole.dtype
+    )
     return colours if opaque.ndim == 3 else colours[..., 0]
 
 
