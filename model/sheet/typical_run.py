@@ -58,7 +58,7 @@ def typical_run(
         driven_s=SLOT_S * np.maximum(pulse, 0.0), opposite=np.asarray(before, dtype=float),
         rise_s=rise_s, position_m=position_m,
     )  # fmt: skip
-    return TypicalRun(clock, (pulse < 0.0) | (pulse >= DISCARDED))
+    return TypicalRun(clock, (pulse < 0.0) | ((pulse >= DISCARDED) & (voltage != 0.0)))
 
 
 def kept_readings(
