@@ -11,7 +11,9 @@ from model import SheetModel
 from model.identification.data.data_vector import look
 from model.mechanics import field
 from model.mechanics.field import Field
+from model.parameter import Parameter
 from model.sheet.applied_effects import beam_problem
+from model.sheet.beam_problem import ActiveEffect
 from model.sheet.solution import free_curvature
 from model.sheet.typical_run import typical_run
 from tests.model.discrepancy.sessions import means_of, session
@@ -34,6 +36,18 @@ def test_its_times_are_those_of_data_of_the_papers_protocol():
     told = run.clock.of(run.at(0.0))
     for name in ("pulse", "pulse_s", "run_s", "driven_s", "opposite"):
         assert getattr(told, name) == pytest.approx(getattr(zero, name)), name
+
+
+def test_at_0_V_a_drift_since_the_wetting_has_not_begun(truth: SheetModel):
+    values = {"relative_change": 0.2, "since_wetting": 1.0, "settles": 0.0}
+    drift = ActiveEffect(
+        name="stiffness_drift",
+        parameters={name: Parameter(value=v, sigma=0.0, unit="") for name, v in values.items()},
+    )
+    # B is the stated one in the middle of a run, and the force at 0 V goes with it
+    before_N = truth.predict("long", 0.02, 0.0).F_N
+    force_N = truth.with_effects(drift).predict("long", 0.02, 0.0).F_N
+    assert force_N == pytest.approx(0.9 * before_N, rel=1e-6)
 
 
 def test_a_condition_knows_how_far_it_comes_from_at_the_other_polarity(truth: SheetModel):
