@@ -41,6 +41,19 @@ def check_session_name(path: Path) -> None:
         raise BadInputError(f"{path}: a session is HDF5; name it {path.stem}.h5.")
 
 
+def make_folder(folder: Path) -> None:
+    """Make a folder if need be: before the work that it is for. Raise what `not_written` returns.
+
+    Raises BadInputError where a file is in its place.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
+    except OSError as error:
+        raise not_written(folder, error) from None
+
+
 def typed(path: Path | str) -> str:
     """Return a path as it is typed into a shell: quoted where it has blanks."""
     return list2cmdline([str(path)]) if os.name == "nt" else shlex.quote(str(path))

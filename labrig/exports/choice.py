@@ -11,6 +11,7 @@ from drivers.plugins import PluginFolder, UnknownPartError
 from labrig.errors import BadInputError, LabrigError
 from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
+from labrig.files import make_folder
 from labrig.session import open_session
 
 DEFAULT: Final = "csv"
@@ -73,12 +74,7 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
 def _folder(path: Path) -> Iterator[Path]:
     """Make a folder where there is none, and take it away again if nothing comes into it."""
     was_there = path.exists()
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise BadInputError(f"{path}: this is a file, a folder is needed.") from None
-    except OSError as error:
-        raise BadInputError(f"{path}: cannot be made ({error.strerror}).") from None
+    make_folder(path)
     try:
         yield path
     except BaseException:

@@ -134,8 +134,9 @@ def fit(
     holds the sheet in time, for simulate --time, response and control.
     """
     from labrig.api.fit import fitted_data
+    from labrig.files import make_folder
     from labrig.model_file import check_name
-    from labrig.report.figures.fit import make_folder, write_fit_figures
+    from labrig.report.figures.fit import write_fit_figures
     from labrig.report.parts.style import known_formats
 
     if output is not None:

@@ -22,7 +22,8 @@ from labrig.panel.photographs.known import (
     known_optics,
     write_known,
 )
-from labrig.panel.photographs.photograph import Found, Photograph
+from labrig.panel.photographs.measuring import FileState, Measured, file_state, measured_file
+from labrig.panel.photographs.photograph import Photograph
 from labrig.vision.calibration.drawing import is_drawing
 from labrig.vision.facts.contract import FactOf, FactShape
 from labrig.vision.facts.stated import Facts
@@ -59,7 +60,7 @@ class PhotographFolder:
             dict.fromkeys(one.path for one in self._photographs.values())
         )
         self._busy: Path | None = None  # what is measured now
-        self._states: dict[Path, _FileState] = {}  # of the files when they were measured
+        self._states: dict[Path, FileState] = {}  # of the files when they were measured
         self._closed = False
         self.thread = threading.Thread(target=self._work, name="photographs", daemon=True)
         self.thread.start()
@@ -230,7 +231,7 @@ class PhotographFolder:
 
     def _measure_changed(self) -> None:
         """Measure anew what was replaced or removed since it was measured, and raise."""
-        changed = [path for path in self._paths() if self._states.get(path) != _file_state(path)]
+        changed = [path for path in self._paths() if self._states.get(path) != file_state(path)]
         if changed:
             self._measure_again(changed[0], set(changed))
             names = ", ".join(path.name for path in changed[:3])
@@ -248,14 +249,14 @@ class PhotographFolder:
                 if self._closed:
                     return
                 path = self._busy = self._queue.popleft()
-                self._states[path] = _file_state(path)
-            measured = _measured(path)
+                self._states[path] = file_state(path)
+            measured = measured_file(path)
             with self._lock:
                 self._busy = None
                 if path not in self._queue:  # else it is measured again, from something else
                     self._take(path, measured)
 
-    def _take(self, path: Path, measured: _Measured) -> None:
+    def _take(self, path: Path, measured: Measured) -> None:
         own = any(own_file(path, kind).exists() for kind in (OPTICS_FILE, SHEET_FILE))
         for one in self._photographs.values():
             if one.path != path:
@@ -316,52 +317,6 @@ def _shown(facts: Facts, of: FactOf) -> Facts:
     return {
         fact.name: facts.get(fact.name, empty.get(fact.shape, ())) for fact in clicked_facts(of)
     }
-
-
-_FileState = tuple[int, int] | None  # time of the last change, ns, and size; None: not there
-
-
-def _file_state(path: Path) -> _FileState:
-    try:
-        found = path.stat()
-    except OSError:
-        return None
-    return found.st_mtime_ns, found.st_size
-
-
-class _Measured:
-    """What came of one file."""
-
-    def __init__(self) -> None:
-        self.images: dict[str, Pixels] = {}
-        self.curves: dict[str, Found] = {}
-        self.why = ""
-
-
-def _measured(path: Path) -> _Measured:
-    from labrig.vision.batch import BatchOptions, curves_of  # slow to import: numba
-
-    out = _Measured()
-    try:
-        for label, image, curve in curves_of([path], BatchOptions()):
-            whole = label.name.removesuffix(f":{label.strip}") if label.strip else label.name
-            if image is not None:
-                out.images[whole] = image
-                out.curves.setdefault(whole, []).append((label.strip, curve))
-            else:
-                out.why = curve.why
-    except LabrigError as error:
-        out.why = str(error)
-    except Exception as error:  # noqa: BLE001 - one photograph must not end the measuring
-        out.why = f"measuring failed with {type(error).__name__}: {error}."
-    if not out.images:
-        try:
-            for picture in pictures_in(path):
-                if picture.image is not None:
-                    out.images[picture.label.name] = picture.image
-        except BadInputError as error:
-            out.why = str(error)
-    return out
 
 
 def _listed(folder: Path) -> Iterator[Photograph]:

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.errors import BadInputError
-from labrig.files import not_written
 from labrig.report.data.models import Models
 from labrig.report.figures.force import force_figure
 from labrig.report.figures.moment import moment_figure
@@ -45,16 +43,6 @@ def write_fit_figures(
             formats,
         ),
     ]
-
-
-def make_folder(folder: Path) -> None:
-    """Make the folder if need be, so that it is known before the fit whether that can be done."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
-    except OSError as error:
-        raise not_written(folder, error) from None
 
 
 def _varies(fit: Fit, name: str) -> bool:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from labrig.errors import BadInputError
+from labrig.files import make_folder
 from labrig.report.data.findings import Progress, gather
-from labrig.report.figures.fit import make_folder
 from labrig.report.page.page import render, write_page
 from labrig.report.page.sections import report_content
 from labrig.report.parts.figures import FigureFolder

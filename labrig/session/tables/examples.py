@@ -6,7 +6,7 @@ from pathlib import Path
 
 from labrig.config.templates import template_text
 from labrig.errors import BadInputError
-from labrig.files import not_written, write_bytes
+from labrig.files import make_folder, write_bytes
 
 _FOLDER = Path(__file__).parent / "example_files"
 SHEET, FORCES, CURVES, LABVIEW = "sheet.toml", "forces.csv", "curves.csv", "labview.txt"
@@ -26,12 +26,7 @@ def write_examples(folder: Path) -> list[Path]:
     for name in made:
         if (folder / name).exists():
             raise BadInputError(f"{folder / name}: is already there; give another folder.")
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
-    except OSError as error:
-        raise not_written(folder, error) from None
+    make_folder(folder)
     for name, content in made.items():
         write_bytes(folder / name, content)
     return [folder / name for name in sorted(made)]

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from labrig.errors import BadInputError
+from labrig.files import make_folder
 from labrig.session.recording.disk import written_beside
 from labrig.session.tables import columns
 from labrig.session.tables.decimals import degrees, milli, plain
@@ -51,12 +52,7 @@ def write_curves(measurements: Measurements, path: Path) -> None:
 
 
 def _make(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except FileExistsError:
-        raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
-    except OSError as error:
-        raise BadInputError(f"{folder}: cannot be made ({error.strerror}).") from None
+    make_folder(folder)
     for name in TABLES:
         if (folder / name).exists():
             raise BadInputError(f"{folder / name} exists already; choose another folder with -o.")
