@@ -22,7 +22,7 @@ from benchmarks.worlds.methods import boosted
 from benchmarks.worlds.methods._contract import Answer
 from benchmarks.worlds.registry import digest
 from benchmarks.worlds.run import method, methods
-from benchmarks.worlds.table import confidently_wrong, rows
+from benchmarks.worlds.table import confidently_wrong, quantile_interval, rows
 from model.measurements import Measurements
 
 pytestmark = pytest.mark.thorough
@@ -158,6 +158,15 @@ def test_a_gap_is_closed_above_its_floor() -> None:
     less = replace(one, left_out=replace(told, written=told.base))
     assert _value([*[one] * 9, less], "left-out gap closed") == "104.3%"
     assert _value([*[one] * 8, *[less] * 2], "the same, worst tenth") == "0.0%"
+
+
+def test_the_worst_tenth_of_few_cases_is_hardly_known() -> None:
+    drawn = np.random.default_rng(7).uniform(0.0, 1.0, (400, 60))  # 0.1 is below a tenth of them
+    held = 0
+    for values in drawn:
+        low, high = (float(end.rstrip("%")) for end in quantile_interval(values, 0.1).split(" - "))
+        held += low <= 10.0 <= high
+    assert 0.88 * len(drawn) <= held <= 0.98 * len(drawn)  # ranks are whole: a little above 90 %
 
 
 def test_a_record_with_predictions_is_read_back(tmp_path: Path) -> None:
