@@ -1,7 +1,7 @@
 """`labrig curves` on photographs that nobody here took, against readings by hand.
 
     python -m benchmarks.vision_photographs FOLDER [--tuned | --untouched] [--clicks N] ...
-    python -m benchmarks.vision_photographs FOLDER --direction --extractor salient --half 1
+    python -m benchmarks.vision_photographs FOLDER --direction --half 1
 
 The photographs are in public repositories, named in benchmarks/photographs/traces.json with their
 licences; they are not copied here. FOLDER holds them as OWNER+NAME/PATH. Each is measured with the

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from labrig.errors import BadInputError, LabrigWarning
-from labrig.vision.calibration.drawing import is_drawing
 from labrig.vision.calibration.optics import (
     ColourChannel,
     Optics,
@@ -20,7 +19,6 @@ from labrig.vision.calibration.optics import (
 )
 from labrig.vision.checks.objections import heeding
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
-from labrig.vision.extraction.extract import neutral_curve
 from labrig.vision.facts.catalogue import strip_facts
 from labrig.vision.facts.contract import FactOf
 from labrig.vision.facts.stated import joined
@@ -42,6 +40,7 @@ from labrig.vision.image.reading import (
 )
 from labrig.vision.image.review import PictureDecision, load_review
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
+from labrig.vision.one_image import neutral_curve
 from labrig.vision.tracking.tracker import Tracker
 
 Progress = Callable[[str, NeutralCurve], None]
@@ -96,8 +95,9 @@ def extract_curves(
     An image NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
     `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
     for each image (NAME_000012 for a video's frame, NAME_page0012 for a TIFF's page), curves.csv
-    and summary.csv. An image that cannot be read, holds no sheet or has a faulty file of its own
-    is a result (`ok` false), not an error.
+    and summary.csv; these have what was measured, too, where the batch is stopped. An image that
+    cannot be read, holds no sheet or has a faulty file of its own is a result (`ok` false), not an
+    error.
     """
     options = options or BatchOptions()
     found = curves_of(sources, options)
@@ -106,21 +106,23 @@ def extract_curves(
     output.mkdir(parents=True, exist_ok=True)
     result = BatchResult()
     written: set[str] = set()
-    for label, image, curve in found:
-        if label.file_stem in written:
-            raise BadInputError(
-                f"{label.name} would be written over {label.file_stem}.json of another image; "
-                "rename the image or the strip."
-            )
-        written.add(label.file_stem)
-        result.found.append((label, curve))
-        write_json(output / f"{label.file_stem}.json", label, curve)
-        if options.overlays and image is not None:
-            write_overlay(output / f"{label.file_stem}_curve.png", image, curve)
-        if progress is not None:
-            progress(label.name, curve)
-    write_points(output / "curves.csv", result.found)
-    write_summary(output / "summary.csv", result.found)
+    try:
+        for label, image, curve in found:
+            if label.file_stem in written:
+                raise BadInputError(
+                    f"{label.name} would be written over {label.file_stem}.json of another image; "
+                    "rename the image or the strip."
+                )
+            written.add(label.file_stem)
+            write_json(output / f"{label.file_stem}.json", label, curve)
+            if options.overlays and image is not None:
+                write_overlay(output / f"{label.file_stem}_curve.png", image, curve)
+            result.found.append((label, curve))
+            if progress is not None:
+                progress(label.name, curve)
+    finally:  # also where the batch is stopped: what was measured is kept
+        write_points(output / "curves.csv", result.found)
+        write_summary(output / "summary.csv", result.found)
     return result
 
 
@@ -137,6 +139,7 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[Pictur
             f"{', '.join(IMAGE_SUFFIXES)} files in it."
         )
     _refuse_twins(files)
+    _tell_of_subfolders(sources)
     _refuse_common_faults(files, options)
     decided = {folder: load_review(folder) for folder in {path.parent for path in files}}
     return (named for path in files for named in _curves_of(path, options, decided[path.parent]))
@@ -145,11 +148,25 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[Pictur
 def _files(sources: Sequence[Path]) -> Iterator[Path]:
     for source in sources:
         if source.is_dir():
-            yield from (p for p in files_in(source, videos=True) if not is_drawing(p))
+            yield from files_in(source, videos=True)
         elif source.exists():
             yield source
         else:
             raise BadInputError(f"{source}: there is no such file or folder.")
+
+
+def _tell_of_subfolders(sources: Sequence[Path]) -> None:
+    """Warn of images in folders of a folder, which are left out."""
+    for source in filter(Path.is_dir, sources):
+        inner = [path.name for path in sorted(source.iterdir()) if path.is_dir()]
+        held = [name for name in inner if files_in(source / name, videos=True)]
+        if held:
+            warnings.warn(
+                f"{source}: images in its folders ({listed(held)}) are left out; measure each of "
+                "these folders by itself.",
+                LabrigWarning,
+                stacklevel=2,
+            )
 
 
 def _refuse_twins(files: list[Path]) -> None:

@@ -215,8 +215,7 @@ def test_the_extractors_are_listed_with_where_they_come_from(
     assert run(["curves", "--method", "list"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("intensity_fit (labrig): Search the image")
-    assert lines[1].startswith("salient (labrig): As intensity_fit")
-    assert lines[2] == "shifted (labrig-extra 1): Move the built-in curve."
+    assert lines[1] == "shifted (labrig-extra 1): Move the built-in curve."
 
 
 def test_optics_with_strips_are_read_and_written(tmp_path: Path) -> None:

@@ -24,7 +24,6 @@ from labrig.panel.photographs.known import (
 )
 from labrig.panel.photographs.measuring import FileState, Measured, file_state, measured_file
 from labrig.panel.photographs.photograph import Photograph
-from labrig.vision.calibration.drawing import is_drawing
 from labrig.vision.facts.contract import FactOf, FactShape
 from labrig.vision.facts.stated import Facts
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
@@ -61,6 +60,9 @@ class PhotographFolder:
         )
         self._busy: Path | None = None  # what is measured now
         self._states: dict[Path, FileState] = {}  # of the files when they were measured
+        self._looked_at = file_state(folder)
+        self._files = {*files_in(folder, videos=False)}  # also of one name, of which one is shown
+        self._arriving: dict[Path, FileState] = {}  # files that came since, at the look before
         self._closed = False
         self.thread = threading.Thread(target=self._work, name="photographs", daemon=True)
         self.thread.start()
@@ -75,8 +77,12 @@ class PhotographFolder:
     # ------------------------------------------------------------------------------- what is shown
 
     def listing(self, since: int) -> Message:
-        """Return what has changed since a revision, and the counts."""
+        """Return what has changed since a revision, and the counts; new photographs are taken in.
+
+        One that is still being copied is taken in once it does not change from look to look.
+        """
         with self._lock:
+            self._take_in_new()
             every = list(self._photographs.values())
             waiting = {*self._queue, self._busy}
             return {
@@ -206,6 +212,27 @@ class PhotographFolder:
         write_summary(output / "summary.csv", found)
         return [f"{RESULTS}/curves.csv", f"{RESULTS}/summary.csv"]
 
+    def _take_in_new(self) -> None:
+        changed = file_state(self.folder)
+        if changed is None or (changed == self._looked_at and not self._arriving):
+            return
+        before, now = self._arriving, files_in(self.folder, videos=False)
+        new = [path for path in now if path not in self._files]
+        self._looked_at, self._arriving = changed, {path: file_state(path) for path in new}
+        for path in new:
+            if before.get(path) == self._arriving[path]:
+                del self._arriving[path]
+                self._take_in(path)
+
+    def _take_in(self, path: Path) -> None:
+        self._files.add(path)
+        for one in _labelled(path):
+            if one.name not in self._photographs:
+                self._photographs[one.name] = one
+                self._changed(one)
+        self._queue.append(path)
+        self._wake.notify_all()
+
     def _paths(self) -> list[Path]:
         return list(dict.fromkeys(one.path for one in self._photographs.values()))
 
@@ -320,15 +347,18 @@ def _shown(facts: Facts, of: FactOf) -> Facts:
 
 
 def _listed(folder: Path) -> Iterator[Photograph]:
-    """Yield the photographs of a folder, labrig's own drawings left out."""
+    """Yield the photographs of a folder."""
     for path in files_in(folder, videos=False):
-        if path.is_file() and not is_drawing(path):
-            try:
-                labels = labels_in(path)
-            except BadInputError:
-                labels = [whole_file(path)]
-            for label in labels:
-                yield Photograph(label=label, path=path)
+        yield from _labelled(path)
+
+
+def _labelled(path: Path) -> Iterator[Photograph]:
+    try:
+        labels = labels_in(path)
+    except BadInputError:
+        labels = [whole_file(path)]
+    for label in labels:
+        yield Photograph(label=label, path=path)
 
 
 def _what_is_missing(path: Path) -> str:

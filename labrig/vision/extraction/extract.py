@@ -1,4 +1,4 @@
-"""`neutral_curve`: one image in, the sheet's curve with its uncertainty out, or a reason."""
+"""The sheet's curve by its edges and intensities, with its uncertainty, or a reason."""
 
 from __future__ import annotations
 
@@ -48,22 +48,6 @@ FOUND_ANGLE_SIGMA_RAD = 0.05  # of the direction at the clamp, as the edges show
 DIFFERENCES = (ColourChannel.RED_GREEN, ColourChannel.GREEN_BLUE)
 
 
-def neutral_curve(
-    image: npt.NDArray[Any],
-    optics: Optics,
-    strip: StripGeometry,
-    *,
-    start: NeutralCurve | None = None,
-) -> NeutralCurve:
-    """Return the neutral curve of the sheet in `image` (rows, columns), 8 or 16 bit grey.
-
-    `start`: the curve of an image shortly before; it is followed, which is several times faster,
-    and given up for a search from the clamp where its curve fails the self-check. What cannot be
-    measured comes back with `ok` False and the reason, never raised.
-    """
-    return unconfirmed_curve(image, optics, strip, start=start).confirmed()
-
-
 def unconfirmed_curve(
     image: npt.NDArray[Any],
     optics: Optics,
@@ -71,7 +55,11 @@ def unconfirmed_curve(
     *,
     start: NeutralCurve | None = None,
 ) -> NeutralCurve:
-    """Return the same for another look at the picture, with a doubt in place of its refusal."""
+    """Return the curve of the sheet in `image` (rows, columns), 8 or 16 bit grey.
+
+    What another look at the picture may settle is a doubt of the curve, and no refusal yet. What
+    cannot be measured comes back with `ok` False and the reason, never raised.
+    """
     return _with_place(_unconfirmed(image, optics, strip, start))
 
 

@@ -59,6 +59,12 @@ START_UNSEEN = (
     "check clamp_px."
 )
 STATED_RIVAL_RATIO = 2.0  # of the largest sigma, with rival edges, of a strip that is stated
+TURNED_MIN_RAD = 0.14  # 8 degrees, from the stated direction to the first part of the curve
+TURNED_START_SHARE = 0.03  # of the length: that first part
+TURNED = (
+    "the strip leaves the clamp {degrees:.0f} degrees beside the stated direction, by which x and "
+    "y are turned; state a place nearer to the clamp (--along-px)"
+)
 RIVAL_STEP = "check of the edges failed"  # the step that a refusal for rival edges names
 
 
@@ -272,7 +278,8 @@ def outline_in_metres(
             end_measured=not (strip.length_known or optics.tip_px or outline.leaves_image),
         )
     )
-    warned = (*_assumed(outline, optics, strip), *((BY_PATH,) if outline.by_path else ()))
+    warned = (*_assumed(outline, optics, strip), *_turned(outline, optics))
+    warned += (BY_PATH,) if outline.by_path else ()
     beyond = _beyond_px(outline, shape.basis.total_px) if strip.length_known else 0.0
     if beyond:
         where = _ends_elsewhere(outline, optics, beyond, shape.basis.total_px)
@@ -319,6 +326,19 @@ def _seen_nodes(outline: Outline) -> npt.NDArray[np.bool_]:
     for node in blocks.node[blocks.seen]:
         seen[max(0, node - many // 2 - 1) : node + many // 2 + 2] = True
     return seen
+
+
+def _turned(outline: Outline, optics: Optics) -> list[str]:
+    """Return that the strip leaves the clamp beside the stated direction, if it plainly does.
+
+    Whoever states it by a place far along a bent strip states a chord; x and y are turned by that.
+    """
+    phi = outline.fit.shape.phi
+    first = float(phi[: max(1, round(TURNED_START_SHARE * len(phi)))].mean())
+    beside = abs(math.remainder(first - optics.clamp_angle_rad, 2 * math.pi))
+    if not optics.clamp_angle_known or beside < TURNED_MIN_RAD:
+        return []
+    return [TURNED.format(degrees=math.degrees(beside))]
 
 
 def _assumed(outline: Outline, optics: Optics, strip: StripGeometry) -> list[str]:

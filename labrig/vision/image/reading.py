@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
 from labrig.errors import BadInputError
+from labrig.vision.calibration.drawing import is_drawing
 
 IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
 TIFF_SUFFIXES = (".tif", ".tiff")
@@ -64,9 +65,12 @@ def is_video(path: Path) -> bool:
 
 
 def files_in(folder: Path, *, videos: bool) -> list[Path]:
-    """Return the images, and videos, of a folder; HEIC ones that are not there in another form."""
+    """Return the images, and videos, of a folder; HEIC ones that are not there in another form.
+
+    What labrig drew itself is left out.
+    """
     suffixes = IMAGE_SUFFIXES + (VIDEO_SUFFIXES if videos else ())
-    every = sorted(folder.iterdir())
+    every = sorted(path for path in folder.iterdir() if path.is_file() and not is_drawing(path))
     known = [path for path in every if path.suffix.lower() in suffixes]
     stems = {path.stem for path in known}
     heic = [p for p in every if p.suffix.lower() in HEIC_SUFFIXES and p.stem not in stems]

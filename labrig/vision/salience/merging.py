@@ -43,7 +43,6 @@ CUT = (
     "further, and the uncertainty of the end holds both"
 )
 GOES_ON = "the strip may go on"  # so a warning begins of an end that was looked at again
-ALONE = "the edges gave no curve; this one is the middle of what stands out in the picture"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -87,12 +86,6 @@ def merged(first: NeutralCurve, look: MiddleLine, optics: Optics) -> NeutralCurv
         end, end_sigma = _weighted((total, float(at[-1])), ends)
         both, note = replace(both, path_px=_cut(both.path_px, end), end_sigma_px=end_sigma), ""
     return _curve(both, optics, first, width_px=width, note=note) or first
-
-
-def alone(refused: NeutralCurve, look: MiddleLine, optics: Optics) -> NeutralCurve:
-    """Return the middle of what stands out as a curve, where the edges gave none."""
-    found = _curve(_own_middle(look), optics, refused, width_px=look.width_px, note=ALONE)
-    return found or refused
 
 
 def _own_middle(look: MiddleLine) -> _Middle:
@@ -206,7 +199,7 @@ def _curve(
         covered=1.0,
         end_sigma_m=middle.end_sigma_px / px_per_m,
         free_length_m=float(s[-1]),
-        thickness_m=first.thickness_m if first.ok else width_px / px_per_m,
+        thickness_m=first.thickness_m,
         contrast=first.contrast,
         polarity=first.polarity,
         excess_px=np.zeros(many),

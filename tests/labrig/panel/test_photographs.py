@@ -173,6 +173,21 @@ def test_a_photograph_that_is_replaced_is_measured_and_looked_at_again(photograp
     assert "no such file" in (photographs.folder / "curves" / "summary.csv").read_text()
 
 
+def test_a_photograph_that_comes_while_the_page_is_open_is_taken_in_once_it_is_whole(photographs):
+    measured(photographs)
+    photographs.set_known("a", clicked(), for_all=True)
+    measured(photographs)
+    late = photographs.folder / "late.png"
+    whole = cv2.imencode(".png", BENT_UP.image)[1].tobytes()
+    late.write_bytes(whole[: len(whole) // 2])
+    assert photographs.listing(0)["total"] == 3
+    late.write_bytes(whole)  # the copy is complete
+    assert photographs.listing(0)["total"] == 3
+    assert photographs.listing(0)["total"] == 4
+    assert measured(photographs)["late"]["state"] == "found"
+    assert photographs.listing(0)["total"] == 4
+
+
 def test_a_direction_that_is_not_known_is_not_shown_and_stays_so_until_it_is_clicked(tmp_path):
     drawn_strips.write(tmp_path, BENT_UP.image, "a", clamp_angle_known=False)
     opened = PhotographFolder(tmp_path)
@@ -271,7 +286,7 @@ def test_an_overlay_is_readable_on_a_picture_of_any_size(tmp_path, size):
     [
         (["nowhere"], "there is no such folder"),
         ([".", "--summary", "s.csv"], "takes no images"),
-        ([".", "--extractor", "salient"], "the built-in extractor finds their curves"),
+        ([".", "--extractor", "intensity_fit"], "the built-in extractor finds their curves"),
     ],
 )
 def test_a_wrong_start_of_the_page_is_one_sentence(asked, said, capsys, monkeypatch, tmp_path):

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigWarning
 from labrig.vision import BatchOptions, StripGeometry, extract_curves, load_strip
 
 KEYS = ["image", "frame", "time_s", "ok", "x_mm", "y_mm", "s_mm", "curvature_per_m", "sigma_mm",
@@ -44,6 +44,30 @@ def test_a_folder_gives_a_file_for_each_image(folder, plain, scenes, tmp_path):
     overlay = cv2.imread(str(out / "good_curve.png"))
     assert overlay.shape[1] == 1280  # twice as large, and its figures below it
     assert overlay.shape[0] > 960
+
+
+def test_a_batch_that_is_stopped_keeps_the_rows_of_what_was_measured(folder):
+    def stop_at(name, curve):
+        if name == "damaged":
+            raise KeyboardInterrupt
+
+    out = folder / "out"
+    with pytest.raises(KeyboardInterrupt):
+        extract_curves([folder], out, progress=stop_at)
+    rows = (out / "summary.csv").read_text().splitlines()[1:]
+    assert [row.split(",")[0] for row in rows] == ["black", "damaged"]
+    assert len((out / "curves.csv").read_text().splitlines()) == 3
+
+
+def test_images_in_folders_of_the_folder_are_left_out_and_that_is_told(folder, scenes, plain):
+    for name in ("monday", "tuesday"):
+        (folder / name).mkdir()
+        scenes.save(plain, folder / name, "more")
+    (folder / "empty").mkdir()
+    with pytest.warns(LabrigWarning, match=r"\(monday and tuesday\) are left out"):
+        result = extract_curves([folder], folder / "out", BatchOptions(overlays=False))
+    assert "more" not in result.curves
+    assert "good" in result.curves
 
 
 def test_a_video_is_followed_frame_by_frame(tmp_path, plain):

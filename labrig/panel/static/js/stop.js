@@ -86,6 +86,7 @@
     "keydown",
     function (event) {
       if (event.key !== "Escape" || event.repeat || event.isComposing) return;
+      if (document.body.dataset.mode === "photographs") return; // there is no output
       event.preventDefault();
       press("Esc on the page");
     },
