@@ -47,12 +47,14 @@ flowchart LR
 | a device | `drivers/boards`, `cameras`, `positioners`, `force_sensors`, one file each |
 | a key of a configuration file | `labrig/config` |
 | the layout of the session file | `labrig/session` |
-| how a curve is found in an image | `labrig/vision`; what accepts or refuses it: `thresholds.py` and `checks/kinds` there |
+| how a curve is found in an image | `labrig/vision`; what refuses it: `checks/kinds` there |
 | the mechanics of the sheet | `model/mechanics` at rest, `model/dynamics` in time |
 | an effect | `model/effects`, one file each |
 | the fit of B and EIBM | `model/identification` |
 | what is named, and with which probability | `model/discrepancy`; its numbers: `thresholds.py` |
-| a command, a page, a section of the report | `labrig/cli/commands`, `labrig/panel/pages`, `labrig/report/sections`, one file each |
+| a command | `labrig/cli/commands`, one file each |
+| a page of the panel | `labrig/panel/pages`, one file each |
+| a section of the report | `labrig/report/sections`, one file each |
 | what the simulated rig does | `sim_hardware/world`; its devices beside it |
 
 The contract of each kind of part: [extending labrig](../howto/extending.md).
