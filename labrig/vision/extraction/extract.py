@@ -163,7 +163,8 @@ def _place_outside(optics: Optics, image: GreyImage) -> str:
         if not (0 <= u < columns and 0 <= v < rows):
             return (
                 f"check of the stated places failed: {u:g},{v:g} lies outside of the image of "
-                f"{columns} x {rows} pixels; check through_px and tip_px."
+                f"{columns} x {rows} pixels; check --tip-px and --through, or tip_px "
+                "and through_px of optics.json."
             )
     return ""
 
