@@ -284,16 +284,9 @@ def _model_for(data: Mapping[str, Any]) -> type[RigConfig]:
     return _rig_model(tuple(families.items())) if all_known else rig_model()
 
 
-# Tables that say nothing of the output. What else is unknown may be the boards, and is an error.
-NOT_THE_OUTPUT = (
-    "camera",
-    "channels",
-    "current_sense",
-    "force_sensor",
-    "load_cell",
-    "stage",
-    "watch",
-)
+# Tables that 0 V does not depend on: all but the boards' own, the amplifier's, the limits' and the
+# interlock's. A table that is not known at all may be that of the boards, and is an error.
+NOT_THE_OUTPUT = RigConfig.model_fields.keys() - {"amplifier", "limits", "interlock"}
 
 
 def load_output(path: Path) -> RigConfig | ReplayConfig:
