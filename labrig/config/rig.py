@@ -307,9 +307,13 @@ def load_output(path: Path) -> RigConfig | ReplayConfig:
 def load_rig(path: Path) -> RigConfig | ReplayConfig:
     """Read rig.toml; paths in it are taken from the file's own folder."""
     rig = parse_rig(read_text(path, RIG), str(path))
-    folder = path.parent
     if isinstance(rig, ReplayConfig):
-        return rig.model_copy(update={"replay": folder / rig.replay})
+        return rig.model_copy(update={"replay": path.parent / rig.replay})
+    return with_paths_from(rig, path.parent)
+
+
+def with_paths_from(rig: RigConfig, folder: Path) -> RigConfig:
+    """Return the configuration with its paths taken from a folder."""
     update: dict[str, object] = {
         "load_cell": rig.load_cell.model_copy(
             update={"calibration": folder / rig.load_cell.calibration}
