@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from drivers.plugins import PluginFolder, UnknownPartError
+from drivers.plugins import OWN, PluginFolder, UnknownPartError
 from labrig.errors import BadInputError, LabrigError
 from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
@@ -52,10 +52,7 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
         try:
             written: object = chosen.write(Path(session), target)
         except ModuleNotFoundError as error:
-            raise BadInputError(
-                f"--as {name} needs the package {error.name}; install it with: "
-                f'pip install "labrig[{chosen.extra}]".'
-            ) from None
+            raise BadInputError(f"--as {name} needs the package {_package(name, error)}.") from None
     whose = f"the export format '{name}' of {FORMATS.origins().get(name, 'labrig')}"
     if not isinstance(written, list) or not all(isinstance(one, Path) for one in written):
         raise LabrigError(
@@ -68,6 +65,15 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
             f"{whose} did not write {', '.join(missing)}, which it says it wrote; see {target}."
         )
     return written
+
+
+def _package(name: str, error: ModuleNotFoundError) -> str:
+    """Return the package that a format lacks, and what to do."""
+    part = FORMATS.find(name)
+    distribution = OWN if part is None else part.distribution
+    if part is None or not part.part.extra:
+        return f"{error.name}, which {distribution} does not install; install it"
+    return f'{error.name}; install it with: pip install "{distribution}[{part.part.extra}]"'
 
 
 @contextmanager
