@@ -55,7 +55,7 @@ def make_folder(folder: Path) -> None:
 
 
 def typed(path: Path | str) -> str:
-    """Return a path as it is typed into a shell: quoted where it has blanks."""
+    """Return a path, or another argument, as it is typed into a shell: quoted if need be."""
     return list2cmdline([str(path)]) if os.name == "nt" else shlex.quote(str(path))
 
 
