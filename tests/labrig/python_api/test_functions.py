@@ -13,8 +13,8 @@ import pytest
 
 import labrig
 from labrig.cli.main import run
-from labrig.config import load_protocol
 from labrig.errors import BadInputError
+from labrig.session.tables.drive_table import load_protocol
 from labrig.session.tables.examples import write_examples
 from model import ModelError, SheetModel
 from model.sheet.misfit import CURVE, FORCE, FORCE_SIZE
