@@ -118,14 +118,15 @@ def compared(
     static: bool,
     dynamic: bool,
     elongation_g_per_m: float | None,
+    processes: int = 1,
 ) -> ModelComparison:
-    """Compare, and show the progress of each step."""
+    """Compare, and show the progress of each step; `processes` analyse what is not analysed."""
     if static and dynamic:
         raise BadInputError("give --static or --dynamic, or neither for both.")
     # read first: a wrong file is refused before anything is fitted
     given = None if model is None else (model_of(model), name_of(model))
     with steps("analyze") as advance:
-        measurements = measurements_of(session, advance)
+        measurements = measurements_of(session, advance, processes=processes)
     rows = () if dynamic else _at_rest(session, measurements, given)
     found, why_not = ([], {}) if static else _in_time(session, elongation_g_per_m, steps)
     if dynamic and not found:

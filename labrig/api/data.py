@@ -92,7 +92,9 @@ def paths_of(data: Data | Sequence[AnyPath]) -> list[Path]:
     return [path_of(one) for one in _as_list(data)]
 
 
-def measurements_of(data: Data | Sequence[AnyPath], progress: Progress | None) -> Measurements:
+def measurements_of(
+    data: Data | Sequence[AnyPath], progress: Progress | None, *, processes: int = 1
+) -> Measurements:
     """Return measurements as they are, or those of sessions; analyse what is not analysed yet."""
     if isinstance(data, Measurements):
         return data
@@ -104,7 +106,8 @@ def measurements_of(data: Data | Sequence[AnyPath], progress: Progress | None) -
     if not paths:
         raise BadInputError("give at least one session, or measurements.")
     check_distinct(paths)
-    return together([(path, measured(path, progress or silent, tell)) for path in paths])
+    advance = progress or silent
+    return together([(path, measured(path, advance, tell, processes=processes)) for path in paths])
 
 
 def model_of(model: AnyPath | SheetModel) -> SheetModel:

@@ -58,7 +58,8 @@ def fit(
 
     Args:
         sessions: a session file, several of the same sheet, or `Measurements`. A session that is
-            not analysed yet is analysed now, and keeps the result.
+            not analysed yet is analysed now, and keeps the result; `analyze` does that by several
+            processes.
         options: all options of the fit at once, in place of those below.
         configuration: fit these sheets alone; default: all that were measured.
         hold_out: positions to leave out, such as "position=25" or
@@ -106,8 +107,12 @@ def fitted_data(
     q: float = 1.0,
     stiffness_Nm2: float | None = None,
     progress: Progress | None = None,
+    processes: int = 1,
 ) -> FittedData:
-    """Fit as `fit` does, and return the data with it."""
+    """Fit as `fit` does, and return the data with it.
+
+    `processes`: how many analyse a session that is not analysed yet.
+    """
     from labrig.report.data.separate_sessions import only
 
     bootstrap = int(number("--bootstrap", bootstrap))
@@ -121,7 +126,7 @@ def fitted_data(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
         bootstrap=bootstrap, stiffness_Nm2=stiffness_Nm2,
     )  # fmt: skip
-    whole, runs = _measured(sessions, apart, progress)
+    whole, runs = _measured(sessions, apart, progress, processes)
     measurements = only(whole, several(configuration))
     if hold_out:
         chosen = replace(chosen, held_out=_held_out(texts_of(hold_out), measurements))
@@ -147,7 +152,7 @@ def what_can_be_fitted(source: str, measurements: Measurements, options: FitOpti
 
 
 def _measured(
-    sessions: Data | Sequence[AnyPath], apart: bool, progress: Progress | None
+    sessions: Data | Sequence[AnyPath], apart: bool, progress: Progress | None, processes: int
 ) -> tuple[Measurements, dict[Run, str]]:
     """Return the measurements, and which of several sessions each run is from."""
     from labrig.analysis.distinct import check_distinct
@@ -161,10 +166,11 @@ def _measured(
     if apart and len(paths) < 2:
         raise BadInputError("--apart: give several sessions to be kept apart.")
     if not paths:
-        return measurements_of(sessions, progress), {}
+        return measurements_of(sessions, progress, processes=processes), {}
     check_distinct(paths)
     names = labels(paths)
-    parts = [measured(path, progress or silent, tell) for path in paths]
+    advance = progress or silent
+    parts = [measured(path, advance, tell, processes=processes) for path in paths]
     if apart:
         return taken_apart(parts, names), {}
     whole = together(list(zip(paths, parts, strict=True)))

@@ -42,10 +42,11 @@ def compare(
     session keeps the result, and labrig report shows it.
     """
     from labrig.api.compare import compared
+    from labrig.report.data.findings import workers
 
     found = compared(
         session, progress, model=model, static=static, dynamic=dynamic,
-        elongation_g_per_m=elongation_g_per_m,
+        elongation_g_per_m=elongation_g_per_m, processes=workers(),
     )  # fmt: skip
     if as_json:
         print_json(found.to_json())

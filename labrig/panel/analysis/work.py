@@ -129,6 +129,7 @@ def report(order: AnalysisOrder, progress: Progress) -> Done:
             figures_named=archive.name,
             progress=rest,
             tell=notes.append,
+            processes=order.workers,
         )
         text = page.read_text(encoding="utf-8")
         write_zip(archive, sorted((Path(folder) / "figures").iterdir()))
