@@ -6,9 +6,9 @@ import os
 import warnings
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
-from labrig.errors import BadInputError, LabrigWarning
+from labrig.errors import ArgumentWarning, BadInputError, LabrigWarning
 from model.measurements import Measurements
 
 if TYPE_CHECKING:
@@ -17,12 +17,15 @@ if TYPE_CHECKING:
 AnyPath = str | os.PathLike[str]
 Data = AnyPath | Measurements
 Progress = Callable[[float, str], None]  # how much is done, 0 to 1, and what is being done
-One = TypeVar("One", bound=str | float)
 
 
-def tell(text: str) -> None:
-    """Warn the caller of something that is no error; the command line prints it as a sentence."""
-    warnings.warn(text, LabrigWarning, stacklevel=2)
+def tell(text: str, *arguments: str) -> None:
+    """Warn the caller of something that is no error; the command line prints it as a sentence.
+
+    arguments: those of a function that the text names; the command line names its options.
+    """
+    warning = ArgumentWarning(text, *arguments) if arguments else LabrigWarning(text)
+    warnings.warn(warning, stacklevel=2)
 
 
 def silent(_fraction: float, _text: str) -> None:
@@ -43,35 +46,6 @@ def path_of(path: AnyPath) -> Path:
         raise BadInputError(f"a file is needed, not {_kind(path)}.") from None
 
 
-def several(given: One | Sequence[One] | None) -> list[One]:
-    """Return a list of what was given alone, as a sequence or not at all."""
-    if given is None:
-        return []
-    if isinstance(given, str | float | int):
-        return [given]
-    return list(given)
-
-
-def number(name: str, value: object) -> float:
-    """Return a number that was given. Raises BadInputError, which names the argument."""
-    try:
-        if isinstance(value, str | bytes):  # float would take the text of a number
-            raise TypeError
-        return float(value)  # type: ignore[arg-type]  # a caller may give anything
-    except (TypeError, ValueError):
-        raise BadInputError(f"{name} {value!r}: a number is needed.") from None
-
-
-def numbers_of(name: str, given: float | Sequence[float] | None) -> list[float]:
-    """Return numbers that were given alone or as a sequence. Raises BadInputError."""
-    return [number(name, one) for one in several(given)]
-
-
-def texts_of(given: str | Sequence[str]) -> list[str]:
-    """Return texts that were given alone or as a sequence; a number becomes its text."""
-    return [str(one) for one in several(given)]
-
-
 def tell_of_stiffness(measurements: Measurements, stated_Nm2: float | None) -> None:
     """Tell where a stated stiffness is not used, as the forces of each sheet determine it."""
     if stated_Nm2 is None:
@@ -80,8 +54,9 @@ def tell_of_stiffness(measurements: Measurements, stated_Nm2: float | None) -> N
     measured = {each.configuration for each in measurements.conditions if each.used()}
     if measured and every == measured:
         tell(
-            "--stiffness-Nm2 is not used: forces were measured of "
-            f"{' and '.join(sorted(measured))}, which determine B"
+            "stiffness_Nm2 is not used: forces were measured of "
+            f"{' and '.join(sorted(measured))}, which determine B",
+            "stiffness_Nm2",
         )
 
 

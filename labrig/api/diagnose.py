@@ -5,22 +5,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from labrig.api.arguments import number, several, texts, whole_number
 from labrig.api.data import (
     AnyPath,
     Data,
     Progress,
     model_of,
-    number,
     paths_of,
-    several,
     silent,
     tell,
     tell_of_stiffness,
-    texts_of,
 )
-from labrig.api.one_blas_thread import one_blas_thread
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.errors import BadInputError, LabrigError
+from labrig.one_blas_thread import one_blas_thread
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.measurements import Measurements
 from model.sheet.sheet_model import SheetModel
@@ -109,12 +107,12 @@ def options_for(
 
     _require_effects(without)
     if stiffness_Nm2 is not None:
-        stiffness_Nm2 = number("--stiffness-Nm2", stiffness_Nm2)
+        stiffness_Nm2 = number("stiffness_Nm2", stiffness_Nm2, above=0.0)
     tell_of_stiffness(measurements, stiffness_Nm2)
     return DiagnoseOptions(
-        symmetric=symmetric, calibrate=int(number("--calibrate", calibrate)),
+        symmetric=symmetric, calibrate=whole_number("calibrate", calibrate, at_least=0),
         model=None if model is None else model_of(model), exclude=tuple(several(without)),
-        hold_out=held_out(texts_of(hold_out), measurements), promised=promises_kept_in(sessions),
+        hold_out=held_out(texts(hold_out), measurements), promised=promises_kept_in(sessions),
         stiffness_Nm2=stiffness_Nm2,
     )  # fmt: skip
 

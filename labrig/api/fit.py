@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
+from labrig.api.arguments import number, several, texts, whole_number
 from labrig.api.data import (
     AnyPath,
     Data,
     Progress,
     measurements_of,
-    number,
     paths_of,
-    several,
     silent,
     tell,
     tell_of_stiffness,
-    texts_of,
 )
-from labrig.api.one_blas_thread import one_blas_thread
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError, BadInputError
+from labrig.one_blas_thread import one_blas_thread
 from model import Fit, FitOptions, Measurements
 
 if TYPE_CHECKING:
     from labrig.report.tables.mountings import Run
 
 FEWEST_REPEATS = 20  # with fewer a standard deviation says little
+MOST_REPEATS = 10_000
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,13 +113,14 @@ def fitted_data(
     """
     from labrig.report.data.separate_sessions import only
 
-    bootstrap = int(number("--bootstrap", bootstrap))
+    bootstrap = whole_number("bootstrap", bootstrap, at_least=0, at_most=MOST_REPEATS)
     if 0 < bootstrap < FEWEST_REPEATS:
-        raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
-    if not math.isfinite(number("--q", q)):
-        raise BadInputError(f"--q {q}: a number is needed, such as 1.")
+        raise BadArgumentError(
+            f"bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.", "bootstrap"
+        )
+    number("q", q)
     if stiffness_Nm2 is not None:
-        stiffness_Nm2 = number("--stiffness-Nm2", stiffness_Nm2)
+        stiffness_Nm2 = number("stiffness_Nm2", stiffness_Nm2, above=0.0)
     chosen = options or FitOptions(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
         bootstrap=bootstrap, stiffness_Nm2=stiffness_Nm2,
@@ -129,7 +128,7 @@ def fitted_data(
     whole, runs = _measured(sessions, apart, progress, processes)
     measurements = only(whole, several(configuration))
     if hold_out:
-        chosen = replace(chosen, held_out=_held_out(texts_of(hold_out), measurements))
+        chosen = replace(chosen, held_out=_held_out(texts(hold_out), measurements))
     tell_of_stiffness(measurements, chosen.stiffness_Nm2)
     source = ", ".join(map(str, paths_of(sessions))) or measurements.source or "the measurements"
     return FittedData(
@@ -164,7 +163,7 @@ def _measured(
 
     paths = paths_of(sessions)
     if apart and len(paths) < 2:
-        raise BadInputError("--apart: give several sessions to be kept apart.")
+        raise BadArgumentError("apart: give several sessions to be kept apart.", "apart")
     if not paths:
         return measurements_of(sessions, progress, processes=processes), {}
     check_distinct(paths)

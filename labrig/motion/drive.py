@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError, BadInputError
 from labrig.session.tables.csv_rows import CsvRow
 from labrig.session.tables.drive_table import drive_rows, load_protocol
 from model.dynamics import HeldVoltage
@@ -45,7 +45,9 @@ def load_drive(path: Path, run: int | None) -> MotionDrive:
     if path.suffix.lower() != ".csv":
         return _of_protocol(path, run)
     if run is not None:
-        raise BadInputError(f"--run {run}: {path} is a table of one run; leave --run out.")
+        raise BadArgumentError(
+            f"run {run}: {path} is a table; leave run out, which is of a protocol.", "run", "run"
+        )
     return _of_rows(path, list(drive_rows(path)))
 
 
@@ -58,19 +60,21 @@ def _of_protocol(path: Path, number: int | None) -> MotionDrive:
         except ScheduleError as error:
             raise BadInputError(f"{path}: {error}.") from None
     if not 1 <= number <= len(runs):
-        raise BadInputError(
-            f"--run {number}: {path} has the runs 1 to {len(runs)}; labrig plan shows them."
+        raise BadArgumentError(
+            f"run {number}: {path} has the runs 1 to {len(runs)}; labrig plan shows them.", "run"
         )
     run = runs[number - 1]
     if run.purpose not in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE):
-        raise BadInputError(
-            f"--run {number}: a {run.in_words} looks at the load cell without the sheet; give a "
-            "run that measures the sheet."
+        raise BadArgumentError(
+            f"run {number}: a {run.in_words} looks at the load cell without the sheet; give a "
+            "run that measures the sheet.",
+            "run",
         )
     if run.move is not None:
-        raise BadInputError(
-            f"--run {number}: the load cell moves in this run, and the stage decides how fast; "
-            "give a run in which it stays."
+        raise BadArgumentError(
+            f"run {number}: the load cell moves in this run, and the stage decides how fast; "
+            "give a run in which it stays.",
+            "run",
         )
     return _of_parts((run.steps, run.readings, run.duration_s), run)
 

@@ -10,6 +10,8 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json, Recorded
 from labrig.cli.screen import print_json, print_table, progress, say, warn
+from labrig.cli.sentences.option_names import option_of
+from labrig.errors import ArgumentWarning
 
 if TYPE_CHECKING:
     from labrig.api.compare import ModelComparison
@@ -27,7 +29,7 @@ def compare(
     ] = False,
     elongation_g_per_m: Annotated[
         float | None,
-        typer.Option(min=0.0, help="of the sheet in time: mass of its rigid elongation per length"),
+        typer.Option(help="of the sheet in time: mass of its rigid elongation per length"),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -53,7 +55,7 @@ def compare(
         return
     _show(found)
     for sentence in found.why_no_dynamic.values():
-        say(sentence)
+        say(ArgumentWarning(sentence, "elongation_g_per_m").in_words(option_of))
 
 
 def _show(found: ModelComparison) -> None:
