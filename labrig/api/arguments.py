@@ -81,6 +81,15 @@ def elongation_kg_per_m(given: float | None) -> float | None:
     return None if given is None else _GRAM * number("elongation_g_per_m", given, above=0.0)
 
 
+def refuse_beside_options(**is_given: bool) -> None:
+    """Raise BadArgumentError for arguments that are given beside `options`, which hold them."""
+    names = [name for name, given in is_given.items() if given]
+    if names:
+        raise BadArgumentError(
+            f"options hold {', '.join(names)}: give each once, there or as an argument.", *names
+        )
+
+
 def several(given: One | Sequence[One] | None) -> list[One]:
     """Return a list of what was given alone, as a sequence or not at all."""
     if given is None:

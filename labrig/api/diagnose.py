@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from labrig.api.arguments import number, several, texts, whole_number
+from labrig.api.arguments import number, refuse_beside_options, several, texts, whole_number
 from labrig.api.data import (
     AnyPath,
     Data,
@@ -48,7 +49,8 @@ def diagnose(
 
     Args:
         sessions: a session file, several of the same sheet, or `Measurements`.
-        options: all options of the diagnosis at once, in place of those below.
+        options: all options of the diagnosis at once, in place of the arguments below that they
+            hold: `model`, `hold_out`, `symmetric`, `without`, `calibrate`, `stiffness_Nm2`.
         sheet: sheet.toml, with the CSV tables below in place of sessions.
         forces: forces.csv.
         curves: curves.csv.
@@ -77,7 +79,13 @@ def diagnose(
         ('effect_named', ['nonuniform_eibm'])
 
     """
-    _require_effects(without)
+    if options is not None:
+        refuse_beside_options(
+            model=model is not None, hold_out=bool(several(hold_out)), symmetric=symmetric,
+            without=bool(several(without)), calibrate=calibrate != 0,
+            stiffness_Nm2=stiffness_Nm2 is not None,
+        )  # fmt: skip
+    _require_effects(without if options is None else options.exclude)
     tables = GivenTables(
         sheet=sheet, forces=forces, curves=curves, signals=signals, columns=columns, values=values
     )
@@ -88,6 +96,8 @@ def diagnose(
             measurements, paths, model=model, hold_out=hold_out, symmetric=symmetric,
             without=without, calibrate=calibrate, stiffness_Nm2=stiffness_Nm2,
         )  # fmt: skip
+    else:
+        options = _completed(options, measurements, paths)
     return diagnosed_and_kept(measurements, paths if keep else [], options, progress)
 
 
@@ -108,13 +118,20 @@ def options_for(
     _require_effects(without)
     if stiffness_Nm2 is not None:
         stiffness_Nm2 = number("stiffness_Nm2", stiffness_Nm2, above=0.0)
-    tell_of_stiffness(measurements, stiffness_Nm2)
-    return DiagnoseOptions(
+    given = DiagnoseOptions(
         symmetric=symmetric, calibrate=whole_number("calibrate", calibrate, at_least=0),
         model=None if model is None else model_of(model), exclude=tuple(several(without)),
-        hold_out=held_out(texts(hold_out), measurements), promised=promises_kept_in(sessions),
-        stiffness_Nm2=stiffness_Nm2,
+        hold_out=held_out(texts(hold_out), measurements), stiffness_Nm2=stiffness_Nm2,
     )  # fmt: skip
+    return _completed(given, measurements, sessions)
+
+
+def _completed(
+    options: DiagnoseOptions, measurements: Measurements, sessions: Sequence[Path]
+) -> DiagnoseOptions:
+    """Return options with the promises that the sessions kept; tell what is not used."""
+    tell_of_stiffness(measurements, options.stiffness_Nm2)
+    return replace(options, promised=options.promised or promises_kept_in(sessions))
 
 
 def diagnosed_and_kept(

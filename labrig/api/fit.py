@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from labrig.api.arguments import number, several, texts, whole_number
+from labrig.api.arguments import number, refuse_beside_options, several, texts, whole_number
 from labrig.api.data import (
     AnyPath,
     Data,
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 FEWEST_REPEATS = 20  # with fewer a standard deviation says little
 MOST_REPEATS = 10_000
+USUAL_EXPONENT = 1.0  # q of (7)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +49,7 @@ def fit(
     symmetric: bool = False,
     measured_curvature: bool = False,
     bootstrap: int = 0,
-    q: float = 1.0,
+    q: float = USUAL_EXPONENT,
     stiffness_Nm2: float | None = None,
     progress: Progress | None = None,
 ) -> Fit:
@@ -58,7 +59,8 @@ def fit(
         sessions: a session file, several of the same sheet, or `Measurements`. A session that is
             not analysed yet is analysed now, and keeps the result; `analyze` does that by several
             processes.
-        options: all options of the fit at once, in place of those below.
+        options: all options of the fit at once, in place of the arguments below that they hold
+            (all but `apart` and `progress`).
         configuration: fit these sheets alone; default: all that were measured.
         hold_out: positions to leave out, such as "position=25" or
             "configuration=long,position=25" (mm).
@@ -102,7 +104,7 @@ def fitted_data(
     symmetric: bool = False,
     measured_curvature: bool = False,
     bootstrap: int = 0,
-    q: float = 1.0,
+    q: float = USUAL_EXPONENT,
     stiffness_Nm2: float | None = None,
     progress: Progress | None = None,
     processes: int = 1,
@@ -113,6 +115,12 @@ def fitted_data(
     """
     from labrig.report.data.separate_sessions import only
 
+    if options is not None:
+        refuse_beside_options(
+            configuration=bool(several(configuration)), hold_out=bool(several(hold_out)),
+            symmetric=symmetric, measured_curvature=measured_curvature, bootstrap=bootstrap != 0,
+            q=q != USUAL_EXPONENT, stiffness_Nm2=stiffness_Nm2 is not None,
+        )  # fmt: skip
     bootstrap = whole_number("bootstrap", bootstrap, at_least=0, at_most=MOST_REPEATS)
     if 0 < bootstrap < FEWEST_REPEATS:
         raise BadArgumentError(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import traceback
 
 import numpy as np
@@ -211,3 +212,50 @@ def test_an_export_names_its_format_and_the_command_its_option(tmp_path, capsys)
     assert said.startswith("format: ")
     assert run(["export", "gone.h5", "-o", str(tmp_path / "x"), "--as", "dvd"]) == 2
     assert capsys.readouterr().err == f"labrig: --as: {said.removeprefix('format: ')}\n"
+
+
+# -- all options at once
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ({"symmetric": True, "q": 2.0}, "symmetric, q"),
+        ({"hold_out": "position=20"}, "hold_out"),
+        ({"configuration": "long", "bootstrap": 20}, "configuration, bootstrap"),
+        ({"stiffness_Nm2": 1e-6, "measured_curvature": True}, "measured_curvature, stiffness_Nm2"),
+    ],
+)
+def test_fit_refuses_arguments_beside_options(given, named):
+    said = said_by(lambda: labrig.fit("gone.h5", labrig.FitOptions(), **given))
+    assert said == f"options hold {named}: give each once, there or as an argument."
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ({"symmetric": True, "calibrate": 20}, "symmetric, calibrate"),
+        ({"hold_out": "position=20", "without": "gravity"}, "hold_out, without"),
+        ({"model": "m.toml", "stiffness_Nm2": 1e-6}, "model, stiffness_Nm2"),
+    ],
+)
+def test_diagnose_refuses_arguments_beside_options(given, named):
+    said = said_by(lambda: labrig.diagnose("gone.h5", labrig.DiagnoseOptions(), **given))
+    assert said == f"options hold {named}: give each once, there or as an argument."
+
+
+def test_options_of_a_diagnosis_are_checked_and_completed_as_arguments_are(monkeypatch):
+    module = importlib.import_module("labrig.api.diagnose")
+    kept = object()
+    monkeypatch.setattr(module, "promises_kept_in", lambda _sessions: (kept,))
+    asked = []
+    monkeypatch.setattr(module, "diagnosed_and_kept", lambda *given: asked.append(given[2]))
+    measured = measure("long")
+    with pytest.warns(labrig.LabrigWarning, match="stiffness_Nm2 is not used"):
+        labrig.diagnose(measured, labrig.DiagnoseOptions(stiffness_Nm2=1e-6))
+    with pytest.warns(labrig.LabrigWarning, match="stiffness_Nm2 is not used"):
+        labrig.diagnose(measured, stiffness_Nm2=1e-6)
+    assert [one.promised for one in asked] == [(kept,), (kept,)]
+    assert asked[0] == asked[1]
+    with pytest.raises(labrig.ModelError, match="`labrig effects` lists them"):
+        labrig.diagnose("gone.h5", labrig.DiagnoseOptions(exclude=("foo",)))
