@@ -9,10 +9,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from labrig.api.arguments import elongation_kg_per_m
-from labrig.api.data import AnyPath, Progress, measurements_of, model_of, name_of, path_of, silent
+from labrig.api.data import AnyPath, measurements_of, model_of, name_of, path_of
 from labrig.api.fit import what_can_be_fitted
 from labrig.errors import BadArgumentError, BadInputError
 from labrig.one_blas_thread import one_blas_thread
+from labrig.progress import Progress, silent
 from model import FitOptions, Measurements
 from model.identification.baselines import BaselineRow
 from model.measurements import Displayed, Summary, dataframe

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import ArgumentWarning, BadInputError, LabrigWarning
+from labrig.progress import Progress, silent
 from model.measurements import Measurements
 
 if TYPE_CHECKING:
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
 AnyPath = str | os.PathLike[str]
 Data = AnyPath | Measurements
-Progress = Callable[[float, str], None]  # how much is done, 0 to 1, and what is being done
 
 
 def tell(text: str, *arguments: str) -> None:
@@ -26,16 +26,6 @@ def tell(text: str, *arguments: str) -> None:
     """
     warning = ArgumentWarning(text, *arguments) if arguments else LabrigWarning(text)
     warnings.warn(warning, stacklevel=2)
-
-
-def silent(_fraction: float, _text: str) -> None:
-    """Report no progress."""
-
-
-def within(progress: Progress | None, low: float, high: float) -> Progress:
-    """Return the progress of a part of a job, as `low` to `high` of the whole."""
-    whole = progress or silent
-    return lambda share, text: whole(low + (high - low) * share, text)
 
 
 def path_of(path: AnyPath) -> Path:

@@ -7,19 +7,11 @@ from dataclasses import replace
 from pathlib import Path
 
 from labrig.api.arguments import number, refuse_beside_options, several, texts, whole_number
-from labrig.api.data import (
-    AnyPath,
-    Data,
-    Progress,
-    model_of,
-    paths_of,
-    silent,
-    tell,
-    tell_of_stiffness,
-)
+from labrig.api.data import AnyPath, Data, model_of, paths_of, tell, tell_of_stiffness
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.errors import BadInputError, LabrigError
 from labrig.one_blas_thread import one_blas_thread
+from labrig.progress import Progress
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.measurements import Measurements
 from model.sheet.sheet_model import SheetModel
@@ -166,8 +158,7 @@ def diagnosed(
     from model.discrepancy import diagnose as search
 
     require_driven(measurements)
-    advance = progress or silent
-    return search(measurements, options, lambda text, share: advance(share, text))
+    return search(measurements, options, progress)
 
 
 def promises_kept_in(sessions: Sequence[Path]) -> tuple[Next, ...]:

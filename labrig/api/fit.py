@@ -7,18 +7,10 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from labrig.api.arguments import number, refuse_beside_options, several, texts, whole_number
-from labrig.api.data import (
-    AnyPath,
-    Data,
-    Progress,
-    measurements_of,
-    paths_of,
-    silent,
-    tell,
-    tell_of_stiffness,
-)
+from labrig.api.data import AnyPath, Data, measurements_of, paths_of, tell, tell_of_stiffness
 from labrig.errors import BadArgumentError, BadInputError
 from labrig.one_blas_thread import one_blas_thread
+from labrig.progress import Progress, silent
 from model import Fit, FitOptions, Measurements
 
 if TYPE_CHECKING:

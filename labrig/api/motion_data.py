@@ -12,8 +12,9 @@ from labrig.analysis.motion.beginning import ELONGATION_UNKNOWN, StatedValues
 from labrig.analysis.motion.dynamic_fit import DynamicFit, dynamic_fit
 from labrig.analysis.motion.record import MotionRecord, motion_record, moving_configurations
 from labrig.api.arguments import elongation_kg_per_m, numbers, one_of, several
-from labrig.api.data import AnyPath, Progress, paths_of, tell, within
+from labrig.api.data import AnyPath, paths_of, tell
 from labrig.errors import BadArgumentError, BadInputError
+from labrig.progress import Progress, within
 from labrig.session import RecordedSession, open_session
 
 READING_SHARE: Final = 0.4  # of the time of a fit, most of it for the images

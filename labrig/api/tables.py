@@ -6,16 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from labrig.api.arguments import several
-from labrig.api.data import (
-    AnyPath,
-    Data,
-    Progress,
-    measurements_of,
-    path_of,
-    paths_of,
-    tell,
-)
+from labrig.api.data import AnyPath, Data, measurements_of, path_of, paths_of, tell
 from labrig.errors import BadArgumentError, BadInputError
+from labrig.progress import Progress
 from model.measurements import Measurements
 
 Names = Mapping[str, object] | Sequence[str]  # {"force_mN": "F"}, or ["force_mN=F"]

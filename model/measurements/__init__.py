@@ -14,6 +14,7 @@ from model.measurements.data import (
     TimeSeries,
 )
 from model.measurements.display import Displayed, Summary
+from model.measurements.progress import Progress, silent
 
 __all__ = [
     "Columns",
@@ -26,9 +27,11 @@ __all__ = [
     "Measurements",
     "MissingPandasError",
     "ModelError",
+    "Progress",
     "Reading",
     "SheetGeometry",
     "Summary",
     "TimeSeries",
     "dataframe",
+    "silent",
 ]

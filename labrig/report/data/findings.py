@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError, ReadOnlyError
+from labrig.progress import Progress
 from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.report.data.quality import Quality, quality
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from model.discrepancy import Suspicion
     from model.discrepancy.verdict.result import Diagnosis
     from model.identification.baselines import BaselineRow
-
-Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,16 +7,13 @@ from pathlib import Path
 
 from labrig.errors import BadInputError
 from labrig.files import make_folder
-from labrig.report.data.findings import Progress, gather
+from labrig.progress import Progress, silent
+from labrig.report.data.findings import gather
 from labrig.report.page.page import render, write_page
 from labrig.report.page.sections import report_content
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.style import DEFAULT_FORMATS
 from labrig.report.sections.interface import ordered
-
-
-def _quiet(_fraction: float, _text: str) -> None:
-    pass
 
 
 def _named(figures: Path, folder: Path) -> str:
@@ -32,7 +29,7 @@ def write_report(
     figures: Path | None = None,
     formats: Sequence[str] = DEFAULT_FORMATS,
     figures_named: str = "",
-    progress: Progress = _quiet,
+    progress: Progress = silent,
     tell: Callable[[str], None] = lambda _text: None,
     processes: int = 1,
 ) -> Path:

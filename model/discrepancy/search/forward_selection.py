@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -37,9 +37,7 @@ from model.identification.likelihood.mixed_model_fit import (
     fit_mixed_model,
 )
 from model.identification.likelihood.model_state import Found
-from model.measurements import FloatArray
-
-Report = Callable[[str, float], None]  # what is being done, and the share that is done
+from model.measurements import FloatArray, Progress, silent
 
 
 @dataclass
@@ -104,7 +102,7 @@ def search(
     threshold: float,
     most: int = 3,
     found: tuple[Found, ...] = (),
-    report: Report = lambda _step, _share: None,
+    report: Progress = silent,
 ) -> SearchResult:
     """Add effects while the data ask for them.
 
@@ -120,7 +118,7 @@ def search(
 
 
 def _several_forms(
-    fitted: MixedModelFit, effects: Sequence[Effect], threshold: float, most: int, report: Report
+    fitted: MixedModelFit, effects: Sequence[Effect], threshold: float, most: int, report: Progress
 ) -> SearchResult:
     """Return the names, without those whose forms stand for several others."""
     outcome = _forward(fitted, effects, threshold, most, report)
@@ -166,7 +164,7 @@ def _forward(
     effects: Sequence[Effect],
     threshold: float,
     most: int,
-    report: Report,
+    report: Progress,
     largest_share: float = np.inf,
 ) -> SearchResult:
     """Add the best effect, and the best one then, while the data ask for them.
@@ -178,7 +176,7 @@ def _forward(
         if outcome.turns and fitted.problem.effort.spent():
             break
         step, share = f"searching for effect {len(outcome.turns) + 1}", 1 / (most + 1)
-        report(step, share * len(outcome.turns))
+        report(share * len(outcome.turns), step)
         turn = SelectionStep(fitted, rank(fitted, effects))
         if not turn.ranking or turn.ranking[0].gain < threshold:
             outcome.turns.append(turn)
@@ -192,7 +190,7 @@ def _forward(
         outcome.turns.append(turn)
         if len(outcome.turns) > most:  # no more are named, and nothing is worth a fit
             break
-        report(f"{step}: {title(first.name)}", share * (len(outcome.turns) - 0.5))
+        report(share * (len(outcome.turns) - 0.5), f"{step}: {title(first.name)}")
         turn.ranking = refine_best(fitted, turn.ranking)
         turn.chosen = _worth(turn, threshold)
         if turn.chosen is None or turn.chosen.fitted is None:
