@@ -15,7 +15,7 @@ from labrig.errors import BadArgumentError
 from labrig.one_blas_thread import one_blas_thread
 from labrig.report.design.answers import DesignAnswers, Wanted, answer, as_dict, tables
 from model.design.elongation_map import ElongationMap, elongation_map
-from model.design.sizing import Direction
+from model.design.strength import Direction
 from model.measurements import Displayed, Summary, dataframe
 from model.measurements.columns import of_rows
 from model.sheet.misfit import Misfit, misfit
