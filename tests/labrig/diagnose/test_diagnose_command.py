@@ -47,7 +47,7 @@ def finding(monkeypatch, recorded):
     def answer(make):
         def diagnose(measurements, options=None, progress=None):
             asked.append(options)
-            progress("searching", 0.5)
+            progress(0.5, "searching")
             return make()
 
         monkeypatch.setattr(model.discrepancy, "diagnose", diagnose)
