@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import importlib
 import traceback
+from typing import cast
 
 import numpy as np
 import pytest
 
 import labrig
+from labrig.api.next_measurement import NextMeasurement
 from labrig.cli.main import run
 from labrig.errors import BadInputError
 from model import Prediction, PredictionArray
+from model.discrepancy import Next
 from tests.labrig.report_data import measure
 
 NUMBERS = {"free_length_mm": 50, "width_mm": 11, "thickness_mm": 0.21}
@@ -259,3 +262,10 @@ def test_options_of_a_diagnosis_are_checked_and_completed_as_arguments_are(monke
     assert asked[0] == asked[1]
     with pytest.raises(labrig.ModelError, match="`labrig effects` lists them"):
         labrig.diagnose("gone.h5", labrig.DiagnoseOptions(exclude=("foo",)))
+
+
+def test_a_protocol_that_is_there_already_names_the_argument(tmp_path):
+    found = NextMeasurement(proposal=cast("Next", None), protocol="")
+    (tmp_path / "next.toml").touch()
+    said = said_by(lambda: found.save(tmp_path / "next.toml"))
+    assert said.endswith("next.toml: is already there; give force to overwrite it.")
