@@ -124,7 +124,8 @@ def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Sus
         if not _mended(failed) and _fails(failed.stated, data):
             own = as_stated[failed.name][0]
             known = [said for check in checks for said in check.of_failed_fit(own)]
-            yield from known or [_failed(failed)]
+            if known or _fails_along(own, tolerances):
+                yield from known or [_failed(failed)]
     for check in checks:
         yield from check.of_stiffness(data, stiffness)
 
@@ -239,6 +240,15 @@ def _fails(stated: QuickFit | None, data: Measurements) -> bool:
     curve_m = FAILED_CURVE_SHARE * (sheet.free_length_m + sheet.elongation_m)
     force_N = FAILED_FORCE_SHARE * _spread_N(stated)
     return bool(stated.force_rms_N > force_N or stated.curve_rms_m > curve_m)
+
+
+def _fails_along(own: Measurements, tolerances: Tolerances) -> bool:
+    """Whether it fails as well where the EIBM may change along the sheet.
+
+    Where all voltages have one sign the forces spread little, and a constant EIBM is off by as much.
+    """
+    along = quick_fit(own, tolerances, along=True)
+    return along is None or _fails(along, own)
 
 
 def _spread_N(fit: QuickFit) -> float:

@@ -132,8 +132,11 @@ class _Posed:
     weights: FloatArray
 
     @staticmethod
-    def of(measurements: Measurements, tolerances: Tolerances) -> _Posed:
-        """Of bare measurements; a `ModelError` where no configuration has a force."""
+    def of(measurements: Measurements, tolerances: Tolerances, *, along: bool = False) -> _Posed:
+        """Of bare measurements; a `ModelError` where no configuration has a force.
+
+        `along`: the EIBM may change along the sheet.
+        """
         looks, rests, known = [], [], []
         for name in measurements.sheets:
             own = [c for c in measurements.conditions if c.configuration == name]
@@ -148,7 +151,9 @@ class _Posed:
             raise ModelError("no configuration has a force")
         forward = ForwardModel(looks, rests)
         return _Posed(
-            forward, bases_of(forward, known, BaseOptions()), _weights(forward, tolerances)
+            forward,
+            bases_of(forward, known, BaseOptions(along=along)),
+            _weights(forward, tolerances),
         )
 
     def start(self) -> FloatArray:
@@ -183,18 +188,21 @@ def quick_fit(
     value: float = np.nan,
     enough: float = ENOUGH,
     stated: QuickFit | None = None,
+    *,
+    along: bool = False,
 ) -> QuickFit | None:
     """Return the fit of bare measurements; None where the model has no answer.
 
     `enough` is the share of the squares that a step may take for the fit to be settled. A fit that
     after a few steps is far worse than the one of the data as `stated` is left where it is.
+    `along`: the EIBM may change along the sheet.
     """
     worthless = np.inf
     if stated is not None:
         worthless = FAR_WORSE * weighted_squares(stated.forward, stated.residual)
     try:
         with np.errstate(all="ignore"):  # data that fit nothing lead anywhere
-            posed = _Posed.of(measurements, tolerances)
+            posed = _Posed.of(measurements, tolerances, along=along)
             theta = least_squares(posed.forward, posed.bases, posed.start(), enough, worthless)
             found = posed.at(theta, value)
     except (ModelError, np.linalg.LinAlgError):

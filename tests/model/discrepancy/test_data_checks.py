@@ -12,7 +12,7 @@ import pytest
 import labrig
 from benchmarks.data_mistakes.mistakes import MISTAKES
 from labrig.session.tables.examples import write_examples
-from model import ModelError, predict
+from model import Condition, Curve, Measurements, ModelError, Reading, predict
 from model.discrepancy import DiagnoseOptions, check_data, diagnose, next_measurement
 from model.discrepancy.data_checks import catalogue
 from model.discrepancy.data_checks.catalogue import data_checks
@@ -199,6 +199,43 @@ def falling(tmp_path_factory):
     write_examples(folder)
     tables = (folder / name for name in ("sheet.toml", "forces.csv", "curves.csv"))
     return labrig.measurements_of_tables(*tables)
+
+
+def staircase(decay_m, positions_m):
+    """Voltages of one sign, as a staircase has them, on a sheet whose EIBM falls along it."""
+    voltages = (0.0, 0.5, 1.0, 1.5, 2.0)
+    model = labrig.sheet(
+        free_length_mm=50, width_mm=11, thickness_mm=0.21, B_Nm2=1.27e-6,
+        EIBM_Nm={V: lambda s, V=V: 63e-6 * V * np.exp(-s / decay_m) for V in voltages if V},
+    )  # fmt: skip
+    random, conditions = np.random.default_rng(4), []
+    for position_m in positions_m:
+        for V in voltages:
+            there = predict(model, "sheet", position_m, V)
+            readings = tuple(
+                Reading(
+                    index=i, kind="kept" if V else "zero",
+                    force_N=there.F_N + random.normal(0.0, 1.6e-5),
+                )
+                for i in range(4)
+            )  # fmt: skip
+            conditions.append(
+                Condition(
+                    configuration="sheet", position_m=position_m, voltage_V=V, readings=readings,
+                    curve=Curve(s_m=there.s_m, x_m=there.x_m, y_m=there.y_m),
+                )
+            )  # fmt: skip
+    return Measurements(sheets={"sheet": model.sheet("sheet").sheet}, conditions=tuple(conditions))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("decay_m", [0.012, 0.006])
+def test_voltages_of_one_sign_with_an_eibm_along_the_sheet_are_no_wrong_data(decay_m):
+    """The forces spread little then, and a constant EIBM is off by as much as they do."""
+    data = staircase(decay_m, np.linspace(0.0, 0.03, 7))
+    assert check_data(data).suspicions == ()
+    found = diagnose(data)
+    assert "nonuniform_eibm" in {one.name for one in found.effects}, found.sentence
 
 
 @pytest.mark.slow
