@@ -62,8 +62,11 @@ def picture_noise(fitted: MixedModelFit) -> dict[str, PictureNoise]:
     noise = dict(pairs)
     estimated = {
         name: np.array([noise[f"{name} mode {m}"] for m in range(MODES)])
-        for name, scene in zip(forward.names, forward.scenes, strict=True)
-        if np.count_nonzero(scene.has_curve) >= FEWEST_PICTURES and scene.modes >= MODES
+        for name, configuration_model in zip(
+            forward.names, forward.configuration_models, strict=True
+        )
+        if np.count_nonzero(configuration_model.has_curve) >= FEWEST_PICTURES
+        and configuration_model.modes >= MODES
     }
     result = {}
     for name, own in estimated.items():
@@ -84,16 +87,16 @@ def _of_repeats(fitted: MixedModelFit, c: int) -> FloatArray | None:
     By differences of successive images, in which what changes slowly is small.
     """
     forward, state = fitted.problem.forward, fitted.linear.states[c]
-    scene, total, count = forward.scenes[c], np.zeros(MODES), 0
-    for k in np.flatnonzero(scene.has_curve).tolist():
-        seen = forward.looks[c].seen[k]
+    configuration_model, total, count = forward.configuration_models[c], np.zeros(MODES), 0
+    for k in np.flatnonzero(configuration_model.has_curve).tolist():
+        seen = forward.data_vectors[c].seen[k]
         images = min(int(np.count_nonzero(seen.counts)), len(seen.own_curves))
         if images < 2:
             continue
-        points = seen.own_points_m[:, -images:, : scene.curve_s.shape[1]]
+        points = seen.own_points_m[:, -images:, : configuration_model.curve_s.shape[1]]
         change, n = np.diff(points, axis=1), points.shape[2]
         off = change[0] * state.solved.nx[k, :n] + change[1] * state.solved.ny[k, :n]
-        modes = off @ scene.project[k, :MODES, :n].T
+        modes = off @ configuration_model.project[k, :MODES, :n].T
         total += np.sum(modes**2, axis=0) / (2.0 * images)
         count += images - 1
     return np.sqrt(total / count) if count else None
@@ -137,7 +140,7 @@ def _usual(fitted: MixedModelFit, found: Mapping[str, PictureNoise]) -> FloatArr
 def _candidate(fitted: MixedModelFit, name: str) -> Candidate:
     forward = fitted.problem.forward
     rows = _rows(fitted, name)
-    columns = np.zeros((forward.layout.size, rows.size))
+    columns = np.zeros((forward.row_index.size, rows.size))
     columns[rows.ravel(), np.arange(rows.size)] = UNIT_M
     return Candidate(
         name=f"unknown:{LOCATION}", values={}, columns=columns, sizes=SIZES, location=LOCATION,
@@ -149,7 +152,7 @@ def _rows(fitted: MixedModelFit, name: str) -> Index:
     """Return the rows of the first modes, (pictures, MODES)."""
     forward = fitted.problem.forward
     c = forward.names.index(name)
-    return forward.part(c).mode_rows[forward.scenes[c].has_curve, :MODES]
+    return forward.row_block(c).mode_rows[forward.configuration_models[c].has_curve, :MODES]
 
 
 def of_pictures(contender: RankedCandidate) -> str:
@@ -168,25 +171,28 @@ class Aside:
     sigma_m: FloatArray
 
 
-def aside(scene: ConfigurationModel, beta: FloatArray, C: FloatArray) -> Aside:
+def aside(configuration_model: ConfigurationModel, beta: FloatArray, C: FloatArray) -> Aside:
     """Return the curve that a term's sizes (pictures x MODES) move most; C is their covariance."""
-    pictures, size = np.flatnonzero(scene.has_curve), UNIT_M * beta.reshape(-1, MODES)
+    pictures, size = np.flatnonzero(configuration_model.has_curve), UNIT_M * beta.reshape(-1, MODES)
     first = int(np.argmax(np.sum(size**2, axis=1)))
     k, own = int(pictures[first]), slice(MODES * first, MODES * (first + 1))
-    s, keep = np.unique(scene.curve_s[k], return_index=True)
-    by = np.stack([_shape(scene, k, m) for m in range(MODES)], axis=1)[keep]
+    s, keep = np.unique(configuration_model.curve_s[k], return_index=True)
+    by = np.stack([_shape(configuration_model, k, m) for m in range(MODES)], axis=1)[keep]
     band = UNIT_M * np.sqrt(np.maximum(np.einsum("sm,mn,sn->s", by, C[own, own], by), 0.0))
-    return Aside(_name(scene, k), s, by @ size[first], band)
+    return Aside(_name(configuration_model, k), s, by @ size[first], band)
 
 
-def _name(scene: ConfigurationModel, k: int) -> str:
+def _name(configuration_model: ConfigurationModel, k: int) -> str:
     """Return a condition's name, with its session where there are several."""
-    one, several = scene.look.seen[k], len({other.session for other in scene.look.seen}) > 1
+    one, several = (
+        configuration_model.data_vector.seen[k],
+        len({other.session for other in configuration_model.data_vector.seen}) > 1,
+    )
     return f"{one.name}, session {one.session}" if several else one.name
 
 
-def _shape(scene: ConfigurationModel, k: int, m: int) -> FloatArray:
-    return scene.along(k, np.eye(scene.modes)[m])
+def _shape(configuration_model: ConfigurationModel, k: int, m: int) -> FloatArray:
+    return configuration_model.along(k, np.eye(configuration_model.modes)[m])
 
 
 def with_usual_noise(fitted: MixedModelFit, contender: RankedCandidate) -> MixedModelFit:

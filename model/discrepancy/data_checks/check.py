@@ -243,9 +243,9 @@ def _fails(stated: QuickFit | None, data: Measurements) -> bool:
 
 def _spread_N(fit: QuickFit) -> float:
     """Return the standard deviation of the mean forces."""
-    rows = [part.trend @ part.measured_N for part in fit.forward.layout.parts]
+    rows = [block.trend @ block.measured_N for block in fit.forward.row_index.blocks]
     means = np.concatenate(
-        [r[p.is_mean] for r, p in zip(rows, fit.forward.layout.parts, strict=True)]
+        [r[p.is_mean] for r, p in zip(rows, fit.forward.row_index.blocks, strict=True)]
     )
     return float(np.std(means)) if len(means) > 1 else np.inf
 

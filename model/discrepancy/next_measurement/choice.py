@@ -73,5 +73,5 @@ def _choices(fitted: MixedModelFit, pairs: Sequence[tuple[Suspect, Suspect]]) ->
             then = np.array([distance(more, pair) for pair in pairs])
         except (ModelError, np.linalg.LinAlgError):
             continue
-        minutes = sum(entry.minutes(one) for one in fitted.problem.forward.looks)
+        minutes = sum(entry.minutes(one) for one in fitted.problem.forward.data_vectors)
         yield _Choice(entry, then, minutes)

@@ -69,14 +69,14 @@ def _doubted(fitted: MixedModelFit) -> MixedModelFit:
 def _doubt(fitted: MixedModelFit) -> Data:
     """Return the data of a model in which the contributions of all effects are uncertain."""
     data = fitted.linear.data
-    doubt = fitted.problem.forward.layout.pad((NEIGHBOUR_FORM_SHARE * _rows(fitted)) ** 2)
+    doubt = fitted.problem.forward.row_index.pad((NEIGHBOUR_FORM_SHARE * _rows(fitted)) ** 2)
     return replace(data, fixed=data.fixed + doubt)
 
 
 def _rows(fitted: MixedModelFit) -> FloatArray:
     """Return the contribution of all effects of a model to the rows, (N,)."""
     forward, active = fitted.problem.forward, fitted.active
-    rows = np.zeros(forward.layout.size)
+    rows = np.zeros(forward.row_index.size)
     for one in active:
         others = tuple(a for a in active if a is not one)
         for c, state in enumerate(fitted.linear.states):

@@ -131,9 +131,11 @@ def by_forces(fitted: MixedModelFit) -> FloatArray:
     bring them as near as they need to be.
     """
     problem, forward = fitted.problem, fitted.problem.forward
-    vague = np.zeros(forward.layout.size)
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
-        vague[part.mode_rows[scene.voltage_V != 0.0].ravel()] = VAGUE_M**2
+    vague = np.zeros(forward.row_index.size)
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
+        vague[block.mode_rows[configuration_model.voltage_V != 0.0].ravel()] = VAGUE_M**2
     noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
     theta = fitted.theta
     with suppress(ModelError, np.linalg.LinAlgError):

@@ -75,9 +75,11 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
 def _in_pictures(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     """Return how far a curve is off, in the picture where it is so most."""
     name, one = of_pictures(contender), with_free_form(fitted, contender)
-    scene = fitted.problem.forward.scenes[fitted.problem.forward.names.index(name)]
+    configuration_model = fitted.problem.forward.configuration_models[
+        fitted.problem.forward.names.index(name)
+    ]
     span, solution = one.spans[-1], one.solution
-    found = aside(scene, solution.beta[span], solution.covariance[span, span])
+    found = aside(configuration_model, solution.beta[span], solution.covariance[span, span])
     where, times = contender.score.candidate.location, picture_noise(fitted)[name].times
     depends = (
         f"{dependence(where, '', 's', '')}; in each picture of '{name}' the curve is shifted and"
@@ -116,13 +118,15 @@ def _seen_wrong(
 ) -> Unknown:
     """Return how far the camera puts a curve off, for the condition where it does so most."""
     name = found[0].configuration
-    scene = fitted.problem.forward.scenes[fitted.problem.forward.names.index(name)]
+    configuration_model = fitted.problem.forward.configuration_models[
+        fitted.problem.forward.names.index(name)
+    ]
     moving = [i for i, s in enumerate(found) if s.points_m is not None]
     each = np.stack([s.points_m for s in found if s.points_m is not None], axis=2)  # (K, S, n)
     beta, C = beta[moving], C[np.ix_(moving, moving)]
     moved = each @ beta
     k = int(np.argmax(np.max(np.abs(moved), axis=1)))
-    s, keep = np.unique(scene.curve_s[k], return_index=True)
+    s, keep = np.unique(configuration_model.curve_s[k], return_index=True)
     band = np.sqrt(np.maximum(np.einsum("sn,nm,sm->s", each[k], C, each[k]), 0.0))[keep]
     return Unknown(
         location=location_name, configuration=name, s_mm=s * 1e3, profile=moved[k][keep] * 1e3,
@@ -179,18 +183,18 @@ def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]
 
 def _form_curve(fitted: MixedModelFit, c: int, step: Perturbation, places: Index) -> FormCurve:
     """Return an effect along the sheet where it is largest, without and with its deviation."""
-    scene, solution = fitted.problem.forward.scenes[c], fitted.solution
-    G = scene.count
+    configuration_model, solution = fitted.problem.forward.configuration_models[c], fitted.solution
+    G = configuration_model.count
     along = step.beam[:, :G] + step.beam[:, G : 2 * G]
     values = along[int(np.argmax(np.max(np.abs(along), axis=1)))]
-    t = scene.s_m / scene.length
+    t = configuration_model.s_m / configuration_model.length
     waves = np.stack([FORM * share * cosine(j, t) for j, share in waves_along(len(places))], axis=1)
     C = solution.covariance[np.ix_(places, places)]
     factor = 1.0 + waves @ solution.beta[places]
     sigma = np.sqrt(np.einsum("ti,ij,tj->t", waves, C, waves))
     scale = np.max(np.abs(values)) or 1.0
     return FormCurve(
-        along="s", unit="mm", at=scene.s_m * 1e3, catalogue=values / scale,
+        along="s", unit="mm", at=configuration_model.s_m * 1e3, catalogue=values / scale,
         inferred=values * factor / scale, band=np.abs(values) * sigma / scale,
         what="what the effect adds, relative",
     )  # fmt: skip

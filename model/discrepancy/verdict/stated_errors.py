@@ -31,12 +31,12 @@ def with_stated_errors(
     free shapes, and what was measured with the rig turned over.
     """
     own, first = dict[str, list[Error]](), 0
-    for name, look in zip(forward.names, forward.looks, strict=True):
+    for name, data_vector in zip(forward.names, forward.data_vectors, strict=True):
         some = [
-            one for k, one in enumerate(look.seen, first)
+            one for k, one in enumerate(data_vector.seen, first)
             if k not in without and not (one.free or one.zero or one.tilt_rad)
         ]  # fmt: skip
-        first += len(look.seen)
+        first += len(data_vector.seen)
         own[name] = [
             error for number in sorted({one.session for one in some})
             for error in _errors(

@@ -41,7 +41,10 @@ def decided(
 ):
     """A decision for gravity, with the judged answers to that question."""
     base = base_fit()
-    names = [scene.sheet.configuration for scene in base.problem.forward.scenes]
+    names = [
+        configuration_model.sheet.configuration
+        for configuration_model in base.problem.forward.configuration_models
+    ]
     values = {name: {"load_N_per_m": 0.01 * (i + 1)} for i, name in enumerate(names)}
     one = replace(base, found=(Found(effect=effect("gravity"), values=values),))
     choice = Choice(

@@ -158,11 +158,13 @@ def test_a_condition_left_out_has_no_say():
     base = base_fit()
     k = 4
     problem = without(base.problem, [k])
-    rows = base.problem.forward.part(0).trend_rows[base.problem.forward.part(0).trend_of == k]
+    rows = base.problem.forward.row_block(0).trend_rows[
+        base.problem.forward.row_block(0).trend_of == k
+    ]
     changed = np.flatnonzero(problem.noise.fixed != base.problem.noise.fixed)
     assert set(rows) < set(changed)
-    part = base.problem.forward.part(0)
-    modes = set(part.mode_rows[k])
+    block = base.problem.forward.row_block(0)
+    modes = set(block.mode_rows[k])
     assert set(changed) == set(rows) | modes
 
 

@@ -28,7 +28,7 @@ Made = Callable[[ForwardModel, int, ModelState], Perturbation]
 
 def beam(forward: ForwardModel, c: int, state: ModelState, **change: FloatArray) -> Perturbation:
     other = replace(state.beam, **change)
-    by = forward.scenes[c].change(state.beam, other, state.solved.contact)
+    by = forward.configuration_models[c].change(state.beam, other, state.solved.contact)
     return replace(forward.no_step(c), beam=by)
 
 
@@ -63,15 +63,15 @@ def bow_that_grows(forward: ForwardModel, c: int, _state: ModelState) -> Perturb
     def course(clock: AcquisitionTimes) -> FloatArray:
         return -0.1 * np.sign(clock.voltage_V) * np.expm1(-clock.driven_s / 5.0)
 
-    part = forward.part(c)
-    within = part.bin_mean(course(part.bin_clock)) - part.bin_mean(course(part.bin_sample))
-    return replace(forward.no_step(c), eibm=course(part.clock), bin_eibm=within)
+    block = forward.row_block(c)
+    within = block.bin_mean(course(block.bin_clock)) - block.bin_mean(course(block.bin_sample))
+    return replace(forward.no_step(c), eibm=course(block.clock), bin_eibm=within)
 
 
 def glare(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
-    solved, scene = state.solved, forward.scenes[c]
+    solved, configuration_model = state.solved, forward.configuration_models[c]
     phi = np.unwrap(np.arctan2(-solved.nx, solved.ny), axis=1)
-    curvature = np.gradient(phi, axis=1) / np.gradient(scene.curve_s, axis=1)
+    curvature = np.gradient(phi, axis=1) / np.gradient(configuration_model.curve_s, axis=1)
     return replace(forward.no_step(c), points_m=1e-4 * np.tanh(curvature / 40.0))
 
 

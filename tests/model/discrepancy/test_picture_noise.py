@@ -96,11 +96,13 @@ def test_the_picture_that_is_farthest_off_is_named_with_its_session():
             SimpleNamespace(name=f"short, {k} mm, +1 V", session=min(1 + k // 2, sessions))
             for k in range(3)
         ]
-        scene = SimpleNamespace(
-            look=SimpleNamespace(seen=seen), has_curve=np.ones(3, dtype=bool), modes=2,
+        configuration_model = SimpleNamespace(
+            data_vector=SimpleNamespace(seen=seen), has_curve=np.ones(3, dtype=bool), modes=2,
             curve_s=np.tile(s, (3, 1)), along=lambda _, m: m[0] * np.ones(4) + m[1] * s,
         )  # fmt: skip
-        found = aside(scene, np.array([1.0, 0.0, 0.5, 0.0, -2.0, 0.0]), 0.01 * np.eye(6))
+        found = aside(
+            configuration_model, np.array([1.0, 0.0, 0.5, 0.0, -2.0, 0.0]), 0.01 * np.eye(6)
+        )
         assert found.name == name
         assert found.off_m == pytest.approx(-2e-4 * np.ones(4))
         assert found.sigma_m == pytest.approx(1e-5 * np.hypot(1.0, s))

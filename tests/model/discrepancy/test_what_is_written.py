@@ -75,7 +75,7 @@ def along(value: float, full_V: float = 0.0) -> Profile:
 @pytest.mark.slow
 def test_a_model_without_a_solution_at_half_the_voltage_is_found_out():
     forward = base_fit().problem.forward
-    volts = max(max(look.voltages_V) for look in forward.looks)
+    volts = max(max(data_vector.voltages_V) for data_vector in forward.data_vectors)
     assert unsolved_at(fit(session()).model, forward) == ""
     assert unsolved_at(with_compliance(along(0.1)), forward) == ""
     # as stiff as ever at the voltages that were measured, negative at a quarter of that

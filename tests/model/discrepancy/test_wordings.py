@@ -33,8 +33,8 @@ def pulled(fitted, *, everywhere: bool):
     if not everywhere:
         row = np.where(without_contact(fitted.problem.forward), 0.0, row)
     data = fitted.linear.data
-    layout = fitted.problem.forward.layout
-    linear = replace(fitted.linear, data=replace(data, y=data.y + layout.pad(row)))
+    row_index = fitted.problem.forward.row_index
+    linear = replace(fitted.linear, data=replace(data, y=data.y + row_index.pad(row)))
     return replace(fitted, linear=linear)
 
 

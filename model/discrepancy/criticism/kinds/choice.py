@@ -61,8 +61,8 @@ def _comes_close(named: NamedModel, rival: str) -> bool:
 
 def _left_out(named: NamedModel) -> list[Index]:
     """Return the runs of each position, and of each configuration where there are several."""
-    layout = named.fitted.problem.forward.layout
-    of = np.array([run[0] for run in layout.runs])
+    row_index = named.fitted.problem.forward.row_index
+    of = np.array([run[0] for run in row_index.runs])
     names = list(dict.fromkeys(of.tolist()))
     sheets = [np.flatnonzero(of == name) for name in names] if len(names) > 1 else []
     return [*position_groups(named.fitted), *sheets]

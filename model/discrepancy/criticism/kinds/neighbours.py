@@ -110,7 +110,7 @@ def _imitates(named: NamedModel, one: Choice, rival: RankedCandidate) -> bool:
         return False
     index = next(i for i, f in enumerate(fitted.found) if f.effect.name == one.effect.name)
     forward, span = fitted.problem.forward, fitted.spans[index]
-    whole = np.zeros(forward.layout.size)
+    whole = np.zeros(forward.row_index.size)
     for c, step in steps_of(fitted, index):
         whole += forward.rows_of(c, fitted.linear.states[c], step)
     keep = np.setdiff1d(np.arange(fitted.linear.columns.shape[1]), np.arange(span.start, span.stop))

@@ -50,7 +50,7 @@ def _factors(named: NamedModel, index: int) -> tuple[GroupAmplitude, GroupAmplit
     """Return the factors of an effect's course within configurations, and of their means."""
     fitted = named.fitted
     forward = fitted.problem.forward
-    whole, means = np.zeros(forward.layout.size), np.zeros(forward.layout.size)
+    whole, means = np.zeros(forward.row_index.size), np.zeros(forward.row_index.size)
     for c, step in steps_of(fitted, index):
         level = replace(step, force_N=_level(step.force_N), eibm=_level(step.eibm),
                         stiffness=_level(step.stiffness))  # fmt: skip

@@ -81,7 +81,7 @@ def columns_asked_for(final: MixedModelFit, part_of: Sequence[str]) -> Index:
     """
     kept, first = list(dict.fromkeys(part_of)), final.spans[-1].start
     every, noise = np.array(part_of), variance(final)
-    run_of = final.problem.forward.layout.run_of
+    run_of = final.problem.forward.row_index.run_of
     groups = position_groups(final)
     if len(kept) < 2 or len(groups) < FEWEST_POSITIONS:
         return np.arange(len(part_of))

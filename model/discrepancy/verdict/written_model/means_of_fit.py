@@ -31,9 +31,11 @@ def with_means_of(plain: SheetModel, model: SheetModel, told: MixedModelFit) -> 
     As nearly as they can, at the conditions that were measured. `told` is what the model is of.
     """
     units, sheets = floor(variance(told), cells(told)), dict(model.sheets)
-    for name, look in zip(told.problem.forward.names, told.problem.forward.looks, strict=True):
+    for name, data_vector in zip(
+        told.problem.forward.names, told.problem.forward.data_vectors, strict=True
+    ):
         places = [
-            (float(one.position_m), float(one.voltage_V)) for one in look.seen
+            (float(one.position_m), float(one.voltage_V)) for one in data_vector.seen
             if not (one.free or one.zero or one.tilt_rad)
         ]  # fmt: skip
         if not places or plain.sheet(name).eibm.keys() != sheets[name].eibm.keys():

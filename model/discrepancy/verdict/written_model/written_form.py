@@ -124,13 +124,19 @@ def terms_of(forward: ForwardModel, shape: BasisShape) -> tuple[Profile, ...]:
     """Return a basis shape as a model file has it, by configuration."""
     result = []
     for name, term in shape.terms.items():
-        scene = forward.scenes[forward.names.index(name)]
-        volts = np.abs(scene.voltage_V)
+        configuration_model = forward.configuration_models[forward.names.index(name)]
+        volts = np.abs(configuration_model.voltage_V)
         least_V = float(np.min(volts[volts > 0.0], initial=np.inf))
         # a relative change of the EIBM is one of what goes with the voltage already
         full_V = least_V if np.isfinite(least_V) and term.adds != "EIBM" else 0.0
         result.append(
-            _term(term, name, shape.unit, full_V, np.unique(scene.stated_m[scene.touching]))
+            _term(
+                term,
+                name,
+                shape.unit,
+                full_V,
+                np.unique(configuration_model.stated_m[configuration_model.touching]),
+            )
         )
     return tuple(result)
 
