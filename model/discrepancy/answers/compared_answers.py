@@ -10,6 +10,7 @@ import numpy as np
 
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
 from model.discrepancy.answers.votes import votes
+from model.discrepancy.criticism.check_result import Consequence
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.families import Family, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group, group_amplitudes
@@ -26,7 +27,9 @@ from model.identification.likelihood.mixed_model_fit import MixedModelFit
 
 MOST_FAILURES = 3
 LEAST_EVIDENCE_LN = 10.0  # a share of less says nothing
-ALLOWED = ("noticed", "alike", "told")  # failures that speak against no name
+_AGAINST_NO_NAME = (
+    Consequence.IMPROBABLE_AMPLITUDE, Consequence.INDISTINGUISHABLE, Consequence.REMARK
+)  # fmt: skip
 SURE_SIGMA, MOST_UNEVEN = 2.0, 2.0
 _KINDS_OF_PART: tuple[Callable[[Family], str], ...] = (
     lambda f: f.quantity, lambda f: f.configuration, lambda f: f"{f.voltage_V:g} V",
@@ -135,7 +138,7 @@ class ComparedAnswers:
         return Alternative(one.name, attributes)
 
     def _failed(self, name: str) -> float:
-        against = [f for f in self.criticism.failures if f.consequence not in ALLOWED]
+        against = [f for f in self.criticism.failures if f.consequence not in _AGAINST_NO_NAME]
         own = [f for f in against if not f.effects or name in f.effects]
         return float(min(len(own), MOST_FAILURES))
 

@@ -14,6 +14,7 @@ from model.discrepancy.answers.choice_set import NOTHING
 from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
 from model.discrepancy.criticism.catalogue import origins as origins_of_checks
 from model.discrepancy.criticism.cell_noise import unusual_cell_noise
+from model.discrepancy.criticism.check_result import Consequence
 from model.discrepancy.criticism.picture_noise import of_pictures
 from model.discrepancy.next_measurement.choice import next_measurement
 from model.discrepancy.next_measurement.separation import Suspect, separated
@@ -234,7 +235,7 @@ class Finding:
         for asked, judged in zip(decision.choice_sets, decision.answers, strict=True):
             if asked.considered != judged.likeliest and NOTHING not in judged.answers:
                 return improbable(asked.considered, judged)
-        against = [one for one in criticism.failures if one.consequence != "told"]
+        against = [one for one in criticism.failures if one.consequence != Consequence.REMARK]
         if against:  # what is wrong with the names has no place of its own
             return against[0].sentence
         log_sigma, usual = decision.final.solution.log_sigma, decision.final.problem.guess

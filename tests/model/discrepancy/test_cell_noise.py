@@ -13,6 +13,7 @@ import pytest
 from model.discrepancy import Diagnosis, diagnose
 from model.discrepancy.criticism.catalogue import verdict_checks
 from model.discrepancy.criticism.cell_noise import CellNoise, unusual_cell_noise
+from model.discrepancy.criticism.check_result import Consequence
 from model.discrepancy.search.evidence import Candidate, Score
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import ALARMING_SCATTER_RATIO
@@ -138,4 +139,4 @@ def test_the_check_says_what_is_larger_and_whether_it_has_an_order(noise, said):
     assert len(failures) == len(said)
     for failure, words in zip(failures, said, strict=True):
         assert words in failure.sentence
-        assert (failure.consequence, failure.effects) == ("told", ())
+        assert (failure.consequence, failure.effects) == (Consequence.REMARK, ())

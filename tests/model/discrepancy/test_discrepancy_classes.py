@@ -11,7 +11,7 @@ import pytest
 from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
@@ -52,14 +52,26 @@ def decided(
         ranking=(),
     )  # fmt: skip
     failures = tuple(
-        Failure(consequence="one_of", sentence="", effects=("gravity",), rivals=(name,))
+        Failure(
+            consequence=Consequence.EQUIVALENCE_CLASS,
+            sentence="",
+            effects=("gravity",),
+            rivals=(name,),
+        )
         for name in rivals
     )
     if doubted:
-        failures += (Failure(consequence="doubt", sentence="", effects=("gravity",)),)
+        failures += (
+            Failure(
+                consequence=Consequence.REJECT_UNLESS_PROBABLE, sentence="", effects=("gravity",)
+            ),
+        )
     if overlooked < 1.0:
         noticed = Failure(
-            consequence="noticed", sentence="", effects=("gravity",), overlooked=overlooked
+            consequence=Consequence.IMPROBABLE_AMPLITUDE,
+            sentence="",
+            effects=("gravity",),
+            overlooked=overlooked,
         )
         failures += (noticed,)
     return SimpleNamespace(
@@ -115,11 +127,11 @@ def test_what_people_notice_is_less_probable_and_may_be_something_unknown(report
 @pytest.mark.parametrize(
     ("consequence", "probability", "kept"),
     [
-        ("doubt", 0.95, True),
-        ("doubt", 0.7, False),
-        ("unknown", 0.99, False),
-        ("noticed", 0.7, True),
-        ("alike", 0.7, True),
+        (Consequence.REJECT_UNLESS_PROBABLE, 0.95, True),
+        (Consequence.REJECT_UNLESS_PROBABLE, 0.7, False),
+        (Consequence.REJECT, 0.99, False),
+        (Consequence.IMPROBABLE_AMPLITUDE, 0.7, True),
+        (Consequence.INDISTINGUISHABLE, 0.7, True),
     ],
 )
 def test_answers_that_are_sure_of_a_name_outweigh_a_doubt_but_no_impossible_amplitude(

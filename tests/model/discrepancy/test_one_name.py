@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from model.discrepancy.answers.calibrated_answers import Judged
+from model.discrepancy.criticism.check_result import Consequence
 from model.discrepancy.criticism.kinds import one_name
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.search import one_name as search
@@ -73,7 +74,7 @@ def test_a_single_name_shares_the_probability_as_far_as_it_comes_close(monkeypat
         assert failures == []
         return
     (one,) = failures
-    assert (one.consequence, one.effects) == ("alike", names)
+    assert (one.consequence, one.effects) == (Consequence.INDISTINGUISHABLE, names)
     assert one.rivals == ("elongation_flexibility",)
     assert one.odds == pytest.approx((odds,))
     assert one.sentence.startswith("elongation flexibility alone explains about as much as")

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.search.cross_validation import position_groups, scores_without
@@ -39,7 +39,7 @@ class ChoiceOfName(VerdictCheck):
                 return
             first = max(named.named, key=lambda one: one.gain)
             yield Failure(
-                consequence="one_of",
+                consequence=Consequence.EQUIVALENCE_CLASS,
                 sentence=(
                     f"{title(rival)} is chosen in {times} of {len(cases)} cases in which a position"
                     " or a configuration is left out"

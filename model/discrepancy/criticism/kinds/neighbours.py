@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.criticism.wordings import evidence, wordings
@@ -47,7 +47,7 @@ class Neighbours(VerdictCheck):
             odds = {n: v for n, v in _odds(named, one).items() if n not in names}
             if odds:
                 yield Failure(
-                    consequence="alike",
+                    consequence=Consequence.INDISTINGUISHABLE,
                     sentence=(
                         f"these data do not tell {title(one.effect.name)} from"
                         f" {' or '.join(map(title, odds))}"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.group_amplitudes import GroupAmplitude, amplitudes
 from model.discrepancy.criticism.named_model import NamedModel, limited_scatter
@@ -35,7 +35,7 @@ class SessionStructure(VerdictCheck):
             missing = LEAST_RIGID_RATIO * between.factor - within.factor
             if missing > STRUCTURE_SIGMA * sigma:
                 yield Failure(
-                    consequence="unknown",
+                    consequence=Consequence.REJECT,
                     sentence=(
                         f"{title(one.effect.name)} is {between.factor:.2f} ± {between.sigma:.2f}"
                         " between the configurations, over what is named, but"
