@@ -173,10 +173,10 @@ def _shape(
     if not (model.effects and as_seen):
         one = found.shapes(s_m)
         return one.x_m[0], one.y_m[0], one.curvature_per_m[0]
-    from model.sheet.instruments import as_pictured, camera_m
+    from model.sheet.instruments import as_imaged, camera_m
 
     setup = found.setups[0]
-    then = as_pictured(setup, model.effects, position_m)
+    then = as_imaged(setup, model.effects, position_m)
     seen = found if then is setup else solved([then])
     one = seen.shapes(s_m)
     x, y = one.x_m[0], one.y_m[0]

@@ -185,10 +185,10 @@ def _shapes(
     if not (model.effects and as_seen):
         one = solved(setups).shapes(s_m)
         return one.x_m, one.y_m, one.curvature_per_m
-    from model.sheet.instruments import as_pictured, camera_m
+    from model.sheet.instruments import as_imaged, camera_m
 
     then = [
-        as_pictured(setup, model.effects, float(p))
+        as_imaged(setup, model.effects, float(p))
         for setup, p in zip(setups, positions_m, strict=True)
     ]
     found = solved(then)

@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 
-from model.discrepancy.criticism.picture_noise import aside, of_pictures, picture_noise
+from model.discrepancy.criticism.image_noise import aside, image_noise, of_images
 from model.discrepancy.search.form_share import form_share, steps_of
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
@@ -41,17 +41,17 @@ OF_PARTS = {  # whose functions are of several coordinates, or of several voltag
 Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
 
 
-def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
+def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     """Return a nonparametric term with its credible band, along its strongest coordinate."""
-    name = contender.score.candidate.location
-    if of_pictures(contender):
-        return _in_pictures(fitted, contender)
-    found = shapes(fitted, name, contender.score.candidate.part)
+    name = candidate.score.candidate.location
+    if of_images(candidate):
+        return _in_images(fitted, candidate)
+    found = shapes(fitted, name, candidate.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(
-        fitted.problem.forward, fitted.linear, columns, contender.score.scale**-2.0
+        fitted.problem.forward, fitted.linear, columns, candidate.score.scale**-2.0
     )
-    known = fitted.solution if contender.solution is None else contender.solution
+    known = fitted.solution if candidate.solution is None else candidate.solution
     solution = weigh(linear.data, known.log_sigma)
     n = len(found)
     beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
@@ -72,15 +72,15 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     )  # fmt: skip
 
 
-def _in_pictures(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
+def _in_images(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     """Return how far a curve is off, in the picture where it is so most."""
-    name, one = of_pictures(contender), with_free_form(fitted, contender)
+    name, one = of_images(candidate), with_free_form(fitted, candidate)
     configuration_model = fitted.problem.forward.configuration_models[
         fitted.problem.forward.names.index(name)
     ]
     span, solution = one.spans[-1], one.solution
     found = aside(configuration_model, solution.beta[span], solution.covariance[span, span])
-    where, times = contender.score.candidate.location, picture_noise(fitted)[name].times
+    where, times = candidate.score.candidate.location, image_noise(fitted)[name].times
     depends = (
         f"{dependence(where, '', 's', '')}; in each picture of '{name}' the curve is shifted and"
         f" turned by amounts of its own, with {times:.1f} times the usual standard deviation, and"
@@ -135,13 +135,13 @@ def _seen_wrong(
     )  # fmt: skip
 
 
-def with_free_form(fitted: MixedModelFit, contender: RankedCandidate) -> MixedModelFit:
+def with_free_form(fitted: MixedModelFit, candidate: RankedCandidate) -> MixedModelFit:
     """Return the model with a free form in it, as far as a straight line goes."""
-    columns = contender.score.candidate.columns
+    columns = candidate.score.candidate.columns
     linear = with_columns(
-        fitted.problem.forward, fitted.linear, columns, contender.score.scale**-2.0
+        fitted.problem.forward, fitted.linear, columns, candidate.score.scale**-2.0
     )
-    known = fitted.solution if contender.solution is None else contender.solution
+    known = fitted.solution if candidate.solution is None else candidate.solution
     span = slice(fitted.linear.columns.shape[1], linear.columns.shape[1])
     return replace(
         fitted, linear=linear, solution=weigh(linear.data, known.log_sigma),

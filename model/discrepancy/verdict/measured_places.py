@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.measurements import FloatArray, ModelError
-from model.sheet.instruments import LoadCellReadings, as_pictured, camera_m
+from model.sheet.instruments import LoadCellReadings, as_imaged, camera_m
 from model.sheet.prediction import Predictable
 from model.sheet.solution import sampled_s, solved
 
@@ -45,7 +45,7 @@ def seen_at(
         k = rows[at_m, volts]
         own = {v: row for (other_m, v), row in rows.items() if other_m == at_m}
         added_N = 0.0 if cell is None else cell.added_N(own, volts)
-        then = as_pictured(found.setups[k], model.effects, at_m)
+        then = as_imaged(found.setups[k], model.effects, at_m)
         late = then is not found.setups[k]
         seen, row = (solved([then]), 0) if late else (found, k)
         curve = seen.shapes(s_m) if late else shapes

@@ -58,11 +58,11 @@ def _error(one: ConditionData, found: Seen) -> Error:
     if one.curve is None:
         return Error(force, np.nan)
     s_m = one.curve.s_m
-    apart = np.hypot(
+    distance_m = np.hypot(
         np.interp(s_m, found.s_m, found.x_m) - one.curve.x_m,
         np.interp(s_m, found.s_m, found.y_m) - one.curve.y_m,
     )
-    return Error(force, _rms(apart))
+    return Error(force, _rms(distance_m))
 
 
 def _merit(errors: Sequence[Error]) -> dict[str, float]:

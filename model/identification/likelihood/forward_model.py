@@ -93,7 +93,7 @@ class ForwardModel:
         beam, solved, _ = self_consistent(
             base, change, configuration_model.solve, rounds=rounds, accuracy=ACCURACY
         )
-        solved = _pictured(configuration_model, beam, solved, inner)
+        solved = _imaged(configuration_model, beam, solved, inner)
         answers = configuration_model.answers(beam, solved)
         G = configuration_model.count
         by_eibm = np.einsum("kg,kg->k", answers.force[:, :G], beam.eibm * beam.soft)
@@ -355,7 +355,7 @@ def _points(
     )  # fmt: skip
 
 
-def _pictured(
+def _imaged(
     configuration_model: ConfigurationModel,
     beam: BeamProblem,
     solved: SolvedConditions,

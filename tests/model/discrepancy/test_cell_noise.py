@@ -114,7 +114,7 @@ def _term() -> RankedCandidate:
         name="unknown:load_cell", values={}, columns=np.zeros((1, 1)), sizes=(1.0,)
     )
     one = Score(candidate=candidate, log_bayes=30.0, amplitude=1.0, scale=1.0, length=1.0)
-    return RankedCandidate(score=one, gain=30.0)
+    return RankedCandidate(score=one, ln_bayes_factor=30.0)
 
 
 @pytest.mark.parametrize(

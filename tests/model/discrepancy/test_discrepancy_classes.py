@@ -48,8 +48,8 @@ def decided(
     values = {name: {"load_N_per_m": 0.01 * (i + 1)} for i, name in enumerate(names)}
     one = replace(base, found=(Found(effect=effect("gravity"), values=values),))
     choice = Choice(
-        effect=effect("gravity"), confidence=1.0, gain=50.0, of_location=1.0, before=base,
-        ranking=(),
+        effect=effect("gravity"), confidence=1.0, ln_bayes_factor=50.0, of_location=1.0,
+        before=base, ranking=(),
     )  # fmt: skip
     failures = tuple(
         Failure(
@@ -164,17 +164,17 @@ def test_a_name_gives_way_to_a_likelier_one_of_its_question(monkeypatch, likelie
     fits = {"gravity": base_fit(), "clamp_angle": replace(base_fit())}
     ranking = [
         SimpleNamespace(
-            name=name, known=True, fitted=fits[name], gain=50.0, tried=(), compared=(),
+            name=name, known=True, fitted=fits[name], ln_bayes_factor=50.0, tried=(), compared=(),
             score=SimpleNamespace(candidate=SimpleNamespace(
                 effect=effect(name), location=effect(name).location)),
         )
         for name in PAIR
     ]  # fmt: skip
     one = Choice(
-        effect=effect("gravity"), confidence=0.5, gain=50.0, of_location=1.0, before=base_fit(),
-        ranking=ranking,
+        effect=effect("gravity"), confidence=0.5, ln_bayes_factor=50.0, of_location=1.0,
+        before=base_fit(), ranking=ranking,
     )  # fmt: skip
-    monkeypatch.setattr(Judgement, "_leftover", lambda _self, _: None)
+    monkeypatch.setattr(Judgement, "_residual_terms", lambda _self, _: None)
     whole = Judgement(outcome=None, effects=(), threshold=6.0, enough=True)  # type: ignore[arg-type]
     found = Decision(
         named=[one],

@@ -361,7 +361,7 @@ def test_whatever_is_unknown_can_be_told():
             base,
             RankedCandidate(
                 score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
-                gain=9.0,
+                ln_bayes_factor=9.0,
             ),
         )
         assert told.location == one.location
@@ -388,7 +388,7 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
             base,
             RankedCandidate(
                 score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
-                gain=9.0,
+                ln_bayes_factor=9.0,
             ),
         )
         assert told.along == found[0].along
@@ -412,7 +412,7 @@ def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
         base,
         RankedCandidate(
             score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
-            gain=9.0,
+            ln_bayes_factor=9.0,
         ),
     )
     measured_mN = 1e3 * np.concatenate(

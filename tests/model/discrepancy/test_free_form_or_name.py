@@ -31,7 +31,7 @@ def ranked(fitted: MixedModelFit, candidate: Candidate) -> RankedCandidate:
     forward = fitted.problem.forward
     projected = Projected.of(forward, fitted.linear, fitted.solution)
     found = score(forward, projected, candidate)
-    return RankedCandidate(score=found, gain=found.log_bayes)
+    return RankedCandidate(score=found, ln_bayes_factor=found.log_bayes)
 
 
 @pytest.mark.slow

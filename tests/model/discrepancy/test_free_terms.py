@@ -130,20 +130,20 @@ def test_one_free_form_that_explains_more_than_the_names_stands_for_them():
         base = SimpleNamespace(found=(), deviance=200.0)
         return base, SimpleNamespace(found=("name",) * names, deviance=0.0)
 
-    free = SimpleNamespace(first=SimpleNamespace(gain=110.0))
+    free = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=110.0))
     assert alone(free, *fits(2), 90.0)
     assert not alone(free, *fits(1), 90.0)  # which may be of another form
     assert not alone(free, *fits(0), 90.0)
-    less = SimpleNamespace(first=SimpleNamespace(gain=102.0))
+    less = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=102.0))
     assert not alone(less, *fits(2), 90.0)
-    much_more = SimpleNamespace(first=SimpleNamespace(gain=125.0))
+    much_more = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=125.0))
     assert alone(much_more, *fits(1), 90.0)
 
 
 def test_three_names_have_to_explain_more_than_a_free_form():
     base = SimpleNamespace(found=(), deviance=200.0)
     two, three = (SimpleNamespace(found=("name",) * n, deviance=0.0) for n in (2, 3))
-    free = SimpleNamespace(first=SimpleNamespace(gain=80.0))
+    free = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=80.0))
     assert alone(free, base, three, 40.0)  # the others add 60 to the best name, the free form 40
     assert not alone(free, base, two, 40.0)
     assert not alone(free, base, three, 70.0)  # the best name explains about as much

@@ -131,8 +131,8 @@ def with_lag(base: SheetModel) -> SheetModel:
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_with_the_means_of_fit_a_model_predicts_what_fit_does_measured_or_not():
-    base, told = fit(session()).model, base_fit()
-    found = with_means_of(base, with_lag(base), told)
+    base, reported = fit(session()).model, base_fit()
+    found = with_means_of(base, with_lag(base), reported)
     for name in base.sheets:
         for at_m in (0.0, 0.0125, 0.03):
             for volts in (2.0, -2.0, 0.0, 1.0):
@@ -145,9 +145,9 @@ def test_with_the_means_of_fit_a_model_predicts_what_fit_does_measured_or_not():
         for name in base.sheets
         for v in base.sheet(name).eibm
     )
-    part = told.problem.bases.parts[0]
-    name = told.problem.forward.names[0]
-    stiffness = np.exp(theta_of(found, told)[part.stiffness])
+    part = reported.problem.bases.parts[0]
+    name = reported.problem.forward.names[0]
+    stiffness = np.exp(theta_of(found, reported)[part.stiffness])
     assert stiffness == pytest.approx(found.sheet(name).B.value)
 
 

@@ -26,13 +26,13 @@ class LoadCellNoise(VerdictCheck):
         found = named.cell_noise
         if found is None:
             return
-        said = f"beside the names the {CELL[found.name]} is {found.times:.0f} times the usual one"
+        text = f"beside the names the {CELL[found.name]} is {found.times:.0f} times the usual one"
         if found.term is not None:
             order = "what it takes up is smooth or comes back, as noise does not"
-            yield Failure(consequence=Consequence.REMARK, sentence=f"{said}, and {order}")
+            yield Failure(consequence=Consequence.REMARK, sentence=f"{text}, and {order}")
         elif found.times > ALARMING_SCATTER_RATIO and found.name not in MOUNTING:
             yield Failure(
-                consequence=Consequence.REMARK, sentence=f"{said}, without any order in it"
+                consequence=Consequence.REMARK, sentence=f"{text}, without any order in it"
             )
 
 

@@ -37,7 +37,7 @@ class ChoiceOfName(VerdictCheck):
             rival, times = others.most_common(1)[0]
             if not _comes_close(named, rival):
                 return
-            first = max(named.named, key=lambda one: one.gain)
+            first = max(named.named, key=lambda one: one.ln_bayes_factor)
             yield Failure(
                 consequence=Consequence.EQUIVALENCE_CLASS,
                 sentence=(
@@ -54,9 +54,9 @@ def _comes_close(named: NamedModel, rival: str) -> bool:
 
     Of strong effects the evidence, which is linear, may misjudge a form that the fit decides.
     """
-    gains = {c.name: c.gain for c in named.outcome.turns[0].ranking}
-    first = max(gains.get(one.effect.name, 0.0) for one in named.named)
-    return gains.get(rival, 0.0) > (1.0 - REFINED_EVIDENCE_SHARE) * first
+    ln_bayes_factors = {c.name: c.ln_bayes_factor for c in named.outcome.steps[0].ranking}
+    first = max(ln_bayes_factors.get(one.effect.name, 0.0) for one in named.named)
+    return ln_bayes_factors.get(rival, 0.0) > (1.0 - REFINED_EVIDENCE_SHARE) * first
 
 
 def _left_out(named: NamedModel) -> list[Index]:

@@ -70,7 +70,9 @@ def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
     for rival in every:
         if rival is own:
             continue
-        ahead = rival.gain - (one.gain if own is None else own.gain)
+        ahead = rival.ln_bayes_factor - (
+            one.ln_bayes_factor if own is None else own.ln_bayes_factor
+        )
         ahead = min(ahead, 0.0)
         if own is not None and {own.name, rival.name} <= found.keys():
             in_words = found[rival.name] - found[own.name]
@@ -99,7 +101,7 @@ def _same_place(rival: RankedCandidate, one: Choice) -> bool:
 def explains_as_much(rival: RankedCandidate, one: Choice) -> bool:
     """Return whether what acts at another place explains about as much."""
     places = (rival.score.candidate.location, one.effect.location)
-    close = rival.gain > one.gain - NEIGHBOUR_EVIDENCE_LN
+    close = rival.ln_bayes_factor > one.ln_bayes_factor - NEIGHBOUR_EVIDENCE_LN
     return close and not any(location(where).in_time for where in places)
 
 

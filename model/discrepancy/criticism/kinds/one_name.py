@@ -58,7 +58,7 @@ def _ahead_in_words(named: NamedModel, one: SingleName) -> float:
     if len(named.named) != PAIR:
         return -np.inf
     base, log_sigma = named.outcome.base, named.log_sigma
-    first, second = sorted(named.named, key=lambda choice: -choice.gain)
+    first, second = sorted(named.named, key=lambda choice: -choice.ln_bayes_factor)
     rival = one.candidate.score.candidate.effect
     effects = [first.effect, *([] if rival is None else [rival])]
     alone = evidence(base, log_sigma, effects)

@@ -1,9 +1,9 @@
-"""Noise of curves beyond what pictures have: something unknown hides in it.
+"""Noise of curves beyond what images have: something unknown hides in it.
 
 The noise of a curve's shape ("modes") is estimated from what the model leaves, so a gap that no
 candidate describes is taken up by it. Two things say how large it usually is: images that are taken
 one after the other, and the other configurations, which the same camera sees. What is beyond both
-competes as a nonparametric term of the camera: in each picture of a configuration its curve is
+competes as a nonparametric term of the camera: in each image of a configuration its curve is
 shifted and turned by amounts of its own.
 """
 
@@ -18,9 +18,9 @@ from model.discrepancy.search.evidence import Candidate, Projected, score
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     EVIDENCE_THRESHOLD_LN,
-    FEWEST_PICTURES,
-    FEWEST_UNUSUAL_PICTURES,
-    PICTURE_NOISE_LN,
+    FEWEST_IMAGES,
+    FEWEST_UNUSUAL_IMAGES,
+    IMAGE_NOISE_LN,
     REPEATS_NOISE_RATIO,
 )
 from model.identification.data.data_vector import Index
@@ -37,7 +37,7 @@ SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of that
 
 
 @dataclass(frozen=True)
-class PictureNoise:
+class ImageNoise:
     """Standard deviations of the first modes of a configuration's curves."""
 
     estimated_m: FloatArray
@@ -47,7 +47,7 @@ class PictureNoise:
     def evidence(self) -> float:
         """Ln of how improbable so much noise is, usual noise being known within a factor."""
         above = np.maximum(np.log(self.estimated_m / self.usual_m), 0.0)
-        return 0.5 * float(np.sum((above / PICTURE_NOISE_LN) ** 2))
+        return 0.5 * float(np.sum((above / IMAGE_NOISE_LN) ** 2))
 
     @property
     def times(self) -> float:
@@ -55,7 +55,7 @@ class PictureNoise:
         return float(np.max(self.estimated_m / self.usual_m))
 
 
-def picture_noise(fitted: MixedModelFit) -> dict[str, PictureNoise]:
+def image_noise(fitted: MixedModelFit) -> dict[str, ImageNoise]:
     """Return the noise of configurations for which something says how large it usually is."""
     forward = fitted.problem.forward
     pairs = zip(fitted.problem.noise_names(), np.exp(fitted.solution.log_sigma), strict=True)
@@ -65,7 +65,7 @@ def picture_noise(fitted: MixedModelFit) -> dict[str, PictureNoise]:
         for name, configuration_model in zip(
             forward.names, forward.configuration_models, strict=True
         )
-        if np.count_nonzero(configuration_model.has_curve) >= FEWEST_PICTURES
+        if np.count_nonzero(configuration_model.has_curve) >= FEWEST_IMAGES
         and configuration_model.modes >= MODES
     }
     result = {}
@@ -77,7 +77,7 @@ def picture_noise(fitted: MixedModelFit) -> dict[str, PictureNoise]:
         repeats = _of_repeats(fitted, forward.names.index(name))
         if repeats is not None:
             usual = np.maximum(usual, REPEATS_NOISE_RATIO * repeats)
-        result[name] = PictureNoise(own, usual)
+        result[name] = ImageNoise(own, usual)
     return result
 
 
@@ -102,11 +102,11 @@ def _of_repeats(fitted: MixedModelFit, c: int) -> FloatArray | None:
     return np.sqrt(total / count) if count else None
 
 
-def unusual_pictures(fitted: MixedModelFit) -> RankedCandidate | None:
+def unusual_images(fitted: MixedModelFit) -> RankedCandidate | None:
     """Return the term of the configuration whose curves are noisier than usual; None: none are."""
     found = {
-        name: one for name, one in picture_noise(fitted).items()
-        if one.evidence > EVIDENCE_THRESHOLD_LN and _many(fitted, name) > FEWEST_UNUSUAL_PICTURES
+        name: one for name, one in image_noise(fitted).items()
+        if one.evidence > EVIDENCE_THRESHOLD_LN and _many(fitted, name) > FEWEST_UNUSUAL_IMAGES
     }  # fmt: skip
     if not found:
         return None
@@ -114,20 +114,20 @@ def unusual_pictures(fitted: MixedModelFit) -> RankedCandidate | None:
     candidate = _candidate(fitted, name)
     forward, solution = fitted.problem.forward, weigh(fitted.linear.data, _usual(fitted, found))
     one = score(forward, Projected.of(forward, fitted.linear, solution), candidate)
-    return RankedCandidate(score=one, gain=one.log_bayes, solution=solution)
+    return RankedCandidate(score=one, ln_bayes_factor=one.log_bayes, solution=solution)
 
 
 def _many(fitted: MixedModelFit, name: str) -> float:
-    """Return how many pictures the noise is of: one that is far off is an outlier, no noise."""
+    """Return how many images the noise is of: one that is far off is an outlier, no noise."""
     forward, linear, solution = fitted.problem.forward, fitted.linear, fitted.solution
-    sizes = picture_noise(fitted)[name].estimated_m
+    sizes = image_noise(fitted)[name].estimated_m
     # what the noise, not the scatter of set-ups, has of the residual
     own = sizes**2 * Projected.of(forward, linear, solution).pulled[_rows(fitted, name)]
     squares = np.sum(own**2, axis=1)
     return float(np.sum(squares) ** 2 / np.sum(squares**2))
 
 
-def _usual(fitted: MixedModelFit, found: Mapping[str, PictureNoise]) -> FloatArray:
+def _usual(fitted: MixedModelFit, found: Mapping[str, ImageNoise]) -> FloatArray:
     """Return ln of all standard deviations, those of these curves as they usually are."""
     result, names = fitted.solution.log_sigma.copy(), fitted.problem.noise_names()
     for name, one in found.items():
@@ -149,21 +149,21 @@ def _candidate(fitted: MixedModelFit, name: str) -> Candidate:
 
 
 def _rows(fitted: MixedModelFit, name: str) -> Index:
-    """Return the rows of the first modes, (pictures, MODES)."""
+    """Return the rows of the first modes, (images, MODES)."""
     forward = fitted.problem.forward
     c = forward.names.index(name)
     return forward.row_block(c).mode_rows[forward.configuration_models[c].has_curve, :MODES]
 
 
-def of_pictures(contender: RankedCandidate) -> str:
-    """Return the configuration of a term of each picture; empty: it is another one."""
-    part = contender.score.candidate.part
+def of_images(candidate: RankedCandidate) -> str:
+    """Return the configuration of a term of each image; empty: it is another one."""
+    part = candidate.score.candidate.part
     return part.removeprefix(f"{PART}, ") if part.startswith(f"{PART}, ") else ""
 
 
 @dataclass(frozen=True)
 class Aside:
-    """How far a curve is off, where a term of each picture moves it most; arrays (points,)."""
+    """How far a curve is off, where a term of each image moves it most; arrays (points,)."""
 
     name: str  # of the condition
     s_m: FloatArray
@@ -172,10 +172,10 @@ class Aside:
 
 
 def aside(configuration_model: ConfigurationModel, beta: FloatArray, C: FloatArray) -> Aside:
-    """Return the curve that a term's sizes (pictures x MODES) move most; C is their covariance."""
-    pictures, size = np.flatnonzero(configuration_model.has_curve), UNIT_M * beta.reshape(-1, MODES)
+    """Return the curve that a term's sizes (images x MODES) move most; C is their covariance."""
+    images, size = np.flatnonzero(configuration_model.has_curve), UNIT_M * beta.reshape(-1, MODES)
     first = int(np.argmax(np.sum(size**2, axis=1)))
-    k, own = int(pictures[first]), slice(MODES * first, MODES * (first + 1))
+    k, own = int(images[first]), slice(MODES * first, MODES * (first + 1))
     s, keep = np.unique(configuration_model.curve_s[k], return_index=True)
     by = np.stack([_shape(configuration_model, k, m) for m in range(MODES)], axis=1)[keep]
     band = UNIT_M * np.sqrt(np.maximum(np.einsum("sm,mn,sn->s", by, C[own, own], by), 0.0))
@@ -195,6 +195,6 @@ def _shape(configuration_model: ConfigurationModel, k: int, m: int) -> FloatArra
     return configuration_model.along(k, np.eye(configuration_model.modes)[m])
 
 
-def with_usual_noise(fitted: MixedModelFit, contender: RankedCandidate) -> MixedModelFit:
+def with_usual_noise(fitted: MixedModelFit, candidate: RankedCandidate) -> MixedModelFit:
     """Return a fit that is weighed with the noise of the term."""
-    return fitted if contender.solution is None else replace(fitted, solution=contender.solution)
+    return fitted if candidate.solution is None else replace(fitted, solution=candidate.solution)
