@@ -248,12 +248,11 @@ class Judgement:
             some = [] if found.residual is None else explaining_as_much(
                 self.outcome.base, found.residual, [c for c in fitted if c.ln_bayes_factor > 0.0]
             )  # fmt: skip
-        for one in some[:1]:
-            if one.fitted is None or not supported(step.before, one.fitted):
-                return None
-            named = [choice(one, step.ranking, step.before)]
-            return self._with_names(named, one.fitted, self._residual_terms(one.fitted))
-        return None
+        one = next(iter(some), None)
+        if one is None or one.fitted is None or not supported(step.before, one.fitted):
+            return None
+        named = [choice(one, step.ranking, step.before)]
+        return self._with_names(named, one.fitted, self._residual_terms(one.fitted))
 
     def _without(self, found: Decision, rejected: Sequence[str]) -> Decision:
         """Return a decision without these names, and with the best nonparametric term instead."""
