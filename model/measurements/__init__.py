@@ -14,6 +14,7 @@ from model.measurements.data import (
     TimeSeries,
 )
 from model.measurements.display import Displayed, Summary
+from model.measurements.rms import rms
 
 __all__ = [
     "Columns",
@@ -31,4 +32,5 @@ __all__ = [
     "Summary",
     "TimeSeries",
     "dataframe",
+    "rms",
 ]

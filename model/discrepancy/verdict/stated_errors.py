@@ -10,7 +10,7 @@ import numpy as np
 from model.discrepancy.verdict.measured_places import Seen, seen_at
 from model.identification.data.data_vector import ConditionData
 from model.identification.likelihood.forward_model import ForwardModel
-from model.measurements import FloatArray
+from model.measurements import rms
 from model.sheet.sheet_model import SheetModel
 
 
@@ -62,18 +62,13 @@ def _error(one: ConditionData, found: Seen) -> Error:
         np.interp(s_m, found.s_m, found.x_m) - one.curve.x_m,
         np.interp(s_m, found.s_m, found.y_m) - one.curve.y_m,
     )
-    return Error(force, _rms(distance_m))
+    return Error(force, rms(distance_m))
 
 
 def _merit(errors: Sequence[Error]) -> dict[str, float]:
     """Return the errors by the names that a model file has; those that exist."""
     merit = {
-        "force_rmse_N": _rms(np.array([e.force_N for e in errors])),
-        "curve_rmse_m": _rms(np.array([e.curve_m for e in errors])),
+        "force_rmse_N": rms(np.array([e.force_N for e in errors])),
+        "curve_rmse_m": rms(np.array([e.curve_m for e in errors])),
     }
     return {name: value for name, value in merit.items() if np.isfinite(value)}
-
-
-def _rms(values: FloatArray) -> float:
-    good = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(good**2))) if len(good) else np.nan
