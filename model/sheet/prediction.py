@@ -25,7 +25,7 @@ class Predictable(Protocol):
     def effects(self) -> tuple[ActiveEffect, ...]:
         """The effects that are in it."""
 
-    def beside(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
+    def alternating_voltages_V(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
         """Return the voltage, and those that it takes turns with in a run."""
 
     def setups(
@@ -117,7 +117,9 @@ def predict(
     With `as_seen` these are the readings of load cell and camera, where the model has effects of
     the instruments; otherwise the sheet's own force and shape.
     """
-    volts = model.beside(configuration, voltage_V) if model.effects else (voltage_V,)
+    volts = (
+        model.alternating_voltages_V(configuration, voltage_V) if model.effects else (voltage_V,)
+    )
     found = solved(model.setups(configuration, [(position_m, v) for v in volts]))
     setup = found.setups[0]
     asked = _Asked(configuration=configuration, position_m=position_m, voltage_V=voltage_V)

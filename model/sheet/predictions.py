@@ -151,7 +151,11 @@ def _setups(
     model: Predictable, configuration: str, positions_m: FloatArray, voltage_V: float
 ) -> list[list[ConditionProblem]]:
     """Return for each position its beam problem, and those of the voltages it alternates with."""
-    volts = model.beside(configuration, float(voltage_V)) if model.effects else (float(voltage_V),)
+    volts = (
+        model.alternating_voltages_V(configuration, float(voltage_V))
+        if model.effects
+        else (float(voltage_V),)
+    )
     made = model.setups(configuration, [(float(p), v) for v in volts for p in positions_m])
     count = len(positions_m)
     return [made[row::count] for row in range(count)]

@@ -55,7 +55,7 @@ def test_at_0_V_a_drift_since_the_wetting_has_not_begun(truth: SheetModel):
 
 
 def test_a_condition_knows_how_far_it_comes_from_at_the_other_polarity(truth: SheetModel):
-    places = [(0.01, volts) for volts in truth.beside("long", -2.0)]
+    places = [(0.01, volts) for volts in truth.alternating_voltages_V("long", -2.0)]
     beam = beam_problem(truth.setups("long", places), [0.01] * len(places))
     assert places[0][1] == -2.0
     eibm = {v: float(along.values[0]) for v, along in truth.sheet("long").eibm.items()}

@@ -31,7 +31,9 @@ def seen_at(
     It is what `predict` says of each of them.
     """
     every = dict.fromkeys(
-        (at_m, volts) for at_m, asked in places for volts in model.beside(configuration, asked)
+        (at_m, volts)
+        for at_m, asked in places
+        for volts in model.alternating_voltages_V(configuration, asked)
     )
     rows = {place: k for k, place in enumerate(every)}
     found = solved(model.setups(configuration, list(rows)))

@@ -57,7 +57,11 @@ def _first_unsolved(model: SheetModel, name: str, places: list[Place]) -> Place 
 
 
 def _all_solved(model: SheetModel, name: str, places: list[Place]) -> bool:
-    every = list(dict.fromkeys((at, v) for at, volts in places for v in model.beside(name, volts)))
+    every = list(
+        dict.fromkeys(
+            (at, v) for at, volts in places for v in model.alternating_voltages_V(name, volts)
+        )
+    )
     try:
         return all_solved(model.setups(name, every))
     except ModelError:  # the effects do not settle
