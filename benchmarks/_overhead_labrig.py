@@ -31,10 +31,11 @@ from drivers.safe_shutdown import Safety, SafetyReport
 from protocols import Channel, SafetyLimits
 from protocols.execution.devices import Devices
 from protocols.execution.events import Event, Outcome, ReadingTaken, RunStarted, RunStopped
-from protocols.execution.rules import LoopTiming, Rules
+from protocols.execution.rules import Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.stop import StopRequest
 from protocols.kinds.pulse_train import PulseTrain
+from protocols.planning.loop_timing import LoopTiming
 from protocols.planning.schedule import PlannedRun, Purpose, Schedule
 
 CHANNELS = ("force", "current", "drive")

@@ -70,14 +70,14 @@ def modes() -> Iterator[Row]:
     wanted = table("i_cantilever_modes.csv")["f_Hz"][:4]
     for degrees, least in ((8, 2e-3), (12, 1e-7)):
         by = Resolution(free_degrees=degrees)
-        found = linearise(Simulation(plain(), None, UNDRIVEN, resolution=by)).frequencies_Hz()
+        found = linearise(Simulation(plain(), None, UNDRIVEN, resolution=by)).frequencies_hz()
         yield "i modes 1 to 4, relative", f"{degrees}", _worst(found[:4] / wanted - 1.0), least
     rollers = table("ii_clamped_roller_overhang_modes.csv")
     for degrees, least in (((8, 3), 1e-4), ((12, 6), 1e-9)):
         rows = rollers[rollers["roller_at_over_l"] == 0.8]
         setup = ContactSetup(radius_m=0.8 * L, position_m=0.0)
         by = Resolution(degrees=degrees)
-        found = linearise(Simulation(plain(), setup, UNDRIVEN, resolution=by)).frequencies_Hz()
+        found = linearise(Simulation(plain(), setup, UNDRIVEN, resolution=by)).frequencies_hz()
         error = _worst(found[:2] / rows[rows.dtype.names[-1]][:2] - 1.0)
         yield "ii roller at 0.8 l, modes 1, 2", f"{degrees[0]}+{degrees[1]}", error, least
     errors = []
@@ -87,7 +87,7 @@ def modes() -> Iterator[Row]:
             length_m=float(row["bar_m"]), mass_per_length_kg_per_m=float(row["bar_kg_per_m"])
         )
         beam = plain(Field.constant(0.0, length), length_m=length, elongation=bar)
-        found = linearise(Simulation(beam, None, UNDRIVEN)).frequencies_Hz()
+        found = linearise(Simulation(beam, None, UNDRIVEN)).frequencies_hz()
         errors.append(found[0] / row["f1_Hz"] - 1.0)
     yield "iii bar on a short sheet, relative", "10", _worst(np.array(errors)), 1e-13
 

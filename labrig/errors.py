@@ -5,6 +5,8 @@ Every text is one sentence: what is wrong, where (file, key, channel), what to d
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from enum import IntEnum
 
 
@@ -27,6 +29,18 @@ class LabrigWarning(UserWarning):
     """Something about data or a model that is no error; the text is a sentence for the user."""
 
 
+class ArgumentWarning(LabrigWarning):
+    """A warning whose text names arguments of a Python function."""
+
+    def __init__(self, text: str, *names: str) -> None:
+        super().__init__(text)
+        self.names = names
+
+    def in_words(self, spelled: Callable[[str], str]) -> str:
+        """Return the text with each argument as somebody else spells it, such as an option."""
+        return _respelled(str(self), self.names, spelled)
+
+
 class LabrigError(Exception):
     """An error for the user, with the exit code it ends the program with."""
 
@@ -37,6 +51,18 @@ class BadInputError(LabrigError):
     """An argument or a file's content is wrong."""
 
     code = ExitCode.BAD_INPUT
+
+
+class BadArgumentError(BadInputError):
+    """An argument of a Python function is wrong; the text names it as the function does."""
+
+    def __init__(self, text: str, *names: str) -> None:
+        super().__init__(text)
+        self.names = names
+
+    def in_words(self, spelled: Callable[[str], str]) -> str:
+        """Return the text with each argument as somebody else spells it, such as an option."""
+        return _respelled(str(self), self.names, spelled)
 
 
 class ReadOnlyError(BadInputError):
@@ -59,3 +85,11 @@ class OutputUnknownError(LabrigError):
     """The drive voltage is not known to be 0 V."""
 
     code = ExitCode.OUTPUT_UNKNOWN
+
+
+def _respelled(text: str, names: tuple[str, ...], spelled: Callable[[str], str]) -> str:
+    """Return the text with the next mention of each name, in a path none, spelled anew."""
+    for name in names:
+        word = rf"(?<![\w./\\-]){re.escape(name)}(?![\w/\\-]|\.\w)"
+        text = re.sub(word, spelled(name), text, count=1)
+    return text

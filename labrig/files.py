@@ -12,7 +12,7 @@ from pathlib import Path
 from subprocess import list2cmdline
 from zipfile import ZIP_DEFLATED, ZipFile
 
-from labrig.errors import BadInputError, LabrigError
+from labrig.errors import BadArgumentError, BadInputError, LabrigError
 
 SESSION_ENDINGS = (".h5", ".hdf5", ".nxs")
 # A path that cannot be written at all; other errors are the disk's.
@@ -27,7 +27,7 @@ def check_free(path: Path, *, force: bool = False) -> None:
     if path.is_dir():
         raise BadInputError(f"{path}: this is a folder; give the name of a file.")
     if path.exists() and not force:
-        raise BadInputError(f"{path}: is already there; give --force to overwrite it.")
+        raise BadArgumentError(f"{path}: is already there; give force to overwrite it.", "force")
     if not path.parent.is_dir():
         raise BadInputError(f"{path.parent}: there is no such folder.")
 
@@ -55,7 +55,7 @@ def make_folder(folder: Path) -> None:
 
 
 def typed(path: Path | str) -> str:
-    """Return a path as it is typed into a shell: quoted where it has blanks."""
+    """Return a path, or another argument, as it is typed into a shell: quoted if need be."""
     return list2cmdline([str(path)]) if os.name == "nt" else shlex.quote(str(path))
 
 

@@ -10,7 +10,7 @@ import tomlkit
 
 from labrig.config.base import parse_toml, read_text
 from labrig.config.file_kinds import MODEL, refuse_other_kind
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError, BadInputError
 from labrig.files import write_text
 from model import ModelError, SheetModel
 
@@ -47,9 +47,9 @@ def moving_configuration(model: SheetModel, path: Path | str, wanted: str | None
             f"{path}: knows the sheet at rest only; fit it in time with labrig fit --dynamic."
         )
     if wanted is None and len(known) > 1:
-        raise BadInputError(
-            f"{path}: has several configurations; name one with --configuration: "
-            f"{', '.join(known)}."
+        raise BadArgumentError(
+            f"{path}: has several configurations; name one with configuration: {', '.join(known)}.",
+            "configuration",
         )
     if wanted is not None and wanted not in known:
         raise BadInputError(f"{path}: does not know {wanted} in time; it knows {', '.join(known)}.")

@@ -20,7 +20,7 @@ import numpy as np
 from labrig.api.data import AnyPath, Data, measurements_of, model_of
 from labrig.errors import BadInputError
 from labrig.motion.simulated import SimulatedRun
-from labrig.report.data.models import ALONG, CONSTANT
+from labrig.report.data.models import ALONG, CONSTANT, kind_of
 from labrig.report.data.selection import configurations
 from labrig.report.diagnosis.candidates import draw_ranking
 from labrig.report.diagnosis.fits import draw_forces_before_and_after
@@ -150,7 +150,7 @@ def shapes(
 
     """
     every = [predictions] if isinstance(predictions, Prediction) else list(predictions)
-    name = _chosen(None, list(dict.fromkeys(one.configuration for one in every)))
+    name = _only([one.configuration for one in every])
     sheet = model_of(model).sheet(name).sheet
     with _axes(ax) as axes:
         draw_setup(axes, sheet, sorted({one.position_m for one in every}))
@@ -255,9 +255,22 @@ def _chosen(configuration: str | None, known: list[str]) -> str:
     raise BadInputError(f"{given}one of {', '.join(known) or 'none: nothing was measured'}.")
 
 
+def _only(names: list[str]) -> str:
+    """Return the one configuration that predictions are of."""
+    known = list(dict.fromkeys(names))
+    if not known:
+        raise BadInputError("there is no prediction to draw.")
+    if len(known) > 1:
+        raise BadInputError(
+            f"the predictions are of {', '.join(known)}; draw those of one configuration."
+        )
+    return known[0]
+
+
 def _models(model: Fit | SheetModel | AnyPath | None) -> Iterator[tuple[str, SheetModel]]:
     if isinstance(model, Fit):
         yield ALONG, model.varying_model
         yield CONSTANT, model.model
     elif model is not None:
-        yield ALONG, model_of(model)
+        given = model_of(model)
+        yield kind_of(given), given

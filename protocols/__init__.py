@@ -6,7 +6,7 @@ from protocols.execution.devices import Devices
 from protocols.execution.event_bus import EventBus, SubscriberError
 from protocols.execution.lateness import Lateness, lateness_of, lateness_s
 from protocols.execution.operator import RecordedOperator
-from protocols.execution.rules import LoopTiming, Rules
+from protocols.execution.rules import Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import FinishReason, RunState, Status
 from protocols.execution.stop import StopLevel, StopRequest
@@ -32,6 +32,7 @@ from protocols.planning.limits import (
     positions_m,
     time_under_voltage_s,
 )
+from protocols.planning.loop_timing import LoopTiming
 from protocols.planning.schedule import (
     PlannedMove,
     PlannedReading,
@@ -41,7 +42,7 @@ from protocols.planning.schedule import (
     Schedule,
     VoltageStep,
 )
-from protocols.planning.session_schedule import Extras, Place, make_schedule
+from protocols.session_schedule import Extras, Place, make_schedule
 
 __all__ = [
     "Channel",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from drivers.interfaces import Clock
 from sim_hardware.camera import CameraFaults
-from sim_hardware.camera.faults import from_frame
+from sim_hardware.camera.faults import FaultSpan, from_frame
 from sim_hardware.clock import VirtualClock
 from sim_hardware.families.contract import SimulatedBoards, switch_of
 from sim_hardware.serial_devices import SerialFaults
@@ -56,8 +56,11 @@ class FaultyRig:
             from_s = origin_s + fault.from_s
             until_s = _FOR_GOOD_S if fault.until_s is None else origin_s + fault.until_s
             if fault.what in _CAMERA:
-                self.camera.late_s = fault.amount_s
-                self.camera.spans[_CAMERA[fault.what]] = (from_s, until_s)
+                what = _CAMERA[fault.what]
+                late_s = fault.amount_s if what == "late" else 0.0
+                self.camera.spans.append(
+                    FaultSpan(what=what, from_s=from_s, until_s=until_s, late_s=late_s)
+                )
                 continue
             begin, end = self._switch(fault)
             moments.append((from_s, begin))

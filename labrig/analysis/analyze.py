@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from drivers.load_cell import LoadCellCalibration
 from labrig.analysis.conditions import conditions_of, turns_of
 from labrig.analysis.contacts import contact_warnings
-from labrig.analysis.curves import ConditionCurves, Progress, measure_curves
+from labrig.analysis.curves import ConditionCurves, measure_curves
 from labrig.analysis.dead_weights import dead_weight_warnings
 from labrig.analysis.forces import measure_forces
 from labrig.analysis.series import time_series
@@ -17,6 +17,7 @@ from labrig.analysis.wetting import wetting_warnings
 from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
+from labrig.progress import Progress
 from labrig.session import RecordedSession, open_session, store_measurements
 from labrig.session.supplements.store import check_can_be_added_to
 from model.measurements import Measurements, SheetGeometry, TimeSeries

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -18,6 +18,7 @@ from drivers.interfaces import FloatArray, GreyImage
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
 from labrig.parent_process import end_with_parent, interrupts_blocked
+from labrig.progress import Progress
 from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.session.format.layout import NO_FRAME, Array
 from model.measurements import Contact, Curve, SheetGeometry
@@ -26,7 +27,6 @@ from protocols.planning.schedule import Purpose
 if TYPE_CHECKING:
     from labrig.vision import NeutralCurve, Optics, StripGeometry
 
-Progress = Callable[[float, str], None]
 MEAN_OF = ("zero", "kept", "no_contact")  # kinds of readings whose frames make the mean image
 MEAN_FULL_SCALE = 65535.0  # of the mean image
 WORTH_PROCESSES_S = 5.0  # of work that is left: about what two processes take to load

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError
 from model.measurements import Measurements
 
 SAME_M = 1e-5
@@ -21,14 +21,12 @@ def _parsed(text: str) -> tuple[str, float]:
     for part in text.split(","):
         key, equals, value = (p.strip() for p in part.partition("="))
         if not equals or key not in ("configuration", "position") or key in given:
-            raise BadInputError(f"--hold-out {text!r}: write {_EXAMPLE}.")
+            raise _wrong(text, f"write {_EXAMPLE}.")
         given[key] = value
     try:
         return given.get("configuration", ""), float(given["position"]) / 1000
     except (KeyError, ValueError):
-        raise BadInputError(
-            f"--hold-out {text!r}: a position in mm is needed, as in {_EXAMPLE}."
-        ) from None
+        raise _wrong(text, f"a position in mm is needed, as in {_EXAMPLE}.") from None
 
 
 def _checked(
@@ -36,9 +34,10 @@ def _checked(
 ) -> tuple[str, float]:
     known = sorted({c.configuration for c in measurements.conditions})
     if configuration and configuration not in known:
-        raise BadInputError(
-            f"--hold-out {text!r}: there is no configuration {configuration!r} in the data, which "
-            f"have {', '.join(known)}."
+        raise _wrong(
+            text,
+            f"there is no configuration {configuration!r} in the data, which have"
+            f" {', '.join(known)}.",
         )
     places = sorted(
         {
@@ -50,8 +49,12 @@ def _checked(
     near = [place for place in places if abs(place - position_m) < SAME_M]
     if not near:
         have = ", ".join(f"{1e3 * place:g}" for place in places) or "none"
-        raise BadInputError(
-            f"--hold-out {text!r}: nothing was measured at {1e3 * position_m:g} mm; measured were "
-            f"{have} mm."
+        raise _wrong(
+            text,
+            f"nothing was measured at {1e3 * position_m:g} mm; measured were {have} mm.",
         )
     return configuration, near[0]
+
+
+def _wrong(text: str, why: str) -> BadArgumentError:
+    return BadArgumentError(f"hold_out {text!r}: {why}", "hold_out")

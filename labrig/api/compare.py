@@ -8,10 +8,12 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from labrig.api.data import AnyPath, Progress, measurements_of, model_of, name_of, path_of, silent
+from labrig.api.arguments import elongation_kg_per_m
+from labrig.api.data import AnyPath, measurements_of, model_of, name_of, path_of
 from labrig.api.fit import what_can_be_fitted
-from labrig.api.one_blas_thread import one_blas_thread
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError, BadInputError
+from labrig.one_blas_thread import one_blas_thread
+from labrig.progress import Progress, silent
 from model import FitOptions, Measurements
 from model.identification.baselines import BaselineRow
 from model.measurements import Displayed, Summary, dataframe
@@ -118,19 +120,22 @@ def compared(
     static: bool,
     dynamic: bool,
     elongation_g_per_m: float | None,
+    processes: int = 1,
 ) -> ModelComparison:
-    """Compare, and show the progress of each step."""
+    """Compare, and show the progress of each step; `processes` analyse what is not analysed."""
     if static and dynamic:
-        raise BadInputError("give --static or --dynamic, or neither for both.")
+        raise BadArgumentError("give static or dynamic, or neither for both.", "static", "dynamic")
+    elongation = elongation_kg_per_m(elongation_g_per_m)  # before anything is fitted
     # read first: a wrong file is refused before anything is fitted
     given = None if model is None else (model_of(model), name_of(model))
     with steps("analyze") as advance:
-        measurements = measurements_of(session, advance)
+        measurements = measurements_of(session, advance, processes=processes)
     rows = () if dynamic else _at_rest(session, measurements, given)
-    found, why_not = ([], {}) if static else _in_time(session, elongation_g_per_m, steps)
+    found, why_not = ([], {}) if static else _in_time(session, elongation, steps)
     if dynamic and not found:
         why = "; ".join(one.rstrip(".") for one in why_not.values())
-        raise BadInputError(f"{why}." if why else f"{session}: nothing was driven.")
+        said = f"{why}." if why else f"{session}: nothing was driven."
+        raise BadArgumentError(said, "elongation_g_per_m")
     return ModelComparison(static=rows, dynamic=tuple(found), why_no_dynamic=why_not)
 
 
@@ -152,15 +157,14 @@ def _at_rest(
 
 
 def _in_time(
-    session: Path, elongation_g_per_m: float | None, steps: ProgressSteps
+    session: Path, elongation: float | None, steps: ProgressSteps
 ) -> tuple[list[DynamicComparison], dict[str, str]]:
     """Return what was compared and kept, and by configuration why not, a sentence each."""
     from labrig.analysis.comparison import compare_in_time, keep_comparisons, why_not_in_time
     from labrig.analysis.motion.beginning import StatedValues
     from labrig.session import open_session, stored_curve_extractor
 
-    gram = None if elongation_g_per_m is None else 1e-3 * elongation_g_per_m
-    stated = StatedValues(elongation_kg_per_m=gram)
+    stated = StatedValues(elongation_kg_per_m=elongation)
     found: list[DynamicComparison] = []
     why_not: dict[str, str] = {}
     extractor = stored_curve_extractor(session).partition(" ")[0]

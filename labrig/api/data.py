@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
-from labrig.errors import BadInputError, LabrigWarning
+from labrig.errors import ArgumentWarning, BadInputError, LabrigWarning
+from labrig.progress import Progress, silent
 from model.measurements import Measurements
 
 if TYPE_CHECKING:
@@ -16,23 +17,15 @@ if TYPE_CHECKING:
 
 AnyPath = str | os.PathLike[str]
 Data = AnyPath | Measurements
-Progress = Callable[[float, str], None]  # how much is done, 0 to 1, and what is being done
-One = TypeVar("One", bound=str | float)
 
 
-def tell(text: str) -> None:
-    """Warn the caller of something that is no error; the command line prints it as a sentence."""
-    warnings.warn(text, LabrigWarning, stacklevel=2)
+def tell(text: str, *arguments: str) -> None:
+    """Warn the caller of something that is no error; the command line prints it as a sentence.
 
-
-def silent(_fraction: float, _text: str) -> None:
-    """Report no progress."""
-
-
-def within(progress: Progress | None, low: float, high: float) -> Progress:
-    """Return the progress of a part of a job, as `low` to `high` of the whole."""
-    whole = progress or silent
-    return lambda share, text: whole(low + (high - low) * share, text)
+    arguments: those of a function that the text names; the command line names its options.
+    """
+    warning = ArgumentWarning(text, *arguments) if arguments else LabrigWarning(text)
+    warnings.warn(warning, stacklevel=2)
 
 
 def path_of(path: AnyPath) -> Path:
@@ -43,35 +36,6 @@ def path_of(path: AnyPath) -> Path:
         raise BadInputError(f"a file is needed, not {_kind(path)}.") from None
 
 
-def several(given: One | Sequence[One] | None) -> list[One]:
-    """Return a list of what was given alone, as a sequence or not at all."""
-    if given is None:
-        return []
-    if isinstance(given, str | float | int):
-        return [given]
-    return list(given)
-
-
-def number(name: str, value: object) -> float:
-    """Return a number that was given. Raises BadInputError, which names the argument."""
-    try:
-        if isinstance(value, str | bytes):  # float would take the text of a number
-            raise TypeError
-        return float(value)  # type: ignore[arg-type]  # a caller may give anything
-    except (TypeError, ValueError):
-        raise BadInputError(f"{name} {value!r}: a number is needed.") from None
-
-
-def numbers_of(name: str, given: float | Sequence[float] | None) -> list[float]:
-    """Return numbers that were given alone or as a sequence. Raises BadInputError."""
-    return [number(name, one) for one in several(given)]
-
-
-def texts_of(given: str | Sequence[str]) -> list[str]:
-    """Return texts that were given alone or as a sequence; a number becomes its text."""
-    return [str(one) for one in several(given)]
-
-
 def tell_of_stiffness(measurements: Measurements, stated_Nm2: float | None) -> None:
     """Tell where a stated stiffness is not used, as the forces of each sheet determine it."""
     if stated_Nm2 is None:
@@ -80,8 +44,9 @@ def tell_of_stiffness(measurements: Measurements, stated_Nm2: float | None) -> N
     measured = {each.configuration for each in measurements.conditions if each.used()}
     if measured and every == measured:
         tell(
-            "--stiffness-Nm2 is not used: forces were measured of "
-            f"{' and '.join(sorted(measured))}, which determine B"
+            "stiffness_Nm2 is not used: forces were measured of "
+            f"{' and '.join(sorted(measured))}, which determine B",
+            "stiffness_Nm2",
         )
 
 
@@ -92,7 +57,9 @@ def paths_of(data: Data | Sequence[AnyPath]) -> list[Path]:
     return [path_of(one) for one in _as_list(data)]
 
 
-def measurements_of(data: Data | Sequence[AnyPath], progress: Progress | None) -> Measurements:
+def measurements_of(
+    data: Data | Sequence[AnyPath], progress: Progress | None, *, processes: int = 1
+) -> Measurements:
     """Return measurements as they are, or those of sessions; analyse what is not analysed yet."""
     if isinstance(data, Measurements):
         return data
@@ -104,7 +71,8 @@ def measurements_of(data: Data | Sequence[AnyPath], progress: Progress | None) -
     if not paths:
         raise BadInputError("give at least one session, or measurements.")
     check_distinct(paths)
-    return together([(path, measured(path, progress or silent, tell)) for path in paths])
+    advance = progress or silent
+    return together([(path, measured(path, advance, tell, processes=processes)) for path in paths])
 
 
 def model_of(model: AnyPath | SheetModel) -> SheetModel:

@@ -7,14 +7,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args, overload
 
-from labrig.api.data import AnyPath, model_of, number, several
+from labrig.api.arguments import number, one_of, several, shown
+from labrig.api.data import AnyPath, model_of
 from labrig.api.eibm import Eibm, model_with_eibm
-from labrig.api.one_blas_thread import one_blas_thread
 from labrig.api.simulate import tell_of_misses
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError
+from labrig.one_blas_thread import one_blas_thread
 from labrig.report.design.answers import DesignAnswers, Wanted, answer, as_dict, tables
 from model.design.elongation_map import ElongationMap, elongation_map
-from model.design.sizing import Direction
+from model.design.strength import Direction
 from model.measurements import Displayed, Summary, dataframe
 from model.measurements.columns import of_rows
 from model.sheet.misfit import Misfit, misfit
@@ -99,13 +100,13 @@ class Design(Displayed, Sequence[DesignAnswers]):
 @one_blas_thread
 def design(
     model: AnyPath | SheetModel,
-    section: Section,
+    section_mm: Section,
     *,
     configuration: str | Sequence[str] = (),
     force_mN: float | None = None,
     direction: Direction = "both",
     mass_g: float = 1.0,
-    bandwidth_Hz: float = 1.0,
+    bandwidth_hz: float = 1.0,
     lag_s: float = 0.0,
     eibm: Mapping[float, Eibm] | None = None,
 ) -> Design:
@@ -113,12 +114,12 @@ def design(
 
     Args:
         model: a model (or its file).
-        section: the working section along the arc in mm, as "0:30" or (0, 30).
+        section_mm: the working section along the arc in mm, as "0:30" or (0, 30).
         configuration: one or several of the model's sheets; default: all.
         force_mN: required throughout, in mN: then the sheet of least area is searched.
         direction: in which that force must be possible: "both", "positive" or "negative".
         mass_g: of the object on the arc, in g, for the controller.
-        bandwidth_Hz: wanted of the controlled object, in Hz.
+        bandwidth_hz: wanted of the controlled object, in Hz.
         lag_s: of the voltage's effect, in s.
         eibm: EIBMs of one's own by voltage, in N m; see `labrig.simulate`.
 
@@ -141,12 +142,10 @@ def design(
         0.93
 
     """
-    check_requirements(
-        {"--force-mN": force_mN, "--mass-g": mass_g, "--bandwidth-Hz": bandwidth_Hz}, lag_s
-    )
-    _check_direction(direction)
+    check_requirements(force_mN=force_mN, mass_g=mass_g, bandwidth_hz=bandwidth_hz, lag_s=lag_s)
+    one_of("direction", direction, get_args(Direction))
     known = model_with_eibm(model_of(model), eibm)
-    low_m, high_m = section_m(section)
+    low_m, high_m = section_m(section_mm)
     answers = tuple(
         answer(
             known,
@@ -157,7 +156,7 @@ def design(
                 force_N=None if force_mN is None else force_mN / 1000,
                 direction=direction,
                 mass_kg=mass_g / 1000,
-                bandwidth_rad_per_s=2 * math.pi * bandwidth_Hz,
+                bandwidth_rad_per_s=2 * math.pi * bandwidth_hz,
                 lag_s=lag_s,
             ),
         )
@@ -171,7 +170,7 @@ def design(
 @one_blas_thread
 def map_of_elongation(
     model: AnyPath | SheetModel,
-    section: Section,
+    section_mm: Section,
     *,
     configuration: str,
     direction: Direction = "both",
@@ -181,7 +180,7 @@ def map_of_elongation(
 
     Args:
         model: a model (or its file).
-        section: the widest working section in mm, as "0:30" or (0, 30).
+        section_mm: the widest working section in mm, as "0:30" or (0, 30).
         configuration: one of the model's sheets; its material is what is cut.
         direction: in which the force must be possible: "both", "positive" or "negative".
         eibm: EIBMs of one's own by voltage, in N m; see `labrig.simulate`.
@@ -200,38 +199,38 @@ def map_of_elongation(
     """
     import numpy as np
 
-    _check_direction(direction)
-    low_m, high_m = section_m(section)
+    one_of("direction", direction, get_args(Direction))
+    low_m, high_m = section_m(section_mm)
     ends = np.linspace(low_m, high_m, MAP_STEPS)
     known = model_with_eibm(model_of(model), eibm)
     return elongation_map(known, configuration, ends[:-1], ends[1:], direction)
 
 
-def check_requirements(positive: Mapping[str, float | None], lag_s: float) -> None:
+def check_requirements(
+    *, force_mN: float | None, mass_g: float, bandwidth_hz: float, lag_s: float
+) -> None:
     """Raise BadInputError for a required number that is not above 0, or a lag below 0."""
-    for name, value in positive.items():
-        if value is not None and not 0.0 < number(name, value) < math.inf:
-            raise BadInputError(f"{name} {value:g}: a number above 0 is needed.")
-    if not 0.0 <= number("--lag-s", lag_s) < math.inf:
-        raise BadInputError(f"--lag-s {lag_s:g}: a number from 0 is needed.")
+    if force_mN is not None:
+        number("force_mN", force_mN, above=0.0)
+    number("mass_g", mass_g, above=0.0)
+    number("bandwidth_hz", bandwidth_hz, above=0.0)
+    number("lag_s", lag_s, at_least=0.0)
 
 
-def _check_direction(direction: str) -> None:
-    if direction not in get_args(Direction):
-        among = ", ".join(map(repr, get_args(Direction)))
-        raise BadInputError(f"--direction: {direction!r} is not one of {among}.")
-
-
-def section_m(section: Section) -> tuple[float, float]:
+def section_m(section_mm: Section) -> tuple[float, float]:
     """Return both ends in m; BadInputError for what is no section."""
-    parts = section.split(":") if isinstance(section, str) else section
+    parts = section_mm.split(":") if isinstance(section_mm, str) else section_mm
     try:
         low_mm, high_mm = (float(part) for part in parts)
     except (ValueError, TypeError):
-        raise BadInputError(
-            f"--section {section!r}: two positions in mm with a colon between, such as 0:30."
+        raise BadArgumentError(
+            f"section_mm {shown(section_mm)}: two positions in mm with a colon between, such as"
+            " 0:30.",
+            "section_mm",
         ) from None
-    if not low_mm < high_mm:
-        said = section if isinstance(section, str) else f"{low_mm:g}:{high_mm:g}"
-        raise BadInputError(f"--section {said}: the first position must be below the second.")
+    if not -math.inf < low_mm < high_mm < math.inf:
+        said = section_mm if isinstance(section_mm, str) else f"{low_mm:g}:{high_mm:g}"
+        raise BadArgumentError(
+            f"section_mm {said}: the first position must be below the second.", "section_mm"
+        )
     return low_mm / 1000, high_mm / 1000

@@ -3,24 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
-from labrig.api.data import (
-    AnyPath,
-    Data,
-    Progress,
-    model_of,
-    number,
-    paths_of,
-    several,
-    silent,
-    tell,
-    tell_of_stiffness,
-    texts_of,
-)
-from labrig.api.one_blas_thread import one_blas_thread
+from labrig.api.arguments import number, refuse_beside_options, several, texts, whole_number
+from labrig.api.data import AnyPath, Data, model_of, paths_of, tell, tell_of_stiffness
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.errors import BadInputError, LabrigError
+from labrig.one_blas_thread import one_blas_thread
+from labrig.progress import Progress
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.measurements import Measurements
 from model.sheet.sheet_model import SheetModel
@@ -50,7 +41,8 @@ def diagnose(
 
     Args:
         sessions: a session file, several of the same sheet, or `Measurements`.
-        options: all options of the diagnosis at once, in place of those below.
+        options: all options of the diagnosis at once, in place of the arguments below that they
+            hold: `model`, `hold_out`, `symmetric`, `without`, `calibrate`, `stiffness_Nm2`.
         sheet: sheet.toml, with the CSV tables below in place of sessions.
         forces: forces.csv.
         curves: curves.csv.
@@ -79,7 +71,13 @@ def diagnose(
         ('effect_named', ['nonuniform_eibm'])
 
     """
-    _require_effects(without)
+    if options is not None:
+        refuse_beside_options(
+            model=model is not None, hold_out=bool(several(hold_out)), symmetric=symmetric,
+            without=bool(several(without)), calibrate=calibrate != 0,
+            stiffness_Nm2=stiffness_Nm2 is not None,
+        )  # fmt: skip
+    _require_effects(without if options is None else options.exclude)
     tables = GivenTables(
         sheet=sheet, forces=forces, curves=curves, signals=signals, columns=columns, values=values
     )
@@ -90,6 +88,8 @@ def diagnose(
             measurements, paths, model=model, hold_out=hold_out, symmetric=symmetric,
             without=without, calibrate=calibrate, stiffness_Nm2=stiffness_Nm2,
         )  # fmt: skip
+    else:
+        options = _completed(options, measurements, paths)
     return diagnosed_and_kept(measurements, paths if keep else [], options, progress)
 
 
@@ -109,14 +109,21 @@ def options_for(
 
     _require_effects(without)
     if stiffness_Nm2 is not None:
-        stiffness_Nm2 = number("--stiffness-Nm2", stiffness_Nm2)
-    tell_of_stiffness(measurements, stiffness_Nm2)
-    return DiagnoseOptions(
-        symmetric=symmetric, calibrate=int(number("--calibrate", calibrate)),
+        stiffness_Nm2 = number("stiffness_Nm2", stiffness_Nm2, above=0.0)
+    given = DiagnoseOptions(
+        symmetric=symmetric, calibrate=whole_number("calibrate", calibrate, at_least=0),
         model=None if model is None else model_of(model), exclude=tuple(several(without)),
-        hold_out=held_out(texts_of(hold_out), measurements), promised=promises_kept_in(sessions),
-        stiffness_Nm2=stiffness_Nm2,
+        hold_out=held_out(texts(hold_out), measurements), stiffness_Nm2=stiffness_Nm2,
     )  # fmt: skip
+    return _completed(given, measurements, sessions)
+
+
+def _completed(
+    options: DiagnoseOptions, measurements: Measurements, sessions: Sequence[Path]
+) -> DiagnoseOptions:
+    """Return options with the promises that the sessions kept; tell what is not used."""
+    tell_of_stiffness(measurements, options.stiffness_Nm2)
+    return replace(options, promised=options.promised or promises_kept_in(sessions))
 
 
 def diagnosed_and_kept(
@@ -151,8 +158,7 @@ def diagnosed(
     from model.discrepancy import diagnose as search
 
     require_driven(measurements)
-    advance = progress or silent
-    return search(measurements, options, lambda text, share: advance(share, text))
+    return search(measurements, options, progress)
 
 
 def promises_kept_in(sessions: Sequence[Path]) -> tuple[Next, ...]:

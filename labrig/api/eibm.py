@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import textwrap
+import traceback
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from labrig.api.data import number
-from labrig.errors import BadInputError
+from labrig.api.arguments import number, shown
+from labrig.errors import BadArgumentError, BadInputError
 from model.measurements import FloatArray, ModelError
 from model.sheet.sheet_model import SheetModel
 from model.sheet.stated import StatedEibm, with_eibm
 
 # Me in N m: a number, a function of s_m, or (s_m, Me_Nm) with straight lines between the nodes
-Eibm = float | Callable[[FloatArray], FloatArray] | tuple[Sequence[float], Sequence[float]]
+Rows = tuple[Sequence[float], Sequence[float]] | Sequence[Sequence[float]]
+Eibm = float | Callable[[FloatArray], FloatArray] | Rows
 LONGEST_RATIO = 10.0  # of the last place of a stated EIBM to the sheet's length
 NODES = 51  # at which a function is taken, along the longest sheet; as of a fit
 _EXAMPLE = "--eibm 2=36e-6 (N m), or --eibm 2=eibm.csv (columns s_mm, Me_Nm)"
@@ -26,34 +29,78 @@ def model_with_eibm(model: SheetModel, eibm: Mapping[float, Eibm] | None) -> She
     if not eibm:
         return model
     length_m = max((one.sheet.free_length_m for one in model.sheets.values()), default=0.0)
-    return with_eibm(model, {float(v): stated(v, one, length_m) for v, one in eibm.items()})
+    return with_eibm(model, stated_by_voltage("eibm", eibm, length_m))
 
 
 def voltages_of(eibm: Mapping[float, Eibm] | None) -> list[float]:
     """Return the voltages of EIBMs. Raises BadInputError where they are not given by voltage."""
     if not isinstance(eibm, Mapping | None):  # a caller may give anything
-        raise BadInputError(
-            f"--eibm {eibm!r}: EIBMs by voltage are needed, such as {{2.0: 36e-6}}."
+        raise BadArgumentError(
+            f"eibm {shown(eibm)}: EIBMs by voltage are needed, such as {{2.0: 36e-6}}.", "eibm"
         )
-    return [number("--eibm", voltage_V) for voltage_V in eibm or ()]
+    return [number("eibm", voltage_V) for voltage_V in eibm or ()]
+
+
+def stated_by_voltage(
+    name: str, eibm: Mapping[float, Eibm], length_m: float
+) -> dict[float, StatedEibm]:
+    """Return EIBMs as the model takes them; `name`: of the argument, for errors."""
+    by_voltage = ((number(name, volts), one) for volts, one in eibm.items())
+    return {volts: stated(volts, one, length_m) for volts, one in by_voltage}
 
 
 def stated(voltage_V: float, eibm: Eibm, length_m: float) -> StatedEibm:
     """Return an EIBM as the model takes it; a function is taken from 0 to `length_m`."""
-    try:
-        if callable(eibm):
-            s_m = np.linspace(0.0, length_m, NODES)
-            return s_m, np.broadcast_to(np.asarray(eibm(s_m), dtype=np.float64), s_m.shape)
-        if not isinstance(eibm, tuple):
-            return float(eibm)
-        s_m, values = (np.asarray(part, dtype=np.float64) for part in eibm)
-    except (TypeError, ValueError):
+    if callable(eibm):
+        s_m = np.linspace(0.0, length_m, NODES)
+        return s_m, _along(voltage_V, _called(voltage_V, eibm, s_m), s_m)
+    whole = _numbers(eibm)
+    if whole is not None and whole.ndim == 0:
+        return float(whole)
+    parts = [_numbers(part) for part in eibm] if isinstance(eibm, Iterable) else []
+    if len(parts) != 2 or any(part is None or part.ndim != 1 for part in parts):
         raise ModelError(
             f"the EIBM at {voltage_V:+g} V must be a number in N m, a function of s_m, or a pair"
             " (s_m, Me_Nm) of equally long rows"
-        ) from None
+        )
+    s_m, values = (np.asarray(part, dtype=np.float64) for part in parts)
     _require_along_the_sheet(voltage_V, s_m, length_m)
     return s_m, values
+
+
+def _numbers(given: object) -> FloatArray | None:
+    """Return a number or a row of them; None for what is neither."""
+    try:
+        found = np.asarray(given)
+    except ValueError:  # rows of different lengths
+        return None
+    return found.astype(np.float64) if found.dtype.kind in "iuf" else None
+
+
+def _called(voltage_V: float, eibm: Callable[[FloatArray], FloatArray], s_m: FloatArray) -> object:
+    """Return what somebody's function makes of the places. Raises ModelError for its fault."""
+    try:
+        return eibm(s_m)
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        where = (
+            f" in {Path(frames[1].filename).name}, line {frames[1].lineno}" if frames[1:] else ""
+        )
+        raise ModelError(
+            f"the function of the EIBM at {voltage_V:+g} V failed{where}: {type(error).__name__}:"
+            f" {textwrap.shorten(str(error), 120)}; it is called with an array of places s_m"
+        ) from error
+
+
+def _along(voltage_V: float, found: object, s_m: FloatArray) -> FloatArray:
+    """Return a function's values at the places; one number is that everywhere."""
+    values = _numbers(found)
+    if values is None or values.shape not in ((), (1,), s_m.shape):
+        raise ModelError(
+            f"the function of the EIBM at {voltage_V:+g} V returned {shown(found)}; it must return"
+            f" a number, or as many as there are places s_m ({len(s_m)})"
+        )
+    return np.broadcast_to(values, s_m.shape)
 
 
 def _require_along_the_sheet(voltage_V: float, s_m: FloatArray, length_m: float) -> None:

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from labrig.api.data import (
-    AnyPath,
-    Data,
-    Progress,
-    measurements_of,
-    number,
-    paths_of,
-    several,
-    silent,
-    tell,
-    tell_of_stiffness,
-    texts_of,
-)
-from labrig.api.one_blas_thread import one_blas_thread
-from labrig.errors import BadInputError
+from labrig.api.arguments import number, refuse_beside_options, several, texts, whole_number
+from labrig.api.data import AnyPath, Data, measurements_of, paths_of, tell, tell_of_stiffness
+from labrig.errors import BadArgumentError, BadInputError
+from labrig.one_blas_thread import one_blas_thread
+from labrig.progress import Progress, silent
 from model import Fit, FitOptions, Measurements
 
 if TYPE_CHECKING:
     from labrig.report.tables.mountings import Run
 
 FEWEST_REPEATS = 20  # with fewer a standard deviation says little
+MOST_REPEATS = 10_000
+USUAL_EXPONENT = 1.0  # q of (7)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +41,7 @@ def fit(
     symmetric: bool = False,
     measured_curvature: bool = False,
     bootstrap: int = 0,
-    q: float = 1.0,
+    q: float = USUAL_EXPONENT,
     stiffness_Nm2: float | None = None,
     progress: Progress | None = None,
 ) -> Fit:
@@ -58,8 +49,10 @@ def fit(
 
     Args:
         sessions: a session file, several of the same sheet, or `Measurements`. A session that is
-            not analysed yet is analysed now, and keeps the result.
-        options: all options of the fit at once, in place of those below.
+            not analysed yet is analysed now, and keeps the result; `analyze` does that by several
+            processes.
+        options: all options of the fit at once, in place of the arguments below that they hold
+            (all but `apart` and `progress`).
         configuration: fit these sheets alone; default: all that were measured.
         hold_out: positions to leave out, such as "position=25" or
             "configuration=long,position=25" (mm).
@@ -103,28 +96,39 @@ def fitted_data(
     symmetric: bool = False,
     measured_curvature: bool = False,
     bootstrap: int = 0,
-    q: float = 1.0,
+    q: float = USUAL_EXPONENT,
     stiffness_Nm2: float | None = None,
     progress: Progress | None = None,
+    processes: int = 1,
 ) -> FittedData:
-    """Fit as `fit` does, and return the data with it."""
+    """Fit as `fit` does, and return the data with it.
+
+    `processes`: how many analyse a session that is not analysed yet.
+    """
     from labrig.report.data.separate_sessions import only
 
-    bootstrap = int(number("--bootstrap", bootstrap))
+    if options is not None:
+        refuse_beside_options(
+            configuration=bool(several(configuration)), hold_out=bool(several(hold_out)),
+            symmetric=symmetric, measured_curvature=measured_curvature, bootstrap=bootstrap != 0,
+            q=q != USUAL_EXPONENT, stiffness_Nm2=stiffness_Nm2 is not None,
+        )  # fmt: skip
+    bootstrap = whole_number("bootstrap", bootstrap, at_least=0, at_most=MOST_REPEATS)
     if 0 < bootstrap < FEWEST_REPEATS:
-        raise BadInputError(f"--bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.")
-    if not math.isfinite(number("--q", q)):
-        raise BadInputError(f"--q {q}: a number is needed, such as 1.")
+        raise BadArgumentError(
+            f"bootstrap {bootstrap}: give at least {FEWEST_REPEATS}, or 0.", "bootstrap"
+        )
+    number("q", q)
     if stiffness_Nm2 is not None:
-        stiffness_Nm2 = number("--stiffness-Nm2", stiffness_Nm2)
+        stiffness_Nm2 = number("stiffness_Nm2", stiffness_Nm2, above=0.0)
     chosen = options or FitOptions(
         weight_exponent=q, symmetric=symmetric, measured_curvature=measured_curvature,
         bootstrap=bootstrap, stiffness_Nm2=stiffness_Nm2,
     )  # fmt: skip
-    whole, runs = _measured(sessions, apart, progress)
+    whole, runs = _measured(sessions, apart, progress, processes)
     measurements = only(whole, several(configuration))
     if hold_out:
-        chosen = replace(chosen, held_out=_held_out(texts_of(hold_out), measurements))
+        chosen = replace(chosen, held_out=_held_out(texts(hold_out), measurements))
     tell_of_stiffness(measurements, chosen.stiffness_Nm2)
     source = ", ".join(map(str, paths_of(sessions))) or measurements.source or "the measurements"
     return FittedData(
@@ -147,7 +151,7 @@ def what_can_be_fitted(source: str, measurements: Measurements, options: FitOpti
 
 
 def _measured(
-    sessions: Data | Sequence[AnyPath], apart: bool, progress: Progress | None
+    sessions: Data | Sequence[AnyPath], apart: bool, progress: Progress | None, processes: int
 ) -> tuple[Measurements, dict[Run, str]]:
     """Return the measurements, and which of several sessions each run is from."""
     from labrig.analysis.distinct import check_distinct
@@ -159,12 +163,13 @@ def _measured(
 
     paths = paths_of(sessions)
     if apart and len(paths) < 2:
-        raise BadInputError("--apart: give several sessions to be kept apart.")
+        raise BadArgumentError("apart: give several sessions to be kept apart.", "apart")
     if not paths:
-        return measurements_of(sessions, progress), {}
+        return measurements_of(sessions, progress, processes=processes), {}
     check_distinct(paths)
     names = labels(paths)
-    parts = [measured(path, progress or silent, tell) for path in paths]
+    advance = progress or silent
+    parts = [measured(path, advance, tell, processes=processes) for path in paths]
     if apart:
         return taken_apart(parts, names), {}
     whole = together(list(zip(paths, parts, strict=True)))

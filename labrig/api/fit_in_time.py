@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from labrig.analysis.motion.dynamic_fit import DynamicFit, model_of
-from labrig.api.data import AnyPath, Progress, tell
+from labrig.api.data import AnyPath, tell
 from labrig.api.motion_data import checksum_of, fits_of, off_the_curves, request_of
-from labrig.api.one_blas_thread import one_blas_thread
+from labrig.one_blas_thread import one_blas_thread
+from labrig.progress import Progress
 from model import SheetModel
 from model.measurements import Displayed, Summary, dataframe
 from model.measurements.columns import of_rows

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,14 +11,15 @@ from labrig.analysis.analyze import inputs_of, shunt_ohm
 from labrig.analysis.motion.beginning import ELONGATION_UNKNOWN, StatedValues
 from labrig.analysis.motion.dynamic_fit import DynamicFit, dynamic_fit
 from labrig.analysis.motion.record import MotionRecord, motion_record, moving_configurations
-from labrig.api.data import AnyPath, Progress, paths_of, several, tell, within
-from labrig.errors import BadInputError
+from labrig.api.arguments import elongation_kg_per_m, numbers, one_of, several
+from labrig.api.data import AnyPath, paths_of, tell
+from labrig.errors import BadArgumentError, BadInputError
+from labrig.progress import Progress, within
 from labrig.session import RecordedSession, open_session
 
 READING_SHARE: Final = 0.4  # of the time of a fit, most of it for the images
 MOST_POSITIONS: Final = 3  # in contact, unless they are named: each adds seconds
 FLUIDS: Final = ("air", "water", "vacuum")
-GRAM: Final = 1e-3
 NOT_FOUND: Final = (
     "{}: no sheet in time explains the session: the search did not end, and {}. Record a free"
     " release ([extras] release = true); labrig diagnose says what the sheet at rest lacks."
@@ -34,7 +34,7 @@ class MotionRequest:
     configurations: tuple[str, ...] = ()  # none: all that moved
     positions_mm: tuple[float, ...] = ()  # none: `MOST_POSITIONS` of those measured
     fluid: str = "air"
-    elongation_g_per_m: float | None = None
+    elongation_kg_per_m: float | None = None
 
 
 def request_of(
@@ -47,15 +47,13 @@ def request_of(
     """Return what is asked for. Raises BadInputError of one sentence."""
     paths = paths_of(sessions)
     if not paths:
-        raise BadInputError("--dynamic: give a session.")
-    end = elongation_g_per_m
-    if end is not None and not 0.0 < end < math.inf:
-        raise BadInputError(f"--elongation-g-per-m {end:g}: a positive number is needed.")
-    if fluid not in FLUIDS:
-        raise BadInputError(f"--fluid {fluid}: unknown; choose {', '.join(FLUIDS)}.")
+        raise BadInputError("give at least one session.")
+    elongation = elongation_kg_per_m(elongation_g_per_m)
+    one_of("fluid", fluid, FLUIDS)
     return MotionRequest(
         sessions=tuple(paths), configurations=tuple(several(configuration)),
-        positions_mm=tuple(several(position_mm)), fluid=fluid, elongation_g_per_m=end,
+        positions_mm=tuple(numbers("position_mm", position_mm)), fluid=fluid,
+        elongation_kg_per_m=elongation,
     )  # fmt: skip
 
 
@@ -68,10 +66,9 @@ def fits_of(request: MotionRequest, progress: Progress | None) -> list[DynamicFi
     with open_session(request.sessions[0]) as session:
         found = _determinable(request, session)
         source_ohm = shunt_ohm(session) or 1.0
-    end = request.elongation_g_per_m
     stated = StatedValues(
         fluid=request.fluid, source_ohm=source_ohm,
-        elongation_kg_per_m=None if end is None else GRAM * end,
+        elongation_kg_per_m=request.elongation_kg_per_m,
     )  # fmt: skip
     fits, left_out = list[DynamicFit](), list[str]()
     names: Sequence[str | None] = found or (None,)
@@ -102,15 +99,15 @@ def _determinable(request: MotionRequest, session: RecordedSession) -> tuple[str
     """Return the configurations to fit; told before minutes are spent on reading images."""
     moved = tuple(moving_configurations(session))
     found = request.configurations or moved
-    if request.elongation_g_per_m is not None or not moved:
+    if request.elongation_kg_per_m is not None or not moved:
         return found
     sheets = inputs_of(session).sheets
     unknown = [name for name in found if name in moved and sheets[name].elongation_m > 0.0]
     rest = tuple(name for name in found if name not in unknown)
     if unknown and (request.configurations or not rest):
-        raise BadInputError(ELONGATION_UNKNOWN.format(unknown[0]))
+        raise BadArgumentError(ELONGATION_UNKNOWN.format(unknown[0]), "elongation_g_per_m")
     for name in unknown:
-        tell(f"'{name}' is left out: {ELONGATION_UNKNOWN.format(name)}")
+        tell(f"'{name}' is left out: {ELONGATION_UNKNOWN.format(name)}", "elongation_g_per_m")
     return rest
 
 
@@ -136,15 +133,19 @@ def _positions_m(request: MotionRequest, session: RecordedSession, name: str | N
     for wanted_mm in request.positions_mm:
         if not any(abs(1e-3 * wanted_mm - at_m) < 1e-6 for at_m in there):
             known = ", ".join(f"{1e3 * at_m:g}" for at_m in there) or "none"
-            raise BadInputError(
-                f"--position-mm {wanted_mm:g}: {session.path} was measured at {known} mm."
+            raise BadArgumentError(
+                f"position_mm {wanted_mm:g}: {session.path} was measured at {known} mm.",
+                "position_mm",
             )
     if request.positions_mm:
         return [1e-3 * wanted_mm for wanted_mm in request.positions_mm]
     chosen = spread(there, MOST_POSITIONS)
     if len(chosen) < len(there):
         at = ", ".join(f"{1e3 * at_m:g}" for at_m in chosen)
-        tell(f"of {len(there)} positions those at {at} mm are used; more with --position-mm.")
+        tell(
+            f"of {len(there)} positions those at {at} mm are used; more with position_mm.",
+            "position_mm",
+        )
     return chosen
 
 

@@ -8,13 +8,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from labrig.api.data import AnyPath, Data, Progress, model_of, path_of, paths_of, tell
+from labrig.api.arguments import several, shown
+from labrig.api.data import AnyPath, Data, model_of, path_of, paths_of, tell
 from labrig.api.diagnose import diagnosed, keep_in
-from labrig.api.one_blas_thread import one_blas_thread
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.config.base import parse_toml
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError
 from labrig.files import check_free, write_text
+from labrig.one_blas_thread import one_blas_thread
+from labrig.progress import Progress
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.measurements import Displayed, Measurements, Summary
 from model.sheet.sheet_model import SheetModel
@@ -111,12 +113,16 @@ def require_two(between: tuple[str, str] | None) -> None:
     """Raise BadInputError unless two different effects are named."""
     if between is None:
         return
-    if isinstance(between, str) or len(between) != 2:
-        raise BadInputError(
-            f"--between {between!r}: name two effects, such as gravity and clamp_angle."
+    names = several(between)
+    if len(names) != 2 or not all(isinstance(name, str) for name in names):
+        raise BadArgumentError(
+            f"between {shown(between)}: name two effects, such as gravity and clamp_angle.",
+            "between",
         )
-    if between[0] == between[1]:
-        raise BadInputError(f"--between names {between[0]} twice; name two different effects.")
+    if names[0] == names[1]:
+        raise BadArgumentError(
+            f"between names {names[0]} twice; name two different effects.", "between"
+        )
 
 
 def proposed(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 
-from labrig.api.eibm import Eibm, stated
+from labrig.api.arguments import number, pair
+from labrig.api.eibm import Eibm, Rows, stated, stated_by_voltage
 from labrig.errors import BadInputError
 from model.measurements import SheetGeometry
 from model.sheet.sheet_model import SheetModel
@@ -22,7 +23,7 @@ def sheet(
     B_Nm2: float | None = None,
     E_Pa: float | None = None,
     elongation_mm: float = 0.0,
-    initial_curvature_per_m: float | tuple[Sequence[float], Sequence[float]] = 0.0,
+    initial_curvature_per_m: float | Rows = 0.0,
     arc_radius_mm: float = 40.0,
     arc_origin_deg: float = 0.0,
     name: str = "sheet",
@@ -39,7 +40,8 @@ def sheet(
         B_Nm2: bending stiffness in N m².
         E_Pa: equivalent Young modulus in Pa, in place of B_Nm2: B = E w d³/12.
         elongation_mm: length of a rigid elongation beyond the free length, in mm; 0: none.
-        initial_curvature_per_m: k0 in 1/m, a number or a pair of rows (s in mm, k0 in 1/m).
+        initial_curvature_per_m: k0 in 1/m, a number or a pair of rows (s in mm as in sheet.toml,
+            not in m as that of EIBM_Nm; k0 in 1/m).
         arc_radius_mm: radius of the object's trajectory about the clamp, in mm.
         arc_origin_deg: polar angle of position 0, in degrees from the clamp's tangent.
         name: of the configuration, for `predict`, `simulate` and `design`.
@@ -66,34 +68,39 @@ def sheet(
     arc = validate(
         ArcConfig, {"radius_mm": arc_radius_mm, "origin_deg": arc_origin_deg}, "labrig.sheet"
     )
-    k0 = initial_curvature_per_m
     table = {
         "free_length_mm": free_length_mm, "width_mm": width_mm, "thickness_mm": thickness_mm,
         "elongation_mm": elongation_mm,
-        "initial_curvature_per_m": dict(zip(("s_mm", "per_m"), map(list, k0), strict=True))
-        if isinstance(k0, tuple)
-        else k0,
+        "initial_curvature_per_m": _initial_curvature(initial_curvature_per_m),
     }  # fmt: skip
     geometry = validate(Sheet, table, "labrig.sheet").geometry(name, arc)
     _require_plausible(geometry)
-    by_voltage = EIBM_Nm if isinstance(EIBM_Nm, Mapping) else None
     length_m = geometry.free_length_m
-    if by_voltage is None:
-        up = stated(USUAL_V, EIBM_Nm, length_m)  # type: ignore[arg-type]  # it is no mapping
+    if isinstance(EIBM_Nm, Mapping):
+        moments = stated_by_voltage("EIBM_Nm", EIBM_Nm, length_m)
+    else:
+        up = stated(USUAL_V, EIBM_Nm, length_m)
         down = (up[0], -up[1]) if isinstance(up, tuple) else -up
         moments = {USUAL_V: up, -USUAL_V: down}
-    else:
-        moments = {v: stated(v, one, length_m) for v, one in by_voltage.items()}
     return stated_model(geometry, _stiffness(geometry, B_Nm2, E_Pa), moments)
 
 
-def _require_plausible(geometry: SheetGeometry) -> None:
-    """Raise BadInputError for lengths in another unit."""
-    from labrig.plausibility.set_up import length_checks
+def _initial_curvature(given: object) -> float | dict[str, list[float]]:
+    if not isinstance(given, Iterable):
+        return number("initial_curvature_per_m", given)
+    wanted = "a number, or a pair (s in mm, k0 in 1/m) of equally long rows is needed"
+    s_mm, per_m = pair("initial_curvature_per_m", given, wanted)
+    return {"s_mm": s_mm, "per_m": per_m}
 
-    wrong = [check for check in length_checks(geometry) if not check.ok]
+
+def _require_plausible(geometry: SheetGeometry) -> None:
+    """Raise BadInputError for lengths and curvatures in another unit."""
+    from labrig.plausibility.set_up import initial_curvature_checks, length_checks
+
+    checks = (*length_checks(geometry), *initial_curvature_checks(geometry))
+    wrong = [check for check in checks if not check.ok]
     if wrong:
-        key = wrong[0].name.split()[-1]
+        key = wrong[0].name.partition("] ")[2]
         raise BadInputError(f"labrig.sheet: {key}: {wrong[0].found}, wanted {wrong[0].wanted}.")
 
 
@@ -101,8 +108,9 @@ def _stiffness(geometry: SheetGeometry, B_Nm2: float | None, E_Pa: float | None)
     if (B_Nm2 is None) is (E_Pa is None):
         raise BadInputError("labrig.sheet: give either B_Nm2 or E_Pa.")
     if E_Pa is None:
-        return float(B_Nm2 or 0.0)
-    if E_Pa > STIFFEST_PA or 0.0 < E_Pa < SOFTEST_PA:
+        return number("B_Nm2", B_Nm2)
+    E_Pa = number("E_Pa", E_Pa, above=0.0)
+    if not SOFTEST_PA <= E_Pa <= STIFFEST_PA:
         raise BadInputError(
             f"labrig.sheet: E_Pa = {E_Pa:g}: no solid has such an equivalent Young modulus; one "
             "of a sheet is some 1e8 Pa."

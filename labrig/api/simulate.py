@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from labrig.api.data import AnyPath, model_of, name_of, numbers_of, path_of, several, tell
+from labrig.api.arguments import number, numbers, several, whole_number
+from labrig.api.data import AnyPath, model_of, name_of, path_of, tell
 from labrig.api.eibm import Eibm, model_with_eibm, voltages_of
-from labrig.api.one_blas_thread import one_blas_thread
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError
+from labrig.one_blas_thread import one_blas_thread
 from model import Prediction, PredictionArray, SheetModel
 from model import predict as predict_one
 from model.measurements import Displayed, Summary, dataframe
@@ -157,15 +158,19 @@ def simulate(
         True
 
     """
-    positions = numbers_of("--position-mm", position_mm)
-    volts = numbers_of("--voltage", voltage) or voltages_of(eibm)
+    positions = numbers("position_mm", position_mm)
+    volts = numbers("voltage", voltage) or voltages_of(eibm)
     if not positions or not volts:
-        raise BadInputError("give at least one --position-mm and one --voltage.")
+        raise BadArgumentError(
+            "give at least one position_mm and one voltage.", "position_mm", "voltage"
+        )
+    session = whole_number("session", session, at_least=0)
     known = model_of(model)
     if session > known.sessions:
         many = f"more than {known.sessions} sessions" if known.sessions else "sessions"
-        raise BadInputError(
-            f"--session {session}: {name_of(model)} has nothing that differs between {many}."
+        raise BadArgumentError(
+            f"session {session}: {name_of(model)} has nothing that differs between {many}.",
+            "session",
         )
     known = model_with_eibm(known.in_session(session), eibm)
     conditions = tuple(
@@ -226,8 +231,13 @@ def simulate_in_time(
     from labrig.motion.drive import load_drive
     from labrig.motion.simulated import OutputTimes, simulated_run
 
-    times = OutputTimes(1e-3 * every_ms, 1e-3 * start_ms)
-    at_m = None if position_mm is None else 1e-3 * position_mm
+    times = OutputTimes(
+        1e-3 * number("every_ms", every_ms, above=0.0),
+        1e-3 * number("start_ms", start_ms, at_least=0.0),
+    )
+    at_m = None if position_mm is None else 1e-3 * number("position_mm", position_mm)
+    if run is not None:
+        run = whole_number("run", run, at_least=1)
     path: Path = path_of(model)
     found = simulated_run(path, load_drive(path_of(drive), run), times, configuration, at_m)
     if found.has_effects:

@@ -5,17 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from labrig.api.data import (
-    AnyPath,
-    Data,
-    Progress,
-    measurements_of,
-    path_of,
-    paths_of,
-    several,
-    tell,
-)
-from labrig.errors import BadInputError
+from labrig.api.arguments import several
+from labrig.api.data import AnyPath, Data, measurements_of, path_of, paths_of, tell
+from labrig.errors import BadArgumentError, BadInputError
+from labrig.progress import Progress
 from model.measurements import Measurements
 
 Names = Mapping[str, object] | Sequence[str]  # {"force_mN": "F"}, or ["force_mN=F"]
@@ -58,9 +51,10 @@ def measurements_of_tables(
 
     """
     if sheet is None or (forces is None and curves is None):
-        raise BadInputError(
-            "give a session, or CSV tables with --sheet and --forces, --curves or both."
-        )
+        raise BadArgumentError(
+            "give a session, or CSV tables with sheet and forces, curves or both.",
+            "sheet", "forces", "curves",
+        )  # fmt: skip
     from labrig.config import load_sheet
     from labrig.session.tables import column_names, read_and_understood
     from labrig.session.tables.preview import in_one_line, remarks

@@ -19,6 +19,7 @@ from labrig.cli.app import app_for
 from labrig.cli.screen import warn
 from labrig.cli.sentences.compiling import compiling_is_told
 from labrig.cli.sentences.missing_values import missing_value
+from labrig.cli.sentences.option_names import with_options
 from labrig.cli.sentences.usage_errors import usage_sentence
 from labrig.cli.sentences.user_warnings import shown_as_sentences
 from labrig.errors import BadInputError, ExitCode, LabrigError
@@ -117,7 +118,7 @@ def _run(arguments: list[str]) -> int:
     except (KeyboardInterrupt, typer.Abort):
         return _stopped()
     except LabrigError as error:
-        warn(f"labrig: {error}")
+        warn(f"labrig: {with_options(error)}")
         return error.code
     except BrokenPipeError:
         # The reader of a pipe (head, less) has gone: nothing is wrong.

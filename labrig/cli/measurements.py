@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 def of_sessions(sessions: Sequence[Path]) -> Measurements:
     """Return the measurements of sessions, combined; analyse what is not analysed yet."""
     from labrig.api.data import measurements_of
+    from labrig.report.data.findings import workers
 
     with progress("analyze") as advance:
-        return measurements_of(sessions, advance)
+        return measurements_of(sessions, advance, processes=workers())
 
 
 def of_sessions_or_tables(

@@ -5,7 +5,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Iterator
 from functools import lru_cache
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, create_model, field_validator, model_validator
@@ -13,7 +12,6 @@ from pydantic import Field, create_model, field_validator, model_validator
 from drivers.plugins import PluginFolder
 from labrig.config.base import ClosedModel, parse_toml, validate
 from labrig.config.derived import SettingsModel, model_of
-from labrig.config.drive_table import read_protocol
 from labrig.config.file_kinds import PROTOCOL, refuse_other_kind
 from labrig.errors import BadInputError
 from protocols import Extra, Extras, Place, ProtocolKind, Schedule, ScheduleError, make_schedule
@@ -243,8 +241,3 @@ def parse_protocol(text: str, name: str) -> ProtocolConfig:
     """protocol.toml's text as a configuration."""
     refuse_other_kind(text, name, PROTOCOL)
     return validate(protocol_model(), parse_toml(text, name), name)
-
-
-def load_protocol(path: Path) -> ProtocolConfig:
-    """Read protocol.toml."""
-    return parse_protocol(read_protocol(path), str(path))

@@ -284,16 +284,9 @@ def _model_for(data: Mapping[str, Any]) -> type[RigConfig]:
     return _rig_model(tuple(families.items())) if all_known else rig_model()
 
 
-# Tables that say nothing of the output. What else is unknown may be the boards, and is an error.
-NOT_THE_OUTPUT = (
-    "camera",
-    "channels",
-    "current_sense",
-    "force_sensor",
-    "load_cell",
-    "stage",
-    "watch",
-)
+# Tables that 0 V does not depend on: all but the boards' own, the amplifier's, the limits' and the
+# interlock's. A table that is not known at all may be that of the boards, and is an error.
+NOT_THE_OUTPUT = RigConfig.model_fields.keys() - {"amplifier", "limits", "interlock"}
 
 
 def load_output(path: Path) -> RigConfig | ReplayConfig:
@@ -314,9 +307,13 @@ def load_output(path: Path) -> RigConfig | ReplayConfig:
 def load_rig(path: Path) -> RigConfig | ReplayConfig:
     """Read rig.toml; paths in it are taken from the file's own folder."""
     rig = parse_rig(read_text(path, RIG), str(path))
-    folder = path.parent
     if isinstance(rig, ReplayConfig):
-        return rig.model_copy(update={"replay": folder / rig.replay})
+        return rig.model_copy(update={"replay": path.parent / rig.replay})
+    return with_paths_from(rig, path.parent)
+
+
+def with_paths_from(rig: RigConfig, folder: Path) -> RigConfig:
+    """Return the configuration with its paths taken from a folder."""
     update: dict[str, object] = {
         "load_cell": rig.load_cell.model_copy(
             update={"calibration": folder / rig.load_cell.calibration}

@@ -22,7 +22,6 @@ from labrig.config import (
     read_text,
 )
 from labrig.config.about import FILE as ABOUT
-from labrig.config.drive_table import read_protocol
 from labrig.config.file_kinds import LOAD_CELL, OPTICS, PROTOCOL, RIG, SHEET, TEXT
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.control.controller_file import (
@@ -35,6 +34,7 @@ from labrig.control.reference import CONTROLLER, REFERENCE, controlled_schedule
 from labrig.errors import BadInputError
 from labrig.files import typed
 from labrig.serialise import to_plain
+from labrig.session.tables.drive_table import read_protocol
 from labrig.vision import Optics
 from model.measurements import SheetGeometry
 from protocols import SafetyLimits, Schedule, ScheduleError, check_schedule

@@ -10,7 +10,12 @@ from labrig.session import RecordedSession
 
 
 def plan_of_session(session: RecordedSession, rig: RigConfig) -> Plan:
-    """Return the plan on `rig`; BadInputError names the session, and parts that it lacks here."""
+    """Return the plan on `rig`; BadInputError names the session, and parts that it lacks here.
+
+    Hooks and published documents are left out: a file that comes from elsewhere must neither run
+    commands here nor write where it likes.
+    """
+    rig = rig.model_copy(update={"hooks": None, "publish": None})
     names = {name: f"{session.path}: {name}" for name in session.texts}
     try:
         return make_plan(rig, session.texts, names)

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from drivers.interfaces import Frame, SignalBlock, VoltageWrite
-from labrig.config import RigConfig, parse_rig
+from labrig.config import RigConfig, parse_rig, with_paths_from
 from labrig.config.about import FILE as ABOUT
 from labrig.config.derived import SIMULATED
 from labrig.control.reference import CONTROLLER
@@ -35,8 +35,7 @@ _FRAMES = 32  # frames in one event, of those that go with no reading
 def resumed_plan(session: RecordedSession) -> Plan:
     """Return what was to be done, from configuration and schedule that the session holds.
 
-    A world that its rig.toml names is looked for beside the session. Its hooks are left out: a file
-    that comes from elsewhere must not run commands here.
+    Files that its rig.toml names, a world or the watch's token, are looked for beside the session.
     """
     if CONTROLLER in session.texts:
         raise BadInputError(
@@ -51,11 +50,7 @@ def resumed_plan(session: RecordedSession) -> Plan:
     rig = parse_rig(session.texts["rig.toml"], f"{session.path}: rig.toml")
     if not isinstance(rig, RigConfig):
         raise BadInputError(f"{session.path}: was recorded from a replay; there is no rig.")
-    if rig.simulated is not None and rig.simulated.world is not None:
-        world = session.path.parent / rig.simulated.world
-        simulated = rig.simulated.model_copy(update={"world": world})
-        rig = rig.model_copy(update={"simulated": simulated})
-    plan = plan_of_session(session, rig.model_copy(update={"hooks": None}))
+    plan = plan_of_session(session, with_paths_from(rig, session.path.parent))
     return replace(plan, schedule=session.schedule)  # another labrig may have made it otherwise
 
 

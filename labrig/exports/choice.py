@@ -7,8 +7,8 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from drivers.plugins import PluginFolder, UnknownPartError
-from labrig.errors import BadInputError, LabrigError
+from drivers.plugins import OWN, PluginFolder, UnknownPartError
+from labrig.errors import BadArgumentError, LabrigError
 from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
 from labrig.files import make_folder
@@ -24,13 +24,17 @@ FORMATS: Final[PluginFolder[ExportFormat]] = PluginFolder(
 )
 
 
-def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list[Path]:
+def export(
+    session: Path | str,
+    folder: Path | str,
+    format: str = DEFAULT,  # noqa: A002 - what it is; the function formats nothing else
+) -> list[Path]:
     """Write a closed session into a folder in a format of this name.
 
     Args:
         session: the session file.
         folder: where to write; it is made where it does not exist.
-        name: `csv`, `parquet`, `xarray`, `bluesky`, `crate`, `video`, or one of another
+        format: `csv`, `parquet`, `xarray`, `bluesky`, `crate`, `video`, or one of another
             distribution.
 
     Returns:
@@ -43,20 +47,19 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
 
     """
     try:
-        chosen = FORMATS.get(name)
+        chosen = FORMATS.get(format)
     except UnknownPartError as error:
-        raise BadInputError(f"--as: {error}.") from None
+        raise BadArgumentError(f"format: {error}.", "format") from None
     with open_session(session):  # a file of another kind leaves no empty folder
         pass
     with _folder(Path(folder)) as target:
         try:
             written: object = chosen.write(Path(session), target)
         except ModuleNotFoundError as error:
-            raise BadInputError(
-                f"--as {name} needs the package {error.name}; install it with: "
-                f'pip install "labrig[{chosen.extra}]".'
+            raise BadArgumentError(
+                f"format {format} needs the package {_package(format, error)}.", "format"
             ) from None
-    whose = f"the export format '{name}' of {FORMATS.origins().get(name, 'labrig')}"
+    whose = f"the export format '{format}' of {FORMATS.origins().get(format, 'labrig')}"
     if not isinstance(written, list) or not all(isinstance(one, Path) for one in written):
         raise LabrigError(
             f"{whose} returned {type(written).__name__}, not a list of the files that it wrote; "
@@ -68,6 +71,15 @@ def export(session: Path | str, folder: Path | str, name: str = DEFAULT) -> list
             f"{whose} did not write {', '.join(missing)}, which it says it wrote; see {target}."
         )
     return written
+
+
+def _package(name: str, error: ModuleNotFoundError) -> str:
+    """Return the package that a format lacks, and what to do."""
+    part = FORMATS.find(name)
+    distribution = OWN if part is None else part.distribution
+    if part is None or not part.part.extra:
+        return f"{error.name}, which {distribution} does not install; install it"
+    return f'{error.name}; install it with: pip install "{distribution}[{part.part.extra}]"'
 
 
 @contextmanager

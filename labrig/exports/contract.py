@@ -21,7 +21,10 @@ class ExportFormat(Protocol):
 
     @property
     def extra(self) -> str:
-        """The extra of labrig that installs what `write` imports; empty where none is needed."""
+        """The extra that installs what `write` imports; empty where none is needed.
+
+        It is labrig's, or that of the distribution that adds the format.
+        """
         ...
 
     def write(self, session: Path, folder: Path) -> list[Path]:

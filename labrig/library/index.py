@@ -18,6 +18,7 @@ from labrig.library.entry import CatalogueEntry, read_entry
 from labrig.library.fits import ModelFits, looks_like_model, read_fits
 from labrig.library.records import choose_fits, entry_of_row, forget, put_entry, put_model
 from labrig.library.select import FoundSessions, SessionQuery, select
+from labrig.progress import Progress
 
 MOST_FILES = 1_000_000
 MOST_MODEL_BYTES = 1 << 20
@@ -28,7 +29,6 @@ _SCAN_SHARE = 0.1  # of the time at most, where somebody asks again and again
 _SUFFIXES = (*SESSION_ENDINGS, ".toml")
 
 Stamp = tuple[int, int]  # time of the last change in ns, size
-Advance = Callable[[float, str], None]
 T = TypeVar("T")
 Looked = tuple[str, Stamp, CatalogueEntry | None, ModelFits | None]
 
@@ -57,7 +57,7 @@ class Library:
         """Let go of the cache."""
         self._database.close()
 
-    def refresh(self, budget_s: float | None = None, advance: Advance | None = None) -> int:
+    def refresh(self, budget_s: float | None = None, advance: Progress | None = None) -> int:
         """Look at what has changed; the number of files that are left when the time is over.
 
         With a budget a folder that takes long to go through is gone through now and then only.
@@ -109,7 +109,7 @@ class Library:
             return False
         return time.monotonic() - self._scanned_s < self._scan_s / _SCAN_SHARE
 
-    def _refresh(self, budget_s: float | None, advance: Advance | None) -> int:
+    def _refresh(self, budget_s: float | None, advance: Progress | None) -> int:
         began_s = time.monotonic()
         end_s = None if budget_s is None else began_s + budget_s
         there = dict(self._files())

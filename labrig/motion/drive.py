@@ -9,20 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from labrig.config import load_protocol
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError, BadInputError
 from labrig.session.tables.csv_rows import CsvRow
-from labrig.session.tables.decimals import from_plain
-from labrig.session.tables.table import read_table
-from labrig.session.tables.text.meaning import ExpectedColumns
+from labrig.session.tables.drive_table import drive_rows, load_protocol
 from model.dynamics import HeldVoltage
 from protocols import Purpose, ReadingKind, ScheduleError
 from protocols.kinds.fields import LARGEST_VOLTAGE_V
 from protocols.planning.builder import StepsAndReadings
 from protocols.planning.schedule import PlannedRun
-
-_COLUMNS = ExpectedColumns(kind="drive", required=("time_s", "voltage_V"), renamed=False)
-_MOST_ROWS = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -51,8 +45,10 @@ def load_drive(path: Path, run: int | None) -> MotionDrive:
     if path.suffix.lower() != ".csv":
         return _of_protocol(path, run)
     if run is not None:
-        raise BadInputError(f"--run {run}: {path} is a table of one run; leave --run out.")
-    return _of_rows(path, read_table(path, _COLUMNS).rows())
+        raise BadArgumentError(
+            f"run {run}: {path} is a table; leave run out, which is of a protocol.", "run", "run"
+        )
+    return _of_rows(path, list(drive_rows(path)))
 
 
 def _of_protocol(path: Path, number: int | None) -> MotionDrive:
@@ -64,19 +60,21 @@ def _of_protocol(path: Path, number: int | None) -> MotionDrive:
         except ScheduleError as error:
             raise BadInputError(f"{path}: {error}.") from None
     if not 1 <= number <= len(runs):
-        raise BadInputError(
-            f"--run {number}: {path} has the runs 1 to {len(runs)}; labrig plan shows them."
+        raise BadArgumentError(
+            f"run {number}: {path} has the runs 1 to {len(runs)}; labrig plan shows them.", "run"
         )
     run = runs[number - 1]
     if run.purpose not in (Purpose.MEASUREMENT, Purpose.FREE_SHAPE):
-        raise BadInputError(
-            f"--run {number}: a {run.in_words} looks at the load cell without the sheet; give a "
-            "run that measures the sheet."
+        raise BadArgumentError(
+            f"run {number}: a {run.in_words} looks at the load cell without the sheet; give a "
+            "run that measures the sheet.",
+            "run",
         )
     if run.move is not None:
-        raise BadInputError(
-            f"--run {number}: the load cell moves in this run, and the stage decides how fast; "
-            "give a run in which it stays."
+        raise BadArgumentError(
+            f"run {number}: the load cell moves in this run, and the stage decides how fast; "
+            "give a run in which it stays.",
+            "run",
         )
     return _of_parts((run.steps, run.readings, run.duration_s), run)
 
@@ -94,34 +92,23 @@ def _of_parts(parts: StepsAndReadings, planned: PlannedRun | None = None) -> Mot
     return MotionDrive(voltage=held, end_s=end_s, samples=samples, planned=planned)
 
 
-def _of_rows(path: Path, rows: Sequence[CsvRow]) -> MotionDrive:
+def _of_rows(path: Path, rows: Sequence[tuple[CsvRow, float, float]]) -> MotionDrive:
     """Return the voltages of a table; the last row says when the last one ends."""
     if len(rows) < 2:
         raise BadInputError(
             f"{path}: a drive has two rows at least; the time of the last one is the run's end."
         )
-    if len(rows) > _MOST_ROWS:
-        raise BadInputError(f"{path}: a drive has at most {_MOST_ROWS} rows.")
-    times = [_time(row) for row in rows]
-    for (before, after), row in zip(pairwise(times), rows[1:], strict=True):
+    for row, time_s, _ in rows:
+        if time_s < 0.0:
+            raise row.fault(f"time_s = {time_s:g}: the sheet is at rest until time 0")
+    for (_, before, _), (row, after, _) in pairwise(rows):
         if after <= before:
             raise row.fault(f"time_s = {after:g} does not come after {before:g}")
-    volts = [_voltage(row) for row in rows]
+    for row, _, voltage_V in rows:
+        if not abs(voltage_V) <= LARGEST_VOLTAGE_V:
+            raise row.fault(
+                f"voltage_V = {voltage_V:g} is beyond the ±{LARGEST_VOLTAGE_V:g} V of any protocol"
+            )
+    times, volts = [time_s for _, time_s, _ in rows], [voltage_V for _, _, voltage_V in rows]
     held = HeldVoltage(np.array(times[:-1]), np.array(volts[:-1]))
     return MotionDrive(voltage=held, end_s=times[-1])
-
-
-def _time(row: CsvRow) -> float:
-    time_s = row.get("time_s", from_plain, "a number")
-    if time_s < 0.0:
-        raise row.fault(f"time_s = {time_s:g}: the sheet is at rest until time 0")
-    return time_s
-
-
-def _voltage(row: CsvRow) -> float:
-    voltage_V = row.get("voltage_V", from_plain, "a number")
-    if not abs(voltage_V) <= LARGEST_VOLTAGE_V:
-        raise row.fault(
-            f"voltage_V = {voltage_V:g} is beyond the ±{LARGEST_VOLTAGE_V:g} V of any protocol"
-        )
-    return voltage_V

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError, BadInputError
 from labrig.model_file import load_model, moving_configuration
 from labrig.motion.drive import MotionDrive
 from model import ModelError
@@ -34,18 +34,22 @@ class OutputTimes:
     def of(self, drive: MotionDrive) -> FloatArray:
         """Return the times until the drive's end. Raises BadInputError."""
         if not 0.0 < self.every_s < np.inf:
-            raise BadInputError(f"--every-ms {1e3 * self.every_s:g}: a positive number is needed.")
+            raise BadArgumentError(
+                f"every_ms {1e3 * self.every_s:g}: a number above 0 is needed.", "every_ms"
+            )
         if not 0.0 <= self.start_s <= drive.end_s:
-            raise BadInputError(
-                f"--start {1e3 * self.start_s:g}: the drive lasts from 0 to "
-                f"{1e3 * drive.end_s:g} ms; give a time within it."
+            raise BadArgumentError(
+                f"start_ms {1e3 * self.start_s:g}: the drive lasts from 0 to "
+                f"{1e3 * drive.end_s:g} ms; give a time within it.",
+                "start_ms",
             )
         count = np.floor((drive.end_s - self.start_s) / self.every_s + 1e-6)
         if count >= MOST_TIMES:
-            raise BadInputError(
-                f"--every-ms {1e3 * self.every_s:g} makes {count + 1:.0f} rows and {MOST_TIMES} "
-                "are the most; give a larger one, or a later --start."
-            )
+            raise BadArgumentError(
+                f"every_ms {1e3 * self.every_s:g} makes {count + 1:.0f} rows and {MOST_TIMES} "
+                "are the most; give a larger one, or a later start_ms.",
+                "every_ms", "start_ms",
+            )  # fmt: skip
         return np.asarray(self.start_s + self.every_s * np.arange(int(count) + 1))
 
 

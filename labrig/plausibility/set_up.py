@@ -79,7 +79,7 @@ def set_up_checks(set_up: SetUp) -> Iterator[Check]:
     if not all(check.ok for check in lengths):
         sheets = {}  # what follows from a wrong length is no further fault
     for sheet in sheets.values():
-        yield from _initial_curvature(sheet)
+        yield from initial_curvature_checks(sheet)
     yield from _positions(set_up.schedule, sheets)
     yield from _voltages(set_up.schedule)
     if set_up.calibration is not None:
@@ -103,7 +103,8 @@ def length_checks(sheet: SheetGeometry) -> Iterator[Check]:
     yield from RISE_TIME.checks(f"{at} rise_time_s", sheet.rise_time_s)
 
 
-def _initial_curvature(sheet: SheetGeometry) -> Iterator[Check]:
+def initial_curvature_checks(sheet: SheetGeometry) -> Iterator[Check]:
+    """Yield a warning or a fault for an initial curvature that can hardly be meant."""
     at, length_m = f"sheet.toml [{sheet.configuration}]", sheet.free_length_m
     if sheet.initial_curvature is not None:
         nodes_m, per_m = sheet.initial_curvature

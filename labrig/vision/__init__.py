@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from labrig.vision.calibration.optics import load_optics as load_optics
     from labrig.vision.curve import NeutralCurve as NeutralCurve
     from labrig.vision.curve import StripGeometry as StripGeometry
+    from labrig.vision.extraction.extract import neutral_curve as neutral_curve
     from labrig.vision.image.files import curve_json as curve_json
     from labrig.vision.image.files import load_strip as load_strip
     from labrig.vision.image.overlay import write_overlay as write_overlay
     from labrig.vision.image.reading import read_image as read_image
-    from labrig.vision.one_image import neutral_curve as neutral_curve
     from labrig.vision.tracking.contact import contact_from_image as contact_from_image
     from labrig.vision.tracking.frame_average import Comparison as Comparison
     from labrig.vision.tracking.frame_average import FrameAverage as FrameAverage
@@ -45,7 +45,7 @@ _HOMES = {
     ),
     "labrig.vision.tracking.contact": ("contact_from_image",),
     "labrig.vision.curve": ("NeutralCurve", "StripGeometry"),
-    "labrig.vision.one_image": ("neutral_curve",),
+    "labrig.vision.extraction.extract": ("neutral_curve",),
     "labrig.vision.image.files": ("curve_json", "load_strip"),
     "labrig.vision.image.overlay": ("write_overlay",),
     "labrig.vision.image.reading": ("read_image",),

@@ -19,6 +19,7 @@ from labrig.vision.calibration.optics import (
 )
 from labrig.vision.checks.objections import heeding
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
+from labrig.vision.extraction.extract import neutral_curve
 from labrig.vision.facts.catalogue import strip_facts
 from labrig.vision.facts.contract import FactOf
 from labrig.vision.facts.stated import joined
@@ -40,7 +41,6 @@ from labrig.vision.image.reading import (
 )
 from labrig.vision.image.review import PictureDecision, load_review
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
-from labrig.vision.one_image import neutral_curve
 from labrig.vision.tracking.tracker import Tracker
 
 Progress = Callable[[str, NeutralCurve], None]

@@ -190,6 +190,7 @@ CALIBRATION_RESIDUAL_WARNED_PX: Final = 0.3  # RMS
 CLAMP_DIRECTION_MIN_PX: Final = 20.0  # between the two places that give the sheet's direction
 DIRECTION_MIN_PX: Final = 2.0  # the same of a strip in a photograph, which may be short
 SCALE_MAX_PX_PER_MM: Final = 1e4  # above, a length was given in another unit
+RULER_SHORT_MM: Final = 0.1  # below, it may be one in metres
 BOARD_CORNERS_MIN: Final = 12  # of one image of the board
 
 # Outline: the curve between two edges, of strips that are thick, short, shaded or of which little

@@ -7,15 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from model.design.force_map import force_map, known_voltages, resized
-from model.design.sizing import Direction
+from model.design.strength import (
+    ELONGATION_R,
+    Direction,
+    elongated_lengths_m,
+    lengths_alone_m,
+    shortest_alone_m,
+    strength,
+)
 from model.measurements import FloatArray, ModelError
 from model.sheet.sheet_model import SheetModel
 
 LENGTHS = 40  # that are tried, with and without an elongation
-LONGEST_R = 1.8  # of a sheet without one, in radii of the arc
-SHORTEST_R = 0.05  # of a sheet with one
-_ELONGATION_R = 1.5  # reaches the object everywhere
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,14 +62,12 @@ def elongation_map(
         raise ModelError("a map needs finite positions, and an end above a beginning")
     R = model.sheet(configuration).sheet.arc_radius_m
     positions = _positions(low, high)
-    alone = _least(
-        model, configuration, np.linspace(0.5 * R, LONGEST_R * R, LENGTHS), 0.0,
-        (positions, low, high, direction),
-    )  # fmt: skip
+    asked = (positions, low, high, direction)
+    alone = _least_alone(model, configuration, asked)
+    lengths = elongated_lengths_m(model, configuration, LENGTHS)
     elongated = _least(
-        model, configuration, np.linspace(SHORTEST_R * R, R, LENGTHS), _ELONGATION_R * R,
-        (positions, low, high, direction),
-    )  # fmt: skip
+        model, configuration, lengths, ELONGATION_R * R, asked, np.zeros(len(positions))
+    )
     return ElongationMap(
         low_m=low, high_m=high, alone_m2_per_N=alone[0], elongated_m2_per_N=elongated[0],
         length_alone_m=alone[1], length_elongated_m=elongated[1], direction=direction,
@@ -83,38 +84,43 @@ def _positions(low: FloatArray, high: FloatArray) -> FloatArray:
 _Sections = tuple[FloatArray, FloatArray, FloatArray, Direction]
 
 
-def _least(
-    model: SheetModel, configuration: str, lengths: FloatArray, extra_m: float, asked: _Sections
+def _least_alone(
+    model: SheetModel, configuration: str, asked: _Sections
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the least area over force, and its length, of each section."""
+    """Return the same without an elongation, where some length reaches."""
+    needed_m = shortest_alone_m(model, configuration, asked[0])
+    reaching = needed_m[np.isfinite(needed_m)]
+    lengths = np.empty(0)
+    if len(reaching):
+        grid = lengths_alone_m(model, configuration, float(reaching.min()), LENGTHS)
+        lengths = np.union1d(grid, reaching)  # mostly the shortest of a section is the best
+    return _least(model, configuration, lengths, 0.0, asked, needed_m)
+
+
+def _least(
+    model: SheetModel,
+    configuration: str,
+    lengths: FloatArray,
+    extra_m: float,
+    asked: _Sections,
+    needed_m: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Return the least area over force, and its length, of each section.
+
+    needed_m: the shortest length that is taken for each position.
+    """
     positions, low, high, direction = asked
     area = np.full((len(low), len(high)), np.inf)
     best = np.full(area.shape, np.nan)
     for length in lengths:
-        strength = _strength(model, configuration, float(length), extra_m, positions, direction)
+        possible = strength(model, configuration, float(length), extra_m, positions, direction)
+        possible[length < needed_m] = 0.0
         for i, j in np.ndindex(area.shape):
             if low[i] >= high[j]:
                 area[i, j] = np.nan
                 continue
             inside = (positions >= low[i]) & (positions <= high[j])
-            weakest = float(np.min(strength[inside]))
+            weakest = float(np.min(possible[inside]))
             if weakest > 0.0 and length / weakest < area[i, j]:
                 area[i, j], best[i, j] = length / weakest, length
     return area, best
-
-
-def _strength(
-    model: SheetModel,
-    configuration: str,
-    length_m: float,
-    extra_m: float,
-    positions: FloatArray,
-    direction: Direction,
-) -> FloatArray:
-    """Return the force over width that is possible at each position, N/m; 0: not reachable."""
-    changed = resized(model, configuration, length_m, extra_m)
-    found = force_map(changed, configuration, positions, known_voltages(model, configuration))
-    up, down = found.tangential_N.max(axis=1), -found.tangential_N.min(axis=1)
-    choice = {"both": np.minimum(up, down), "positive": up, "negative": down}
-    per_width = choice[direction] / model.sheet(configuration).sheet.width_m
-    return np.where(found.reachable.all(axis=1), per_width, 0.0)

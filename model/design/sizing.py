@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
 from model.design.force_map import force_map, known_voltages, resized, section
 from model.design.propagation import propagate
-from model.design.working_section import shortest_sheet
+from model.design.strength import (
+    ELONGATION_R,
+    Direction,
+    elongated_lengths_m,
+    lengths_alone_m,
+    shortest_alone_m,
+    strength,
+)
 from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter
 from model.sheet.sheet_model import SheetModel
 
-Direction = Literal["both", "positive", "negative"]
 LENGTHS = 20
 
 
@@ -49,17 +54,16 @@ def least_area(
     if not (np.isfinite(force_N) and force_N > 0.0):
         raise ModelError("the required force must be a positive number")
     R, p = model.sheet(configuration).sheet.arc_radius_m, section(low_m, high_m, 31)
-    extra = 1.5 * R if elongated else 0.0
+    extra = ELONGATION_R * R if elongated else 0.0
     if elongated:
-        lengths = np.linspace(0.05 * R, R, LENGTHS)
-    else:  # long enough also where the parameters are a little off
-        alone = resized(model, configuration, 2.5 * R, 0.0)
-        reach = shortest_sheet(alone, configuration, low_m, high_m).length_m
-        lengths = np.linspace(reach.value + 3.0 * reach.sigma, 1.8 * R, LENGTHS)
+        lengths = elongated_lengths_m(model, configuration, LENGTHS)
+    else:
+        shortest_m = _shortest(model, configuration, p)
+        lengths = lengths_alone_m(model, configuration, shortest_m, LENGTHS)
 
     def area(changed: SheetModel, length: float) -> float:
-        strength = _per_width(changed, configuration, length, extra, p, direction)
-        return length * force_N / strength if strength > 0.0 else np.inf
+        weakest = float(np.min(strength(changed, configuration, length, extra, p, direction)))
+        return length * force_N / weakest if weakest > 0.0 else np.inf
 
     areas = np.array([area(model, float(length)) for length in lengths])
     if not np.any(np.isfinite(areas)):
@@ -84,24 +88,16 @@ def least_area(
     )
 
 
-def _per_width(
-    model: SheetModel,
-    configuration: str,
-    length: float,
-    extra: float,
-    p: FloatArray,
-    direction: Direction,
-) -> float:
-    """Force over width that is possible everywhere, in N/m; 0 where a place is not reachable."""
-    found = force_map(
-        resized(model, configuration, length, extra), configuration, p,
-        known_voltages(model, configuration),
-    )  # fmt: skip
-    if not found.all_reachable():
-        return 0.0
-    up, down = found.tangential_N.max(axis=1), -found.tangential_N.min(axis=1)
-    choice = {"both": np.minimum(up, down), "positive": up, "negative": down}
-    return float(np.min(choice[direction])) / model.sheet(configuration).sheet.width_m
+def _shortest(model: SheetModel, configuration: str, p: FloatArray) -> float:
+    """Return the length that reaches the whole section; raise ModelError where none does."""
+    needed = shortest_alone_m(model, configuration, p)
+    i = int(np.argmax(needed))
+    if not np.isfinite(needed[i]):
+        raise ModelError(
+            f"no length of this sheet reaches {p[i] * 1e3:g} mm at all voltages, the uncertainty of"
+            " its parameters included; make the section smaller"
+        )
+    return float(needed[i])
 
 
 def _elongation(
@@ -145,7 +141,9 @@ def linearity(
     lengths = np.append(np.linspace(0.1 * R, R, 10), 1.25 * R)
     errors, slopes = np.full(len(lengths), np.nan), np.full(len(lengths), np.nan)
     for i, length in enumerate(lengths):
-        changed = resized(model, configuration, float(length), 1.5 * R if length <= R else 0.0)
+        changed = resized(
+            model, configuration, float(length), ELONGATION_R * R if length <= R else 0.0
+        )
         found = force_map(changed, configuration, p, voltage_V)
         if found.all_reachable():
             force = found.tangential_N[:, 0]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -28,9 +28,8 @@ from model.discrepancy.verdict.messages import nothing_separates
 from model.discrepancy.verdict.result import Diagnosis, Next
 from model.effects.catalogue import catalogue, effect
 from model.effects.interface import Effect
-from model.measurements import Measurements, ModelError
+from model.measurements import Measurements, ModelError, Progress, silent
 
-Progress = Callable[[str, float], None]
 _SEARCH_FROM, _SEARCH_TO = 0.05, 0.7  # of the time that a diagnosis takes
 
 
@@ -40,8 +39,8 @@ def diagnose(
     """Find the effects that the base model lacks; raise `ModelError` where it cannot be fitted."""
     began = time.perf_counter()
     options = options or Options()
-    say = progress or (lambda *_: None)
-    say("checking the data", 0.0)
+    say = progress or silent
+    say(0.0, "checking the data")
     checked, rested = _checked(measurements, options)
     if checked.stops:
         return replace(stopped(checked), seconds=time.perf_counter() - began)
@@ -49,7 +48,7 @@ def diagnose(
     result = with_checks(finding.diagnosis, checked)
     if options.model is not None:
         result = with_dynamics(result, rested, measurements, options.model)
-    say("done", 1.0)
+    say(1.0, "done")
     return replace(result, seconds=time.perf_counter() - began)
 
 
@@ -66,7 +65,7 @@ def next_measurement(
     if checked.stops:
         raise ModelError(contradiction(checked))
     chosen = [_in_sessions(name, sessions(checked.measurements)) for name in between]
-    finding = _searched(checked.measurements, options, lambda *_: None, rested.varied)
+    finding = _searched(checked.measurements, options, silent, rested.varied)
     found = finding.separating(chosen)
     if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:
         raise ModelError(nothing_separates(between))
@@ -103,12 +102,12 @@ def _searched(
     varied: Sequence[Varied],
 ) -> Finding:
     """Return the finished search of measurements that passed the data checks."""
-    say("fitting the base model", 0.01)
+    say(0.01, "fitting the base model")
     ready = prepare(measurements, options, varied)
     effects = _effects(options, sessions(measurements))
 
-    def searching(step: str, share: float) -> None:
-        say(step, _SEARCH_FROM + (_SEARCH_TO - _SEARCH_FROM) * share)
+    def searching(share: float, step: str) -> None:
+        say(_SEARCH_FROM + (_SEARCH_TO - _SEARCH_FROM) * share, step)
 
     enough = setups(ready) >= FEWEST_SETUPS
     limit, limit_from = EVIDENCE_THRESHOLD_LN, "the built-in value"
@@ -125,7 +124,7 @@ def _searched(
         outcome = search(
             ready.problem, ready.theta, effects, limit, options.most_effects, ready.found, searching
         )
-    say("comparing with other explanations", _SEARCH_TO)
+    say(_SEARCH_TO, "comparing with other explanations")
     return Finding(
         measurements=measurements,
         options=options,

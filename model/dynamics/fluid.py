@@ -61,15 +61,15 @@ def hydrodynamic_function(reynolds: FloatArray | float, *, circle: bool = False)
 
 
 def fluid_load(
-    width_m: float, density_kg_per_m3: float, viscosity_Pa_s: float, frequency_Hz: float,
+    width_m: float, density_kg_per_m3: float, viscosity_Pa_s: float, frequency_hz: float,
     drag_coefficient: float = 0.0,
 ) -> FluidLoad:  # fmt: skip
     """Return added mass and linear drag of a flat sheet that oscillates at one frequency."""
     if not all(
-        0.0 < x < np.inf for x in (width_m, density_kg_per_m3, viscosity_Pa_s, frequency_Hz)
+        0.0 < x < np.inf for x in (width_m, density_kg_per_m3, viscosity_Pa_s, frequency_hz)
     ):
         raise ModelError("width, density, viscosity and frequency must be positive")
-    omega = 2.0 * np.pi * frequency_Hz
+    omega = 2.0 * np.pi * frequency_hz
     gamma = complex(
         hydrodynamic_function(density_kg_per_m3 * omega * width_m**2 / (4.0 * viscosity_Pa_s))
     )

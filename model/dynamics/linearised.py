@@ -79,7 +79,7 @@ class SmallMotion:
         squares, modes = eigh(K, Z.T @ self.mass @ Z)
         return squares, Z @ modes
 
-    def frequencies_Hz(self) -> FloatArray:
+    def frequencies_hz(self) -> FloatArray:
         """Return the undamped frequencies with the relaxed stiffness, ascending."""
         return np.asarray(np.sqrt(np.maximum(self._eigen[0], 0.0)) / (2.0 * np.pi))
 

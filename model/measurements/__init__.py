@@ -14,6 +14,7 @@ from model.measurements.data import (
     TimeSeries,
 )
 from model.measurements.display import Displayed, Summary
+from model.measurements.progress import Progress, silent
 from model.measurements.rms import rms
 
 __all__ = [
@@ -27,10 +28,12 @@ __all__ = [
     "Measurements",
     "MissingPandasError",
     "ModelError",
+    "Progress",
     "Reading",
     "SheetGeometry",
     "Summary",
     "TimeSeries",
     "dataframe",
     "rms",
+    "silent",
 ]

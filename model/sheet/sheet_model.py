@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
@@ -12,7 +13,7 @@ import numpy.typing as npt
 
 from model.dynamics import ContactSetup, DynamicBeam, DynamicSheet
 from model.effects.between_sessions import sessions_in
-from model.measurements import Displayed, ModelError, Summary
+from model.measurements import Displayed, FloatArray, ModelError, Summary
 from model.parameter import finite
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 from model.sheet.configured_sheet import ConfiguredSheet, table
@@ -154,15 +155,15 @@ class SheetModel(Displayed):
         voltage_V: within the voltages of the model. Two numbers give a `Prediction`; arrays are
         broadcast and give `PredictionArray`. A position that is not reachable is no error.
 
-        Raises ModelError for an unknown configuration or voltage.
+        Raises ModelError for an unknown configuration or voltage, and for what is no number.
         """
         from model.sheet.prediction import predict
         from model.sheet.predictions import predict_array
 
-        numbers: tuple[Any, Any] = (position_m, voltage_V)
-        if all(isinstance(one, int | float) for one in numbers):
-            return predict(self, configuration, *map(float, numbers))
-        return predict_array(self, configuration, position_m, voltage_V)
+        positions, volts = _numbers("position_m", position_m), _numbers("voltage_V", voltage_V)
+        if positions.ndim == volts.ndim == 0:
+            return predict(self, configuration, float(positions), float(volts))
+        return predict_array(self, configuration, positions, volts)
 
     def with_effects(self, *effects: ActiveEffect) -> SheetModel:
         """Return the same model with these effects."""
@@ -240,6 +241,18 @@ class SheetModel(Displayed):
                 if "deviations" in one
             },
         )  # fmt: skip
+
+
+def _numbers(name: str, given: npt.ArrayLike) -> FloatArray:
+    """Return a number or an array of them. Raises ModelError, which names the argument."""
+    try:
+        found = np.asarray(given)
+        if found.dtype.kind in "US":  # NumPy would take the text of a number
+            raise TypeError
+        return found.astype(np.float64)
+    except (TypeError, ValueError):  # also rows of different lengths
+        said = reprlib.repr(given)
+        raise ModelError(f"{name} {said}: a number or an array of numbers is needed") from None
 
 
 def _merit(data: dict[str, Any], where: str = "") -> dict[str, float]:

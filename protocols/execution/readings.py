@@ -13,7 +13,6 @@ from protocols.execution.events import FramesArrived, ReadingTaken, VoltageSet
 from protocols.execution.filters import symmetric_mean, window
 from protocols.execution.lateness import lateness_s, written_s
 from protocols.execution.rules import (
-    LoopTiming,
     Rules,
     bad_frame,
     bad_samples,
@@ -22,6 +21,7 @@ from protocols.execution.rules import (
 )
 from protocols.execution.runs.exposures import Exposures
 from protocols.execution.samples import SampleBuffer
+from protocols.planning.loop_timing import LoopTiming
 from protocols.planning.schedule import PlannedReading, PlannedRun
 
 CENTRE_DECIMALS = 6  # of a sample

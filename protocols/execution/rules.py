@@ -28,20 +28,6 @@ class Rules:
     position_tolerance_m: float = 0.0005  # of the stage's report; beyond it the operator is warned
 
 
-@dataclass(frozen=True, kw_only=True)
-class LoopTiming:
-    """Times of the loop, s."""
-
-    service_s: float = 0.025  # between two looks at signals, frames, stop request; also the beat
-    least_margin_s: float = 0.005  # no service this close before an edge...
-    most_margin_s: float = 0.04  # ... nor this close, however long the last services took
-    edge_first_s: float = 0.001  # no trigger of the camera this close before an edge
-    lead_in_s: float = 0.2  # acquisition before the first step
-    tail_s: float = 0.2  # and after the last
-    frame_grace_s: float = 0.3  # a frame may arrive this much later than it was taken
-    starved_s: float = 2.0  # an input silent for so long has failed
-
-
 def late_edge(lateness_s: float, rules: Rules) -> Iterator[str]:
     """Yield a reason when the reading's own edge came late."""
     if lateness_s > rules.late_edge_s:

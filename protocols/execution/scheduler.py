@@ -86,13 +86,14 @@ from protocols.execution.operator import (
     offers,
 )
 from protocols.execution.output import GuardedOutput, MakeSafe
-from protocols.execution.rules import LoopTiming, Rules
+from protocols.execution.rules import Rules
 from protocols.execution.runs.control_loop import FeedbackLaw
 from protocols.execution.runs.loop import Loop, Stopped
 from protocols.execution.runs.run_loop import RunLoop
 from protocols.execution.states import FinishReason, RunState, Status
 from protocols.execution.stop import Pause, StopLevel, StopRequest, wait_for_end
 from protocols.planning.limits import SafetyLimits, check_schedule, limit_faults
+from protocols.planning.loop_timing import LoopTiming
 from protocols.planning.preparation import Action, Move, Situation, preparation
 from protocols.planning.schedule import PlannedRun, Schedule
 

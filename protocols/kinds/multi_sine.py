@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from protocols.errors import ScheduleError
 from protocols.kinds.fields import count, voltage
-from protocols.planning.waveform import Waveform, frequency, schroeder_phases_rad
+from protocols.kinds.waveform import Waveform, frequency, schroeder_phases_rad
 
 _MOST_SINES = 40
 

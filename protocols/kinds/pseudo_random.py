@@ -8,8 +8,8 @@ from typing import ClassVar
 
 from protocols.errors import ScheduleError
 from protocols.kinds.fields import count, duration, voltage
+from protocols.kinds.waveform import Waveform
 from protocols.planning.builder import DECIMALS
-from protocols.planning.waveform import Waveform
 
 # Taps of shift registers whose sequences have the greatest length, 2^order - 1.
 _TAPS = {3: (3, 2), 4: (4, 3), 5: (5, 3), 6: (6, 5), 7: (7, 6), 8: (8, 6, 5, 4), 9: (9, 5),

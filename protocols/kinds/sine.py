@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from protocols.kinds.fields import count, voltage
-from protocols.planning.waveform import Waveform, frequency
+from protocols.kinds.waveform import Waveform, frequency
 
 
 @dataclass(frozen=True, kw_only=True)

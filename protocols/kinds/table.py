@@ -9,7 +9,7 @@ from typing import ClassVar
 
 from protocols.errors import ScheduleError
 from protocols.kinds.fields import LARGEST_VOLTAGE_V, LONGEST_S, count
-from protocols.planning.waveform import Waveform
+from protocols.kinds.waveform import Waveform
 
 MOST_ROWS = 20_000
 

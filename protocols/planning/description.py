@@ -6,8 +6,8 @@ from collections import Counter
 from dataclasses import dataclass
 
 from drivers.interfaces import Prompt
-from protocols.execution.rules import LoopTiming
 from protocols.planning.limits import time_under_voltage_s
+from protocols.planning.loop_timing import LoopTiming
 from protocols.planning.preparation import Action, Move, Situation, preparation
 from protocols.planning.schedule import (
     AT_REST_S,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Iterator
 from dataclasses import dataclass, field
 
 FOREVER = 1 << 62
@@ -11,6 +11,16 @@ FOREVER = 1 << 62
 def from_frame(first: int) -> range:
     """All frames from this one on."""
     return range(first, FOREVER)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FaultSpan:
+    """A fault of the frames that are taken within a time."""
+
+    what: str  # such as `drop`
+    from_s: float
+    until_s: float
+    late_s: float = 0.0  # of `late`
 
 
 @dataclass(kw_only=True)
@@ -34,11 +44,19 @@ class CameraFaults:
     """Come with half the rows and columns."""
     gone: Container[int] = ()
     """The camera is unplugged; one such frame ends the stream for good."""
-    spans: dict[str, tuple[float, float]] = field(default_factory=dict)
-    """The same by time: what, such as `drop`, and from when until when frames are taken so."""
+    spans: list[FaultSpan] = field(default_factory=list)
+    """The same by time; each acts, also where several of one kind overlap."""
 
     def strike(self, what: str, number: int, time_s: float) -> bool:
         """Return whether a frame suffers from this."""
         numbers: Container[int] = getattr(self, what)
-        from_s, until_s = self.spans.get(what, (0.0, 0.0))
-        return number in numbers or from_s <= time_s < until_s
+        return number in numbers or any(self._spans_at(what, time_s))
+
+    def delay_s(self, number: int, time_s: float) -> float:
+        """Return how late a frame arrives: delays of several faults add up."""
+        by_number = self.late_s if number in self.late else 0.0
+        return by_number + sum(span.late_s for span in self._spans_at("late", time_s))
+
+    def _spans_at(self, what: str, time_s: float) -> Iterator[FaultSpan]:
+        of_this_kind = (span for span in self.spans if span.what == what)
+        return (span for span in of_this_kind if span.from_s <= time_s < span.until_s)

@@ -39,8 +39,8 @@ class FrameStream:
 
     def arrival_of(self, number: int) -> float:
         """Clock time at which the frame can be read."""
-        late = self.faults.late_s if self.suffers("late", number) else 0.0
-        return self.time_of(number) + late
+        time_s = self.time_of(number)
+        return time_s + self.faults.delay_s(number, time_s)
 
     def suffers(self, what: str, number: int) -> bool:
         """Return whether the frame has this fault."""

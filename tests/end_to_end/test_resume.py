@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 import pytest
 
+from labrig.experiment.resume import resumed_plan
 from labrig.session import open_session, verify
 from protocols.execution.events import Outcome, OutputState
 from tests.end_to_end.small_rig import OVERLOADED_IN_THE_SECOND_RUN, labrig, make_rig
@@ -35,6 +36,8 @@ def failed(tmp_path_factory: pytest.TempPathFactory) -> Path:
         tmp_path_factory.mktemp("resume") / "rig", PROTOCOL, OVERLOADED_IN_THE_SECOND_RUN
     )
     (folder / "about.toml").write_text('title = "as it was begun"\n')
+    with (folder / "rig.toml").open("a") as rig:
+        rig.write('\n[watch]\naddress = "boards"\n[publish]\nbluesky = "documents.jsonl"\n')
     assert labrig("run", *(folder / f for f in FILES), "-o", folder / "s.h5") == 5
     (folder / "world.toml").write_text("seed = 1\n")
     (folder / "about.toml").write_text('title = "edited since"\n')
@@ -75,6 +78,22 @@ def test_a_resumed_session_is_whole_and_keeps_what_was_complete(failed: Path) ->
         zeros_s = [run.time_zero_s for run in new.runs]
         assert zeros_s == sorted(zeros_s)
         assert zeros_s[0] >= first.time_s
+
+
+def test_files_that_the_session_names_are_beside_it_and_none_is_written(
+    failed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wherever it is resumed: what a file from elsewhere names must not be written to."""
+    with open_session(failed / "s.h5") as session:
+        rig = resumed_plan(session).rig
+    assert rig.watch is not None
+    assert rig.watch.token == failed / "watch.token"
+    published = (failed / "documents.jsonl").read_bytes()
+    monkeypatch.chdir(tmp_path)
+    assert labrig("run", "--resume", failed / "s.h5", "-o", "whole.h5") == 0
+    assert labrig("replay", failed / "s.h5", "-o", "again.h5") == 4  # as it ended then
+    assert {path.name for path in tmp_path.iterdir()} == {"whole.h5", "again.h5"}
+    assert (failed / "documents.jsonl").read_bytes() == published
 
 
 @pytest.mark.thorough

@@ -14,7 +14,6 @@ import pytest
 from labrig.config import (
     ReplayConfig,
     RigConfig,
-    load_protocol,
     load_rig,
     load_sheet,
     parse_load_cell,
@@ -25,6 +24,7 @@ from labrig.config import (
 from labrig.config.schema import schemas
 from labrig.config.templates import template_text, write_templates
 from labrig.errors import BadInputError
+from labrig.session.tables.drive_table import load_protocol
 from protocols import Purpose, ReadingKind
 
 RIG = '[load_cell]\ncalibration = "load_cell.toml"\n'

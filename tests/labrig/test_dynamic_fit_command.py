@@ -149,7 +149,7 @@ def test_the_same_in_python_fits_a_screen_and_a_data_frame(fitted, fits, path, t
 
 
 def test_an_unknown_fluid_is_one_sentence(path):
-    with pytest.raises(BadInputError, match="--fluid oil: unknown; choose air, water, vacuum"):
+    with pytest.raises(BadInputError, match=r"fluid: .oil. is not one of .air., "):
         labrig.fit_in_time(path, fluid="oil")
 
 
@@ -185,7 +185,7 @@ def test_next_says_that_a_release_determines_mass_and_loss(model, path, tmp_path
         (["--fluid", "water"], "--fluid is for the sheet in time"),
         (["--dynamic", "--position-mm", "7"], "was measured at 5 mm"),
         (["--dynamic", "--configuration", "short"], "no whole run of 'short' was driven"),
-        (["--dynamic", "--elongation-g-per-m", "-1"], "a positive number is needed"),
+        (["--dynamic", "--elongation-g-per-m", "-1"], "a number above 0 is needed"),
     ],
 )
 def test_options_that_cannot_be_followed_are_refused_in_a_sentence(path, capsys, arguments, says):
@@ -218,7 +218,7 @@ def test_what_only_the_user_knows_is_asked_for(path):
     with open_session(path) as opened:
         record = motion_record(opened, frames=False)
     longer = replace(record.sheet, elongation_m=0.04)
-    with pytest.raises(BadInputError, match="state it with --elongation-g-per-m"):
+    with pytest.raises(BadInputError, match="state it with elongation_g_per_m"):
         beginning(longer, record.runs, StatedValues())
     unknown = replace(record.sheet, initial_curvature=None)
     with pytest.raises(BadInputError, match="no free sheet was filmed at rest"):

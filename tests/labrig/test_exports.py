@@ -197,6 +197,26 @@ def test_a_missing_package_is_one_sentence_and_leaves_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("extra", "told"),
+    [
+        ("maps", r'needs the package zarr; install it with: pip install "labrig-extra\[maps\]"\.'),
+        ("", "needs the package zarr, which labrig-extra does not install; install it"),
+    ],
+)
+def test_a_package_that_a_format_of_others_lacks_is_installed_with_their_distribution(
+    session, tmp_path, monkeypatch, extra, told
+):
+    def write(_session, _folder):
+        raise ModuleNotFoundError(name="zarr")
+
+    lacking = SimpleNamespace(summary="", extra=extra, write=write)
+    part = Part("lacking", lacking, "labrig-extra", "0.1")
+    monkeypatch.setattr(type(FORMATS), "find", lambda *_: part)
+    with pytest.raises(BadInputError, match=told):
+        export(session, tmp_path, "lacking")
+
+
 def test_a_format_that_is_not_there_is_refused_with_those_that_are(session, tmp_path):
     with pytest.raises(BadInputError, match=r"no export format 'netcdf'; choose one of: bluesky"):
         export(session, tmp_path, "netcdf")

@@ -8,6 +8,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.errors import BadInputError
+from labrig.experiment.precautions.boards_watch import watched_rig
 from labrig.experiment.safety import make_rig_safe
 from tests.model.distributions import install
 
@@ -21,6 +22,9 @@ BOARDS = '[ni]\naddress = "simulated"\n'
         '[stage]\nkind = "gone"\n',
         '[force_sensor]\nkind = "gone"\n',
         '[channels.Wrong]\ninput = "PCI6034E/ai3"\n',
+        '[hooks]\nwaitng = "x"\n',
+        '[publish]\nblusky = "x"\n',
+        '[simulated]\nwrld = "x"\n',
         "",  # not even the load cell's calibration
     ],
 )
@@ -30,6 +34,8 @@ def test_whatever_is_wrong_with_other_parts_the_output_is_made_safe(
     rig = tmp_path / "rig.toml"
     rig.write_text(BOARDS + rest)
     assert make_rig_safe(rig).is_safe
+    with pytest.raises(BadInputError, match="nothing to watch"):  # of simulated boards
+        watched_rig(rig)
 
 
 def test_boards_that_are_not_known_are_not_taken_for_others(tmp_path: Path) -> None:

@@ -78,7 +78,7 @@ def test_what_is_not_reachable_is_nan_and_says_why(truth: SheetModel):
 
 def test_two_numbers_give_one_prediction(truth: SheetModel):
     assert isinstance(truth.predict("long", 0.01, 2.0), Prediction)
-    assert truth.predict("long", np.array(0.01), 2.0).shape == ()
+    assert isinstance(truth.predict("long", np.array(0.01), np.int64(2)), Prediction)
 
 
 @pytest.mark.parametrize(

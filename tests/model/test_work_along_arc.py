@@ -63,6 +63,26 @@ def test_the_map_agrees_with_the_least_area_of_one_section(truth: SheetModel):
     assert found.ratio[0, 1] < 1.0
 
 
+@pytest.mark.slow
+def test_the_map_keeps_the_margin_of_a_model_that_is_uncertain(truth: SheetModel):
+    one = truth.sheet("long")
+    eibm = {v: replace(a, sigma=0.1 * np.abs(a.values)) for v, a in one.eibm.items()}
+    unsure = replace(truth, sheets={"long": replace(one, eibm=eibm)})
+    found = elongation_map(unsure, "long", [0.0], [0.02])
+    size = least_area(unsure, "long", 0.0, 0.02, 5e-4, elongated=False)
+    assert found.length_alone_m[0, 0] == pytest.approx(size.length_m, rel=2e-3)
+    assert found.alone_m2_per_N[0, 0] * 5e-4 == pytest.approx(size.area_m2.value, rel=2e-3)
+
+
+@pytest.mark.slow
+def test_a_section_that_no_length_reaches_has_no_sheet_without_an_elongation(truth: SheetModel):
+    found = elongation_map(truth, "long", [0.0, 0.08], [0.01, 0.084])
+    assert np.isfinite(found.alone_m2_per_N[0, 0])
+    assert found.alone_m2_per_N[1, 1] == np.inf
+    with pytest.raises(ModelError, match="no length of this sheet reaches"):
+        least_area(truth, "long", 0.08, 0.084, 5e-4, elongated=False)
+
+
 def test_a_map_without_a_section_is_refused(truth: SheetModel):
     with pytest.raises(ModelError, match="an end above a beginning"):
         elongation_map(truth, "long", [0.02], [0.01])

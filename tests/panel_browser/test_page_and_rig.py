@@ -8,7 +8,7 @@ import time
 import pytest
 
 from labrig.session import open_session
-from protocols.execution.rules import LoopTiming
+from protocols.planning.loop_timing import LoopTiming
 from tests.panel_browser.conftest import text_of
 from tests.panel_browser.rig_world import (
     ENDED,

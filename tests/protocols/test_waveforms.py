@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from labrig.session import open_session
+from labrig.session.tables.drive_table import load_protocol
 from protocols import ReadingKind, ScheduleError
 from protocols.kinds.multi_sine import MultiSine
 from protocols.kinds.pseudo_random import PseudoRandom, sequence
@@ -145,13 +146,20 @@ def test_a_table_from_csv_is_run_and_its_rows_are_kept_in_the_session(tmp_path: 
     assert labrig("replay", session, "-o", tmp_path / "again.h5") == 0
 
 
+def test_a_table_from_csv_may_be_written_as_a_spreadsheet_does(tmp_path: Path):
+    folder = folder_with(tmp_path, FROM_CSV, "time_s;voltage_V\n0;0\n0,5;1,5\n1;0\n")
+    found = load_protocol(folder / "protocol.toml").schedule("p")
+    (folder / "drive.csv").write_text("time_s,voltage_V\n0,0\n0.5,1.5\n1,0\n")
+    assert found == load_protocol(folder / "protocol.toml").schedule("p")
+
+
 @pytest.mark.parametrize(
     ("protocol", "rows", "said"),
     [
         (FROM_CSV, None, "drive.csv"),
-        (FROM_CSV, "time,volt\n0,0\n", "it has no column time_s and voltage_V"),
-        (FROM_CSV, "time_s,voltage_V\n0,0\n1,x\n", "line 3: voltage_V = 'x' is not a number"),
-        (FROM_CSV, "time_s,voltage_V\n0,0\n1,nan\n", "table"),
+        (FROM_CSV, "time,volt\n0,0\n", "column 'time' is not known"),
+        (FROM_CSV, "time_s,voltage_V\n0,0\n1,x\n", "line 3: column voltage_V: 'x' is not a number"),
+        (FROM_CSV, "time_s,voltage_V\n0,0\n1,nan\n", "line 3: column voltage_V: 'nan' is not"),
         (FROM_CSV, "time_s,voltage_V\n0,0\n1,9\n2,0\n", "beyond the limit of ±2.5 V"),
         (FROM_CSV + "times_s = [0.0, 1.0]\n", "", "keep one of them"),
         ("[table]\nfile = 3\n", None, "must be the path of a CSV file"),

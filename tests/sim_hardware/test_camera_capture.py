@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from sim_hardware.camera import CameraFaults, SimulatedCapture, from_frame
+from sim_hardware.faults import FaultyRig
+from sim_hardware.world import FaultSettings
 
 CONVERT_RGB = 16
 
@@ -157,3 +161,22 @@ def test_frozen_and_black_and_small_frames() -> None:
     assert numbers(capture, 6) == [0, 1, 1, 1, 4, 0]
     assert capture.read()[1].shape == (12, 16)
     assert capture.read()[1].shape == (24, 32)
+
+
+def test_each_fault_of_a_world_acts_whatever_others_there_are() -> None:
+    """Two black spans, and a delay that is not that of the fault after it."""
+    capture, _, clock = grey_capture()
+    faults = (
+        FaultSettings(what="camera_late", from_s=0.0, until_s=0.1, amount_s=0.03),
+        FaultSettings(what="camera_black", from_s=0.1, until_s=0.18),
+        FaultSettings(what="camera_black", from_s=0.22, until_s=0.26),
+        FaultSettings(what="camera_late", from_s=0.26, until_s=0.3, amount_s=0.01),
+    )
+    world = SimpleNamespace(settings=SimpleNamespace(faults=faults))
+    FaultyRig(clock=clock, world=world, boards=SimpleNamespace(), camera=capture.faults).begin()
+    seen, delays = [], []
+    for number in range(8):
+        seen.append(int(capture.read()[1][0, 0]))
+        delays.append(clock.now() - (100.0 + (number + 1) * 0.04))
+    assert seen == [0, 1, 0, 0, 4, 0, 6, 7]
+    assert delays == pytest.approx([0.03, 0.03, 0, 0, 0, 0, 0.01, 0])

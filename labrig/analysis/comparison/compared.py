@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from labrig.analysis.motion.record import MotionRecord
 from labrig.analysis.motion.rest_shape import rest_curvature
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN
+from labrig.progress import Progress, silent, within
 from labrig.session import RecordedSession
 from model.dynamics import DynamicBeam
 from model.dynamics.comparison import (
@@ -34,7 +35,6 @@ from model.dynamics.models import models
 from model.measurements import ModelError, SheetGeometry
 from model.mechanics.field import Field
 
-Progress = Callable[[float, str], None]
 RATE_HZ = 250.0  # of the samples that are used: the sheet's modes lie below 100 Hz
 MOST_POSITIONS = 4  # in contact: each adds seconds
 FEWEST_FRAMES = 10  # of a free sheet that moves
@@ -85,12 +85,12 @@ def compare_in_time(
 
     All models have the same k0, that of the frames at rest. Raises BadInputError, one sentence.
     """
-    tell = progress or (lambda _share, _text: None)
+    tell = progress or silent
     if why := why_not_in_time(session, configuration):
         raise BadInputError(f"{session.path}: {configuration}: {why}")
     record = motion_record(
         session, configuration, positions_m=_positions(session, configuration),
-        extractor=extractor, progress=lambda share, text: tell(FRAMES_SHARE * share, text),
+        extractor=extractor, progress=within(tell, 0.0, FRAMES_SHARE),
     )  # fmt: skip
     begun = FRAMES_SHARE + FIT_SHARE
     tell(FRAMES_SHARE, "the moving sheet")
@@ -101,7 +101,7 @@ def compare_in_time(
         contenders: list[Contender] = [full, *others]
         rows = compare_models(
             contenders, data, lambda one, _: values if one is full else None,
-            lambda share, text: tell(begun + (1.0 - begun) * share, text),
+            within(tell, begun, 1.0),
         )  # fmt: skip
     except ModelError as error:
         raise BadInputError(f"{session.path}: {configuration}: {error}.") from None
@@ -132,7 +132,10 @@ def compare_fitted(
         )
         others = [PublishedContender(m) for n, m in models().items() if names is None or n in names]
         rows = compare_models(
-            [full, *others], data, lambda one, _: values if one is full else None, progress
+            [full, *others],
+            data,
+            lambda one, _: values if one is full else None,
+            progress or silent,
         )
     except ModelError as error:
         raise BadInputError(f"{fit.source}: {error}.") from None

@@ -13,7 +13,7 @@ import numpy as np
 
 from labrig.analysis.motion.noise import USUAL_CURVE_M
 from labrig.analysis.motion.rest_shape import rest_curvature
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError, BadInputError
 from model.dynamics import DynamicBeam, ElectrodeLine, Elongation, Resolution, Viscoelasticity
 from model.dynamics.dynamic_sheet import fluid_around
 from model.dynamics.identification import RecordedRun
@@ -34,7 +34,7 @@ FIRST_MODE = 1.8751040687119612
 FORCE_EVERY = 5  # samples
 ELONGATION_UNKNOWN = (
     "the sheet '{}' has an elongation whose mass no recording tells apart: state it with"
-    " --elongation-g-per-m."
+    " elongation_g_per_m."
 )
 
 
@@ -67,7 +67,7 @@ def beginning(
 def _usual(sheet: SheetGeometry, stated: StatedValues) -> DynamicBeam:
     name = sheet.configuration
     if sheet.elongation_m > 0.0 and stated.elongation_kg_per_m is None:
-        raise BadInputError(ELONGATION_UNKNOWN.format(name))
+        raise BadArgumentError(ELONGATION_UNKNOWN.format(name), "elongation_g_per_m")
     B = USUAL_E_PA * sheet.width_m * sheet.thickness_m**3 / 12.0
     fluid = fluid_around(stated.fluid, sheet.width_m)
     return DynamicBeam(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -13,6 +13,7 @@ from labrig.analysis.motion.noise import noise_at_first, noise_of_residuals
 from labrig.analysis.motion.record import MotionRecord
 from labrig.analysis.motion.rest_shape import MeasuredRest, rest_curvature
 from labrig.errors import BadInputError
+from labrig.progress import Progress, silent
 from model import Along, ConfiguredSheet, ModelError, Parameter, SheetModel
 from model.dynamics import DynamicBeam, DynamicSheet, LineModes, PronyTerm
 from model.dynamics.identification import (
@@ -137,7 +138,7 @@ def dynamic_fit(
     stated: StatedValues,
     begin: DynamicBeam | None = None,
     *,
-    progress: Callable[[float, str], None] = lambda _share, _text: None,
+    progress: Progress = silent,
 ) -> DynamicFit:
     """Identify the sheet of some records; `begin`: a sheet known from before.
 

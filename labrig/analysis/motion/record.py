@@ -16,13 +16,13 @@ from labrig.analysis.motion.silent_current import follows_the_voltage
 from labrig.analysis.motion.way import LoadCellWay
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN
+from labrig.progress import Progress
 from labrig.session import RecordedSession, RunRecord
 from model.dynamics import ContactSetup
 from model.dynamics.identification import RecordedRun, RunPlan
 from model.measurements import SheetGeometry
 from protocols.planning.schedule import Purpose
 
-Progress = Callable[[float, str], None]
 Samples = npt.NDArray[np.bool_]  # which of them
 BEFORE_S = 0.5  # of each run count before its first voltage, or before the load cell moves
 LEAST_FRAME_RATE_HZ = 20.0  # a free sheet swings at 3 to 7 Hz

@@ -54,8 +54,8 @@ class DesignSweep(BatchTask):
         default=("both",),
     )
     mass_g: float = option("of the object on the arc", default=1.0, min=0.0)
-    bandwidth_Hz: float = option(
-        "wanted of the controlled object", default=1.0, min=0.0, flag="--bandwidth-Hz"
+    bandwidth_hz: float = option(
+        "wanted of the controlled object", default=1.0, min=0.0, flag="--bandwidth-hz"
     )
     lag_s: float = option("of the voltage's effect", default=0.0, min=0.0)
 
@@ -105,7 +105,7 @@ class DesignSweep(BatchTask):
             force_N=None if force_mN is None else _MILLI * force_mN,
             direction=part["direction"],
             mass_kg=_MILLI * self.mass_g,
-            bandwidth_rad_per_s=2.0 * math.pi * self.bandwidth_Hz,
+            bandwidth_rad_per_s=2.0 * math.pi * self.bandwidth_hz,
             lag_s=self.lag_s,
         )
         found = answer(model, wanted)

@@ -85,8 +85,8 @@ def camera(
         str | None, typer.Option("--ruler-px", help="U1,V1,U2,V2: no board, two points of a ruler")
     ] = None,
     ruler_mm: Annotated[
-        float, typer.Option("--ruler-mm", help="distance of the ruler's two points")
-    ] = 0.0,
+        float | None, typer.Option("--ruler-mm", help="distance of the ruler's two points, mm")
+    ] = None,
     columns: Columns = 12,
     rows: Rows = 9,
     square_mm: SquareMm = 5.0,
@@ -104,12 +104,17 @@ def camera(
     from labrig.vision import calibrate_camera, calibrate_ruler, read_image
     from labrig.vision.calibration.drawing import drawing_beside, write_calibration_image
 
+    if (ruler_px is None) != (ruler_mm is None):
+        raise BadInputError(
+            "--ruler-px states where two points of a ruler are, and --ruler-mm how far they are "
+            "apart; give both, or none with a board."
+        )
     refuse_to_replace(output, OPTICS)
     drawing = drawing_beside(output)
     photographs = [read_image(path) for path in images]
     clamp = _point(clamp_px, "--clamp-px")
     along = None if along_px is None else _point(along_px, "--along-px")
-    if ruler_px is not None:
+    if ruler_px is not None and ruler_mm is not None:
         u1, v1, u2, v2 = _numbers(ruler_px, "--ruler-px", 4)
         size = (photographs[0].shape[1], photographs[0].shape[0])
         found = calibrate_ruler(size, (u1, v1), (u2, v2), ruler_mm, clamp_px=clamp, along_px=along)

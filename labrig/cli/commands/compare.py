@@ -10,6 +10,8 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json, Recorded
 from labrig.cli.screen import print_json, print_table, progress, say, warn
+from labrig.cli.sentences.option_names import option_of
+from labrig.errors import ArgumentWarning
 
 if TYPE_CHECKING:
     from labrig.api.compare import ModelComparison
@@ -27,7 +29,7 @@ def compare(
     ] = False,
     elongation_g_per_m: Annotated[
         float | None,
-        typer.Option(min=0.0, help="of the sheet in time: mass of its rigid elongation per length"),
+        typer.Option(help="of the sheet in time: mass of its rigid elongation per length"),
     ] = None,
     as_json: Json = False,
 ) -> None:
@@ -42,17 +44,18 @@ def compare(
     session keeps the result, and labrig report shows it.
     """
     from labrig.api.compare import compared
+    from labrig.report.data.findings import workers
 
     found = compared(
         session, progress, model=model, static=static, dynamic=dynamic,
-        elongation_g_per_m=elongation_g_per_m,
+        elongation_g_per_m=elongation_g_per_m, processes=workers(),
     )  # fmt: skip
     if as_json:
         print_json(found.to_json())
         return
     _show(found)
     for sentence in found.why_no_dynamic.values():
-        say(sentence)
+        say(ArgumentWarning(sentence, "elongation_g_per_m").in_words(option_of))
 
 
 def _show(found: ModelComparison) -> None:

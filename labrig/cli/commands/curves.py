@@ -101,8 +101,9 @@ def curves(
 
     With --to-end the length is measured. A thickness that sheet.toml does not state, and a
     direction that optics.json does not state, are measured as well; a clamp within 20 pixels is
-    enough. The curve's warnings name the measured quantities. Where a strip is lost on its way,
-    --through states places on it, and --tip-px its end: its path is not searched for then.
+    enough. The curve's warnings name the measured quantities, and say where a second look at what
+    stands out in the image led the curve on or cut it. Where a strip is lost on its way, --through
+    states places on it, and --tip-px its end: its path is not searched for then.
 
     --mask excludes parts of the images. With several strips in an image (--strip, or `strips` in
     optics.json) each has its own curve; it takes the table of its name in sheet.toml.

@@ -40,8 +40,8 @@ def design(
         Direction, typer.Option(help="in which the required force must be possible")
     ] = Direction.BOTH,
     mass_g: Annotated[float, typer.Option("--mass-g", help="of the object on the arc")] = 1.0,
-    bandwidth_Hz: Annotated[
-        float, typer.Option("--bandwidth-Hz", help="wanted of the controlled object")
+    bandwidth_hz: Annotated[
+        float, typer.Option("--bandwidth-hz", help="wanted of the controlled object")
     ] = 1.0,
     lag_s: Annotated[float, typer.Option("--lag-s", help="of the voltage's effect")] = 0.0,
     eibm: OwnEibm = None,
@@ -70,15 +70,13 @@ def design(
     from labrig.api.design import design as design_for
 
     section_m(section)
-    check_requirements(
-        {"--force-mN": force_mN, "--mass-g": mass_g, "--bandwidth-Hz": bandwidth_Hz}, lag_s
-    )
+    check_requirements(force_mN=force_mN, mass_g=mass_g, bandwidth_hz=bandwidth_hz, lag_s=lag_s)
     if output is not None and output.exists() and not output.is_dir():
         raise BadInputError(f"{output}: this is a file, a folder is needed.")
     known = StatedModel(model, eibm or (), stiffness_Nm2).model()
     answers = design_for(
         known, section, configuration=configuration or (), force_mN=force_mN,
-        direction=direction.value, mass_g=mass_g, bandwidth_Hz=bandwidth_Hz, lag_s=lag_s,
+        direction=direction.value, mass_g=mass_g, bandwidth_hz=bandwidth_hz, lag_s=lag_s,
     )  # fmt: skip
     for found in answers:
         for why in dict.fromkeys(found.unanswered.values()):

@@ -136,6 +136,7 @@ def fit(
     from labrig.api.fit import fitted_data
     from labrig.files import make_folder
     from labrig.model_file import check_name
+    from labrig.report.data.findings import workers
     from labrig.report.figures.fit import write_fit_figures
     from labrig.report.parts.style import known_formats
 
@@ -176,7 +177,7 @@ def fit(
         data = fitted_data(
             source, configuration=configuration or (), hold_out=hold_out or (), apart=apart,
             symmetric=symmetric, measured_curvature=measured_curvature, bootstrap=bootstrap, q=q,
-            stiffness_Nm2=stiffness_Nm2, progress=advance,
+            stiffness_Nm2=stiffness_Nm2, progress=advance, processes=workers(),
         )  # fmt: skip
     found, measurements = data.fit, data.measurements
     suspicious = warn_of_suspicions(measurements)

@@ -38,7 +38,7 @@ def mark(
     )
     add_mark(session, made)
     with open_session(session) as opened:
-        what = opened.runs[made.run].in_words(made.reading)
+        what = opened.run(made.run).in_words(made.reading)
         say(
             f"{session}: " + (f"the mark of {what} is taken back" if undo else f"{what} is invalid")
         )

@@ -30,10 +30,10 @@ def plan(
     release, [analysis] dynamic) could not determine a parameter, of implausible positions on the
     arc of the sheet.toml beside it, and of what the limits of the rig.toml beside it refuse.
     """
-    from labrig.config import load_protocol
     from labrig.experiment.next_measurement.dynamic_needs import not_determined
     from labrig.plausibility import SetUp, set_up_checks
     from labrig.report.tables.schedule import overview_rows, run_rows
+    from labrig.session.tables.drive_table import load_protocol
     from protocols import describe, free_shapes_in_words, schedule_to_dict
 
     config = load_protocol(protocol)

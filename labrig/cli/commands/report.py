@@ -27,14 +27,16 @@ def report(
 
     The page is one file and needs no network.
     """
+    from labrig.report.data.findings import workers
     from labrig.report.page.write import write_report
     from labrig.report.parts.style import known_formats
 
     wanted = known_formats(formats)
     with progress("report") as advance:
         page = write_report(
-            session, output, figures=figures, formats=wanted, progress=advance, tell=warn
-        )
+            session, output, figures=figures, formats=wanted, progress=advance, tell=warn,
+            processes=workers(),
+        )  # fmt: skip
     say(f"wrote {page}")
 
 

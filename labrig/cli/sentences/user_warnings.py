@@ -8,7 +8,8 @@ from contextlib import contextmanager
 from typing import TextIO
 
 from labrig.cli.screen import warn
-from labrig.errors import LabrigWarning, RenamedKeyWarning
+from labrig.cli.sentences.option_names import with_options
+from labrig.errors import ArgumentWarning, LabrigWarning, RenamedKeyWarning
 from labrig.left_out import is_left_out, note
 
 
@@ -34,8 +35,8 @@ def shown_as_sentences() -> Iterator[None]:
             file: TextIO | None = None,
             line: str | None = None,
         ) -> None:
-            if category is LabrigWarning:
-                warn(str(message))
+            if category in (LabrigWarning, ArgumentWarning):
+                warn(with_options(message))
                 return
             if is_left_out(category):
                 note(str(message))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.discrepancy.verdict.messages import OTHER_ANSWERS, shown_by
 from model.effects import title
@@ -40,15 +40,15 @@ def no_pair(found: Diagnosis) -> str:
     if not of_unknown:
         return (
             "the diagnosis names no two effects that could be mistaken for each other "
-            f"({found.verdict.replace('_', ' ')}); name two with --between, such as --between "
-            "gravity clamp_angle."
+            f"({found.verdict.replace('_', ' ')}); name two with between, such as gravity and "
+            "clamp_angle."
         )
     (name,) = of_unknown
     other = "gravity" if name != "gravity" else "clamp_angle"
     return (
         f"the diagnosis names {title(name)} alone, or something that is not in the catalogue, and "
         f"no measurement can be chosen to tell it from that. {shown_by([name])} To tell it from "
-        f"another effect, name both with --between, such as --between {name} {other}."
+        f"another effect, name both with between, such as {name} and {other}."
     )
 
 
@@ -62,7 +62,7 @@ def proposal(
 
     What the diagnosis has proposed for the same two is the answer to either question.
 
-    Raises BadInputError where nobody names two effects, ModelError where nothing separates them.
+    Raises BadArgumentError where nobody names two effects, ModelError where nothing separates them.
     """
     from model.discrepancy import next_measurement as find
 
@@ -72,13 +72,14 @@ def proposal(
     if between is not None:
         return find(measurements, between, options)
     if diagnosis is None:
-        raise BadInputError(
-            "name two effects with --between, such as --between gravity clamp_angle, or run "
-            "labrig diagnose first: its diagnosis names them."
+        raise BadArgumentError(
+            "name two effects with between, such as gravity and clamp_angle, or run labrig "
+            "diagnose first: its diagnosis names them.",
+            "between",
         )
     if kept is not None:
         return kept
     pair = pair_of(diagnosis)
     if pair is None:
-        raise BadInputError(no_pair(diagnosis))
+        raise BadArgumentError(no_pair(diagnosis), "between")
     return find(measurements, pair, options)

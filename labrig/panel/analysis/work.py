@@ -13,12 +13,12 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.files import write_text, write_zip
 from labrig.panel.analysis.order import AnalysisKind, AnalysisOrder
 from labrig.panel.analysis.outputs import output_path
+from labrig.progress import Progress, within
 
 if TYPE_CHECKING:
     from model import ConfigurationFit, Measurements
     from model.discrepancy import Diagnosis
 
-Progress = Callable[[float, str], None]
 Work = Callable[[AnalysisOrder, Progress], "Done"]
 FIGURE_FORMATS = ("pdf", "svg")
 ANALYZE_SHARE = 0.5  # of the progress of a job that may have to analyse first
@@ -95,7 +95,7 @@ def _diagnosed(
 
     session = Path(order.session)
     require_driven(measurements)
-    found = find(measurements, DiagnoseOptions(), lambda step, fraction: progress(fraction, step))
+    found = find(measurements, DiagnoseOptions(), progress)
     found = with_protocol(found, measurements, session)
     try:
         keep_diagnosis(session, found)
@@ -129,6 +129,7 @@ def report(order: AnalysisOrder, progress: Progress) -> Done:
             figures_named=archive.name,
             progress=rest,
             tell=notes.append,
+            processes=order.workers,
         )
         text = page.read_text(encoding="utf-8")
         write_zip(archive, sorted((Path(folder) / "figures").iterdir()))
@@ -170,7 +171,7 @@ def _first(progress: Progress) -> Progress:
 
 
 def _then(progress: Progress) -> Progress:
-    return lambda fraction, text: progress(DIAGNOSE_SHARE + (1 - DIAGNOSE_SHARE) * fraction, text)
+    return within(progress, DIAGNOSE_SHARE, 1.0)
 
 
 WORK: dict[AnalysisKind, Work] = {

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError, ReadOnlyError
+from labrig.progress import Progress
 from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.kept_diagnosis import kept_diagnosis
 from labrig.report.data.quality import Quality, quality
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
     from model.discrepancy import Suspicion
     from model.discrepancy.verdict.result import Diagnosis
     from model.identification.baselines import BaselineRow
-
-Progress = Callable[[float, str], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,13 +76,14 @@ def measured(
     progress: Progress,
     tell: Callable[[str], None],
     *,
-    processes: int | None = None,
+    processes: int = 1,
 ) -> Measurements:
     """Return a session's measurements, analysed now where that was not done or is out of date.
 
     `tell` reports it. Where the session cannot be changed the result is not kept in it.
 
-    `processes`: how many search for curves at a time; by default as many as the computer allows.
+    `processes`: how many search for curves at a time. More than one need a script that is
+    importable, so what a script may call takes one, and the command line `workers`.
     """
     with open_session(path) as session:
         known, outdated = session.has_measurements, session.outdated
@@ -94,15 +94,14 @@ def measured(
 
     why = "runs or readings were marked since it was analysed" if outdated else "not analysed yet"
     chosen = stored_curve_extractor(path).partition(" ")[0] or BUILT_IN
-    count = processes or workers()
     try:
         check_can_be_added_to(path)
     except ReadOnlyError as error:
         tell(f"{path}: {why}; analysing it now. The result is not kept: {error}")
         with open_session(path) as session:
-            return measure(session, progress, workers=count, extractor=chosen)
+            return measure(session, progress, workers=processes, extractor=chosen)
     tell(f"{path}: {why}; analysing it now, and keeping the result in it.")
-    return analyze(path, progress, workers=count, extractor=chosen)
+    return analyze(path, progress, workers=processes, extractor=chosen)
 
 
 def workers() -> int:
@@ -115,12 +114,14 @@ def gather(
     progress: Progress,
     tell: Callable[[str], None],
     options: FitOptions | None = None,
+    *,
+    processes: int = 1,
 ) -> Findings:
     """Measure and fit a session as far as that goes. Raises BadInputError when it is no session."""
     open_session(path).close()
     measurements, why = None, ""
     try:
-        measurements = measured(path, progress, tell)
+        measurements = measured(path, progress, tell, processes=processes)
     except BadInputError as error:
         why = str(error)
     fitted = FittedSheets(None)

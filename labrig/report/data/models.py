@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from model import Prediction, SheetModel, predict
 from model.measurements import FloatArray
 from model.sheet.solution import solved
@@ -27,6 +29,14 @@ class Models:
     def named(self) -> list[tuple[str, SheetModel]]:
         """Both, in the paper's order."""
         return [(ALONG, self.along), (CONSTANT, self.constant)]
+
+
+def kind_of(model: SheetModel) -> str:
+    """Return which of the two simulations a model makes."""
+    fields = [along for one in model.sheets.values() for along in one.eibm.values()]
+    changed = bool(model.effects or model.deviations)
+    is_constant = not changed and all(np.ptp(along.values) == 0.0 for along in fields)
+    return CONSTANT if is_constant else ALONG
 
 
 def knows(model: SheetModel, configuration: str, voltage_V: float) -> bool:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError
 from model.measurements import Measurements
 
 AT = "@"
@@ -49,7 +49,7 @@ def base(configuration: str) -> str:
 
 
 def only(measurements: Measurements, wanted: Sequence[str]) -> Measurements:
-    """Those of some configurations; BadInputError where one was not measured.
+    """Those of some configurations; BadArgumentError where one was not measured.
 
     A name without a session's stands for that configuration of all sessions.
     """
@@ -58,9 +58,10 @@ def only(measurements: Measurements, wanted: Sequence[str]) -> Measurements:
     known = list(dict.fromkeys(c.configuration for c in measurements.conditions))
     for name in wanted:
         if not any(name in (one, base(one)) for one in known):
-            raise BadInputError(
-                f"--configuration {name}: nothing was measured of it; measured were "
-                f"{', '.join(known) or 'none'}."
+            raise BadArgumentError(
+                f"configuration {name}: nothing was measured of it; measured were "
+                f"{', '.join(known) or 'none'}.",
+                "configuration",
             )
     kept = {one for one in known if one in wanted or base(one) in wanted}
     return replace(

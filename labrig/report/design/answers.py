@@ -22,7 +22,8 @@ from model.design.linear_models import (
     state_space,
     validity,
 )
-from model.design.sizing import Direction, Linearity, Size, least_area, linearity
+from model.design.sizing import Linearity, Size, least_area, linearity
+from model.design.strength import Direction
 from model.design.work import WorkAlongArc, work_along_arc
 from model.design.working_section import (
     BothWays,

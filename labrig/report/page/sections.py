@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from labrig.progress import Progress, silent
 from labrig.report.data.findings import Findings
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.section import Section
@@ -24,7 +25,7 @@ def report_content(
     findings: Findings,
     figures: FigureFolder,
     known: Mapping[str, ReportSection],
-    progress: Callable[[float, str], None] = lambda _fraction, _text: None,
+    progress: Progress = silent,
 ) -> ReportContent:
     """Return the known sections that apply. Raises LabrigError when figures are not written."""
     sections: dict[str, Section] = {}

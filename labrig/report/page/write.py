@@ -7,16 +7,13 @@ from pathlib import Path
 
 from labrig.errors import BadInputError
 from labrig.files import make_folder
-from labrig.report.data.findings import Progress, gather
+from labrig.progress import Progress, silent
+from labrig.report.data.findings import gather
 from labrig.report.page.page import render, write_page
 from labrig.report.page.sections import report_content
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.style import DEFAULT_FORMATS
 from labrig.report.sections.interface import ordered
-
-
-def _quiet(_fraction: float, _text: str) -> None:
-    pass
 
 
 def _named(figures: Path, folder: Path) -> str:
@@ -32,16 +29,17 @@ def write_report(
     figures: Path | None = None,
     formats: Sequence[str] = DEFAULT_FORMATS,
     figures_named: str = "",
-    progress: Progress = _quiet,
+    progress: Progress = silent,
     tell: Callable[[str], None] = lambda _text: None,
+    processes: int = 1,
 ) -> Path:
     """Write the report of a session and return the page's path.
 
     `folder` is by default NAME-report in the folder of the session; the figures go to `figures` in
     it, or to the folder of that name. `figures_named`: where the page says that they are, for a
-    caller who puts them elsewhere. A session that was not analysed yet is analysed first; the
-    page says what cannot be measured or fitted. Raises BadInputError when the session cannot be
-    read or a folder not be written.
+    caller who puts them elsewhere. A session that was not analysed yet is analysed first, by so
+    many `processes`; the page says what cannot be measured or fitted. Raises BadInputError when the
+    session cannot be read or a folder not be written.
     """
     session = Path(session)
     folder = session.with_name(f"{session.stem}-report") if folder is None else Path(folder)
@@ -49,7 +47,7 @@ def write_report(
     for one in (folder, figures):
         if one.exists() and not one.is_dir():
             raise BadInputError(f"{one}: this is a file, a folder is needed.")
-    found = gather(session, progress, tell)
+    found = gather(session, progress, tell, processes=processes)
     make_folder(folder)
     with found.session:
         content = report_content(found, FigureFolder(figures, formats), ordered(), progress)

@@ -31,9 +31,7 @@ def add_mark(path: Path, mark: Mark) -> None:
 
 def _check(session: RecordedSession, mark: Mark) -> None:
     path, what = session.path, named(mark.run, mark.reading)
-    if not 0 <= mark.run < len(session.runs):
-        raise BadInputError(f"{path}: there is no run {mark.run + 1}; it has {len(session.runs)}.")
-    run = session.runs[mark.run]
+    run = session.run(mark.run)
     if mark.reading is not None and mark.reading not in run.readings_as_taken["index"]:
         raise BadInputError(f"{path}: {what} was not acquired; see labrig show {typed(path)}.")
     marked = run.standing_marks.get(mark.place)

@@ -25,6 +25,21 @@ def run_cells(run: RunRecord) -> tuple[str, ...]:
     return (*cells, state, valid, str(run.frame_count))
 
 
+def run_numbers(runs: Iterable[RunRecord]) -> str:
+    """Return the numbers of runs in words: "1 to 14, 16". Repeats not begun leave gaps."""
+    spans: list[list[int]] = []
+    for number in (run.planned.index + 1 for run in runs):
+        if spans and number == spans[-1][1] + 1:
+            spans[-1][1] = number
+        else:
+            spans.append([number, number])
+    told = (
+        f"{first} to {last}" if last > first + 1 else ", ".join(map(str, range(first, last + 1)))
+        for first, last in spans
+    )
+    return ", ".join(told)
+
+
 def run_columns(runs: Iterable[RunRecord]) -> Columns:
     """Return a row for each run: its place, and how far it came."""
     return of_rows([

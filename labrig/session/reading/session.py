@@ -28,6 +28,7 @@ from labrig.session.reading.columns import (
     reading_columns,
     run_cells,
     run_columns,
+    run_numbers,
 )
 from labrig.session.reading.labelled_arrays import labelled_session
 from labrig.session.reading.opening import cut_short, open_file
@@ -141,7 +142,9 @@ class RecordedSession(Displayed):
         for run in self.runs:
             if run.planned.index == index:
                 return run
-        raise BadInputError(f"{self.path}: has no run {index + 1}.")
+        numbers = run_numbers(self.runs)
+        has = f"its runs are {numbers}" if numbers else "it has none"
+        raise BadInputError(f"{self.path}: there is no run {index + 1}; {has}.")
 
     def _records(self) -> Iterator[RunRecord]:
         for run in self.schedule.all_runs:

@@ -26,6 +26,7 @@ from labrig.vision.thresholds import (
     CALIBRATION_RESIDUAL_MAX_PX,
     CALIBRATION_RESIDUAL_WARNED_PX,
     CLAMP_DIRECTION_MIN_PX,
+    RULER_SHORT_MM,
     SCALE_MAX_PX_PER_MM,
 )
 
@@ -134,6 +135,11 @@ def calibrate_ruler(
         method="ruler",
     )
     notes = ["a ruler gives the scale only: distortion and tilt of the camera stay in the curves"]
+    if distance_mm < RULER_SHORT_MM:
+        notes.append(
+            f"the ruler is stated as {distance_mm:g} mm long, so a mm is {scale:.0f} pixels; is "
+            "its length in mm?"
+        )
     if along_px is None:
         notes.append(
             "the sheet's direction at the clamp is found in each image; a second pixel on the "

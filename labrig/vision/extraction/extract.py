@@ -1,4 +1,4 @@
-"""The sheet's curve by its edges and intensities, with its uncertainty, or a reason."""
+"""`neutral_curve`: one image in, the sheet's curve with its uncertainty out, or a reason."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extraction.curve_search import CurveSearch
 from labrig.vision.extraction.metric_curve import refused, reported
 from labrig.vision.extraction.refinement import CurveCandidate
+from labrig.vision.extraction.salience.second_look import changed_by_it, seen_again
 from labrig.vision.extraction.second_sheet import second_sheet_contrast
 from labrig.vision.extraction.second_size import outline_curve
 from labrig.vision.fit.context import roll_mask
@@ -46,6 +47,28 @@ FloatArray = npt.NDArray[np.float64]
 
 FOUND_ANGLE_SIGMA_RAD = 0.05  # of the direction at the clamp, as the edges show it
 DIFFERENCES = (ColourChannel.RED_GREEN, ColourChannel.GREEN_BLUE)
+
+
+def neutral_curve(
+    image: npt.NDArray[Any],
+    optics: Optics,
+    strip: StripGeometry,
+    *,
+    start: NeutralCurve | None = None,
+) -> NeutralCurve:
+    """Return the neutral curve of the sheet in `image` (rows, columns), 8 or 16 bit grey.
+
+    `start`: the curve of an image shortly before; it is followed, which is several times faster,
+    and given up for a search from the clamp where its curve fails the self-check. Where neither
+    length, tip nor places are stated, a second look at what stands out in the picture may lead the
+    curve on, cut it or replace it; a curve that is followed is looked at again only where the one
+    before had been changed by that. What cannot be measured comes back with `ok` False and the
+    reason, never raised.
+    """
+    found = unconfirmed_curve(image, optics, strip, start=start)
+    if found.ok and start is not None and start.ok and not changed_by_it(start):
+        return found.confirmed()
+    return seen_again(found, image, optics, strip).confirmed()
 
 
 def unconfirmed_curve(
@@ -163,7 +186,8 @@ def _place_outside(optics: Optics, image: GreyImage) -> str:
         if not (0 <= u < columns and 0 <= v < rows):
             return (
                 f"check of the stated places failed: {u:g},{v:g} lies outside of the image of "
-                f"{columns} x {rows} pixels; check through_px and tip_px."
+                f"{columns} x {rows} pixels; check --tip-px and --through, or tip_px "
+                "and through_px of optics.json."
             )
     return ""
 

@@ -247,7 +247,7 @@ def _place_fault(outline: Outline, optics: Optics) -> str:
         if apart > allowed:
             return (
                 f"check of the stated places failed: the strip's edges lie {apart:.0f} pixels "
-                f"beside {u:.0f},{v:.0f}; state that place anew, or more places beside it."
+                f"beside {u:.0f},{v:.0f}; state that place again, or more places beside it."
             )
     return ""
 

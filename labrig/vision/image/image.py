@@ -106,7 +106,9 @@ def _grey(image: npt.NDArray[Any], channel: ColourChannel) -> tuple[MapArray, li
     if not isinstance(image, np.ndarray) or image.size == 0:
         raise ImageError("this is not an image: an array of pixels is needed.")
     if image.dtype not in (np.uint8, np.uint16, np.float32, np.float64):
-        raise ImageError(f"the image holds {image.dtype} values; 8 or 16 bit grey is needed.")
+        raise ImageError(
+            f"the image holds {image.dtype} values; save it with 8 or 16 bits, or as floats."
+        )
     if image.ndim == 3 and image.shape[2] == 1:
         image = image[:, :, 0]
     if image.ndim == 3 and image.shape[2] == 4:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
-from labrig.vision.one_image import neutral_curve
+from labrig.vision.extraction.extract import neutral_curve
 
 
 class Tracker:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -37,9 +37,7 @@ from model.identification.likelihood.mixed_model_fit import (
     fit_mixed_model,
 )
 from model.identification.likelihood.model_state import Found
-from model.measurements import FloatArray
-
-Report = Callable[[str, float], None]  # what is being done, and the share that is done
+from model.measurements import FloatArray, Progress, silent
 
 
 @dataclass
@@ -107,7 +105,7 @@ def search(
     threshold: float,
     most: int = 3,
     found: tuple[Found, ...] = (),
-    report: Report = lambda _step, _share: None,
+    report: Progress = silent,
 ) -> SearchResult:
     """Add effects while the data ask for them.
 
@@ -123,7 +121,7 @@ def search(
 
 
 def _several_forms(
-    fitted: MixedModelFit, effects: Sequence[Effect], threshold: float, most: int, report: Report
+    fitted: MixedModelFit, effects: Sequence[Effect], threshold: float, most: int, report: Progress
 ) -> SearchResult:
     """Return the names, without those whose forms stand for several others."""
     outcome = _forward(fitted, effects, threshold, most, report)
@@ -173,7 +171,7 @@ def _forward(
     effects: Sequence[Effect],
     threshold: float,
     most: int,
-    report: Report,
+    report: Progress,
     largest_share: float = np.inf,
 ) -> SearchResult:
     """Add the best effect, and the best one then, while the data ask for them.
@@ -185,7 +183,7 @@ def _forward(
         if outcome.steps and fitted.problem.effort.spent():
             break
         doing, share = f"searching for effect {len(outcome.steps) + 1}", 1 / (most + 1)
-        report(doing, share * len(outcome.steps))
+        report(share * len(outcome.steps), doing)
         step = SelectionStep(fitted, rank(fitted, effects))
         if not step.ranking or step.ranking[0].ln_bayes_factor < threshold:
             outcome.steps.append(step)
@@ -199,7 +197,7 @@ def _forward(
         outcome.steps.append(step)
         if len(outcome.steps) > most:  # no more are named, and nothing is worth a fit
             break
-        report(f"{doing}: {title(first.name)}", share * (len(outcome.steps) - 0.5))
+        report(share * (len(outcome.steps) - 0.5), f"{doing}: {title(first.name)}")
         step.ranking = refine_best(fitted, step.ranking)
         step.chosen = _worth(step, threshold)
         if step.chosen is None or step.chosen.fitted is None:

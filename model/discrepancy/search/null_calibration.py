@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +11,7 @@ from model.discrepancy.search.evidence import Candidate, Projected, averaged, sc
 from model.discrepancy.thresholds import FALSE_NAME_RATE
 from model.identification.likelihood.mixed_model import estimate
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from model.measurements import FloatArray
+from model.measurements import FloatArray, Progress, silent
 
 
 def null_gains(
@@ -19,7 +19,7 @@ def null_gains(
     pool: Sequence[Candidate],
     count: int,
     seed: int,
-    progress: Callable[[str, float], None] | None = None,
+    progress: Progress = silent,
 ) -> FloatArray:
     """Return the largest evidence of any candidate in `count` sessions drawn from the fitted model.
 
@@ -43,8 +43,7 @@ def null_gains(
         for c in pool:
             gains.setdefault(c.name, []).append(score(forward, weighed, c).log_bayes)
         result[i] = max(averaged(shapes) for shapes in gains.values())
-        if progress is not None:
-            progress("simulating sessions of the base model", (i + 1) / count)
+        progress((i + 1) / count, "simulating sessions of the base model")
     return result
 
 

@@ -11,7 +11,7 @@ from model.dynamics.comparison.compared_run import QUANTITIES, MeasuredRun, Quan
 from model.dynamics.comparison.contender import Contender
 from model.dynamics.comparison.hold_out import HeldOut
 from model.dynamics.comparison.model_fit import FittedModel, fit_model
-from model.measurements import FloatArray, ModelError
+from model.measurements import FloatArray, ModelError, Progress, silent
 
 STEPS_ALONE = 6  # of a fit to one quantity, which begins at that to all of them
 
@@ -41,7 +41,7 @@ def compare_models(
     models: Sequence[Contender],
     data: HeldOut,
     begin: Callable[[Contender, Sequence[MeasuredRun]], dict[str, float] | None],
-    progress: Callable[[float, str], None] | None = None,
+    progress: Progress = silent,
 ) -> list[ComparisonRow]:
     """Fit each model to some runs and predict the others; the largest ln evidence comes first.
 
@@ -49,8 +49,7 @@ def compare_models(
     """
     rows = []
     for done, model in enumerate(models):
-        if progress is not None:
-            progress(done / len(models), model.title)
+        progress(done / len(models), model.title)
         rows.append(_row(model, data, begin(model, data.fitted)))
     return sorted(rows, key=lambda row: -np.nan_to_num(row.ln_evidence, nan=-np.inf))
 

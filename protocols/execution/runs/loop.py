@@ -10,9 +10,10 @@ from drivers.interfaces import Clock
 from protocols.execution.devices import Devices
 from protocols.execution.events import Event, Warned
 from protocols.execution.output import GuardedOutput
-from protocols.execution.rules import LoopTiming, Rules
+from protocols.execution.rules import Rules
 from protocols.execution.states import RunState
 from protocols.execution.stop import StopRequest
+from protocols.planning.loop_timing import LoopTiming
 
 
 class Stopped(Exception):  # noqa: N818 - not an error: a request is followed

@@ -14,13 +14,14 @@ import tomlkit
 
 import model.discrepancy
 from labrig.cli.main import run
-from labrig.config import load_protocol, parse_protocol
+from labrig.config import parse_protocol
 from labrig.model_file import load_model
 from labrig.report.data.kept_diagnosis import keep_diagnosis, kept_diagnosis
 from labrig.report.diagnosis.figures import FIGURES
 from labrig.report.page.diagnosis import write_diagnosis
 from labrig.report.page.write import write_report
 from labrig.session import load_measurements
+from labrig.session.tables.drive_table import load_protocol
 from model import predict
 from model.discrepancy import Next
 from model.discrepancy.verdict.result import BeforeAfter, Promise
@@ -46,7 +47,7 @@ def finding(monkeypatch, recorded):
     def answer(make):
         def diagnose(measurements, options=None, progress=None):
             asked.append(options)
-            progress("searching", 0.5)
+            progress(0.5, "searching")
             return make()
 
         monkeypatch.setattr(model.discrepancy, "diagnose", diagnose)

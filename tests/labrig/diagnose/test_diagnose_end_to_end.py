@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks.hidden_effects import case, hidden_session, write
 from labrig.cli.main import run
-from labrig.config import load_protocol
 from labrig.model_file import load_model
+from labrig.session.tables.drive_table import load_protocol
 
 
 def labrig(*arguments: object) -> int:

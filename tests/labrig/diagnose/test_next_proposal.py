@@ -37,8 +37,8 @@ def test_the_only_name_of_something_unknown_is_told_with_what_shows_it():
         "the diagnosis names first pulse transient alone, or something that is not in the "
         "catalogue, and no measurement can be chosen to tell it from that. What shows it by "
         "itself: first pulse transient: The discarded pulses, or a run begun again without a rest. "
-        "To tell it from another effect, name both with --between, such as --between "
-        "first_pulse_transient gravity."
+        "To tell it from another effect, name both with between, such as "
+        "first_pulse_transient and gravity."
     )
 
 

@@ -8,9 +8,10 @@ import tomllib
 import numpy as np
 import pytest
 
-from labrig.config import load_load_cell, load_protocol
+from labrig.config import load_load_cell
 from labrig.config.templates import template_text
 from labrig.panel.core import configuration_files as files
+from labrig.session.tables.drive_table import load_protocol
 from labrig.vision import CalibrationBoard, Optics
 from tests.labrig.panel.page import Page
 

@@ -13,8 +13,8 @@ import pytest
 
 import labrig
 from labrig.cli.main import run
-from labrig.config import load_protocol
 from labrig.errors import BadInputError
+from labrig.session.tables.drive_table import load_protocol
 from labrig.session.tables.examples import write_examples
 from model import ModelError, SheetModel
 from model.sheet.misfit import CURVE, FORCE, FORCE_SIZE
@@ -131,10 +131,10 @@ def test_wrong_arguments_of_fit_are_one_sentence(session_file):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"bootstrap": "20"}, "--bootstrap '20': a number is needed."),
-        ({"q": None}, "--q None: a number is needed."),
-        ({"stiffness_Nm2": "1e-6"}, "--stiffness-Nm2 '1e-6': a number is needed."),
-        ({"hold_out": 25}, "--hold-out '25': write position=25 or configuration=long,position=25."),
+        ({"bootstrap": "20"}, "bootstrap '20': a number is needed."),
+        ({"q": None}, "q None: a number is needed."),
+        ({"stiffness_Nm2": "1e-6"}, "stiffness_Nm2 '1e-6': a number is needed."),
+        ({"hold_out": 25}, "hold_out '25': write position=25 or configuration=long,position=25."),
     ],
 )
 def test_a_wrong_type_is_one_sentence_of_fit(session_file, options, said):
@@ -145,9 +145,9 @@ def test_a_wrong_type_is_one_sentence_of_fit(session_file, options, said):
 
 @pytest.mark.slow
 def test_a_wrong_type_is_one_sentence_of_diagnose_and_next(session_file):
-    with pytest.raises(BadInputError, match="--calibrate '5': a number is needed"):
+    with pytest.raises(BadInputError, match="calibrate '5': a number is needed"):
         labrig.diagnose(session_file, calibrate="5")
-    with pytest.raises(BadInputError, match="--hold-out '25': write position=25"):
+    with pytest.raises(BadInputError, match="hold_out '25': write position=25"):
         labrig.diagnose(session_file, hold_out=25)
     for between in ("gravity", ("gravity",), ("gravity", "clamp_angle", "roll_offset")):
         with pytest.raises(BadInputError, match="name two effects, such as gravity and clamp_ang"):
@@ -360,10 +360,10 @@ def test_a_model_that_misses_its_data_is_named_in_a_warning(tmp_path):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"position_mm": "5"}, "--position-mm '5': a number is needed"),
-        ({"position_mm": np.ones((2, 2))}, r"--position-mm array.*: a number is needed"),
-        ({"voltage": [2, None]}, "--voltage None: a number is needed"),
-        ({"eibm": {"2": 36e-6}}, "--eibm '2': a number is needed"),
+        ({"position_mm": "5"}, "position_mm '5': a number is needed"),
+        ({"position_mm": np.ones((2, 2))}, r"position_mm array.*: a number is needed"),
+        ({"voltage": [2, None]}, "voltage None: a number is needed"),
+        ({"eibm": {"2": 36e-6}}, "eibm '2': a number is needed"),
         ({"eibm": [36e-6]}, "EIBMs by voltage are needed, such as {2.0: 36e-6}"),
     ],
 )
@@ -384,7 +384,7 @@ def test_an_eibm_whose_places_are_in_mm_is_refused(tmp_path):
 
 
 def test_simulate_asks_for_what_is_missing():
-    with pytest.raises(BadInputError, match="at least one --position-mm and one --voltage"):
+    with pytest.raises(BadInputError, match="at least one position_mm and one voltage"):
         labrig.simulate(long_sheet(), voltage=2)
 
 
@@ -406,12 +406,12 @@ def test_design_is_what_the_command_prints(model_file, capsys):
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"direction": "up"}, "--direction: 'up' is not one of 'both', 'positive', 'negative'."),
-        ({"mass_g": 0}, "--mass-g 0: a number above 0 is needed."),
-        ({"bandwidth_Hz": -1}, "--bandwidth-Hz -1: a number above 0 is needed."),
-        ({"force_mN": -1.5}, "--force-mN -1.5: a number above 0 is needed."),
-        ({"force_mN": "a"}, "--force-mN 'a': a number is needed."),
-        ({"lag_s": -1}, "--lag-s -1: a number from 0 is needed."),
+        ({"direction": "up"}, "direction: 'up' is not one of 'both', 'positive', 'negative'."),
+        ({"mass_g": 0}, "mass_g 0: a number above 0 is needed."),
+        ({"bandwidth_hz": -1}, "bandwidth_hz -1: a number above 0 is needed."),
+        ({"force_mN": -1.5}, "force_mN -1.5: a number above 0 is needed."),
+        ({"force_mN": "a"}, "force_mN 'a': a number is needed."),
+        ({"lag_s": -1}, "lag_s -1: a number from 0 is needed."),
     ],
 )
 def test_a_wish_that_nobody_can_have_is_one_sentence(options, said):

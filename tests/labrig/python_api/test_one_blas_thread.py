@@ -36,7 +36,7 @@ NEEDS: dict[Callable[..., Any], dict[str, Any]] = {
     labrig.next_in_time: {},
     labrig.compare: {},
     labrig.simulate: {"position_mm": 5, "voltage": 2},
-    labrig.design: {"section": (0, 30)},
+    labrig.design: {"section_mm": (0, 30)},
 }
 
 

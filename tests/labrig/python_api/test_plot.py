@@ -50,6 +50,17 @@ def test_forces_are_drawn_in_mN_with_the_models_lines(axes):
     assert at_10_mm == pytest.approx(force_mN, rel=1e-3)
 
 
+def test_a_model_with_a_constant_eibm_is_dashed_as_that_of_a_fit_is(axes):
+    numbers = {"free_length_mm": 50, "width_mm": 11, "thickness_mm": 0.21, "B_Nm2": 1.27e-6}
+    falling = ([0.0, 0.05], [60e-6, 10e-6])
+    for eibm, style in ((36e-6, "--"), (falling, "-")):
+        model = labrig.sheet(**numbers, EIBM_Nm=eibm, name="long")
+        axes.clear()
+        labrig.plot.forces(measure("long"), model, ax=axes)
+        simulated = [line for line in axes.get_lines() if len(line.get_xdata()) > 20]
+        assert {line.get_linestyle() for line in simulated} == {style}
+
+
 def test_the_eibm_of_a_model_is_drawn_along_the_whole_sheet(axes):
     constant = labrig.sheet(
         free_length_mm=50, width_mm=11, thickness_mm=0.21, B_Nm2=1.27e-6, EIBM_Nm=36e-6
@@ -103,3 +114,13 @@ def test_a_configuration_is_asked_for_where_there_are_several(axes):
         labrig.plot.forces(both, ax=axes)
     with pytest.raises(BadInputError, match="there is no 'wide'; one of long, short"):
         labrig.plot.curves(both, configuration="wide", ax=axes)
+
+
+def test_shapes_are_of_one_configuration_and_of_one_at_least(axes):
+    model = truth("long", "short")
+    with pytest.raises(BadInputError, match=r"^there is no prediction to draw\.$"):
+        labrig.plot.shapes([], model, ax=axes)
+    found = labrig.simulate(model, position_mm=0, voltage=2)
+    said = r"^the predictions are of long, short; draw those of one configuration\.$"
+    with pytest.raises(BadInputError, match=said):
+        labrig.plot.shapes(found, model, ax=axes)

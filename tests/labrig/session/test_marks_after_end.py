@@ -329,6 +329,25 @@ def test_the_command_marks_and_show_and_list_say_so(session, capsys):
     assert "s.h5: run 1 (long, 5 mm) is invalid" in capsys.readouterr().out
 
 
+@pytest.mark.slow
+def test_a_run_is_marked_by_the_number_that_show_lists(tmp_path, capsys):
+    """Of two runs only the second was measured again: they are numbered 1, 2 and 4."""
+    path = tmp_path / "s.h5"
+    begun = replace(SHORT, runs=(*SHORT.runs, SHORT.repeats[1]))
+    with SessionWriter(path, **settings(SHORT)) as writer:
+        for event in session_events(begun):
+            writer.handle(event)
+    assert labrig("show", path, "--json") == 0
+    assert [run["run"] for run in json.loads(capsys.readouterr().out)["runs"]] == [1, 2, 4]
+    assert labrig("mark", path, "--run", 3, "--why", "a leak") == 2
+    assert "s.h5: there is no run 3; its runs are 1, 2, 4." in capsys.readouterr().err
+    assert labrig("mark", path, "--run", 4, "--why", "a leak") == 0
+    assert "s.h5: run 4 (short, 5 mm) is invalid" in capsys.readouterr().out
+    with open_session(path) as opened:
+        assert not opened.run(3).readings["valid"].any()
+        assert opened.run(1).readings["valid"].all()
+
+
 def test_the_command_names_what_is_wrong_in_a_sentence(session, capsys):
     assert labrig("mark", session, "--run", 9, "--why", "x") == 2
     assert "there is no run 9" in capsys.readouterr().err

@@ -12,6 +12,7 @@ import pytest
 
 from labrig.config import parse_sheet
 from labrig.errors import BadInputError
+from labrig.files import typed
 from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
 from labrig.session.tables import column_names, read_and_understood, read_tables, write_tables
 from labrig.session.tables.examples import CURVES, FORCES, LABVIEW, write_examples
@@ -104,6 +105,21 @@ def test_units_in_names_are_converted_to_the_last_bit(tmp_path, name, value, our
     assert first.readings[0].force_N == wanted
 
 
+@pytest.mark.parametrize("unit", ["1/mm", "m-1", "per_m", "uV", "kN"])
+def test_each_unit_that_a_name_may_have_may_stand_in_a_line_of_units(tmp_path, unit):
+    assert split_name(f"k [{unit}]").unit is not None
+    text = other(PLAIN).replace("position_mm", "position").replace("force_mN\n", "force_mN\tk\n")
+    names, *lines = text.splitlines()
+    text = "\n".join([names, f"\tmm\tV\t-\tmN\t{unit}", *(f"{line}\t1" for line in lines)])
+    assert alike(read(tmp_path, text), read(tmp_path, PLAIN))
+
+
+def test_a_line_of_units_is_not_taken_for_the_names(tmp_path):
+    text = "pos\tk\nmm\t1/mm\n0\t1\n1\t2\n"
+    layout = find_layout(text, lambda _: 0)
+    assert (layout.names, layout.units) == (("pos", "k"), ("mm", "1/mm"))
+
+
 def test_positions_in_metres_and_centimetres_become_metres(tmp_path):
     for name, value in (("position [m]", "0.0055"), ("position (cm)", "0.55")):
         text = PLAIN.replace("position_mm", name).replace("long,5.5", f"long,{value}")
@@ -129,6 +145,20 @@ def test_other_names_are_taken_only_as_stated(tmp_path):
     )
     found = read(tmp_path, text, "force_mN=F", "voltage_V=U")
     assert alike(found, read(tmp_path, PLAIN))
+
+
+def test_a_column_of_sheets_is_not_offered_as_the_voltage(tmp_path):
+    with pytest.raises(BadInputError, match="column voltage_V is missing; give"):
+        read(tmp_path, other(PLAIN).replace("voltage_V", "sheet"))
+    with pytest.raises(BadInputError, match=r"'U_sheet' is not known; .* --columns voltage_V=U_"):
+        read(tmp_path, other(PLAIN).replace("voltage_V", "U_sheet"))
+
+
+def test_a_name_with_a_blank_is_offered_as_it_is_typed(tmp_path):
+    with pytest.raises(BadInputError) as caught:
+        read(tmp_path, PLAIN.replace("force_mN", "mean force"))
+    offered = str(caught.value).rpartition("give ")[2].rstrip(".")
+    assert offered == f"--columns {typed('force_mN=mean force')}"
 
 
 def test_a_stated_name_may_leave_its_unit_out(tmp_path):
@@ -206,7 +236,7 @@ def test_curves_of_photographs_are_curves_of_free_sheets(tmp_path):
 
 @pytest.mark.parametrize("name", ["force_gf", "force (mg)"])
 def test_a_unit_that_is_not_known_is_answered_with_those_that_are(tmp_path, name):
-    with pytest.raises(BadInputError, match="did you mean force_mN, in N, mN or uN"):
+    with pytest.raises(BadInputError, match="did you mean force_mN, in N, mN, uN or kN"):
         read(tmp_path, PLAIN.replace("force_mN", name))
 
 

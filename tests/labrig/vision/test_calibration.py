@@ -135,6 +135,13 @@ def test_a_ruler_gives_a_scale_and_says_what_it_does_not_give():
         calibrate_ruler((640, 480), (100, 100), (500, 100), 0.01, clamp_px=(80, 240))
 
 
+def test_a_ruler_in_metres_is_asked_about():
+    short = calibrate_ruler((640, 480), (100, 100), (300, 100), 0.03, clamp_px=(80, 240))
+    assert any("is its length in mm?" in note for note in short.warnings)
+    usual = calibrate_ruler((640, 480), (100, 100), (300, 100), 30.0, clamp_px=(80, 240))
+    assert not any("is its length in mm?" in note for note in usual.warnings)
+
+
 def test_a_ruler_says_that_the_direction_is_found_where_none_is_stated():
     upright = calibrate_ruler((640, 480), (100, 100), (100, 400), 45.0, clamp_px=(80, 240))
     assert upright.optics.roll_rad == 0

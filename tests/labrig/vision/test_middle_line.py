@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from labrig.vision.salience.middle_line import distances, middle_line
+from labrig.vision.extraction.salience.middle_line import distances, middle_line
 from tests.labrig.vision.salient_strips import CLAMP, arc, strip_map
 
 

@@ -45,7 +45,7 @@ def test_a_camera_that_leaves_most_of_sixteen_bits_empty(plain, known):
 
 def test_not_an_image(plain, known):
     refused([[1, 2]], *known(plain), "not an image")
-    refused(np.zeros((480, 640), complex), *known(plain), "grey is needed")
+    refused(np.zeros((480, 640), complex), *known(plain), "save it with 8 or 16 bits")
     refused(np.full((480, 640), np.nan), *known(plain), "finite")
 
 

@@ -11,9 +11,9 @@ import pytest
 from labrig.vision import NeutralCurve, Optics, StripGeometry
 from labrig.vision.checks.kinds.strip_goes_on import CHECK as STRIP_GOES_ON
 from labrig.vision.extraction.outline_report import ASSUMED
-from labrig.vision.salience import network, second_look
-from labrig.vision.salience.merging import GOES_ON
-from labrig.vision.salience.middle_line import distances, lengths
+from labrig.vision.extraction.salience import network, second_look
+from labrig.vision.extraction.salience.merging import GOES_ON
+from labrig.vision.extraction.salience.middle_line import distances, lengths
 from tests.labrig.vision.salient_strips import CLAMP, SIZE, arc, strip_map
 
 PICTURE = np.zeros((*SIZE, 3), dtype=np.uint8)

@@ -54,6 +54,16 @@ def names(found) -> list[str]:
 
 
 @pytest.mark.slow
+def test_the_progress_is_a_share_and_a_text_as_everywhere():
+    told: list[tuple[float, str]] = []
+    diagnose(session(NOTHING), None, lambda share, text: told.append((share, text)))
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares)
+    assert told[0] == (0.0, "checking the data")
+    assert told[-1] == (1.0, "done")
+
+
+@pytest.mark.slow
 def test_where_nothing_is_hidden_nothing_is_found():
     found = diagnosed(NOTHING)
     assert (found.verdict, names(found), found.unknown) == ("nothing_missing", [], None)

@@ -134,12 +134,12 @@ def test_nulls_are_drawn_as_noise_and_scatter_are_and_repeat_with_their_seed():
     base = base_fit()
     pool = [*candidates(base, [effect("gravity"), effect("force_offset")]), *unknowns(base)]
     told = []
-    gains = null_gains(base, pool, 3, 3, lambda what, share: told.append((what, share)))
+    gains = null_gains(base, pool, 3, 3, lambda share, what: told.append((share, what)))
     assert np.all(np.isfinite(gains))
     assert np.max(gains) < 10.0
     np.testing.assert_array_equal(gains, null_gains(base, pool, 3, 3))
     assert not np.array_equal(gains[:1], null_gains(base, pool, 1, 4))
-    assert told[-1] == ("simulating sessions of the base model", 1.0)
+    assert told[-1] == (1.0, "simulating sessions of the base model")
 
 
 # ---------------------------------------------------------------------------- outliers

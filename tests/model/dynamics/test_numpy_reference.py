@@ -128,7 +128,7 @@ def test_water_slows_the_sheet_as_its_added_mass_says():
 
     water = fluid_load(0.011, 1000.0, 1e-3, 0.71)
     air, wet = (
-        linearise(Simulation(plain(STRAIGHT, **more), None, UNDRIVEN)).frequencies_Hz()[0]
+        linearise(Simulation(plain(STRAIGHT, **more), None, UNDRIVEN)).frequencies_hz()[0]
         for more in ({}, {"fluid": water})
     )
     mass = 5.775e-3

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from labrig.session.tables.text.layout import TextLayout, is_number
-from labrig.session.tables.text.names import SplitName, may_mean, own_unit, words_for
+from labrig.session.tables.text.names import KNOWN, SplitName, may_mean, own_unit, words_for
 
 _ALIKE: Final = 0.6  # of two words, from 0 to 1
 _LONG: Final = 4  # letters of a name that may be part of another
@@ -49,6 +49,9 @@ def _fits(name: SplitName, missing: str) -> bool:
 
 
 def _alike(name: SplitName, missing: str) -> bool:
+    """Whether the name is like one of the missing column, and is not that of another column."""
+    if any(name.word in words_for(other) for other in KNOWN if other != missing):
+        return False
     return any(
         own in name.word or difflib.SequenceMatcher(None, name.word, own).ratio() >= _ALIKE
         for own in words_for(missing)

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
+from labrig.session.tables.text.names import unit_of
+
 COMMA, SEMICOLON, TAB = ",", ";", "\t"
 IN_WORDS = {COMMA: "commas", SEMICOLON: "semicolons", TAB: "tabs"}
 _MOST_HEADER = 400  # lines within which a table begins
@@ -16,7 +18,7 @@ _MOST_LOOKED_AT = 50  # lines of numbers that tell where it begins
 _EXPONENT = r"(?:[eE][-+]?\d+)?"
 _WITH_POINT = re.compile(rf"[-+\u2212]?(?:\d+\.?\d*|\.\d+){_EXPONENT}")
 _WITH_COMMA = re.compile(rf"[-+\u2212]?(?:\d*,\d+){_EXPONENT}")
-_ALIKE = re.compile(r"(?:µ|μ|u|m|k)?(?:N|m|V|A|s)|°|deg|cm|1/m|-|")
+_NO_UNIT = ("", "-")
 
 Cells = list[str]
 
@@ -131,7 +133,7 @@ def _holds_values(cells: Cells, width: int) -> bool:
 
 def _are_units(cells: Cells, width: int) -> bool:
     own = [cell.strip("[]()") for cell in cells]
-    return len(own) == width and any(own) and all(_ALIKE.fullmatch(cell) for cell in own)
+    return len(own) == width and any(own) and all(cell in _NO_UNIT or unit_of(cell) for cell in own)
 
 
 def _without_empty_end(cells: Cells) -> Cells:

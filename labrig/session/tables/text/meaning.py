@@ -9,6 +9,7 @@ from enum import StrEnum
 from typing import Final
 
 from labrig.errors import BadInputError
+from labrig.files import typed
 from labrig.session.tables.text.guesses import likely
 from labrig.session.tables.text.layout import TextLayout
 from labrig.session.tables.text.names import (
@@ -262,12 +263,7 @@ def _offered(file: str, guesses: Sequence[ColumnMeaning]) -> BadInputError:
 def stated(column: ColumnMeaning) -> str:
     """Return the option that states a column, as it is typed."""
     name = split_name(column.name).base or column.name
-    return f"--columns {quoted(f'{column.means}={name}')}"
-
-
-def quoted(text: str) -> str:
-    """Return a text as it is typed in a shell."""
-    return f'"{text}"' if set(text) & set(" ()[]<>{}&;|*?$'`#~") else text
+    return f"--columns {typed(f'{column.means}={name}')}"
 
 
 def _missing(file: str, name: str, offered: Sequence[str], *, ask: bool) -> str:

@@ -10,9 +10,9 @@ from labrig.session.tables import columns
 
 # Each unit: what it measures, and the power of ten to the SI unit.
 _UNITS: Final = {
-    "N": ("force", 0), "mN": ("force", -3), "uN": ("force", -6),
+    "N": ("force", 0), "mN": ("force", -3), "uN": ("force", -6), "kN": ("force", 3),
     "m": ("length", 0), "cm": ("length", -2), "mm": ("length", -3), "um": ("length", -6),
-    "V": ("voltage", 0), "mV": ("voltage", -3), "kV": ("voltage", 3),
+    "V": ("voltage", 0), "mV": ("voltage", -3), "uV": ("voltage", -6), "kV": ("voltage", 3),
     "s": ("time", 0), "ms": ("time", -3), "us": ("time", -6),
     "A": ("current", 0), "mA": ("current", -3), "uA": ("current", -6),
     "1/m": ("curvature", 0), "per_m": ("curvature", 0), "m-1": ("curvature", 0),
@@ -27,7 +27,7 @@ _WORD = re.compile(r"(?P<name>.+?)(?:\s+in\s+|[\s_]+)(?P<unit>\S+)")
 _OTHERS: Final = {
     "configuration": "config sheet sample strip specimen konfiguration probe",
     "position_mm": "p pos arc place angle ort",
-    "voltage_V": "u v volt volts spannung tension u sheet",
+    "voltage_V": "u v volt volts spannung tension u_sheet",
     "reading": "no nr number trial repeat repetition measurement",
     "force_mN": "f load kraft mean mean_force force_mean mittelwert",
     "sd_mN": "std stdev stddev sigma s f_sd f_std force_sd force_std deviation",

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.extraction.outline_report import ASSUMED
-from labrig.vision.salience.middle_line import MiddleLine, distances, left_of, lengths
+from labrig.vision.extraction.salience.middle_line import MiddleLine, distances, left_of, lengths
 
 FloatArray = npt.NDArray[np.float64]
 

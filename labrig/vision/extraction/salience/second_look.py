@@ -16,9 +16,14 @@ import numpy.typing as npt
 
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.salience.merging import CUT, LED_ON, halfway, merged
-from labrig.vision.salience.middle_line import MiddleLine, distances, lengths, middle_line
-from labrig.vision.salience.network import SIDE_PX, salience
+from labrig.vision.extraction.salience.merging import CUT, LED_ON, halfway, merged
+from labrig.vision.extraction.salience.middle_line import (
+    MiddleLine,
+    distances,
+    lengths,
+    middle_line,
+)
+from labrig.vision.extraction.salience.network import SIDE_PX, salience
 
 FloatArray = npt.NDArray[np.float64]
 ImageArray = npt.NDArray[Any]

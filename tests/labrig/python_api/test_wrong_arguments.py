@@ -1,0 +1,271 @@
+"""Arguments that nobody can mean: one sentence, which names the argument."""
+
+from __future__ import annotations
+
+import importlib
+import traceback
+from typing import cast
+
+import numpy as np
+import pytest
+
+import labrig
+from labrig.api.next_measurement import NextMeasurement
+from labrig.cli.main import run
+from labrig.errors import BadInputError
+from model import Prediction, PredictionArray
+from model.discrepancy import Next
+from tests.labrig.report_data import measure
+
+NUMBERS = {"free_length_mm": 50, "width_mm": 11, "thickness_mm": 0.21}
+PAIR = "a number, or a pair (s in mm, k0 in 1/m) of equally long rows is needed"
+
+
+def sheet(**changes: object) -> labrig.SheetModel:
+    return labrig.sheet(**({**NUMBERS, "B_Nm2": 1.27e-6, "EIBM_Nm": 36e-6} | changes))
+
+
+def said_by(job) -> str:
+    with pytest.raises((labrig.LabrigError, labrig.ModelError)) as told:
+        job()
+    return str(told.value)
+
+
+# -- a sheet from plain numbers
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"B_Nm2": None, "E_Pa": "1e8"}, "E_Pa '1e8': a number is needed."),
+        ({"B_Nm2": "soft"}, "B_Nm2 'soft': a number is needed."),
+        ({"EIBM_Nm": {"2": 36e-6}}, "EIBM_Nm '2': a number is needed."),
+        ({"initial_curvature_per_m": ([0], [1], [2])}, PAIR),
+        ({"initial_curvature_per_m": (0.0, 1.0)}, PAIR),
+        ({"initial_curvature_per_m": ([0, 50], [1])}, PAIR),
+        ({"initial_curvature_per_m": ([0, "a"], [1, 1])}, "'a': a number is needed"),
+        ({"initial_curvature_per_m": "measured"}, PAIR),
+    ],
+)
+def test_what_is_no_number_of_a_sheet_is_one_sentence(changes, said):
+    assert said in said_by(lambda: sheet(**changes))
+
+
+@pytest.mark.parametrize(
+    ("k0", "said"),
+    [
+        (([0, 0.05], [1, 1]), "initial_curvature_per_m s_mm: 0.001 of the free length"),
+        (1e4, "initial_curvature_per_m: 2.865e+04 deg, wanted 0 to 360 deg"),
+    ],
+)
+def test_an_initial_curvature_in_another_unit_is_refused(k0, said):
+    assert said in said_by(lambda: sheet(initial_curvature_per_m=k0))
+
+
+def test_rows_of_an_initial_curvature_are_in_mm_and_per_m():
+    bent = sheet(initial_curvature_per_m=[[0, 50], [2.0, 4.0]]).sheets["sheet"].sheet
+    assert [list(row) for row in bent.initial_curvature] == [[0.0, 0.05], [2.0, 4.0]]
+
+
+# -- EIBMs of one's own
+
+
+def branching(s_m):
+    return 1e-6 if s_m > 0.01 else 0.0
+
+
+def test_a_fault_inside_an_eibm_function_is_told_with_its_place_and_cause():
+    with pytest.raises(labrig.ModelError) as told:
+        sheet(EIBM_Nm=branching)
+    said = str(told.value)
+    line = branching.__code__.co_firstlineno + 1
+    assert f"failed in test_wrong_arguments.py, line {line}: ValueError: The truth value" in said
+    assert isinstance(told.value.__cause__, ValueError)
+    assert "branching" in "".join(traceback.format_exception(told.value))
+
+
+@pytest.mark.parametrize("found", [np.ones(3), "large", None])
+def test_an_eibm_function_must_return_a_number_for_each_place(found):
+    said = said_by(lambda: sheet(EIBM_Nm={2.0: lambda _s_m: found}))
+    assert "returned" in said
+    assert "as many as there are places s_m (51)" in said
+
+
+def test_lists_are_rows_of_an_eibm_and_functions_may_return_one_number():
+    rows = sheet(EIBM_Nm={2.0: [[0.0, 0.05], [36e-6, 20e-6]]}).sheets["sheet"]
+    same = sheet(EIBM_Nm={2.0: ([0.0, 0.05], [36e-6, 20e-6])}).sheets["sheet"]
+    assert rows.mean_eibm(2.0) == same.mean_eibm(2.0)
+    constant = sheet(EIBM_Nm={2.0: lambda _s_m: 36e-6}).sheets["sheet"]
+    assert constant.mean_eibm(2.0) == pytest.approx(36e-6)
+
+
+@pytest.mark.parametrize("wrong", ["36e-6", [36e-6], ([0.0, 0.05], "ab"), None])
+def test_what_is_no_eibm_is_one_sentence(wrong):
+    said = said_by(lambda: labrig.simulate(sheet(), position_mm=5, eibm={2.0: wrong}))
+    assert "must be a number in N m, a function of s_m, or a pair" in said
+
+
+# -- predictions
+
+
+@pytest.mark.parametrize("volts", [2, 2.0, np.int64(2), np.float32(2), np.float64(2), np.array(2)])
+def test_two_numbers_give_a_prediction_whatever_their_type(volts):
+    one = labrig.predict(sheet(), "sheet", np.float32(0.01), volts)
+    assert isinstance(one, Prediction)
+    assert isinstance(one.voltage_V, float)
+    assert isinstance(labrig.predict(sheet(), "sheet", [0.01], volts), PredictionArray)
+
+
+@pytest.mark.parametrize("wrong", ["x", "5", None, [0.0, [1.0]], ["5"]])
+def test_a_place_that_is_no_number_is_one_sentence_of_predict(wrong):
+    for place in ((wrong, 2), (0.01, wrong)):
+        said = said_by(lambda place=place: labrig.predict(sheet(), "sheet", *place))
+        assert "a number or an array of numbers is needed" in said or "finite numbers" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"session": -1}, "session -1: a number from 0 is needed."),
+        ({"session": "1"}, "session '1': a number is needed."),
+        ({"session": 0.5}, "session 0.5: a whole number is needed."),
+        ({"session": 1}, "session 1: the model has nothing that differs between sessions."),
+        ({"position_mm": float("nan")}, "position_mm nan: a number is needed."),
+    ],
+)
+def test_a_wrong_argument_of_simulate_is_one_sentence(options, said):
+    asked = {"position_mm": 5, "voltage": 2} | options
+    assert said_by(lambda: labrig.simulate(sheet(), **asked)) == said
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"every_ms": "x"}, "every_ms 'x': a number is needed."),
+        ({"every_ms": 0}, "every_ms 0: a number above 0 is needed."),
+        ({"start_ms": None}, "start_ms None: a number is needed."),
+        ({"position_mm": "5"}, "position_mm '5': a number is needed."),
+        ({"run": 1.5}, "run 1.5: a whole number is needed."),
+    ],
+)
+def test_a_wrong_argument_of_simulate_in_time_is_one_sentence(options, said):
+    assert said_by(lambda: labrig.simulate_in_time("m.toml", "p.toml", **options)) == said
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"mass_g": None}, "mass_g None: a number is needed."),
+        ({"lag_s": float("inf")}, "lag_s inf: a number is needed."),
+    ],
+)
+def test_a_wrong_argument_of_design_is_one_sentence(options, said):
+    assert said_by(lambda: labrig.design(sheet(), (0, 20), **options)) == said
+
+
+# -- what is fitted
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"bootstrap": float("nan")}, "bootstrap nan: a number is needed."),
+        ({"bootstrap": 20.5}, "bootstrap 20.5: a whole number is needed."),
+        ({"bootstrap": -20}, "bootstrap -20: a number from 0 is needed."),
+        ({"stiffness_Nm2": -1}, "stiffness_Nm2 -1: a number above 0 is needed."),
+    ],
+)
+def test_a_wrong_argument_of_fit_is_one_sentence(options, said):
+    assert said_by(lambda: labrig.fit("session.h5", **options)) == said
+
+
+@pytest.mark.parametrize("given", ["5", -1, 0, float("nan")])
+@pytest.mark.parametrize("function", ["compare", "fit_in_time", "next_in_time"])
+def test_the_mass_of_an_elongation_has_one_rule_and_is_checked_first(function, given):
+    ask = getattr(labrig, function)
+    said = said_by(lambda: ask("gone.h5", elongation_g_per_m=given))
+    wanted = "a number above 0" if given in (-1, 0) else "a number"
+    assert said == f"elongation_g_per_m {given!r}: {wanted} is needed."
+
+
+@pytest.mark.parametrize("between", [3, ("gravity", 3), {"gravity": 1}])
+def test_what_names_no_two_effects_is_one_sentence(between):
+    said = said_by(lambda: labrig.next_measurement(measure("long"), between=between))
+    assert said == f"between {between!r}: name two effects, such as gravity and clamp_angle."
+
+
+def test_the_command_line_names_its_options(capsys):
+    for asked, said in (
+        (("compare", "gone.h5", "--elongation-g-per-m", "-1"), "--elongation-g-per-m -1: a number"),
+        (("design", "gone.toml", "--section", "9"), "--section '9': two positions"),
+        (("fit", "gone.h5", "--bootstrap", "5"), "--bootstrap 5: give at least 20, or 0."),
+    ):
+        assert run(list(asked)) == 2
+        assert said in capsys.readouterr().err
+
+
+def test_a_path_that_has_an_arguments_name_stays_as_it_is():
+    error = labrig.errors.BadArgumentError("model/model.toml: give model.", "model")
+    assert error.in_words(lambda _name: "--model") == "model/model.toml: give --model."
+    assert isinstance(error, BadInputError)
+
+
+def test_an_export_names_its_format_and_the_command_its_option(tmp_path, capsys):
+    said = said_by(lambda: labrig.export(tmp_path / "gone.h5", tmp_path, format="dvd"))
+    assert said.startswith("format: ")
+    assert run(["export", "gone.h5", "-o", str(tmp_path / "x"), "--as", "dvd"]) == 2
+    assert capsys.readouterr().err == f"labrig: --as: {said.removeprefix('format: ')}\n"
+
+
+# -- all options at once
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ({"symmetric": True, "q": 2.0}, "symmetric, q"),
+        ({"hold_out": "position=20"}, "hold_out"),
+        ({"configuration": "long", "bootstrap": 20}, "configuration, bootstrap"),
+        ({"stiffness_Nm2": 1e-6, "measured_curvature": True}, "measured_curvature, stiffness_Nm2"),
+    ],
+)
+def test_fit_refuses_arguments_beside_options(given, named):
+    said = said_by(lambda: labrig.fit("gone.h5", labrig.FitOptions(), **given))
+    assert said == f"options hold {named}: give each once, there or as an argument."
+
+
+@pytest.mark.parametrize(
+    ("given", "named"),
+    [
+        ({"symmetric": True, "calibrate": 20}, "symmetric, calibrate"),
+        ({"hold_out": "position=20", "without": "gravity"}, "hold_out, without"),
+        ({"model": "m.toml", "stiffness_Nm2": 1e-6}, "model, stiffness_Nm2"),
+    ],
+)
+def test_diagnose_refuses_arguments_beside_options(given, named):
+    said = said_by(lambda: labrig.diagnose("gone.h5", labrig.DiagnoseOptions(), **given))
+    assert said == f"options hold {named}: give each once, there or as an argument."
+
+
+def test_options_of_a_diagnosis_are_checked_and_completed_as_arguments_are(monkeypatch):
+    module = importlib.import_module("labrig.api.diagnose")
+    kept = object()
+    monkeypatch.setattr(module, "promises_kept_in", lambda _sessions: (kept,))
+    asked = []
+    monkeypatch.setattr(module, "diagnosed_and_kept", lambda *given: asked.append(given[2]))
+    measured = measure("long")
+    with pytest.warns(labrig.LabrigWarning, match="stiffness_Nm2 is not used"):
+        labrig.diagnose(measured, labrig.DiagnoseOptions(stiffness_Nm2=1e-6))
+    with pytest.warns(labrig.LabrigWarning, match="stiffness_Nm2 is not used"):
+        labrig.diagnose(measured, stiffness_Nm2=1e-6)
+    assert [one.promised for one in asked] == [(kept,), (kept,)]
+    assert asked[0] == asked[1]
+    with pytest.raises(labrig.ModelError, match="`labrig effects` lists them"):
+        labrig.diagnose("gone.h5", labrig.DiagnoseOptions(exclude=("foo",)))
+
+
+def test_a_protocol_that_is_there_already_names_the_argument(tmp_path):
+    found = NextMeasurement(proposal=cast("Next", None), protocol="")
+    (tmp_path / "next.toml").touch()
+    said = said_by(lambda: found.save(tmp_path / "next.toml"))
+    assert said.endswith("next.toml: is already there; give force to overwrite it.")
