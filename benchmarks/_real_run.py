@@ -66,14 +66,14 @@ class BareLoop:
 def record(folder: Path, bare: BareLoop | None, *, fast: bool) -> str:
     """Run the plan in a folder as `labrig run` does; why it did not come to its end, or nothing."""
     plan = load_plan(*(folder / f"{name}.toml" for name in ("rig", "protocol", "sheet")))
-    hub = EventBus()
+    event_bus = EventBus()
     if bare is not None:
-        hub.add_best_effort("the bare loop", bare.follow)
-    rig = wire(plan, NoOperator(lambda _text: None), hub.emit)
+        event_bus.add_best_effort("the bare loop", bare.follow)
+    rig = wire(plan, NoOperator(lambda _text: None), event_bus.emit)
     if fast:
         rig = _with_two_fast_channels(rig)
     path = folder / "session.h5"
-    result = run_session(rig, plan, path, StopRequest(), hub, check_first=not fast)
+    result = run_session(rig, plan, path, StopRequest(), event_bus, check_first=not fast)
     return result.status.text if result.code else ""
 
 

@@ -28,7 +28,7 @@ from model import (
     predict,
 )
 from model.identification.base_model import BaseOptions, bases_of
-from model.identification.data.data_vector import look, means_of
+from model.identification.data.data_vector import data_vector_of, means_of
 from model.identification.fit import fit
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
@@ -102,7 +102,7 @@ def measure() -> Report:
     observed, rest = observe(data, "long"), Field.constant(REST, 0.05)
 
     def forward() -> _Counted:
-        return _Counted([means_of(look(data, "long"))], [rest])
+        return _Counted([means_of(data_vector_of(data, "long"))], [rest])
 
     counted = forward()
     bases = bases_of(counted, [True], BaseOptions(along=True, rest_sigma_per_m=1.0))
@@ -113,8 +113,11 @@ def measure() -> Report:
         theta[first] = 5.0 * volts
     start, theta = theta, least_squares(counted, bases, theta)
     whole = cpu(lambda: least_squares(forward(), bases, start), 3)
-    beam, scene = bases.beam(counted, 0, theta), counted.scenes[0]
-    kernel = cpu(lambda: scene.answers(beam, scene.solve(beam)), 20) * counted.evaluations
+    beam, configuration_model = bases.beam(counted, 0, theta), counted.configuration_models[0]
+    kernel = (
+        cpu(lambda: configuration_model.answers(beam, configuration_model.solve(beam)), 20)
+        * counted.evaluations
+    )
     each = [
         by_scipy(REST + BENDS.get(o.voltage_V, 0.0), 0.05, float(o.position_m) / R)
         for o in observed.observations

@@ -28,11 +28,11 @@ def gaussian_process(base: MixedModelFit, noise: FloatArray) -> float | None:
     series = along_arc(base)
     before, after = gaps.refitted(base), gaps.refitted(base)
     shape = likeliest(base)
-    layout = base.problem.forward.layout
-    positions = np.array([run[1] for run in layout.runs])
+    row_index = base.problem.forward.row_index
+    positions = np.array([run[1] for run in row_index.runs])
     for at in np.unique(positions[np.isfinite(positions)]):
         runs = positions == at
-        left, out = _without(base, runs), runs[layout.run_of]
+        left, out = _without(base, runs), runs[row_index.run_of]
         before[out] = after[out] = left[out]
         for kind, own in series.items():
             for rows, at_m in own:
@@ -50,14 +50,20 @@ def along_arc(base: MixedModelFit) -> dict[str, list[tuple[Index, FloatArray]]]:
     """Rows along the arc, with their positions; those of all voltages have one smoothness."""
     found: dict[tuple[str, int, float, int], list[tuple[int, float]]] = {}
     forward = base.problem.forward
-    for c, (part, scene) in enumerate(zip(forward.layout.parts, forward.scenes, strict=True)):
-        for row, k in zip(part.trend_rows[part.is_mean], part.trend_of[part.is_mean], strict=True):
-            key = ("force", c, float(scene.voltage_V[k]), 0)
-            found.setdefault(key, []).append((int(row), float(scene.stated_m[k])))
-        for k in np.flatnonzero(scene.has_curve & np.isfinite(scene.stated_m)):
-            for m, row in enumerate(part.mode_rows[k]):
-                key = ("curve", c, float(scene.voltage_V[k]), m)
-                found.setdefault(key, []).append((int(row), float(scene.stated_m[k])))
+    for c, (block, configuration_model) in enumerate(
+        zip(forward.row_index.blocks, forward.configuration_models, strict=True)
+    ):
+        for row, k in zip(
+            block.trend_rows[block.is_mean], block.trend_of[block.is_mean], strict=True
+        ):
+            key = ("force", c, float(configuration_model.voltage_V[k]), 0)
+            found.setdefault(key, []).append((int(row), float(configuration_model.stated_m[k])))
+        for k in np.flatnonzero(
+            configuration_model.has_curve & np.isfinite(configuration_model.stated_m)
+        ):
+            for m, row in enumerate(block.mode_rows[k]):
+                key = ("curve", c, float(configuration_model.voltage_V[k]), m)
+                found.setdefault(key, []).append((int(row), float(configuration_model.stated_m[k])))
     result: dict[str, list[tuple[Index, FloatArray]]] = {}
     for (kind, c, _, m), cells in found.items():
         rows, at_m = zip(*cells, strict=True)
@@ -101,12 +107,12 @@ def guess(
 
 def _without(base: MixedModelFit, runs: Runs) -> FloatArray:
     """Residuals (N,) of the base model fitted to all runs but these."""
-    data, layout = base.linear.data, base.problem.forward.layout
+    data, row_index = base.linear.data, base.problem.forward.row_index
     weights = base.solution.weights.copy()
     weights[runs] = 0.0
     WX = weights @ data.X
     A = np.einsum("rnp,rnq->pq", data.X, WX) + np.diag(data.precision)
     b = np.einsum("rnp,rn->p", WX, data.y) - data.precision * data.away
     left = data.y - data.X @ np.linalg.solve(A, b)
-    result: FloatArray = left[layout.run_of, layout.row_of]
+    result: FloatArray = left[row_index.run_of, row_index.row_of]
     return result

@@ -101,7 +101,7 @@ def _gram(base: MixedModelFit, pool: Sequence[Candidate], solution: Solution) ->
     projected = Projected.of(forward, base.linear, solution)
     A, b = projected.normal(forward, np.stack([c.columns[:, 0] for c in pool], axis=1))
     seen = [int(i) for i in np.flatnonzero(np.diag(A) > 1e-6)]
-    return _Gram([pool[i] for i in seen], A[np.ix_(seen, seen)], b[seen], forward.layout.size)
+    return _Gram([pool[i] for i in seen], A[np.ix_(seen, seen)], b[seen], forward.row_index.size)
 
 
 # ------------------------------------------------------------------ without tolerance of form

@@ -26,7 +26,7 @@ from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.effects.catalogue import catalogue
 from model.effects.interface import Effect
-from model.identification.data.data_vector import look
+from model.identification.data.data_vector import data_vector_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import linearise
 from model.identification.likelihood.mixed_model_fit import (
@@ -99,7 +99,7 @@ class Yardstick:
             rest, moved = linear.residual - self._bare, theta - self._fitted.theta
             WX = W @ linear.data.X
             A = np.einsum("rnp,rnq->pq", linear.data.X, WX) + np.diag(precision)
-            b = np.einsum("rnp,rn->p", WX, problem.forward.layout.pad(rest)) - precision * moved
+            b = np.einsum("rnp,rn->p", WX, problem.forward.row_index.pad(rest)) - precision * moved
             step = np.linalg.solve(A, b)
             if np.max(np.abs(step) * np.sqrt(np.diag(A))) < SETTLED:
                 break
@@ -120,8 +120,11 @@ class Yardstick:
     def _problem(self, hidden: Measurements) -> FitProblem:
         """The same design with other numbers."""
         own = self._fitted.problem
-        looks = [look(hidden, name) for name in own.forward.names]
-        forward = ForwardModel(looks, [scene.rest for scene in own.forward.scenes])
+        data_vectors = [data_vector_of(hidden, name) for name in own.forward.names]
+        forward = ForwardModel(
+            data_vectors,
+            [configuration_model.rest for configuration_model in own.forward.configuration_models],
+        )
         return FitProblem.of(forward, own.bases, noise_of(forward))
 
     def visible(

@@ -12,10 +12,10 @@ from scipy.optimize import minimize
 from benchmarks.worlds.cases import SHARES
 from benchmarks.worlds.right_answers import Labelled
 from model.discrepancy.answers.calibrated_answers import (
-    SAID,
+    REPORTED,
     CalibratedAnswers,
     likelier,
-    said,
+    reported,
 )
 from model.discrepancy.answers.choice_set import ATTRIBUTES
 from model.measurements import FloatArray
@@ -115,7 +115,7 @@ def content_in_each(found: FloatArray, each: FloatArray, worlds: Sequence[str]) 
 
 def in_other_worlds(questions: Sequence[Labelled], ridge: float) -> list[CalibratedAnswers]:
     """Return for each question answers whose weights were fitted to the other worlds only."""
-    all_in = dict.fromkeys(SAID, 1.0)
+    all_in = dict.fromkeys(REPORTED, 1.0)
     of = {
         world: CalibratedAnswers(weights([q for q in questions if q.world != world], ridge), all_in)
         for world in {q.world for q in questions}
@@ -152,11 +152,11 @@ def fitted(questions: Sequence[Labelled]) -> Fitted:
     before = np.array([
         likelier_than_right(q, one) for q, one in zip(questions, foreign[ridge], strict=True)
     ])  # fmt: skip
-    of, each = np.array([said(q.asked) for q in questions]), _shares(questions)
+    of, each = np.array([reported(q.asked) for q in questions]), _shares(questions)
     worlds = np.array([q.world for q in questions])
     contents = {
         what: max(content_in_each(before[own], each[own], worlds[own].tolist()), LEAST_CONTENT)
-        for what in SAID
+        for what in REPORTED
         for own in [of == what]
     }
     return Fitted(CalibratedAnswers(weights(questions, ridge), contents), ridge, losses[ridge])

@@ -99,17 +99,17 @@ def _run(plan: Plan, output: Path, resumption: Resumption | None, *, yes: bool) 
     tell_of_doubts(plan, warn)
     operator = NoOperator(warn) if yes else ConsoleOperator(warn)
     stop = StopRequest()
-    hub = EventBus(threaded=not plan.rig.is_simulated)
+    event_bus = EventBus(threaded=not plan.rig.is_simulated)
     done = resumption.done if resumption else frozenset()
     with (
         _stopping(stop, operator),  # first: nothing may be lost while hooks are waited for
         session_hooks(plan, output, warn) as hooks,
         _display(plan.schedule, stop, done, pace=not plan.rig.is_simulated) as show,
     ):
-        hub.add_best_effort("the progress display", show)
+        event_bus.add_best_effort("the progress display", show)
         asked = operator if yes else NotifyingOperator(operator, hooks)
         return recorded(
-            plan, output, asked, hub, stop, hooks=hooks, resumption=resumption, step=show.step
+            plan, output, asked, event_bus, stop, hooks=hooks, resumption=resumption, step=show.step
         )
 
 
@@ -120,12 +120,12 @@ def replay_and_follow(session_path: Path, output: Path | None) -> Result:
         plan: Plan = replay_plan(session)
         stop = StopRequest()
         rig, director = replay_rig(session, plan, stop)
-        hub = EventBus(threaded=False)
+        event_bus = EventBus(threaded=False)
         # Before the session file: it must know the run before the first sample is asked for.
-        hub.add_required("the recording", director.follow)
+        event_bus.add_required("the recording", director.follow)
         with _stopping(stop, None), _display(plan.schedule, stop, frozenset(), pace=False) as show:
-            hub.add_best_effort("the progress display", show)
-            result = run_session(rig, plan, path, stop, hub, check_first=False)
+            event_bus.add_best_effort("the progress display", show)
+            result = run_session(rig, plan, path, stop, event_bus, check_first=False)
         return result if output else replace(result, path=session_path)  # the other file is gone
 
 

@@ -75,7 +75,7 @@ def run_session(
     plan: Plan,
     path: Path,
     stop: StopRequest,
-    hub: EventBus,
+    event_bus: EventBus,
     *,
     check_first: bool = True,
     resumption: Resumption | None = None,
@@ -85,8 +85,9 @@ def run_session(
 ) -> Result:
     """Open the rig, check that it is ready, run the whole schedule, record it at `path`.
 
-    `hub` is the one that the rig was wired with; the session file joins its subscribers. Without
-    `check_first` the devices are taken as they are: a recording shows nothing between its runs.
+    `event_bus` is the one that the rig was wired with; the session file joins its subscribers.
+    Without `check_first` the devices are taken as they are: a recording shows nothing between its
+    runs.
     The complete runs of a `resumption` are copied instead of run.
     `on_step` is called with each step of the beginning, in words, `on_simulated` with what the
     file says of the rig: boards that are simulated elsewhere report it once they are open.
@@ -107,7 +108,7 @@ def run_session(
                 plan=plan,
                 warnings=tuple(_warnings(plan)) if check_first else (),
                 stop=stop,
-                hub=hub,
+                event_bus=event_bus,
                 shutdown=shutdown,
                 on_step=on_step,
                 on_simulated=on_simulated,
@@ -142,7 +143,7 @@ class _Job:
     plan: Plan
     warnings: tuple[str, ...]  # recorded with the session
     stop: StopRequest
-    hub: EventBus
+    event_bus: EventBus
     shutdown: SafeShutdown
     on_step: Step
     on_simulated: Callable[[bool], None]
@@ -154,35 +155,35 @@ def _record(
     resumption: Resumption | None,
     on_scheduler: Callable[[Scheduler], None] | None,
 ) -> Result:
-    rig, hub = job.rig, job.hub
+    rig, event_bus = job.rig, job.event_bus
     if resumption is not None:
         resumption.check_rig(rig)
     job.on_step("making the session file")
     writer = _writer(job, path)
     pause = PauseFile(path)
     pause.forget()
-    hub.add_required("the session file", writer.handle)
+    event_bus.add_required("the session file", writer.handle)
     try:
         if rig.config.publish is not None:
             publish = document_file(rig.config.publish.bluesky)
-            hub.add_best_effort("the publisher", _publisher(writer, publish))
+            event_bus.add_best_effort("the publisher", _publisher(writer, publish))
         if resumption is not None:
             resumption.publish(writer.handle, rig.clock.now())
         if not rig.config.is_simulated:
             job.on_step("starting the output guard")
         for text in job.warnings:
-            hub.emit(Warned(rig.clock.now(), text))
+            event_bus.emit(Warned(rig.clock.now(), text))
         with watched(rig, path) as watchdog:
             job.shutdown.watchdog = watchdog
-            job.shutdown.tell = lambda text: hub.emit(Warned(rig.clock.now(), text))
-            hub.add_required("the output guard", _run_counter(watchdog))
+            job.shutdown.tell = lambda text: event_bus.emit(Warned(rig.clock.now(), text))
+            event_bus.add_required("the output guard", _run_counter(watchdog))
             scheduler = _scheduler(job, pause)
             if on_scheduler is not None:
                 on_scheduler(scheduler)
             with punctual(EDGES) if isinstance(rig.clock, RealClock) else nullcontext():
                 outcome = scheduler.run(job.plan.schedule, resumption.done if resumption else ())
     finally:
-        hub.close()
+        event_bus.close()
         writer.close()
         pause.forget()
     return Result(path, outcome, scheduler.status)
@@ -272,7 +273,7 @@ def _scheduler(job: _Job, pause: PauseFile) -> Scheduler:
     return Scheduler(
         rig.devices(),
         rig.clock,
-        job.hub.emit,
+        job.event_bus.emit,
         job.stop,
         SafetyLimits(limits.sheet_voltage_V, limits.time_under_voltage_s),
         shutdown.make_safe,

@@ -24,7 +24,7 @@ def answers_of(
         if wrong is not None:
             raise TypeError(f"it yielded {type(wrong).__name__}, not a {kind.__name__}")
     except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
-        said = f"{whose} failed with {type(error).__name__}: {error}; {without} without it."
-        warnings.warn(" ".join(said.split()), PluginWarning, stacklevel=3)
+        text = f"{whose} failed with {type(error).__name__}: {error}; {without} without it."
+        warnings.warn(" ".join(text.split()), PluginWarning, stacklevel=3)
         return None
     return found

@@ -21,7 +21,7 @@ from model.identification.base_model import (
     usual_stiffness,
     weighs,
 )
-from model.identification.data.data_vector import DataVector, look
+from model.identification.data.data_vector import DataVector, data_vector_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Bases, FurtherColumns, sensitivities
 from model.identification.likelihood.mixed_model_fit import FitProblem
@@ -73,31 +73,31 @@ def prepare(
         raise ModelError(
             "there are no measurements: no condition of any configuration of the sheet"
         )
-    notes, why, looks, rests, kept, observed = [], [], [], [], [], list[Observed]()
+    notes, why, data_vectors, rests, kept, observed = [], [], [], [], [], list[Observed]()
     for name in names:
         try:
-            one = look(used, name)
+            one = data_vector_of(used, name)
             _check_curves(one)
             seen = observe(used, name)
             rests.append(rest_field(one.sheet, seen))
         except ModelError as error:
             why.append(str(error))
             continue
-        looks.append(one)
+        data_vectors.append(one)
         observed.append(seen)
         kept.append(name)
-    if not looks:
+    if not data_vectors:
         raise ModelError("; ".join(dict.fromkeys(why)))
     notes += [f"left out: {sentence}" for sentence in why]
-    notes += _lacks(measurements, looks, options)
+    notes += _lacks(measurements, data_vectors, options)
     known = [stated for _, stated in rests]
-    forward = ForwardModel(looks, [rest for rest, _ in rests])
+    forward = ForwardModel(data_vectors, [rest for rest, _ in rests])
     base = BaseOptions(symmetric=options.symmetric, stiffness_Nm2=options.stiffness_Nm2)
     bases = bases_of(forward, known, base)
     theta = start(observed, forward, bases, known)
     bases = _anchored(forward, bases, theta)
     if options.model is not None:
-        for one in looks:
+        for one in data_vectors:
             sheet = options.model.sheet(one.sheet.configuration).sheet
             check_geometry(one.sheet, sheet)
     if varied:
@@ -116,7 +116,7 @@ def _with_dynamics(
 ) -> Bases:
     """Return the base models with what changes where the dynamics are not quite those stated."""
     _, residual, _ = sensitivities(forward, bases, theta)
-    rests = [scene.rest for scene in forward.scenes]
+    rests = [configuration_model.rest for configuration_model in forward.configuration_models]
     rows, places, size = list[FloatArray](), list[int](), bases.size
     zero, step = list[float](), list[float]()
     eibm, stiffness = dict[int, FloatArray](), dict[int, FloatArray]()
@@ -127,8 +127,8 @@ def _with_dynamics(
         c = forward.names.index(how.configuration)
         part = bases.parts[c]
         data = _kept(one.measurements, hold_out)
-        looks = [look(data, name) for name in forward.names]
-        _, other, _ = sensitivities(ForwardModel(looks, rests, like=forward), bases, theta)
+        data_vectors = [data_vector_of(data, name) for name in forward.names]
+        _, other, _ = sensitivities(ForwardModel(data_vectors, rests, like=forward), bases, theta)
         if how.of == "place":  # no parameter: effects and set-ups move the contacts
             forward.in_motion[c] = (residual - other) / how.size
             continue
@@ -162,9 +162,11 @@ def _anchored(forward: ForwardModel, bases: Bases, theta: FloatArray) -> Bases:
     and explain the forces at 0 V by a wandering zero.
     """
     parts = []
-    for scene, one in zip(forward.scenes, bases.parts, strict=True):
+    for configuration_model, one in zip(forward.configuration_models, bases.parts, strict=True):
         near = {one.stiffness: (float(theta[one.stiffness]), STIFFNESS_PRIOR_LN)}
-        parts.append(replace(one, prior=near | one.prior) if scene.has_curve.any() else one)
+        parts.append(
+            replace(one, prior=near | one.prior) if configuration_model.has_curve.any() else one
+        )
     return replace(bases, parts=tuple(parts))
 
 
@@ -186,10 +188,12 @@ def _check_curves(one: DataVector) -> None:
             )
 
 
-def _lacks(measurements: Measurements, looks: list[DataVector], options: Options) -> list[str]:
+def _lacks(
+    measurements: Measurements, data_vectors: list[DataVector], options: Options
+) -> list[str]:
     """Return messages about questions that these data cannot answer."""
     notes = []
-    for one in looks:
+    for one in data_vectors:
         name, seen = one.sheet.configuration, [s for s in one.seen if not s.zero]
         if not one.voltages_V:
             raise ModelError(f"{not_driven(measurements, name)}, or leave it out")
@@ -257,7 +261,7 @@ def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -
 
 def setups(prepared: Prepared) -> int:
     """Return how often the load cell was set, which is the number of set-ups."""
-    return len([r for r in prepared.problem.forward.layout.runs if np.isfinite(r[1])])
+    return len([r for r in prepared.problem.forward.row_index.runs if np.isfinite(r[1])])
 
 
 def sessions(measurements: Measurements) -> int:

@@ -169,9 +169,9 @@ EXCESSIVE_SCATTER_RATIO = 6.0
 # one after the other show so much of it. With nothing hidden, in 48 sessions of open worlds, the
 # noise of the first two modes is at most 1.6 times the usual one; the evidence is 0.6 at most,
 # but for swinging free shapes, which the data checks leave out.
-FEWEST_PICTURES, PICTURE_NOISE_LN, REPEATS_NOISE_RATIO = 8, 0.45, 1.5
+FEWEST_IMAGES, IMAGE_NOISE_LN, REPEATS_NOISE_RATIO = 8, 0.45, 1.5
 # Pictures (sum of squares over the square of them, squared) that it takes: fewer are outliers.
-FEWEST_UNUSUAL_PICTURES = 4.0
+FEWEST_UNUSUAL_IMAGES = 4.0
 
 # -- Criticism of names (moves: wrong names with certainty, 'unknown' for effects that are named)
 

@@ -32,7 +32,7 @@ from model.measurements import FloatArray
 from model.plugins import first_faults
 
 WORDS = ("meaning", "form", "signature", "isolates", "source")
-ACTIONS = ("beam", "course", "lagging", "force", "curve", "pictured")
+ACTIONS = ("beam", "course", "lagging", "force", "curve", "in_image")
 MOST_LAGGING = 9
 CHANNEL_VALUES = (21.0, 57.0)  # first and last of every further channel, whatever its unit
 Given = TypeVar("Given", AcquisitionTimes, LoadCellInput)
@@ -145,7 +145,7 @@ def _results(effect: Effect, p: Mapping[str, float], *, touched: bool = True) ->
         found["force"] = added
     if (moved := effect.curve(points, p)) is not None:
         found |= {"curve's x": moved[0], "curve's y": moved[1]}
-    if (seen := effect.pictured(replace(run, rise_s=RISE_S), p)) is not None:
+    if (seen := effect.in_image(replace(run, rise_s=RISE_S), p)) is not None:
         found["EIBM in pictures"] = seen
     spoilt = not all(_same(a, b) for a, b in zip(kept, given, strict=True))
     found[GIVEN] = np.array([float(spoilt)])

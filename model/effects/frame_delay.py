@@ -13,8 +13,8 @@ from model.measurements import FloatArray
 class FrameDelay(Effect):
     """Every frame shows the sheet as it was a while ago."""
 
-    def pictured(self, clock: AcquisitionTimes, p: Values) -> FloatArray:
-        """See `Effect.pictured`."""
+    def in_image(self, clock: AcquisitionTimes, p: Values) -> FloatArray:
+        """See `Effect.in_image`."""
         return older_picture(
             through_zero(clock) if p["through_zero"] > 0.5 else clock, p["delay_s"]
         )

@@ -6,7 +6,7 @@ An effect acts in up to six places, each a method that changes nothing unless it
     `lagging` what its memory adds to the rest curvature from reading to reading
     `force`   what the load cell adds to the force
     `curve`   where the camera puts the points of a curve
-    `pictured` the EIBM in the picture of a reading
+    `in_image` the EIBM in the image of a reading
 Values of further channels of the rig (humidity, temperature) are in `AcquisitionTimes`, which
 `beam.clock` is, too, and in `LoadCellInput`: `clock.channel("humidity_percent", 50.0)` are those of
 all readings, 50 where none was recorded. So `otherwise` has to be a value at which the effect does
@@ -187,7 +187,7 @@ class Effect:
         """Return the contribution to the points' x and y, m."""
         return None
 
-    def pictured(self, clock: AcquisitionTimes, p: Values) -> FloatArray | None:
+    def in_image(self, clock: AcquisitionTimes, p: Values) -> FloatArray | None:
         """Return the relative change of the EIBM in the image of a reading, at each time."""
         return None
 

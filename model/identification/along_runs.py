@@ -23,10 +23,10 @@ def eibm_along_runs(joint: Joint, n: int) -> dict[float, float]:
     It is of what all runs have in common, by the order of their readings, beyond the noise; 0
     where it may be noise alone, or there is one reading at a voltage.
     """
-    look, by_eibm_N = joint.forward.looks[n], joint.fitted.linear.states[n].by_eibm
+    data_vector, by_eibm_N = joint.forward.data_vectors[n], joint.fitted.linear.states[n].by_eibm
     result = {}
-    for voltage in look.voltages_V:
-        pairs = zip(look.seen, by_eibm_N.tolist(), strict=True)
+    for voltage in data_vector.voltages_V:
+        pairs = zip(data_vector.seen, by_eibm_N.tolist(), strict=True)
         own = [(one, by) for one, by in pairs if one.voltage_V == voltage and _repeated(one)]
         result[voltage] = _scatter(list(_same_length(own)))
     return result

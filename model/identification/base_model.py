@@ -49,10 +49,10 @@ class BaseOptions:
 def bases_of(forward: ForwardModel, known: Sequence[bool], options: BaseOptions) -> Bases:
     """Return B, EIBM, what is not known of k0 by configuration; how pulses rise, if recorded."""
     parts, place = [], 0
-    for scene, stated in zip(forward.scenes, known, strict=True):
-        part, place = _part(scene, place, options, stated=stated)
+    for configuration_model, stated in zip(forward.configuration_models, known, strict=True):
+        part, place = _part(configuration_model, place, options, stated=stated)
         parts.append(part)
-    if any(look.pulses for look in forward.looks):
+    if any(data_vector.pulses for data_vector in forward.data_vectors):
         return Bases(parts=tuple(parts), size=place + len(RISE), rise=place)
     return Bases(parts=tuple(parts), size=place)
 
@@ -74,24 +74,28 @@ def with_shared_width(bases: Bases) -> Bases:
 
 
 def _part(
-    scene: ConfigurationModel, place: int, options: BaseOptions, *, stated: bool
+    configuration_model: ConfigurationModel, place: int, options: BaseOptions, *, stated: bool
 ) -> tuple[BaseParameters, int]:
     """One configuration's parameters from `place` on, and the place after them."""
-    curves, (stiffness, place) = bool(scene.has_curve.any()), (place, place + 1)
-    forms = along_sheet(scene, terms(scene.sheet) if options.along and curves else 1)
+    curves, (stiffness, place) = bool(configuration_model.has_curve.any()), (place, place + 1)
+    forms = along_sheet(
+        configuration_model, terms(configuration_model.sheet) if options.along and curves else 1
+    )
     eibm: dict[float, tuple[int, float]] = {}
     prior: dict[int, tuple[float, float]] = {}
-    if not weighs(scene.look):
-        B = options.stiffness_Nm2 or usual_stiffness(scene.sheet)
+    if not weighs(configuration_model.data_vector):
+        B = options.stiffness_Nm2 or usual_stiffness(configuration_model.sheet)
         prior[stiffness] = (float(np.log(B)), NOT_ESTIMATED_LN)
     own: dict[float, int] = {}
-    for voltage in scene.look.voltages_V:
+    for voltage in configuration_model.data_vector.voltages_V:
         key = abs(voltage) if options.symmetric else voltage
         if key not in own:
             own[key], place = place, place + len(forms)
             prior |= dict.fromkeys(range(own[key] + 1, place), (0.0, FORM_PER_M))
         eibm[voltage] = (own[key], -1.0 if options.symmetric and voltage < 0.0 else 1.0)
-    rows, belief = _rest_rows(scene, options.rest_sigma_per_m, curves=curves, stated=stated)
+    rows, belief = _rest_rows(
+        configuration_model, options.rest_sigma_per_m, curves=curves, stated=stated
+    )
     rest = dict(enumerate(rows, place))
     prior |= dict.fromkeys(rest, belief)
     part = BaseParameters(stiffness=stiffness, eibm=eibm, forms=forms, rest=rest, prior=prior)
@@ -99,23 +103,33 @@ def _part(
 
 
 def _rest_rows(
-    scene: ConfigurationModel, sigma_per_m: float | None, *, curves: bool, stated: bool
+    configuration_model: ConfigurationModel,
+    sigma_per_m: float | None,
+    *,
+    curves: bool,
+    stated: bool,
 ) -> tuple[FloatArray, tuple[float, float]]:
     """Return one change of k0 at the nodes per parameter, and the middle and width of its prior."""
-    none = np.zeros((0, scene.count))
+    none = np.zeros((0, configuration_model.count))
     if not stated:
-        return along_sheet(scene, terms(scene.sheet)), (0.0, FREE_REST_PER_M)
+        return along_sheet(configuration_model, terms(configuration_model.sheet)), (
+            0.0,
+            FREE_REST_PER_M,
+        )
     if sigma_per_m is None:
-        bow = between_nodes(scene.sheet, scene.s_m)
+        bow = between_nodes(configuration_model.sheet, configuration_model.s_m)
         return (none if bow is None else bow[None]), (0.5, 0.5)
     if sigma_per_m > 0.0 and curves:
-        return along_sheet(scene, terms(scene.sheet)), (0.0, sigma_per_m)
+        return along_sheet(configuration_model, terms(configuration_model.sheet)), (
+            0.0,
+            sigma_per_m,
+        )
     return none, (0.0, 1.0)
 
 
-def weighs(look: DataVector) -> bool:
+def weighs(data_vector: DataVector) -> bool:
     """Return whether there is a force, without which B is not determined."""
-    return any(len(one.kept_N) for one in look.seen if not one.free)
+    return any(len(one.kept_N) for one in data_vector.seen if not one.free)
 
 
 def not_weighed(name: str, B_Nm2: float) -> str:
@@ -137,9 +151,14 @@ def terms(sheet: SheetGeometry) -> int:
     return 1 + round((MOST_TERMS - 1) * share)
 
 
-def along_sheet(scene: ConfigurationModel, count: int) -> FloatArray:
+def along_sheet(configuration_model: ConfigurationModel, count: int) -> FloatArray:
     """Return Legendre polynomials at the nodes: (count, G)."""
-    return np.stack([legendre_field(i, scene.length)(scene.s_m) for i in range(count)])
+    return np.stack(
+        [
+            legendre_field(i, configuration_model.length)(configuration_model.s_m)
+            for i in range(count)
+        ]
+    )
 
 
 def between_nodes(sheet: SheetGeometry, s_m: FloatArray) -> FloatArray | None:

@@ -85,8 +85,8 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
 
 def _deviations(joint: Joint) -> dict[str, Deviations]:
     """Return those of each configuration of which forces were measured."""
-    looks = zip(joint.forward.names, joint.forward.looks, strict=True)
-    return {name: deviations(joint, n) for n, (name, one) in enumerate(looks) if weighs(one)}
+    data_vectors = zip(joint.forward.names, joint.forward.data_vectors, strict=True)
+    return {name: deviations(joint, n) for n, (name, one) in enumerate(data_vectors) if weighs(one)}
 
 
 def _merit(
@@ -111,8 +111,8 @@ class _Part:
 
     def __init__(self, joint: Joint, n: int, observed: Observed, options: FitOptions) -> None:
         self.joint, self.n, self.observed = joint, n, observed
-        scene = joint.forward.scenes[n]
-        self.name, self.length = observed.sheet.configuration, scene.length
+        configuration_model = joint.forward.configuration_models[n]
+        self.name, self.length = observed.sheet.configuration, configuration_model.length
         self.B = joint.stiffness(n)
         self.voltages = observed.voltages_V
         self.eibm = {v: joint.constant_eibm(n, v) for v in self.voltages}
@@ -120,7 +120,7 @@ class _Part:
         self.along = {v: joint.along(n, v, self.s_m) for v in self.voltages}
         self.known = joint.rest_known[n]
         self.measured = joint.rest(n)(self.s_m)
-        self.rest = scene.rest if self.known else joint.rest(n)
+        self.rest = configuration_model.rest if self.known else joint.rest(n)
         curves = any(o.curve is not None for o in observed.touching())
         self.paper: PaperFit | None = None
         if curves and 0.0 in {o.voltage_V for o in observed.touching()}:
@@ -156,7 +156,7 @@ class _Part:
             eibm_along_Nm=self.along, rest_per_m=self.rest(self.s_m),
             rest_measured_per_m=self.measured,
             rmse={"constant": rmse(own, "constant"), "varying": rmse(own, "varying")},
-            paper=self.paper, B_known=weighs(self.joint.forward.looks[self.n]),
+            paper=self.paper, B_known=weighs(self.joint.forward.data_vectors[self.n]),
         )  # fmt: skip
 
 

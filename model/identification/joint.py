@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.identification.base_model import BaseOptions, bases_of, weighs, with_shared_width
-from model.identification.data.data_vector import look, means_of
+from model.identification.data.data_vector import data_vector_of, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
 from model.identification.likelihood.linearisation import BaseParameters
@@ -83,7 +83,7 @@ class Joint:
     def stiffness(self, n: int) -> Parameter:
         """B of a configuration; as uncertain as it is large where nothing was weighed."""
         found = self.parameter(self._B(n), self._by_B(n), "N m^2")
-        return found if weighs(self.forward.looks[n]) else replace(found, sigma=found.value)
+        return found if weighs(self.forward.data_vectors[n]) else replace(found, sigma=found.value)
 
     def constant_eibm(self, n: int, voltage_V: float) -> Parameter:
         """(9): mean of Me over [0, l_hat], averaged over the positions.
@@ -94,7 +94,9 @@ class Joint:
 
     def mean_eibm(self, n: int, voltage_V: float) -> Parameter:
         """Mean of Me over [0, l]."""
-        return self._eibm(n, *self._mean(n, voltage_V, [self.forward.scenes[n].length]))
+        return self._eibm(
+            n, *self._mean(n, voltage_V, [self.forward.configuration_models[n].length])
+        )
 
     def mean_abs_eibm(self, n: int, voltages_V: list[float]) -> Parameter:
         """Mean of the absolute values of the constant EIBMs."""
@@ -142,7 +144,7 @@ class Joint:
         random = np.random.default_rng(seed)
         linear, solution = self.fitted.linear.data, self.fitted.solution
         factor = np.linalg.cholesky(np.linalg.inv(solution.weights))
-        empty = self.forward.layout.pad(np.ones(self.forward.layout.size)) == 0.0
+        empty = self.forward.row_index.pad(np.ones(self.forward.row_index.size)) == 0.0
         result = np.zeros((count, len(self.fitted.theta)))
         for b in range(count):
             y = (factor @ random.standard_normal((*linear.y.shape, 1)))[:, :, 0]
@@ -161,7 +163,7 @@ class Joint:
 
     def rest(self, n: int) -> Field:
         """k0 as the shapes have it."""
-        field = self.forward.scenes[n].rest
+        field = self.forward.configuration_models[n].rest
         for i, f in zip(self._part(n).rest, self._basis(n), strict=False):
             field = field + f * float(self.fitted.theta[i])
         return field
@@ -193,7 +195,7 @@ class Joint:
         return row
 
     def _basis(self, n: int) -> list[Field]:
-        part, length = self._part(n), self.forward.scenes[n].length
+        part, length = self._part(n), self.forward.configuration_models[n].length
         return [legendre_field(i, length) for i in range(max(len(part.forms), len(part.rest)))]
 
     def _sigma(self, by: FloatArray) -> FloatArray:
@@ -208,9 +210,11 @@ class Joint:
 
     def _loaded(self, n: int, voltage_V: float) -> list[float]:
         """l_hat of the positions at a voltage, in nominal set-ups."""
-        scene = self.forward.scenes[n]
-        here = np.isfinite(scene.stated_m) & (scene.voltage_V == voltage_V)
-        return self.loaded_m[n][here].tolist() or [scene.length]
+        configuration_model = self.forward.configuration_models[n]
+        here = np.isfinite(configuration_model.stated_m) & (
+            configuration_model.voltage_V == voltage_V
+        )
+        return self.loaded_m[n][here].tolist() or [configuration_model.length]
 
     def _by_terms(self, n: int, voltage_V: float, values: FloatArray) -> FloatArray:
         """Rows (m, p) whose products with the parameters are Me, by the basis (m, terms)."""
@@ -255,8 +259,10 @@ def joint_fit(
         rest, stated = rest_field(one.sheet, one)
         rests.append(rest)
         known.append(stated and not options.measured_curvature)
-    looks = [means_of(look(measurements, one.sheet.configuration)) for one in observed]
-    forward = ForwardModel(looks, rests)
+    data_vectors = [
+        means_of(data_vector_of(measurements, one.sheet.configuration)) for one in observed
+    ]
+    forward = ForwardModel(data_vectors, rests)
     base = BaseOptions(
         symmetric=options.symmetric,
         along=options.eibm_form == "along",
@@ -270,8 +276,11 @@ def joint_fit(
         rough = start(observed, forward, bases, known)
         fitted = fit_at_set_ups(problem, least_squares(forward, bases, rough))
     loaded = [
-        np.minimum(scene.solve(bases.beam(forward, n, fitted.theta)).contact.s_hat_m, scene.length)
-        for n, scene in enumerate(forward.scenes)
+        np.minimum(
+            configuration_model.solve(bases.beam(forward, n, fitted.theta)).contact.s_hat_m,
+            configuration_model.length,
+        )
+        for n, configuration_model in enumerate(forward.configuration_models)
     ]
     return Joint(fitted, spread(fitted.linear.data, fitted.solution, problem.guess), known, loaded)
 

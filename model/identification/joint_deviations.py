@@ -91,7 +91,7 @@ def _rows(joint: Joint, n: int, moves: FloatArray, doubt: FloatArray) -> dict[st
 
 def _turns(joint: Joint, n: int, rows: Mapping[str, FloatArray]) -> list[FloatArray]:
     """Return what the columns change of B, and of the angle along the sheet at each voltage."""
-    part, length = joint.fitted.problem.bases.parts[n], joint.forward.scenes[n].length
+    part, length = joint.fitted.problem.bases.parts[n], joint.forward.configuration_models[n].length
     theta, B = joint.fitted.theta, joint.stiffness(n).value
     s, none = np.linspace(0.0, length, PLACES + 1)[1:], np.zeros_like(rows[STIFFNESS])
     terms = range(max(len(part.forms), len(part.rest)))

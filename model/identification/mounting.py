@@ -40,8 +40,8 @@ def by_run(joint: Joint) -> tuple[MountingParameters, ...]:
 
 def _conditions(joint: Joint, r: int) -> list[int]:
     """Return the conditions of a run, except those that read the load cell alone."""
-    key = joint.forward.layout.runs[r]
-    seen = joint.forward.looks[joint.forward.names.index(key[0])].seen
+    key = joint.forward.row_index.runs[r]
+    seen = joint.forward.data_vectors[joint.forward.names.index(key[0])].seen
     return [k for k, one in enumerate(seen) if one.run == key and not one.zero]
 
 
@@ -55,7 +55,7 @@ class _SetUp:
 
     def __init__(self, joint: Joint, r: int, conditions: list[int], added: FloatArray) -> None:
         self.joint, self.conditions, self.added = joint, conditions, added
-        self.key = joint.forward.layout.runs[r]
+        self.key = joint.forward.row_index.runs[r]
         self.n = joint.forward.names.index(self.key[0])
         data, solution = joint.fitted.linear.data, joint.fitted.solution
         widths = [group.shape[2] for group in data.groups]
@@ -72,7 +72,7 @@ class _SetUp:
 
     def result(self) -> MountingParameters:
         n, directions = self.n, self.joint.directions(self.n)
-        seen, slots = self.joint.forward.looks[n].seen, own_slots(self.joint.forward)[n]
+        seen, slots = self.joint.forward.data_vectors[n].seen, own_slots(self.joint.forward)[n]
         eibm = {}
         for k in self.conditions:
             volts = seen[k].voltage_V

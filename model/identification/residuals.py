@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from model.identification.observations import Observation, Observed
-from model.measurements import Curve, FloatArray
+from model.measurements import Curve, FloatArray, rms
 from model.mechanics.equilibrium import Shapes, SolverStatus
 from model.mechanics.field import Field
 from model.mechanics.free_shape import free_shape
@@ -149,9 +149,4 @@ def rmse(rows: Iterable[ConditionResidual], kind: Kind) -> Rmse:
     rows = list(rows)
     force = np.array([r.force_N - r.predicted_N[kind] for r in rows])
     curve = np.array([r.curve_rmse_m[kind] for r in rows])
-    return Rmse(_rms(force), _rms(curve))
-
-
-def _rms(values: FloatArray) -> float:
-    good = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(good**2))) if len(good) else float("nan")
+    return Rmse(rms(force), rms(curve))

@@ -27,25 +27,27 @@ class ConditionScatter:
 
 def scatter_of(joint: Joint, n: int) -> dict[Place, ConditionScatter]:
     """Return the scatter of each place that was measured with a configuration."""
-    layout, scene = joint.forward.layout, joint.forward.scenes[n]
-    part, seen = joint.forward.part(n), joint.forward.looks[n].seen
+    row_index, configuration_model = joint.forward.row_index, joint.forward.configuration_models[n]
+    block, seen = joint.forward.row_block(n), joint.forward.data_vectors[n].seen
     covariances = np.linalg.inv(joint.fitted.solution.weights)
     means = {
         int(k): int(row)
-        for k, row in zip(part.trend_of[part.is_mean], part.trend_rows[part.is_mean], strict=True)
+        for k, row in zip(
+            block.trend_of[block.is_mean], block.trend_rows[block.is_mean], strict=True
+        )
     }
 
     def covariance(rows: list[int]) -> FloatArray:
-        run, own = layout.run_of[rows[0]], layout.row_of[rows]
+        run, own = row_index.run_of[rows[0]], row_index.row_of[rows]
         return np.asarray(covariances[run][np.ix_(own, own)])
 
     found: dict[Place, ConditionScatter] = {}
     for k, one in enumerate(seen):
         s_m, curve_m = np.zeros(0), np.zeros(0)
-        if scene.has_curve[k]:
-            s_m = scene.measured(k)[0]
-            by = np.linalg.pinv(scene.project[k])[: len(s_m)]
-            modes = covariance(part.mode_rows[k].tolist())
+        if configuration_model.has_curve[k]:
+            s_m = configuration_model.measured(k)[0]
+            by = np.linalg.pinv(configuration_model.project[k])[: len(s_m)]
+            modes = covariance(block.mode_rows[k].tolist())
             curve_m = np.sqrt(np.einsum("sm,mn,sn->s", by, modes, by) + _points(one.curve) ** 2)
         force = np.sqrt(covariance([means[k]])[0, 0]) if k in means else np.nan
         place = None if one.free else one.position_m

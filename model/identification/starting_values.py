@@ -65,7 +65,9 @@ def start(
     A configuration's are those of an earlier fit, where it had them all, else rough.
     """
     theta = np.zeros(bases.size)
-    for one, scene, part, stated in zip(observed, forward.scenes, bases.parts, known, strict=True):
+    for one, configuration_model, part, stated in zip(
+        observed, forward.configuration_models, bases.parts, known, strict=True
+    ):
         for i, (mean, _) in part.prior.items():
             theta[i] = mean
         _check_forces(one, part, stated=stated)
@@ -73,7 +75,7 @@ def start(
         if before is not None and _has_all(part, before[0]):
             _carry_over(theta, part, *before)
         else:
-            _first_guess(theta, one, scene, part, stated=stated)
+            _first_guess(theta, one, configuration_model, part, stated=stated)
     if bases.rise is not None:
         theta[bases.rise :] = [mean for mean, _ in RISE]
     if not np.all(np.isfinite(theta)):
@@ -130,17 +132,17 @@ def _check_shapes(observed: Observed) -> None:
 
 
 def _first_guess(
-    theta: FloatArray, observed: Observed, scene: ConfigurationModel, part: BaseParameters, *,
-    stated: bool,
+    theta: FloatArray, observed: Observed, configuration_model: ConfigurationModel,
+    part: BaseParameters, *, stated: bool,
 ) -> None:  # fmt: skip
     """Set B, EIBM and an unknown k0. With curves (2) of each condition is linear in 1/B, Me/B."""
-    if not weighs(scene.look):
-        _from_shapes(theta, observed, scene, part)
+    if not weighs(configuration_model.data_vector):
+        _from_shapes(theta, observed, configuration_model, part)
         return
     places = sorted({place for place, _ in part.eibm.values()})
-    samples = _samples(observed, scene.rest)
+    samples = _samples(observed, configuration_model.rest)
     if len(samples) < 2 + len(places):
-        _from_forces(theta, observed, scene, part)
+        _from_forces(theta, observed, configuration_model, part)
         return
     unknown = [] if stated else [min(part.rest)]
     A = np.zeros((len(samples), 1 + len(places) + len(unknown)))
@@ -172,14 +174,22 @@ def _samples(observed: Observed, rest: Field) -> list[Sample]:
 
 
 def _from_forces(
-    theta: FloatArray, observed: Observed, scene: ConfigurationModel, part: BaseParameters
+    theta: FloatArray,
+    observed: Observed,
+    configuration_model: ConfigurationModel,
+    part: BaseParameters,
 ) -> None:
     """Set B so that the forces are of the right size with an EIBM of the usual size."""
     bend = {v: USUAL_BEND_PER_M * float(np.sign(v)) for v in part.eibm}
     for voltage, (place, sign) in part.eibm.items():
         theta[place] = sign * bend[voltage]
-    by_B = scene.forces(scene.beam(1.0, bend))
-    measured = np.array([np.mean(o.kept_N) if o.kept_N.size else np.nan for o in scene.look.seen])
+    by_B = configuration_model.forces(configuration_model.beam(1.0, bend))
+    measured = np.array(
+        [
+            np.mean(o.kept_N) if o.kept_N.size else np.nan
+            for o in configuration_model.data_vector.seen
+        ]
+    )
     use = np.isfinite(measured) & np.isfinite(by_B)
     B = float(measured[use] @ by_B[use] / max(by_B[use] @ by_B[use], 1e-300)) if use.any() else 1e-6
     if B <= 0.0:
@@ -188,10 +198,13 @@ def _from_forces(
 
 
 def _from_shapes(
-    theta: FloatArray, observed: Observed, scene: ConfigurationModel, part: BaseParameters
+    theta: FloatArray,
+    observed: Observed,
+    configuration_model: ConfigurationModel,
+    part: BaseParameters,
 ) -> None:
     """Set Me/B to how much more the shapes are bent than at rest; B is not to be found."""
-    at_rest_per_m = float(np.mean(scene.at_rest))
+    at_rest_per_m = float(np.mean(configuration_model.at_rest))
     for voltage, (place, sign) in part.eibm.items():
         theta[place] = sign * (_measured_curvature(observed, voltage) - at_rest_per_m)
 

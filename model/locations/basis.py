@@ -178,7 +178,7 @@ def perturbation(location: Location, at: Linearised, term: Term) -> Perturbation
     moved = location.curve(at.points, term)
     if moved is not None:
         step.points_m = moved[0] * at.points.normal_x + moved[1] * at.points.normal_y
-    seen = location.pictured(at.clock, at.position_m, term)
+    seen = location.in_image(at.clock, at.position_m, term)
     if seen is not None:
         step.frame_eibm = seen
     return step

@@ -48,10 +48,10 @@ class Camera(Location):
         off = 1e-3 * term(points.s_m if term.along == "s" else _curvature_per_m(points))
         return off * points.normal_x, off * points.normal_y
 
-    def pictured(
+    def in_image(
         self, clock: AcquisitionTimes, position_m: FloatArray, term: Term
     ) -> FloatArray | None:
-        """See `Location.pictured`: in the first pulse half of the change is still to come."""
+        """See `Location.in_image`: in the first pulse half of the change is still to come."""
         if term.along != "position":
             return None
         return np.asarray(term(position_m) * 0.5 * (1.0 - clock.opposite))

@@ -8,7 +8,7 @@ where a model file brings a term with numbers, and for inference, where the term
     `course`    change EIBM and stiffness in the course of time, relative
     `force`     add to the force that the load cell reads, N
     `curve`     add to the points of the curve that the camera sees, m
-    `pictured`  change the EIBM in the image of a reading, relative
+    `in_image`  change the EIBM in the image of a reading, relative
 Each is called often, must not block, keeps no state, changes none of its arguments, and returns
 what it is given, or None, where the term's coordinate is none of its own. It raises nothing.
 
@@ -190,7 +190,7 @@ class Location:
         """Return what is added to x and y of the points, m."""
         return None
 
-    def pictured(
+    def in_image(
         self, clock: AcquisitionTimes, position_m: FloatArray, term: Term
     ) -> FloatArray | None:
         """Return the relative change of the EIBM in the image of each reading."""

@@ -15,6 +15,7 @@ from model.measurements.data import (
 )
 from model.measurements.display import Displayed, Summary
 from model.measurements.progress import Progress, silent
+from model.measurements.rms import rms
 
 __all__ = [
     "Columns",
@@ -33,5 +34,6 @@ __all__ = [
     "Summary",
     "TimeSeries",
     "dataframe",
+    "rms",
     "silent",
 ]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.measurements import FloatArray, ModelError
+from model.measurements import FloatArray
 from model.mechanics.collocation import rule
 from model.mechanics.equilibrium import Equilibria, Problems, SolverStatus, solve
 
@@ -48,38 +48,6 @@ def limit_m(batch: Problems) -> tuple[float, bool]:
         inside, outside = float(between[first - 1]), float(between[first])
         s_hat = float(found.s_hat_m[first - 1])
     return inside * batch.radius_m, bool(s_hat > batch.reach_m - 0.02 * batch.radius_m)
-
-
-def places_for_force(
-    batch: Problems, force_per_m2: float, tangential: bool = True
-) -> list[tuple[float, float]]:
-    """Return where a given contact force holds the sheet: (polar angle, s_hat) of every such place.
-
-    `force_per_m2`: F/B along the arc's tangent, or N/B along the sheet's normal.
-    """
-    if not np.isfinite(force_per_m2):
-        raise ModelError("a contact force must be a finite number")
-    angles = np.linspace(-WIDEST_RAD, WIDEST_RAD, 193)
-
-    def excess(found: Equilibria) -> FloatArray:
-        return (found.force(1.0) if tangential else found.nu) - force_per_m2
-
-    value = excess(solve(_at(batch, angles)))
-    places = []
-    for i in np.flatnonzero(value[:-1] * value[1:] <= 0.0):
-        low, high, at_low = angles[i], angles[i + 1], value[i]
-        for _ in range(9):
-            between = np.linspace(low, high, 12)
-            found = solve(_at(batch, between))
-            values = excess(found)
-            change = np.flatnonzero(values[:-1] * values[1:] <= 0.0)
-            if not len(change) or not np.all(np.isfinite(values)):
-                break
-            low, high, at_low = between[change[0]], between[change[0] + 1], values[change[0]]
-        share = at_low / (at_low - values[change[0] + 1]) if len(change) else 0.5
-        angle = float(low + share * (high - low))
-        places.append((angle, float(solve(_at(batch, np.array([angle]))).s_hat_m[0])))
-    return places
 
 
 def stable(found: Equilibria, index: int = 0) -> bool:

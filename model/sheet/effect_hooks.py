@@ -125,7 +125,7 @@ def image_change(acting: Sequence[Acting], clock: AcquisitionTimes) -> FloatArra
     """Return the relative change of the EIBM in the image of a reading; None: it is no older."""
     seen = []
     for one in acting:
-        change = one.effect.pictured(clock, one.values)
+        change = one.effect.in_image(clock, one.values)
         if change is not None:
             seen.append(change if one.form is None else change * one.form.of_readings(clock))
     return np.asarray(np.sum(seen, axis=0)) if seen else None

@@ -54,10 +54,10 @@ class FreeEffect(Effect):
         found = [self.where.curve(points, term) for term in self.terms]
         return _sum([both for both in found if both is not None])
 
-    def pictured(self, clock: AcquisitionTimes, p: Values) -> FloatArray | None:
-        """See `Effect.pictured`."""
+    def in_image(self, clock: AcquisitionTimes, p: Values) -> FloatArray | None:
+        """See `Effect.in_image`."""
         position_m = np.broadcast_to(clock.position_m, clock.voltage_V.shape)
-        found = [self.where.pictured(clock, position_m, term) for term in self.terms]
+        found = [self.where.in_image(clock, position_m, term) for term in self.terms]
         seen = [one for one in found if one is not None]
         return np.asarray(np.sum(seen, axis=0)) if seen else None
 

@@ -80,7 +80,7 @@ def load_cell_N(
     return 0.0 if cell is None else cell.added_N(rows, voltage_V)
 
 
-def as_pictured(
+def as_imaged(
     setup: ConditionProblem, effects: Sequence[ActiveEffect], position_m: float | None
 ) -> ConditionProblem:
     """Return the sheet at the time of the image, which may be older than the reading."""

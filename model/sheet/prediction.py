@@ -25,7 +25,7 @@ class Predictable(Protocol):
     def effects(self) -> tuple[ActiveEffect, ...]:
         """The effects that are in it."""
 
-    def beside(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
+    def alternating_voltages_V(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
         """Return the voltage, and those that it takes turns with in a run."""
 
     def setups(
@@ -117,7 +117,9 @@ def predict(
     With `as_seen` these are the readings of load cell and camera, where the model has effects of
     the instruments; otherwise the sheet's own force and shape.
     """
-    volts = model.beside(configuration, voltage_V) if model.effects else (voltage_V,)
+    volts = (
+        model.alternating_voltages_V(configuration, voltage_V) if model.effects else (voltage_V,)
+    )
     found = solved(model.setups(configuration, [(position_m, v) for v in volts]))
     setup = found.setups[0]
     asked = _Asked(configuration=configuration, position_m=position_m, voltage_V=voltage_V)
@@ -173,10 +175,10 @@ def _shape(
     if not (model.effects and as_seen):
         one = found.shapes(s_m)
         return one.x_m[0], one.y_m[0], one.curvature_per_m[0]
-    from model.sheet.instruments import as_pictured, camera_m
+    from model.sheet.instruments import as_imaged, camera_m
 
     setup = found.setups[0]
-    then = as_pictured(setup, model.effects, position_m)
+    then = as_imaged(setup, model.effects, position_m)
     seen = found if then is setup else solved([then])
     one = seen.shapes(s_m)
     x, y = one.x_m[0], one.y_m[0]

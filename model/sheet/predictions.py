@@ -151,7 +151,11 @@ def _setups(
     model: Predictable, configuration: str, positions_m: FloatArray, voltage_V: float
 ) -> list[list[ConditionProblem]]:
     """Return for each position its beam problem, and those of the voltages it alternates with."""
-    volts = model.beside(configuration, float(voltage_V)) if model.effects else (float(voltage_V),)
+    volts = (
+        model.alternating_voltages_V(configuration, float(voltage_V))
+        if model.effects
+        else (float(voltage_V),)
+    )
     made = model.setups(configuration, [(float(p), v) for v in volts for p in positions_m])
     count = len(positions_m)
     return [made[row::count] for row in range(count)]
@@ -185,10 +189,10 @@ def _shapes(
     if not (model.effects and as_seen):
         one = solved(setups).shapes(s_m)
         return one.x_m, one.y_m, one.curvature_per_m
-    from model.sheet.instruments import as_pictured, camera_m
+    from model.sheet.instruments import as_imaged, camera_m
 
     then = [
-        as_pictured(setup, model.effects, float(p))
+        as_imaged(setup, model.effects, float(p))
         for setup, p in zip(setups, positions_m, strict=True)
     ]
     found = solved(then)

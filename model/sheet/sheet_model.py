@@ -92,7 +92,9 @@ class SheetModel(Displayed):
         self, configuration: str, position_m: float | None, voltage_V: float
     ) -> ConditionProblem:
         """Return a condition's beam problem with effects; no contact without a position."""
-        volts = self.beside(configuration, voltage_V) if self.effects else (voltage_V,)
+        volts = (
+            self.alternating_voltages_V(configuration, voltage_V) if self.effects else (voltage_V,)
+        )
         return self.setups(configuration, [(position_m, v) for v in volts])[0]
 
     def setups(
@@ -106,7 +108,7 @@ class SheetModel(Displayed):
 
         return with_effects(plain, [position for position, _ in places], self.effects)
 
-    def beside(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
+    def alternating_voltages_V(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
         """Return a voltage and those it alternates with in a run: 0 V and the other polarity."""
         known = [0.0, *self.sheet(configuration).eibm]
         opposite = float(np.clip(-voltage_V, min(known), max(known)))

@@ -22,10 +22,10 @@ from benchmarks.worlds.fit_answers import (
 )
 from benchmarks.worlds.right_answers import Labelled, labelled
 from model.discrepancy.answers.calibrated_answers import (
-    SAID,
+    REPORTED,
     SOMETHING,
     CalibratedAnswers,
-    said,
+    reported,
 )
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
 
@@ -46,7 +46,7 @@ def question(random: np.random.Generator, world: str) -> Labelled:
     unknown = Alternative(UNKNOWN, {"unknown": 1.0})
     nothing = Alternative(NOTHING, {"nothing": 1.0, "nothing_gain": float(random.uniform(0, 3))})
     asked = ChoiceSet("gravity", (*names, unknown, nothing))
-    true = CalibratedAnswers(TRUE, dict.fromkeys(SAID, 1.0)).probabilities(asked)
+    true = CalibratedAnswers(TRUE, dict.fromkeys(REPORTED, 1.0)).probabilities(asked)
     says = next(iter(true)) if random.uniform() < 0.5 else str(random.choice(list(true)))
     asked = replace(asked, considered=says)
     right = random.choice(list(true), p=list(true.values()))
@@ -71,10 +71,10 @@ def test_sets_hold_the_truth_in_95_percent_of_further_questions_whatever_is_said
     random = np.random.default_rng(2)
     further = [question(random, "d") for _ in range(1500)]
     judged = [answers.judged(q.asked) for q in further]
-    for what in SAID:
+    for what in REPORTED:
         held = [
             bool(q.right & {*j.answers}) for q, j in zip(further, judged, strict=True)
-            if said(q.asked) == what
+            if reported(q.asked) == what
         ]  # fmt: skip
         assert 0.94 < np.mean(held) < 0.995
     assert np.mean([len(j.answers) for j in judged]) < 4.0

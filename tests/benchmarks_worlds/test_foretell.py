@@ -70,12 +70,18 @@ def test_a_method_whose_names_are_wrong_foretells_nevertheless() -> None:
 def test_what_is_added_along_the_arc_is_added_between_positions_and_voltages() -> None:
     base = started().base
     forward = base.problem.forward
-    added = np.zeros(forward.layout.size)
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
-        k = part.trend_of[part.is_mean]
-        smooth = 1e-4 * np.cos(scene.stated_m[k] / 0.02) * scene.voltage_V[k]
-        added[part.trend_rows[part.is_mean]] = smooth
-        added[part.mode_rows[scene.has_curve, 0]] = 3e-4  # the same everywhere along the curve
+    added = np.zeros(forward.row_index.size)
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
+        k = block.trend_of[block.is_mean]
+        smooth = (
+            1e-4 * np.cos(configuration_model.stated_m[k] / 0.02) * configuration_model.voltage_V[k]
+        )
+        added[block.trend_rows[block.is_mean]] = smooth
+        added[block.mode_rows[configuration_model.has_curve, 0]] = (
+            3e-4  # the same everywhere along the curve
+        )
     shapes = {f"force {c} 0": (0.02, 1e-6) for c in range(2)}
     shapes |= {f"curve {c} {m}": (0.02, 1e-6) for c in range(2) for m in range(10)}
     plain, more = of_model(base, session()), along_arc(base, added, shapes, session())

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from model import ModelError
-from model.mechanics.contact_range import places_for_force
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
 from model.mechanics.tip_load import tip_load
@@ -62,15 +61,6 @@ def test_a_tip_load_without_meaning_is_refused(force, text):
 def test_a_tip_load_on_a_curvature_that_is_not_finite_is_refused():
     with pytest.raises(ModelError, match="not finite everywhere"):
         tip_load(Field.constant(np.nan, 0.05), (0.0, 1.0), follows=False)
-
-
-def test_a_contact_force_that_is_not_finite_is_refused():
-    with pytest.raises(ModelError, match="finite number"):
-        places_for_force(problems(PLAIN, 0.0, R), np.nan)
-
-
-def test_a_force_that_no_place_has_is_met_nowhere():
-    assert places_for_force(problems(PLAIN, 0.0, R), -100.0 / R**2) == []
 
 
 def test_no_positions_are_no_equilibria():

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from model import Along, ConfiguredSheet, ModelError, Parameter, SheetModel, predict
-from model.mechanics.contact_range import limit_m, other_solutions, places_for_force, stable
+from model.mechanics.contact_range import limit_m, other_solutions, stable
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
 from model.sheet.beam_problem import ActiveEffect
@@ -174,16 +174,6 @@ def test_every_neighbouring_shape_through_the_contact_has_more_energy(length, cu
                 free[:2] -= np.linalg.solve(J, miss)
             lowest = min(lowest, energy(free, c))
         assert lowest > at_rest
-
-
-def test_a_given_force_is_met_at_every_place_that_has_it():
-    batch = problems(Field.constant(0.0, 0.05), 0.0, R, 10.0)
-    places = places_for_force(batch, -2.0 / R**2)  # F(p) has its extreme of 2.4 B/R^2 near 1.2 rad
-    assert len(places) == 2
-    for angle, s_hat in places:
-        again = solve(problems(Field.constant(0.0, 0.05), angle, R, 10.0))
-        assert again.force(1.0)[0] * R * R == pytest.approx(-2.0, rel=1e-9)
-        assert again.s_hat_m[0] == pytest.approx(s_hat, rel=1e-12)
 
 
 @pytest.mark.parametrize(

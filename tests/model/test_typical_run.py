@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from model import SheetModel
-from model.identification.data.data_vector import look
+from model.identification.data.data_vector import data_vector_of
 from model.mechanics import field
 from model.mechanics.field import Field
 from model.parameter import Parameter
@@ -21,7 +21,11 @@ from tests.model.discrepancy.sessions import means_of, session
 
 @pytest.mark.slow
 def test_its_times_are_those_of_data_of_the_papers_protocol():
-    seen = [one for one in look(means_of(session()), "long").seen if not (one.free or one.zero)]
+    seen = [
+        one
+        for one in data_vector_of(means_of(session()), "long").seen
+        if not (one.free or one.zero)
+    ]
     assert {one.voltage_V for one in seen} == {2.0, -2.0, 0.0}
     for one in (one for one in seen if one.voltage_V):
         volts, clock = one.voltage_V, one.kept_clock
@@ -51,7 +55,7 @@ def test_at_0_V_a_drift_since_the_wetting_has_not_begun(truth: SheetModel):
 
 
 def test_a_condition_knows_how_far_it_comes_from_at_the_other_polarity(truth: SheetModel):
-    places = [(0.01, volts) for volts in truth.beside("long", -2.0)]
+    places = [(0.01, volts) for volts in truth.alternating_voltages_V("long", -2.0)]
     beam = beam_problem(truth.setups("long", places), [0.01] * len(places))
     assert places[0][1] == -2.0
     eibm = {v: float(along.values[0]) for v, along in truth.sheet("long").eibm.items()}

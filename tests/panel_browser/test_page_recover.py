@@ -24,7 +24,7 @@ def world(tmp_path_factory):
         for number, event in enumerate(session_events(schedule)):
             writer.handle(event)
             if number == 60:
-                while not writer._backlog.empty:
+                while not writer._queue.empty:
                     pass
                 break
         for name in ("crashed.h5", "again.h5"):

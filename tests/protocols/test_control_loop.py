@@ -263,15 +263,15 @@ def test_0_V_is_written_before_anything_is_told_of_a_failure():
 
 
 def test_a_recording_that_fails_during_control_leaves_0_V():
-    rig, hub = FakeRig(), EventBus(threaded=False)
+    rig, event_bus = FakeRig(), EventBus(threaded=False)
 
     def write(event):
         rig.events.append(event)
         if isinstance(event, Controlled) and event.periods[-1].due_s > rig.signals.start_s + 2.0:
             raise OSError("disk full")
 
-    hub.add_required("the session file", write)
-    rig, scheduler = run_controlled(rig, emit=hub.emit)
+    event_bus.add_required("the session file", write)
+    rig, scheduler = run_controlled(rig, emit=event_bus.emit)
     check_ended_at_zero(rig, scheduler, FinishReason.RECORDING_FAULT, "disk full", 2 * PERIOD_S)
 
 

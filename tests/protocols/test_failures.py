@@ -242,15 +242,15 @@ def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
     rig.scheduler(timing=COARSE).run(short_schedule())
     for k in range(len(rig.events)):
         broken, count, watched = FakeRig(), itertools.count(), []
-        hub = EventBus(threaded=False)
+        event_bus = EventBus(threaded=False)
 
         def write(event, k=k, count=count):
             if next(count) >= k:
                 raise OSError("disk full")
 
-        hub.add_required("the session file", write)
-        hub.add_best_effort("progress", watched.append)
-        scheduler = broken.scheduler(emit=hub.emit, timing=COARSE)
+        event_bus.add_required("the session file", write)
+        event_bus.add_best_effort("progress", watched.append)
+        scheduler = broken.scheduler(emit=event_bus.emit, timing=COARSE)
         assert scheduler.run(short_schedule()) is Outcome.FAILED
         assert scheduler.status.finish is FinishReason.RECORDING_FAULT
         assert "disk full" in scheduler.status.text
@@ -261,11 +261,11 @@ def test_a_recording_that_fails_at_any_event_ends_the_session_at_0_V():
 
 def test_a_watcher_that_fails_at_every_event_changes_nothing():
     def voltages(break_it):
-        rig, hub = FakeRig(), EventBus(threaded=False)
-        hub.add_required("file", rig.events.append)
+        rig, event_bus = FakeRig(), EventBus(threaded=False)
+        event_bus.add_required("file", rig.events.append)
         if break_it:
-            hub.add_best_effort("panel", lambda event: 1 / 0)
-        assert rig.scheduler(emit=hub.emit).run(short_schedule()) is Outcome.COMPLETED
+            event_bus.add_best_effort("panel", lambda event: 1 / 0)
+        assert rig.scheduler(emit=event_bus.emit).run(short_schedule()) is Outcome.COMPLETED
         return rig.of_kind(VoltageSet), rig.of_kind(Warned)
 
     healthy, broken = voltages(break_it=False), voltages(break_it=True)

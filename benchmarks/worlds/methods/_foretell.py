@@ -110,28 +110,30 @@ def along_arc(
     forward = base.problem.forward
     known: dict[tuple[str, int], dict[float, _Added]] = {}  # by configuration; force, or a mode
     ends_m = {}
-    for c, (name, part, scene) in enumerate(
-        zip(forward.names, forward.layout.parts, forward.scenes, strict=True)
+    for c, (name, block, configuration_model) in enumerate(
+        zip(forward.names, forward.row_index.blocks, forward.configuration_models, strict=True)
     ):
-        ends_m[name] = float(np.max(scene.curve_s))
+        ends_m[name] = float(np.max(configuration_model.curve_s))
         cells = [
             ("force", 0, int(k), int(row))
-            for row, k in zip(part.trend_rows[part.is_mean], part.trend_of[part.is_mean],
+            for row, k in zip(block.trend_rows[block.is_mean], block.trend_of[block.is_mean],
                               strict=True)
         ]  # fmt: skip
         cells += [
             ("curve", m, int(k), int(row))
-            for k in np.flatnonzero(scene.has_curve) for m, row in enumerate(part.mode_rows[k])
+            for k in np.flatnonzero(configuration_model.has_curve)
+            for m, row in enumerate(block.mode_rows[k])
         ]  # fmt: skip
-        for volts in np.unique(scene.voltage_V).tolist():
+        for volts in np.unique(configuration_model.voltage_V).tolist():
             own = [
                 x for x in cells
-                if scene.voltage_V[x[2]] == volts and np.isfinite(scene.stated_m[x[2]])
+                if configuration_model.voltage_V[x[2]] == volts
+                and np.isfinite(configuration_model.stated_m[x[2]])
             ]  # fmt: skip
             for kind, m in sorted({x[:2] for x in own}):
                 mine = [x for x in own if x[:2] == (kind, m)]
                 one = _Added(
-                    scene.stated_m[[x[2] for x in mine]], added[[x[3] for x in mine]],
+                    configuration_model.stated_m[[x[2] for x in mine]], added[[x[3] for x in mine]],
                     shapes[f"{kind} {c} {m}"],
                 )  # fmt: skip
                 known.setdefault((name, -1 if kind == "force" else m), {})[volts] = one

@@ -87,7 +87,7 @@ def _step(
         joint, n = fits.fitted(so_far, name)
     except ModelError as error:
         return {**point, "why": f"{error}."}
-    if not weighs(joint.forward.looks[n]):
+    if not weighs(joint.forward.data_vectors[n]):
         return {**point, "why": f"{not_weighed(name, joint.stiffness(n).value)}."}
     voltages = sorted({c.voltage_V for c in so_far.conditions if c.configuration == name} - {0.0})
     return {

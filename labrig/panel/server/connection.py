@@ -95,10 +95,7 @@ class RequestConnection(H11Protocol):
         super().handle_events()
         if self.scope is not before:
             self._stop_deadline()
-            headers = {
-                name.decode("latin-1"): value.decode("latin-1") for name, value in self.headers
-            }
-            if has_token(headers, self._token):
+            if has_token(_text_of(self.headers), self._token):
                 self._unidentified.discard(self)
 
     def handle_websocket_upgrade(self, event: h11.Request) -> None:

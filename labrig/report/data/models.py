@@ -62,7 +62,9 @@ def force_curve_N(
     model: SheetModel, configuration: str, positions_m: FloatArray, voltage_V: float
 ) -> FloatArray:
     """F over positions, shape (positions,); NaN where a position cannot be reached."""
-    volts = model.beside(configuration, voltage_V) if model.effects else (voltage_V,)
+    volts = (
+        model.alternating_voltages_V(configuration, voltage_V) if model.effects else (voltage_V,)
+    )
     places = [(float(p), v) for v in volts for p in positions_m]
     # one batch: hundreds of points in the time of one `predict`
     return solved(model.setups(configuration, places)).force_N[: len(positions_m)]

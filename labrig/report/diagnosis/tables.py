@@ -26,7 +26,7 @@ from model.discrepancy.verdict.result import (
     Where,
 )
 from model.effects import catalogue, title
-from model.measurements import FloatArray
+from model.measurements import rms
 
 VERDICTS = {
     "effect_named": "effects that are not in the model",
@@ -236,15 +236,10 @@ def _rms_gap(rows: list[ErrorRow], when: str) -> Gap:
     curves = [getattr(row, f"{when}_off_m") for row in rows]
     means = np.array([np.mean(off**2) for off in curves if len(off)])
     return Gap(
-        force_rmse_mN=1e3 * _rms(force),
+        force_rmse_mN=1e3 * rms(force),
         curve_rmse_mm=1e3 * float(np.sqrt(np.mean(means))) if len(means) else np.nan,
         chi2_per_dof=1.0,
     )
-
-
-def _rms(values: FloatArray) -> float:
-    good = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(good**2))) if len(good) else float("nan")
 
 
 def next_sentences(found: Diagnosis, session: str | None = None) -> list[str]:

@@ -11,7 +11,7 @@ from model import Measurements, SheetModel
 from model.identification.baselines import BaselineRow
 from model.identification.observations import observe
 from model.identification.residuals import against
-from model.measurements import FloatArray, SheetGeometry
+from model.measurements import SheetGeometry, rms
 
 _LENGTHS = ("free_length_m", "elongation_m", "arc_radius_m", "arc_origin_rad")
 _SAME = 1e-6
@@ -39,8 +39,8 @@ def model_rows(
             model=label,
             B_Nm2=B,
             bend_per_m=bends,
-            force_rmse_N=_rms(off),
-            curve_rmse_m=_rms(curves),
+            force_rmse_N=rms(off),
+            curve_rmse_m=rms(curves),
         )
 
 
@@ -52,8 +52,3 @@ def _check_same(measured: SheetGeometry, known: SheetGeometry, label: str) -> No
                 f"{label}: was fitted to a {known.configuration} sheet with another "
                 f"{key.rsplit('_', 1)[0].replace('_', ' ')} than these data are of."
             )
-
-
-def _rms(values: FloatArray) -> float:
-    good = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(good**2))) if len(good) else float("nan")

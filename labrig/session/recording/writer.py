@@ -102,7 +102,7 @@ class SessionWriter:
         )
         self._journal = _begin(self.path, self._setup)
         self._translator = Translator(self._setup)
-        self._backlog: WriteQueue[ev.Event] = WriteQueue(QUEUE_BYTES, patience_s)
+        self._queue: WriteQueue[ev.Event] = WriteQueue(QUEUE_BYTES, patience_s)
         self._failure: Exception | None = None
         self._stopped = False
         self._closed = False
@@ -125,13 +125,13 @@ class SessionWriter:
         """Queue an event. Raises WriterError when the session is not being recorded any more."""
         if self._failure is not None:
             raise self._sentence(self._failure) from self._failure
-        if self._backlog.closed:
+        if self._queue.closed:
             raise WriterError(f"{self.path} is closed; nothing more can be recorded in it.")
         if isinstance(event, ev.SessionStopped):
             self._stopped = True
         event = _kept(event)
         try:
-            self._backlog.put(event, _size(event))
+            self._queue.put(event, _size(event))
         except StalledError as error:
             self._failure = error
             raise self._sentence(error) from error
@@ -147,7 +147,7 @@ class SessionWriter:
         self._closed = True
         if not self._stopped and self._failure is None:
             self.handle(_nobody_said_how())
-        self._backlog.close()
+        self._queue.close()
         self._thread.join(CLOSE_S if self._failure is None else PATIENCE_S)
         if self._thread.is_alive() and self._failure is None:
             self._failure = StalledError(f"the disk has not answered for {CLOSE_S:g} s")
@@ -193,7 +193,7 @@ class SessionWriter:
         except Exception as error:  # noqa: BLE001 - the thread's last word; handle() raises it
             self._failure = self._failure or error
             note_a_failed_write()
-            self._backlog.drop()
+            self._queue.drop()
             _close_what_will_close(file)
             self._journal.close()
 
@@ -212,15 +212,15 @@ class SessionWriter:
     def _record_all(self, file: Any, recorder: Recorder) -> None:
         flushed_s = time.monotonic()
         wants_sync = dirty = False
-        while not self._backlog.ended:
-            event = self._backlog.take(FLUSH_S)
+        while not self._queue.ended:
+            event = self._queue.take(FLUSH_S)
             if event is not None:
                 self._write(event, recorder)
                 dirty = True
                 wants_sync = wants_sync or isinstance(event, _SYNCED)
             late = time.monotonic() - flushed_s >= FLUSH_S
             # One sync serves all that is queued, but none waits for longer than a flush does.
-            if wants_sync and (late or self._backlog.empty):
+            if wants_sync and (late or self._queue.empty):
                 self._journal.sync()
                 wants_sync = False
             if dirty and late:

@@ -20,7 +20,7 @@ from labrig.errors import BadInputError
 from labrig.vision.calibration.board import CalibrationBoard
 from labrig.vision.calibration.corners import find_corners
 from labrig.vision.calibration.lens import distort, undistort
-from labrig.vision.calibration.optics import Optics
+from labrig.vision.calibration.optics import Optics, project
 from labrig.vision.facts.values import Point
 from labrig.vision.thresholds import (
     CALIBRATION_RESIDUAL_MAX_PX,
@@ -253,12 +253,6 @@ def _scale_share(
     steps = 1e-6 * np.eye(len(at))
     slope = np.array([(log_scale(at + s) - log_scale(at - s)) / 2e-6 for s in steps])
     return math.sqrt(max(0.0, float(slope @ covariance @ slope)))
-
-
-def project(homography: FloatArray, points: FloatArray) -> FloatArray:
-    """Return a homography on points (n, 2)."""
-    lifted = points @ homography[:, :2].T + homography[:, 2]
-    return np.asarray(lifted[:, :2] / lifted[:, 2:])
 
 
 def plane_jacobian(homography: FloatArray, point: FloatArray) -> FloatArray:

@@ -270,7 +270,7 @@ class Optics(StatesFacts):
         """Return World points (n, 2) in m -> raw pixels (n, 2)."""
         points = np.asarray(points_m, dtype=float).reshape(-1, 2)
         if self.homography is not None:
-            return self.distorted(_project(np.array(self.homography), points * 1000))
+            return self.distorted(project(np.array(self.homography), points * 1000))
         flipped = points * (self.px_per_m, -self.px_per_m)
         return self.distorted(flipped @ self._rotation().T + self.origin_undistorted_px)
 
@@ -303,7 +303,7 @@ class Optics(StatesFacts):
         ideal = np.asarray(pixels, dtype=float).reshape(-1, 2)
         if self.homography is not None:
             back = np.linalg.inv(np.array(self.homography))
-            return _project(back, ideal) / 1000
+            return project(back, ideal) / 1000
         turned = (ideal - self.origin_undistorted_px) @ self._rotation()
         return np.asarray(turned / (self.px_per_m, -self.px_per_m))
 
@@ -317,7 +317,8 @@ def listed(names: list[str]) -> str:
     return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
 
 
-def _project(homography: FloatArray, points: FloatArray) -> FloatArray:
+def project(homography: FloatArray, points: FloatArray) -> FloatArray:
+    """Return a homography on points (n, 2)."""
     lifted = points @ homography[:, :2].T + homography[:, 2]
     return np.asarray(lifted[:, :2] / lifted[:, 2:])
 

@@ -10,7 +10,7 @@ Parameters: [offset along the normal at the clamp, angle at the clamp, spline co
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -59,6 +59,10 @@ class CurveShape:
     def moved(self, parameters: FloatArray) -> CurveShape:
         """Return the curve with other parameters."""
         return make_shape(self.basis, self.start, self.heading, parameters)
+
+    def from_node(self, node: int) -> CurveShape:
+        """Return the part of the line from a node on; the parameters stay those of the whole."""
+        return replace(self, x=self.x[node:], y=self.y[node:], phi=self.phi[node:], k=self.k[node:])
 
     def slid(self, by: float) -> CurveShape:
         """Return the same line in the plane with its start `by` further along it."""

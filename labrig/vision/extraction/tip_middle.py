@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -41,7 +40,7 @@ def tip_middle_px(
     """Return how far to the left of a curve's end its tip's middle lies; None where not seen."""
     s, total = shape.basis.s, shape.basis.total_px
     first = int(np.searchsorted(s, total - LEARNED_WIDTHS * width_px))
-    last = _from_node(shape, first)
+    last = shape.from_node(first)
     before_end = total - s[first:]
     unit = min(UNIT_MAX_PX, UNIT_RATIO * width_px)
     many = math.ceil((GROUND_WIDTHS[1] * width_px + GROUND_PX[1]) / unit)
@@ -56,12 +55,6 @@ def tip_middle_px(
     if len(middles) < max(ROWS_MIN, TIP_MIDDLE_SEEN_SHARE_MIN * int(tip.sum())):
         return None
     return float(np.mean(middles))  # a line through them ends far aside where the end is wrong
-
-
-def _from_node(shape: CurveShape, node: int) -> CurveShape:
-    return replace(
-        shape, x=shape.x[node:], y=shape.y[node:], phi=shape.phi[node:], k=shape.k[node:]
-    )
 
 
 def _share_of_strip(

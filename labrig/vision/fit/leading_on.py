@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -70,7 +70,7 @@ def led_on_by_profile(
     known = end - first - round(LAST_WIDTHS * width_px / block)
     reach = SIDE_SHARE * (shape.basis.total_px - end_px) + HALF_WIDTHS * width_px
     across = np.asarray(np.arange(-math.ceil(reach / unit), math.ceil(reach / unit) + 1) * unit)
-    tail = _from_node(shape, first * many)
+    tail = shape.from_node(first * many)
     size, inside = signed_sizes(tail, images, optics, across, many, width_px, None)
     half = round(HALF_WIDTHS * width_px / unit)
     far = np.abs(across[half : len(across) - half]) > HALF_WIDTHS * width_px
@@ -114,12 +114,6 @@ def _other_said(
     return max(
         _best_way(chance, steps, OTHER_START_WIDTHS * width_px / unit_px)[1],
         _best_way(parting, steps, START_BLOCKS * steps)[1],
-    )
-
-
-def _from_node(shape: CurveShape, node: int) -> CurveShape:
-    return replace(
-        shape, x=shape.x[node:], y=shape.y[node:], phi=shape.phi[node:], k=shape.k[node:]
     )
 
 

@@ -31,10 +31,10 @@ from model.discrepancy.thresholds import LEAST_CONTENT_OF_UNKNOWN
 
 FILE = Path(__file__).with_name("calibrated_answers.json")
 SOMETHING = "something"  # a name, or `UNKNOWN`
-SAID = (SOMETHING, NOTHING)
+REPORTED = (SOMETHING, NOTHING)
 
 
-def said(one: ChoiceSet) -> str:
+def reported(one: ChoiceSet) -> str:
     """Return whether the search says something, or nothing."""
     return NOTHING if one.considered == NOTHING else SOMETHING
 
@@ -76,7 +76,7 @@ class CalibratedAnswers:
 
     def judged(self, one: ChoiceSet) -> Judged:
         """Return the probabilities of a choice set, and its answers."""
-        chances, content = self.probabilities(one), self.contents[said(one)]
+        chances, content = self.probabilities(one), self.contents[reported(one)]
         if one.considered == UNKNOWN:
             content = max(content, LEAST_CONTENT_OF_UNKNOWN)
         before = likelier(chances)

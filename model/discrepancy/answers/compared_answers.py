@@ -10,6 +10,7 @@ import numpy as np
 
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, Alternative, ChoiceSet
 from model.discrepancy.answers.votes import votes
+from model.discrepancy.criticism.check_result import Consequence
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.families import Family, families, joined
 from model.discrepancy.criticism.group_amplitudes import Group, group_amplitudes
@@ -20,13 +21,15 @@ from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.ranking import RankedCandidate, best_scores
 from model.discrepancy.thresholds import COMPARED_NAMES
-from model.discrepancy.verdict.posterior import Choice, Leftover
+from model.discrepancy.verdict.posterior import Choice, ResidualTerms
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 
 MOST_FAILURES = 3
 LEAST_EVIDENCE_LN = 10.0  # a share of less says nothing
-ALLOWED = ("noticed", "alike", "told")  # failures that speak against no name
+_AGAINST_NO_NAME = (
+    Consequence.IMPROBABLE_AMPLITUDE, Consequence.INDISTINGUISHABLE, Consequence.REMARK
+)  # fmt: skip
 SURE_SIGMA, MOST_UNEVEN = 2.0, 2.0
 _KINDS_OF_PART: tuple[Callable[[Family], str], ...] = (
     lambda f: f.quantity, lambda f: f.configuration, lambda f: f"{f.voltage_V:g} V",
@@ -38,7 +41,7 @@ class ComparedAnswers:
     """What search and checks say, as far as the answers are judged by it."""
 
     judged: NamedModel  # with the names of the search
-    rest: Leftover | None  # what nonparametric terms find beside them
+    residual: ResidualTerms | None  # what nonparametric terms find beside them
     unknown: bool  # whether the search calls that unknown
     criticism: Criticism
 
@@ -68,16 +71,18 @@ class ComparedAnswers:
         failed = self._failed(one.effect.name)
         unknown = self._unknown(ranking, free, considered=False, failed=failed)
         worth = evidence_beside(one.before, ranking[0]) if ranking else 0.0
-        nothing = _nothing(one.gain, worth, further=len(self.named) > 1, considered=False)
+        nothing = _nothing(
+            one.ln_bayes_factor, worth, further=len(self.named) > 1, considered=False
+        )
         return ChoiceSet(one.effect.name, (*names, unknown, nothing))
 
     def _of_rest(self) -> ChoiceSet:
         """Return the answers to what else is not in the model."""
         ranking = self._last_ranking
-        free = max((c.gain for c in ranking if _is_free(c)), default=0.0)
+        free = max((c.ln_bayes_factor for c in ranking if _is_free(c)), default=0.0)
         best = ranking[0] if ranking else None
         nothing = _nothing(
-            0.0 if best is None else best.gain, self._worth(best),
+            0.0 if best is None else best.ln_bayes_factor, self._worth(best),
             further=bool(self.named), considered=not self.unknown,
         )  # fmt: skip
         unknown = self._unknown(ranking, free, considered=self.unknown)
@@ -89,21 +94,21 @@ class ComparedAnswers:
         if best is None:
             return 0.0
         hidden = self.judged.cell_noise if self.judged.plain is not None else None
-        if self.rest is not None and hidden is not None and best is hidden.term:
-            return self.rest.apart  # the model has it already
+        if self.residual is not None and hidden is not None and best is hidden.term:
+            return self.residual.ln_bayes_factor_beside  # the model has it already
         return evidence_beside(self.known, best)
 
     @property
     def _last_ranking(self) -> Sequence[RankedCandidate]:
         """Everything that could be added to the model with the names, best first."""
-        if self.rest is not None:
-            return [c for c in self.rest.ranking if not c.name.startswith("outlier:")]
+        if self.residual is not None:
+            return [c for c in self.residual.ranking if not c.name.startswith("outlier:")]
         return []
 
     def _names(
         self, before: MixedModelFit, ranking: Sequence[RankedCandidate], named: str
     ) -> list[Alternative]:
-        known = sorted((c for c in ranking if c.known), key=lambda c: -c.gain)
+        known = sorted((c for c in ranking if c.known), key=lambda c: -c.ln_bayes_factor)
         asked = bool(named) or not self.named  # beside names that are in place no other is chosen
         chosen = votes(before, known, self.judged.log_sigma, named) if asked else {}
         some = known[:COMPARED_NAMES]
@@ -113,10 +118,10 @@ class ComparedAnswers:
     def _name(
         self, one: RankedCandidate, best: RankedCandidate, named: str, chosen: Mapping[str, float]
     ) -> Alternative:
-        behind = best.gain - one.gain
+        behind = best.ln_bayes_factor - one.ln_bayes_factor
         attributes = {
             "behind": float(np.log1p(behind)),
-            "behind_share": behind / max(best.gain, LEAST_EVIDENCE_LN),
+            "behind_share": behind / max(best.ln_bayes_factor, LEAST_EVIDENCE_LN),
             "first": float(one is best),
             "not_fitted": float(one.fitted is None),
             "form_share": 0.0 if one.fitted is None else form_share(one.fitted, -1),
@@ -135,7 +140,7 @@ class ComparedAnswers:
         return Alternative(one.name, attributes)
 
     def _failed(self, name: str) -> float:
-        against = [f for f in self.criticism.failures if f.consequence not in ALLOWED]
+        against = [f for f in self.criticism.failures if f.consequence not in _AGAINST_NO_NAME]
         own = [f for f in against if not f.effects or name in f.effects]
         return float(min(len(own), MOST_FAILURES))
 
@@ -147,10 +152,14 @@ class ComparedAnswers:
         considered: bool,
         failed: float = 0.0,
     ) -> Alternative:
-        best = max((c.gain for c in ranking if c.known), default=0.0)
+        best = max((c.ln_bayes_factor for c in ranking if c.known), default=0.0)
         # what the load cell's noise hid is in the model, and no part of a name's question
-        there = self.rest is not None and (considered or self.judged.plain is None)
-        beside, share = (self.rest.apart, self.rest.share) if self.rest and there else (0.0, 0.0)
+        there = self.residual is not None and (considered or self.judged.plain is None)
+        beside, share = (
+            (self.residual.ln_bayes_factor_beside, self.residual.share)
+            if self.residual and there
+            else (0.0, 0.0)
+        )
         beside = max(beside, 0.0)
         attributes = {
             "unknown": 1.0,
@@ -219,7 +228,7 @@ def _nothing(gain: float, worth: float, *, further: bool, considered: bool) -> A
 
 def _free_gain(before: MixedModelFit, ranking: Sequence[RankedCandidate]) -> float:
     """Return the evidence of the best nonparametric term for the model without a name."""
-    ranked = [c.gain for c in ranking if _is_free(c)]
+    ranked = [c.ln_bayes_factor for c in ranking if _is_free(c)]
     if ranked:
         return max(ranked)
     scores = best_scores(before, unknowns(before), before.solution)

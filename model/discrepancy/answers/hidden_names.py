@@ -26,7 +26,7 @@ from model.identification.likelihood.mixed_model_fit import MixedModelFit
 
 def hidden_chances(known: MixedModelFit, effects: Sequence[Effect]) -> dict[str, float]:
     """Return the names that may be there besides those of a model, with their probability."""
-    found = [one for one in hidden_names(known, effects) if one.gain >= HIDDEN_NAME_LN]
+    found = [one for one in hidden_names(known, effects) if one.ln_bayes_factor >= HIDDEN_NAME_LN]
     enough = EVIDENCE_THRESHOLD_LN + FURTHER_EFFECT_LN  # with more the search would have named it
     ahead = np.array([FURTHER_NAME_LN, *(min(one.ahead, enough) for one in found)])
     odds = np.exp((ahead - np.max(ahead)) / EVIDENCE_TEMPERATURE)

@@ -91,12 +91,12 @@ def not_ruled_out(decision: Decision, reported: Collection[str]) -> dict[str, fl
     for asked, judged in zip(decision.choice_sets, decision.answers, strict=True):
         if asked.considered in reported:
             continue
-        told = dict.fromkeys(judged.answers)
+        answers = dict.fromkeys(judged.answers)
         answered |= set(judged.answers)
         # a name that a check rejected
         if judged.probabilities.get(asked.considered, 0.0) >= LEAST_REJECTED:
-            told[asked.considered] = None
-        for name in told:
+            answers[asked.considered] = None
+        for name in answers:
             if name != NOTHING and name not in reported:
                 chances[name] = max(chances.get(name, 0.0), judged.probabilities[name])
     for name, chance in decision.hidden.items():

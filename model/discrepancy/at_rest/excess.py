@@ -253,9 +253,9 @@ def excess(
 
 def _levels(drive_V: FloatArray, volts: FloatArray) -> Index:
     """Return which of the voltages is held at each sample; one across an edge ends a pulse."""
-    apart = np.abs(drive_V[:, None] - volts)
-    sure = np.where(apart.min(axis=1) < STEP_V, np.arange(len(drive_V)), 0)
-    return np.asarray(np.argmin(apart, axis=1)[np.maximum.accumulate(sure)])
+    distance_V = np.abs(drive_V[:, None] - volts)
+    sure = np.where(distance_V.min(axis=1) < STEP_V, np.arange(len(drive_V)), 0)
+    return np.asarray(np.argmin(distance_V, axis=1)[np.maximum.accumulate(sure)])
 
 
 def _times(

@@ -29,14 +29,14 @@ def with_dynamics(
     if not taken:
         return found
     sheets = listed([f"'{name}'" for name in taken])
-    apart = [name for name in deviations() if name in {one.name for one in found.effects}]
-    said = f"The base model has the dynamics of {sheets}."
-    if apart:
-        names = listed([title(name) for name in apart])
-        said += f" What is called {names} is what they do not explain."
+    deviating = [name for name in deviations() if name in {one.name for one in found.effects}]
+    text = f"The base model has the dynamics of {sheets}."
+    if deviating:
+        names = listed([title(name) for name in deviating])
+        text += f" What is called {names} is what they do not explain."
     notes = [f"the dynamics of '{name}' explain {one.sentence}" for name, one in taken.items()]
     return replace(
-        found, sentence=f"{found.sentence} {said}", notes=(*found.notes, *notes), dynamics=taken,
+        found, sentence=f"{found.sentence} {text}", notes=(*found.notes, *notes), dynamics=taken,
         model=_with_dynamics(found.model, taken, measured, model),
     )  # fmt: skip
 

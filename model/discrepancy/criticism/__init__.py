@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from model.discrepancy.criticism.check_result import CheckResult, Failure
+from model.discrepancy.criticism.check_result import CheckResult, Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 
-__all__ = ["CheckResult", "Failure", "VerdictCheck"]
+__all__ = ["CheckResult", "Consequence", "Failure", "VerdictCheck"]

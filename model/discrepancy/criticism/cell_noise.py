@@ -95,21 +95,21 @@ def _unusual(fitted: MixedModelFit) -> CellNoise | None:
     judge, pool = at_usual_cell_noise(fitted), unknowns(fitted)
     first = _scores(judge, pool)
     own = [one for one in first if one.candidate.location == first[0].candidate.location]
-    beside = [(gain, found) for gain, found in (rescored(judge, one) for one in own)
+    beside = [(value, found) for value, found in (rescored(judge, one) for one in own)
               if _over_usual(fitted, found, name) < NOISE_LEFT_SHARE * ratio[name]]  # fmt: skip
     if not beside:
         return CellNoise(name=name, times=ratio[name], order=-np.inf)
     # a location as a whole and its parts are equally probable beforehand
     paid = float(np.log(len(own) / len(beside)))
-    evidence = averaged([gain for gain, _ in beside]) - paid
-    order = averaged([gain - _improbable(fitted, found) for gain, found in beside]) - paid
+    evidence = averaged([value for value, _ in beside]) - paid
+    order = averaged([value - _improbable(fitted, found) for value, found in beside]) - paid
     if evidence <= EVIDENCE_THRESHOLD_LN + FURTHER_EFFECT_LN or order <= ORDER_OF_NOISE_LN:
         return CellNoise(name=name, times=ratio[name], order=order)
     _, solution = max(beside, key=lambda one: one[0])
     judge = replace(fitted, solution=weigh(fitted.linear.data, solution.log_sigma))
     best = dict[str, RankedCandidate]()
     for one in _scores(judge, pool):
-        ranked = RankedCandidate(score=one, gain=one.log_bayes, solution=judge.solution)
+        ranked = RankedCandidate(score=one, ln_bayes_factor=one.log_bayes, solution=judge.solution)
         best.setdefault(one.candidate.name, ranked)
     return CellNoise(name=name, times=ratio[name], order=order, ranking=tuple(best.values()))
 

@@ -3,17 +3,35 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal, get_args
+from enum import StrEnum
+from typing import Any
 
-# unknown: the names are wrong, or something is not in the model that has no name
-# noticed: people see such an amplitude as a rule, so the name is less probable; unknown is in its
-#   set
-# doubt: so it is, unless the answers, which count failed checks, are sure of the name all the same
-# one_of: rivals are as good, the class is the answer
-# alike: nothing in the data tells rivals apart; that speaks against none of them
-# told: it is odd, and speaks against none of the names
-# cannot_tell: the data do not allow a verdict
-Consequence = Literal["unknown", "noticed", "doubt", "one_of", "alike", "told", "cannot_tell"]
+
+class Consequence(StrEnum):
+    """What a failure means for the names that it concerns."""
+
+    REJECT = "reject"
+    """They are dropped. Without names: something else is not in the model."""
+
+    REJECT_UNLESS_PROBABLE = "reject_unless_probable"
+    """They are dropped unless they are probable although a check failed; then 'unknown' is in
+    their set."""
+
+    IMPROBABLE_AMPLITUDE = "improbable_amplitude"
+    """They are less probable, as people would notice the amplitude; 'unknown' is in their set."""
+
+    EQUIVALENCE_CLASS = "equivalence_class"
+    """The rivals explain the data as well, and are in their set. It counts against the names."""
+
+    INDISTINGUISHABLE = "indistinguishable"
+    """The data do not tell them from the rivals, which share their probability as the odds say. It
+    counts against none of them."""
+
+    REMARK = "remark"
+    """None. The sentence is reported."""
+
+    INCONCLUSIVE = "inconclusive"
+    """The data allow no verdict, whatever is named: it is `cannot_tell`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,14 +41,14 @@ class Failure:
     consequence: Consequence
     sentence: str  # what contradicts what, without its full stop
     effects: tuple[str, ...] = ()  # names that it concerns; none: all of them together
-    rivals: tuple[str, ...] = ()  # of `one_of` and `alike`: names that are as good
-    odds: tuple[float, ...] = ()  # of `alike`: probability of each rival over the name's
-    overlooked: float = 1.0  # of `noticed`: the probability that nobody noticed
+    rivals: tuple[str, ...] = ()  # names that explain the data as well, or are indistinguishable
+    odds: tuple[float, ...] = ()  # of those indistinguishable: their probability over the name's
+    overlooked: float = 1.0  # of an improbable amplitude: probability that nobody noticed it
 
     def __post_init__(self) -> None:
         """Raise ValueError for a consequence that there is not."""
-        if self.consequence not in get_args(Consequence):
-            known = ", ".join(get_args(Consequence))
+        if self.consequence not in list(Consequence):
+            known = ", ".join(Consequence)
             raise ValueError(f"there is no consequence '{self.consequence}'; there are {known}")
 
 

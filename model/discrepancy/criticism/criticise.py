@@ -13,6 +13,8 @@ from model.discrepancy.criticism.check_result import CheckResult, Consequence, F
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.foreign_checks import answers_of
 
+_RIVALS = (Consequence.EQUIVALENCE_CLASS, Consequence.INDISTINGUISHABLE)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Criticism:
@@ -23,11 +25,11 @@ class Criticism:
 
     def rejected(self, names: Iterable[str]) -> tuple[str, ...]:
         """Return which of the names cannot be, whatever else speaks for them."""
-        return self._against(names, "unknown")
+        return self._against(names, Consequence.REJECT)
 
     def doubted(self, names: Iterable[str]) -> tuple[str, ...]:
         """Return which of the names something unknown may imitate."""
-        return self._against(names, "doubt")
+        return self._against(names, Consequence.REJECT_UNLESS_PROBABLE)
 
     def _against(self, names: Iterable[str], consequence: Consequence) -> tuple[str, ...]:
         failed = [f for f in self.failures if f.consequence == consequence and f.effects]
@@ -36,13 +38,14 @@ class Criticism:
     @property
     def incomplete(self) -> bool:
         """Whether something is missing that no single name is to blame for."""
-        return any(one.consequence == "unknown" and not one.effects for one in self.failures)
+        some = (f for f in self.failures if f.consequence == Consequence.REJECT)
+        return any(not one.effects for one in some)
 
     @property
     def undecided(self) -> str:
         """Why the data do not allow a verdict; empty: they do."""
-        every = (one.sentence for one in self.failures if one.consequence == "cannot_tell")
-        return next(every, "")
+        some = (f for f in self.failures if f.consequence == Consequence.INCONCLUSIVE)
+        return next((one.sentence for one in some), "")
 
     def overlooked(self, name: str) -> float:
         """Return the probability that nobody noticed what this name says."""
@@ -51,7 +54,7 @@ class Criticism:
 
     def rivals(self, name: str) -> tuple[str, ...]:
         """Return names that explain as much as this one."""
-        some = (f for f in self.failures if f.consequence in ("one_of", "alike"))
+        some = (f for f in self.failures if f.consequence in _RIVALS)
         own = [f for f in some if name in f.effects]
         return tuple(rival for one in own for rival in one.rivals)
 

@@ -30,21 +30,23 @@ def families(fitted: MixedModelFit, without: Collection[int] = ()) -> list[Famil
 
 def _each(fitted: MixedModelFit, without: Collection[int]) -> Iterator[Family]:
     forward, first = fitted.problem.forward, 0
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
-        name = scene.sheet.configuration
-        zero = np.array([one.zero for one in scene.look.seen], dtype=bool)
-        used = ~zero & ~np.isin(first + np.arange(scene.K), list(without))
-        for voltage_V in np.unique(scene.voltage_V).tolist():
-            here = used & (scene.voltage_V == voltage_V)
-            trend, course = here[part.trend_of], here[part.trend_of] & ~part.is_mean
-            force = part.trend_rows[part.is_mean & trend]
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
+        name = configuration_model.sheet.configuration
+        zero = np.array([one.zero for one in configuration_model.data_vector.seen], dtype=bool)
+        used = ~zero & ~np.isin(first + np.arange(configuration_model.K), list(without))
+        for voltage_V in np.unique(configuration_model.voltage_V).tolist():
+            here = used & (configuration_model.voltage_V == voltage_V)
+            trend, course = here[block.trend_of], here[block.trend_of] & ~block.is_mean
+            force = block.trend_rows[block.is_mean & trend]
             yield Family("force", name, voltage_V, force)
-            modes = part.mode_rows[here & scene.has_curve].ravel()
+            modes = block.mode_rows[here & configuration_model.has_curve].ravel()
             yield Family("neutral curve", name, voltage_V, modes)
-            run = np.concatenate([part.trend_rows[course], part.sway_rows[here[part.sway_of]]])
+            run = np.concatenate([block.trend_rows[course], block.sway_rows[here[block.sway_of]]])
             yield Family("course of a run", name, voltage_V, run)
-            yield Family("course of a pulse", name, voltage_V, part.bin_rows[here[part.bin_of]])
-        first += scene.K
+            yield Family("course of a pulse", name, voltage_V, block.bin_rows[here[block.bin_of]])
+        first += configuration_model.K
 
 
 def joined(some: Collection[Family]) -> Index:

@@ -45,7 +45,7 @@ def group_amplitudes(
 ) -> list[GroupAmplitude]:
     """Return the factors of the effect at this place among the effects found, by group."""
     forward = fitted.problem.forward
-    whole = np.zeros(forward.layout.size)
+    whole = np.zeros(forward.row_index.size)
     for c, step in steps_of(fitted, index):
         whole += forward.rows_of(c, fitted.linear.states[c], step)
     parts = {}

@@ -61,7 +61,7 @@ class NamedModel:
     @cached_property
     def rivals(self) -> list[Candidate]:
         """Return the best names of the first step and those that were named, as candidates."""
-        ranked = [c for c in self.outcome.turns[0].ranking if c.known][:CROSS_VALIDATED_NAMES]
+        ranked = [c for c in self.outcome.steps[0].ranking if c.known][:CROSS_VALIDATED_NAMES]
         effects = {c.name: c.score.candidate.effect for c in ranked}
         effects |= {one.effect.name: one.effect for one in self.named}
         return candidates(self.outcome.base, [e for e in effects.values() if e is not None])

@@ -32,12 +32,12 @@ class Predictive:
     @cached_property
     def _whole(self) -> tuple[FloatArray, FloatArray, FloatArray]:
         """P (N, N), P y (N,), and the weights of single rows (N,)."""
-        layout, linear = self.fitted.problem.forward.layout, self.fitted.linear
+        row_index, linear = self.fitted.problem.forward.row_index, self.fitted.linear
         solution = weigh(linear.data, self.log_sigma)
-        W = np.zeros((layout.size, layout.size))
+        W = np.zeros((row_index.size, row_index.size))
         for r, own in enumerate(solution.weights):
-            rows = np.flatnonzero(layout.run_of == r)
-            W[np.ix_(rows, rows)] = own[np.ix_(layout.row_of[rows], layout.row_of[rows])]
+            rows = np.flatnonzero(row_index.run_of == r)
+            W[np.ix_(rows, rows)] = own[np.ix_(row_index.row_of[rows], row_index.row_of[rows])]
         WX = W @ linear.columns
         P = W - WX @ solution.covariance @ WX.T
         return P, W @ (linear.residual - linear.columns @ solution.beta), np.diag(W)
@@ -53,7 +53,7 @@ class Predictive:
     @cached_property
     def residuals(self) -> list[tuple[Index, FloatArray, FloatArray]]:
         """Rows, residual and covariance of each group."""
-        run_of = self.fitted.problem.forward.layout.run_of
+        run_of = self.fitted.problem.forward.row_index.run_of
         every = [np.flatnonzero(np.isin(run_of, runs)) for runs in self.groups]
         return [(rows, *self.left_out(rows)) for rows in every]
 

@@ -41,13 +41,15 @@ def _exact(stated: Sequence[Candidate], sizes: int) -> list[Candidate]:
 
 def without_contact(forward: ForwardModel) -> npt.NDArray[np.bool_]:
     """Return which rows are readings of the load cell that touches nothing, (N,)."""
-    result = np.zeros(forward.layout.size, dtype=bool)
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
-        free = np.isnan(scene.stated_m) | np.array(
-            [one.zero for one in scene.look.seen], dtype=bool
+    result = np.zeros(forward.row_index.size, dtype=bool)
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
+        free = np.isnan(configuration_model.stated_m) | np.array(
+            [one.zero for one in configuration_model.data_vector.seen], dtype=bool
         )
-        result[part.trend_rows[free[part.trend_of]]] = True
-        result[part.bin_rows[free[part.bin_of]]] = True
+        result[block.trend_rows[free[block.trend_of]]] = True
+        result[block.bin_rows[free[block.bin_of]]] = True
     return result
 
 

@@ -123,7 +123,7 @@ def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Sus
     for failed in suspicious:
         if not _mended(failed) and _fails(failed.stated, data):
             own = as_stated[failed.name][0]
-            known = [said for check in checks for said in check.of_failed_fit(own)]
+            known = [one for check in checks for one in check.of_failed_fit(own)]
             if known or _fails_along(own, tolerances):
                 yield from known or [_failed(failed)]
     for check in checks:
@@ -159,11 +159,11 @@ def _unless_refused(
         other = fit_with(own, limits, change, begin)
         if other is None or not np.isfinite(other.sigma):
             continue
-        apart = abs(other.value - proposed.value)
+        difference = abs(other.value - proposed.value)
         near = max(
             APART_SHARE * abs(proposed.value), APART_SIGMA * np.hypot(proposed.sigma, other.sigma)
         )
-        if apart > near:
+        if difference > near:
             doubt = (
                 f"; '{name}' asks for {other.value * change.factor:.4g} {change.unit}, so an"
                 " effect may be the reason"
@@ -203,11 +203,11 @@ def _changed(mended: Sequence[Compared]) -> Iterator[ProposedChange]:
 def _same(one: Trial, other: Trial) -> bool:
     if one.check != other.check or one.change.where != other.change.where:
         return False
-    apart, size = abs(one.fit.value - other.fit.value), max(abs(one.fit.value), 1e-12)
+    difference, size = abs(one.fit.value - other.fit.value), max(abs(one.fit.value), 1e-12)
     if not one.change.continuous:
         return one.change.sentence("", 0.0, 0.0) == other.change.sentence("", 0.0, 0.0)
     near = max(SAME_SHARE * size, SAME_SIGMA * float(np.hypot(one.fit.sigma, other.fit.sigma)))
-    return apart < near
+    return difference < near
 
 
 def _gap(alike: Sequence[Compared]) -> str:
@@ -245,7 +245,7 @@ def _fails(stated: QuickFit | None, data: Measurements) -> bool:
 def _fails_along(own: Measurements, tolerances: Tolerances) -> bool:
     """Whether it fails as well where the EIBM may change along the sheet.
 
-    Where all voltages have one sign the forces spread little, and a constant EIBM is off by as much.
+    Where all voltages have one sign, forces spread little, and a constant EIBM is off by as much.
     """
     along = quick_fit(own, tolerances, along=True)
     return along is None or _fails(along, own)
@@ -253,9 +253,9 @@ def _fails_along(own: Measurements, tolerances: Tolerances) -> bool:
 
 def _spread_N(fit: QuickFit) -> float:
     """Return the standard deviation of the mean forces."""
-    rows = [part.trend @ part.measured_N for part in fit.forward.layout.parts]
+    rows = [block.trend @ block.measured_N for block in fit.forward.row_index.blocks]
     means = np.concatenate(
-        [r[p.is_mean] for r, p in zip(rows, fit.forward.layout.parts, strict=True)]
+        [r[p.is_mean] for r, p in zip(rows, fit.forward.row_index.blocks, strict=True)]
     )
     return float(np.std(means)) if len(means) > 1 else np.inf
 

@@ -35,12 +35,12 @@ def _behaviour(check: DataCheck) -> Iterator[str]:
     """Check that it says nothing of good data and leaves its arguments as they are."""
     data = example_measurements()
     before = deepcopy(data)
-    said = [*check.suspicions(data), *check.of_stiffness(data, {"example": 1e-6})]
+    suspicions = [*check.suspicions(data), *check.of_stiffness(data, {"example": 1e-6})]
     of_failed = check.of_failed_fit(data)  # of other data than good ones: it may say anything
-    if not all(isinstance(one, Suspicion) for one in (*said, *of_failed)):
+    if not all(isinstance(one, Suspicion) for one in (*suspicions, *of_failed)):
         yield "it must yield objects of type Suspicion"
-    elif said:
-        yield f"it suspects data in which nothing is wrong: {said[0].sentence}"
+    elif suspicions:
+        yield f"it suspects data in which nothing is wrong: {suspicions[0].sentence}"
     for change in check.changes(data):
         yield from _faults_of_change(change, data)
     if not _same(before, data):

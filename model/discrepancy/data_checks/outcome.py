@@ -14,10 +14,10 @@ from model.sheet.sheet_model import SheetModel
 
 def contradiction(checked: CheckedData) -> str:
     """Return why nothing can be searched for, a sentence without its full stop."""
-    said = "; ".join(one.sentence for one in checked.stops)
+    reasons = "; ".join(one.sentence for one in checked.stops)
     return (
         "These data contradict what is stated of them, so nothing is searched for and there is no"
-        f" model: {said}"
+        f" model: {reasons}"
     )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from model.discrepancy.data_checks.contract import Change
 from model.identification.base_model import BaseOptions, bases_of, usual_stiffness
-from model.identification.data.data_vector import look, means_of
+from model.identification.data.data_vector import data_vector_of, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import (
     ENOUGH,
@@ -82,23 +82,30 @@ class QuickFit:
     @property
     def force_rms_N(self) -> float:
         """Root mean square residual of the mean forces."""
-        parts = self.forward.layout.parts
-        rows = np.concatenate([part.trend_rows[part.is_mean] for part in parts])
+        parts = self.forward.row_index.blocks
+        rows = np.concatenate([block.trend_rows[block.is_mean] for block in parts])
         return float(np.sqrt(np.mean(self.residual[rows] ** 2))) if len(rows) else np.nan
 
     @property
     def curve_rms_m(self) -> float:
         """Root mean square distance of the curves."""
-        pairs = zip(self.forward.layout.parts, self.forward.scenes, strict=True)
-        rows = np.concatenate([part.mode_rows[scene.has_curve] for part, scene in pairs])
+        pairs = zip(self.forward.row_index.blocks, self.forward.configuration_models, strict=True)
+        rows = np.concatenate(
+            [block.mode_rows[configuration_model.has_curve] for block, configuration_model in pairs]
+        )
         off = np.sum(self.residual[rows] ** 2, axis=1)
         return float(np.sqrt(np.mean(off))) if len(rows) else np.nan
 
     @property
     def count(self) -> int:
         """Number of forces and curves."""
-        forces = sum(int(np.count_nonzero(part.is_mean)) for part in self.forward.layout.parts)
-        curves = sum(int(np.count_nonzero(scene.has_curve)) for scene in self.forward.scenes)
+        forces = sum(
+            int(np.count_nonzero(block.is_mean)) for block in self.forward.row_index.blocks
+        )
+        curves = sum(
+            int(np.count_nonzero(configuration_model.has_curve))
+            for configuration_model in self.forward.configuration_models
+        )
         return forces + curves
 
 
@@ -137,19 +144,19 @@ class _Posed:
 
         `along`: the EIBM may change along the sheet.
         """
-        looks, rests, known = [], [], []
+        data_vectors, rests, known = [], [], []
         for name in measurements.sheets:
             own = [c for c in measurements.conditions if c.configuration == name]
             if not any(c.readings and c.position_m is not None for c in own):
                 continue
             observed = observe(measurements, name)
             rest, stated = rest_field(observed.sheet, observed)
-            looks.append(means_of(look(measurements, name)))
+            data_vectors.append(means_of(data_vector_of(measurements, name)))
             rests.append(rest)
             known.append(stated)
-        if not looks:
+        if not data_vectors:
             raise ModelError("no configuration has a force")
-        forward = ForwardModel(looks, rests)
+        forward = ForwardModel(data_vectors, rests)
         return _Posed(
             forward,
             bases_of(forward, known, BaseOptions(along=along)),
@@ -159,10 +166,12 @@ class _Posed:
     def start(self) -> FloatArray:
         """Return base parameters without EIBM."""
         theta = np.zeros(self.bases.size)
-        for scene, part in zip(self.forward.scenes, self.bases.parts, strict=True):
+        for configuration_model, part in zip(
+            self.forward.configuration_models, self.bases.parts, strict=True
+        ):
             for i, (mean, _) in part.prior.items():
                 theta[i] = mean
-            theta[part.stiffness] = np.log(usual_stiffness(scene.sheet))
+            theta[part.stiffness] = np.log(usual_stiffness(configuration_model.sheet))
         return theta
 
     def at(self, theta: FloatArray, value: float) -> QuickFit:
@@ -175,10 +184,12 @@ class _Posed:
 
 
 def _weights(forward: ForwardModel, tolerances: Tolerances) -> FloatArray:
-    weights = np.zeros(forward.layout.size)
-    for name, part, scene in zip(forward.names, forward.layout.parts, forward.scenes, strict=True):
-        weights[part.trend_rows[part.is_mean]] = 1.0 / tolerances.force_N[name]
-        weights[part.mode_rows[scene.has_curve]] = 1.0 / tolerances.curve_m[name]
+    weights = np.zeros(forward.row_index.size)
+    for name, block, configuration_model in zip(
+        forward.names, forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
+        weights[block.trend_rows[block.is_mean]] = 1.0 / tolerances.force_N[name]
+        weights[block.mode_rows[configuration_model.has_curve]] = 1.0 / tolerances.curve_m[name]
     return weights
 
 

@@ -44,20 +44,20 @@ def next_measurement(
         return None
 
     def worth(one: _Choice) -> tuple[float, float]:
-        told = weight @ np.minimum(one.then, COMPARISON_SIGMA)
+        separated = weight @ np.minimum(one.then, COMPARISON_SIGMA)
         gained = weight @ np.maximum(one.then**2 - now**2, 0.0)
-        return float(told), float(gained) / one.minutes
+        return float(separated), float(gained) / one.minutes
 
     best = max(choices, key=worth)
     further = np.minimum(best.then, COMPARISON_SIGMA) - np.minimum(now, COMPARISON_SIGMA)
     order = np.argsort(-weight * further, kind="stable").tolist()
-    which, *rest = order
-    told = [which, *(i for i in rest if further[i] >= LEAST_GAIN_SIGMA)]
-    first, others = equal[which][0].effect.name, [equal[i][1].effect.name for i in told]
+    which, *others = order
+    improved = [which, *(i for i in others if further[i] >= LEAST_GAIN_SIGMA)]
+    first, names = equal[which][0].effect.name, [equal[i][1].effect.name for i in improved]
     return Next(
-        why=f"{best.entry.what}, to separate {title(first)} from {listed([*map(title, others)])}",
+        why=f"{best.entry.what}, to separate {title(first)} from {listed([*map(title, names)])}",
         extra=best.entry.name,
-        between=(first, others[0]),
+        between=(first, names[0]),
         separation=float(now[which]),
         expected=float(best.then[which]),
         minutes=best.minutes,
@@ -73,5 +73,5 @@ def _choices(fitted: MixedModelFit, pairs: Sequence[tuple[Suspect, Suspect]]) ->
             then = np.array([distance(more, pair) for pair in pairs])
         except (ModelError, np.linalg.LinAlgError):
             continue
-        minutes = sum(entry.minutes(one) for one in fitted.problem.forward.looks)
+        minutes = sum(entry.minutes(one) for one in fitted.problem.forward.data_vectors)
         yield _Choice(entry, then, minutes)

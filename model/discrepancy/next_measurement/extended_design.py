@@ -18,17 +18,21 @@ from model.measurements import FloatArray
 def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFit:
     """Return the design with an entry added: only its geometry counts, no data are made up."""
     problem = fitted.problem
-    looks = [replace(one, seen=(*one.seen, *entry.add(one))) for one in problem.forward.looks]
-    rests = [scene.rest for scene in problem.forward.scenes]
-    forward = ForwardModel(looks, rests, like=problem.forward)
+    data_vectors = [
+        replace(one, seen=(*one.seen, *entry.add(one))) for one in problem.forward.data_vectors
+    ]
+    rests = [
+        configuration_model.rest for configuration_model in problem.forward.configuration_models
+    ]
+    forward = ForwardModel(data_vectors, rests, like=problem.forward)
     noise = noise_of(forward)
     bases = problem.bases
     if bases.further is not None:  # planned data are those of a sheet at rest
-        bases = replace(bases, further=bases.further.of_rows(forward.layout.size))
+        bases = replace(bases, further=bases.further.of_rows(forward.row_index.size))
     larger = FitProblem.of(forward, bases, noise)
     if any(
         len(a.voltages_V) != len(b.voltages_V)
-        for a, b in zip(looks, problem.forward.looks, strict=True)
+        for a, b in zip(data_vectors, problem.forward.data_vectors, strict=True)
     ):
         bases = _with_half(replace(problem, bases=bases), forward)
         larger = replace(larger, bases=bases)
@@ -53,7 +57,7 @@ def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFi
 def _with_half(problem: FitProblem, forward: ForwardModel) -> Bases:
     """Parameters of the further voltages, after all others."""
     parts, place = [], problem.bases.size
-    for one, own in zip(problem.bases.parts, forward.looks, strict=True):
+    for one, own in zip(problem.bases.parts, forward.data_vectors, strict=True):
         eibm = dict(one.eibm)
         for volts in own.voltages_V:
             if volts not in eibm:

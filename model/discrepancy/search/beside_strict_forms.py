@@ -27,7 +27,7 @@ class HiddenName:
     """A further name that the forms of others may hide."""
 
     name: str
-    gain: float  # its evidence beside the catalogue's forms
+    ln_bayes_factor: float  # its evidence beside the catalogue's forms
     ahead: float  # how much more they explain with it than forms that differ do without it, ln
 
 
@@ -62,7 +62,10 @@ def hidden_names(fitted: MixedModelFit, effects: Sequence[Effect]) -> list[Hidde
         return []
     strict = StrictForms.of(fitted, effects)
     worth = [(one.name, evidence_beside(strict.fitted, one)) for one in strict.ranking]
-    return [HiddenName(name=n, gain=gain, ahead=gain - strict.lost) for n, gain in worth]
+    return [
+        HiddenName(name=n, ln_bayes_factor=ln_bayes_factor, ahead=ln_bayes_factor - strict.lost)
+        for n, ln_bayes_factor in worth
+    ]
 
 
 def _ranking(strict: MixedModelFit, effects: Sequence[Effect]) -> list[RankedCandidate]:

@@ -34,7 +34,7 @@ def left_out(
     # with the base model's own noise, scatter would pass for what an effect does in every set-up
     judge = replace(base, solution=weigh(base.linear.data, final.solution.log_sigma))
     for runs in groups:
-        rows = np.flatnonzero(np.isin(base.problem.forward.layout.run_of, runs))
+        rows = np.flatnonzero(np.isin(base.problem.forward.row_index.run_of, runs))
         before[rows] = _predicted(base, base.linear.columns, runs)[rows]
         best = best_without(judge, pool, runs) if own and pool else None
         name = "" if best is None or best.log_bayes <= 0.0 else best.candidate.name
@@ -54,7 +54,7 @@ def when_left_out(fitted: MixedModelFit) -> FloatArray:
     """Return the residual of each row with its position left out of the fit, (N,)."""
     none = np.zeros(0, dtype=np.int64)
     residual, of = (
-        _predicted(fitted, fitted.linear.columns, none), fitted.problem.forward.layout.run_of
+        _predicted(fitted, fitted.linear.columns, none), fitted.problem.forward.row_index.run_of
     )  # fmt: skip
     for runs in position_groups(fitted):
         rows = np.isin(of, runs)
@@ -66,10 +66,10 @@ def _information(
     fitted: MixedModelFit, columns: FloatArray, runs: Index, extra: FloatArray | None
 ) -> tuple[FloatArray, FloatArray]:
     """Return the normal equations of all runs except `runs`."""
-    data, layout = fitted.linear.data, fitted.problem.forward.layout
-    kept = np.setdiff1d(np.arange(len(layout.runs)), runs)
-    X = layout.pad(columns)[kept]
-    W, y = fitted.solution.weights[kept], layout.pad(fitted.linear.residual)[kept]
+    data, row_index = fitted.linear.data, fitted.problem.forward.row_index
+    kept = np.setdiff1d(np.arange(len(row_index.runs)), runs)
+    X = row_index.pad(columns)[kept]
+    W, y = fitted.solution.weights[kept], row_index.pad(fitted.linear.residual)[kept]
     WX = W @ X
     precision, away = data.precision, data.away
     if extra is not None:
@@ -104,11 +104,11 @@ def _likely(fitted: MixedModelFit, runs: Index) -> float:
     What the others do not know, such as how a form differs in just these runs, is as unsure as it
     was beforehand.
     """
-    layout = fitted.problem.forward.layout
+    row_index = fitted.problem.forward.row_index
     A, b = _information(fitted, fitted.linear.columns, runs, None)
     covariance = inverse_symmetric(A)
-    X = layout.pad(fitted.linear.columns)[runs]
-    error = (layout.pad(fitted.linear.residual)[runs] - X @ (covariance @ b)).ravel()
+    X = row_index.pad(fitted.linear.columns)[runs]
+    error = (row_index.pad(fitted.linear.residual)[runs] - X @ (covariance @ b)).ravel()
     V = np.einsum("rip,pq,sjq->risj", X, covariance, X, optimize=True)
     for r, weights in enumerate(fitted.solution.weights[runs]):
         V[r, :, r, :] += np.linalg.inv(weights)
@@ -123,22 +123,22 @@ def best_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) ->
 
 def scores_without(base: MixedModelFit, pool: Sequence[Candidate], runs: Index) -> list[Score]:
     """Return the evidence of each candidate in the other runs, with the noise as it was found."""
-    forward, layout = base.problem.forward, base.problem.forward.layout
+    forward, row_index = base.problem.forward, base.problem.forward.row_index
     weights = base.solution.weights.copy()
     weights[runs] = 0.0
     A, b = _information(base, base.linear.columns, runs, None)
     covariance = inverse_symmetric(A)
-    error = layout.pad(base.linear.residual - base.linear.columns @ (covariance @ b))
+    error = row_index.pad(base.linear.residual - base.linear.columns @ (covariance @ b))
     We = (weights @ error[:, :, None])[:, :, 0]
-    WX = (weights @ base.linear.data.X)[layout.run_of, layout.row_of]
-    projected = Projected(weights, WX, covariance, We[layout.run_of, layout.row_of])
+    WX = (weights @ base.linear.data.X)[row_index.run_of, row_index.row_of]
+    projected = Projected(weights, WX, covariance, We[row_index.run_of, row_index.row_of])
     return scored(forward, projected, pool)
 
 
 def position_groups(fitted: MixedModelFit) -> list[Index]:
     """Return runs grouped by position over all configurations; free shapes are never left out."""
     groups: dict[float, list[int]] = {}
-    for r, run in enumerate(fitted.problem.forward.layout.runs):
+    for r, run in enumerate(fitted.problem.forward.row_index.runs):
         if np.isfinite(run[1]):
             groups.setdefault(round(run[1], 7), []).append(r)
     return [np.array(g, dtype=np.int64) for g in groups.values()]

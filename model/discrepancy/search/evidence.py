@@ -77,7 +77,9 @@ def candidates(
     """
     forward, kept = fitted.problem.forward, fitted.linear.at_states
     dated = any(
-        np.ptp(part.clock.session) > 0.0 for part in forward.layout.parts if len(part.clock.session)
+        np.ptp(block.clock.session) > 0.0
+        for block in forward.row_index.blocks
+        if len(block.clock.session)
     )
     foreign = origins()
     result = []
@@ -154,12 +156,12 @@ class Projected:
     @staticmethod
     def of(forward: ForwardModel, linear: Linearisation, solution: Solution) -> Projected:
         """At a solution."""
-        layout, data = forward.layout, linear.data
-        WX = (solution.weights @ data.X)[layout.run_of, layout.row_of]
+        row_index, data = forward.row_index, linear.data
+        WX = (solution.weights @ data.X)[row_index.run_of, row_index.row_of]
         error = data.y - data.X @ solution.beta
         We = (solution.weights @ error[:, :, None])[:, :, 0]
         return Projected(
-            solution.weights, WX, solution.covariance, We[layout.run_of, layout.row_of]
+            solution.weights, WX, solution.covariance, We[row_index.run_of, row_index.row_of]
         )
 
     def normal(self, forward: ForwardModel, S: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -171,8 +173,8 @@ class Projected:
         self, forward: ForwardModel, some: Sequence[FloatArray]
     ) -> list[tuple[FloatArray, FloatArray]]:
         """Return the same of several; what they have in common is one product."""
-        layout, S = forward.layout, np.concatenate(some, axis=1)
-        WS = (self.weights @ layout.pad(S))[layout.run_of, layout.row_of]
+        row_index, S = forward.row_index, np.concatenate(some, axis=1)
+        WS = (self.weights @ row_index.pad(S))[row_index.run_of, row_index.row_of]
         XS, Sy = self.WX.T @ S, S.T @ self.pulled
         known = self.covariance @ XS
         ends = np.cumsum([one.shape[1] for one in some]).tolist()

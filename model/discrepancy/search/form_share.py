@@ -41,11 +41,13 @@ def form_share(fitted: MixedModelFit, index: int) -> float:
 
 def at_zero(forward: ForwardModel) -> npt.NDArray[np.bool_]:
     """Return which rows are of conditions at 0 V, (N,)."""
-    result = np.zeros(forward.layout.size, dtype=bool)
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
-        zero = scene.voltage_V == 0.0
-        result[part.trend_rows[zero[part.trend_of]]] = True
-        result[part.mode_rows[zero & scene.has_curve].ravel()] = True
+    result = np.zeros(forward.row_index.size, dtype=bool)
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
+        zero = configuration_model.voltage_V == 0.0
+        result[block.trend_rows[zero[block.trend_of]]] = True
+        result[block.mode_rows[zero & configuration_model.has_curve].ravel()] = True
     return result
 
 
@@ -74,10 +76,10 @@ def _share(fitted: MixedModelFit, whole: FloatArray, deviation: FloatArray) -> f
 def _on_base(fitted: MixedModelFit, column: FloatArray) -> FloatArray:
     """Return the part of a column that the base parameters can take up."""
     size, forward = fitted.problem.bases.size, fitted.problem.forward
-    layout, W = forward.layout, fitted.solution.weights
-    X = layout.pad(fitted.linear.columns[:, :size])
+    row_index, W = forward.row_index, fitted.solution.weights
+    X = row_index.pad(fitted.linear.columns[:, :size])
     p = X.shape[2]
     A = X.reshape(-1, p).T @ (W @ X).reshape(-1, p) + np.diag(fitted.linear.data.precision[:size])
-    b = X.reshape(-1, p).T @ (W @ layout.pad(column)[:, :, None])[:, :, 0].ravel()
+    b = X.reshape(-1, p).T @ (W @ row_index.pad(column)[:, :, None])[:, :, 0].ravel()
     result: FloatArray = fitted.linear.columns[:, :size] @ np.linalg.lstsq(A, b, rcond=1e-12)[0]
     return result

@@ -54,34 +54,37 @@ class SearchResult:
     """The steps of forward selection, and the model it ends with."""
 
     base: MixedModelFit
-    turns: list[SelectionStep]
+    steps: list[SelectionStep]
     final: MixedModelFit
     outliers: list[int] = field(default_factory=list)  # numbers of conditions left out
 
     @property
     def chosen(self) -> list[RankedCandidate]:
         """The effects that were added, in their order."""
-        return [turn.chosen for turn in self.turns if turn.chosen is not None]
+        return [step.chosen for step in self.steps if step.chosen is not None]
 
     @property
     def best_name(self) -> float:
         """Evidence of the best name by itself."""
-        return max((c.gain for c in self.turns[0].ranking if c.known), default=0.0)
+        return max((c.ln_bayes_factor for c in self.steps[0].ranking if c.known), default=0.0)
 
     @property
     def best_nonparametric(self) -> float:
         """Evidence of the best nonparametric term by itself."""
-        return max((c.gain for c in self.turns[0].ranking if is_nonparametric(c.name)), default=0.0)
+        return max(
+            (c.ln_bayes_factor for c in self.steps[0].ranking if is_nonparametric(c.name)),
+            default=0.0,
+        )
 
     @property
     def nonparametric_suffices(self) -> bool:
         """Whether one nonparametric term stands for all that was added."""
         return nonparametric_replaces_names(
-            self.best_nonparametric, self.gain, len(self.chosen), self.best_name
+            self.best_nonparametric, self.ln_bayes_factor, len(self.chosen), self.best_name
         )
 
     @property
-    def gain(self) -> float:
+    def ln_bayes_factor(self) -> float:
         """Evidence of all of them together."""
         return 0.5 * (self.base.deviance - self.final.deviance)
 
@@ -129,7 +132,11 @@ def _several_forms(
     rest = [e for e in effects if e.name not in loose]
     other = _forward(fitted, rest, threshold, most, report, LOOSE_FORM_SHARE)
     several = len(other.chosen) > 1 and all(_share(c) <= LOOSE_FORM_SHARE for c in other.chosen)
-    return other if several and other.gain > outcome.gain + EQUAL_EVIDENCE_LN else outcome
+    return (
+        other
+        if several and other.ln_bayes_factor > outcome.ln_bayes_factor + EQUAL_EVIDENCE_LN
+        else outcome
+    )
 
 
 def _with_hidden(
@@ -143,20 +150,20 @@ def _with_hidden(
     if len(outcome.chosen) != 1 or most < 2 or outcome.nonparametric_suffices or effort.spent():
         return outcome
     strict = StrictForms.of(outcome.final, effects)
-    best = max((one.gain for one in strict.ranking), default=-np.inf)
+    best = max((one.ln_bayes_factor for one in strict.ranking), default=-np.inf)
     if best < threshold + FURTHER_EFFECT_LN + strict.lost:
         return outcome
-    turn = SelectionStep(strict.fitted, refine_best(strict.fitted, list(strict.ranking)))
-    turn.chosen = _worth(turn, threshold + strict.lost)
-    if turn.chosen is None or turn.chosen.fitted is None:
+    step = SelectionStep(strict.fitted, refine_best(strict.fitted, list(strict.ranking)))
+    step.chosen = _worth(step, threshold + strict.lost)
+    if step.chosen is None or step.chosen.fitted is None:
         return outcome
-    turns = [*(one for one in outcome.turns if one.chosen is not None), turn]
-    return replace(outcome, turns=turns, final=turn.chosen.fitted)
+    steps = [*(one for one in outcome.steps if one.chosen is not None), step]
+    return replace(outcome, steps=steps, final=step.chosen.fitted)
 
 
-def _share(contender: RankedCandidate) -> float:
+def _share(candidate: RankedCandidate) -> float:
     """Return how much of an effect is deviation from its form."""
-    return 0.0 if contender.fitted is None else form_share(contender.fitted, -1)
+    return 0.0 if candidate.fitted is None else form_share(candidate.fitted, -1)
 
 
 def _forward(
@@ -172,32 +179,32 @@ def _forward(
     It ends at one that is more deviation from its form than `largest_share`.
     """
     outcome, rounds_of_outliers = SearchResult(fitted, [], fitted), 0
-    while len(outcome.turns) < most + 1:
-        if outcome.turns and fitted.problem.effort.spent():
+    while len(outcome.steps) < most + 1:
+        if outcome.steps and fitted.problem.effort.spent():
             break
-        step, share = f"searching for effect {len(outcome.turns) + 1}", 1 / (most + 1)
-        report(share * len(outcome.turns), step)
-        turn = SelectionStep(fitted, rank(fitted, effects))
-        if not turn.ranking or turn.ranking[0].gain < threshold:
-            outcome.turns.append(turn)
+        doing, share = f"searching for effect {len(outcome.steps) + 1}", 1 / (most + 1)
+        report(share * len(outcome.steps), doing)
+        step = SelectionStep(fitted, rank(fitted, effects))
+        if not step.ranking or step.ranking[0].ln_bayes_factor < threshold:
+            outcome.steps.append(step)
             break
-        top, first = turn.ranking[0], turn.ranking[0].score.candidate
-        clear = top.gain >= threshold + FURTHER_EFFECT_LN
+        top, first = step.ranking[0], step.ranking[0].score.candidate
+        clear = top.ln_bayes_factor >= threshold + FURTHER_EFFECT_LN
         if first.location == "outlier" and clear and rounds_of_outliers < OUTLIER_ROUNDS:
             rounds_of_outliers += 1
             fitted = _left_out(outcome, fitted, numbers_of(first.name))
             continue
-        outcome.turns.append(turn)
-        if len(outcome.turns) > most:  # no more are named, and nothing is worth a fit
+        outcome.steps.append(step)
+        if len(outcome.steps) > most:  # no more are named, and nothing is worth a fit
             break
-        report(share * (len(outcome.turns) - 0.5), f"{step}: {title(first.name)}")
-        turn.ranking = refine_best(fitted, turn.ranking)
-        turn.chosen = _worth(turn, threshold)
-        if turn.chosen is None or turn.chosen.fitted is None:
+        report(share * (len(outcome.steps) - 0.5), f"{doing}: {title(first.name)}")
+        step.ranking = refine_best(fitted, step.ranking)
+        step.chosen = _worth(step, threshold)
+        if step.chosen is None or step.chosen.fitted is None:
             break
-        fitted = turn.chosen.fitted
+        fitted = step.chosen.fitted
         outcome.final = fitted
-        if _share(turn.chosen) > largest_share or nonparametric_replaces_any_names(outcome, most):
+        if _share(step.chosen) > largest_share or nonparametric_replaces_any_names(outcome, most):
             break
     outcome.final = fitted
     return outcome
@@ -208,10 +215,13 @@ def nonparametric_replaces_any_names(outcome: SearchResult, most: int) -> bool:
 
     Each further one is taken to explain as much as the last one did; as a rule it is less.
     """
-    names, last = len(outcome.chosen), outcome.chosen[-1].gain
+    names, last = len(outcome.chosen), outcome.chosen[-1].ln_bayes_factor
     return all(
         nonparametric_replaces_names(
-            outcome.best_nonparametric, outcome.gain + more * last, names + more, outcome.best_name
+            outcome.best_nonparametric,
+            outcome.ln_bayes_factor + more * last,
+            names + more,
+            outcome.best_name,
         )
         for more in range(most - names + 1)
     )
@@ -227,27 +237,30 @@ def _left_out(outcome: SearchResult, fitted: MixedModelFit, numbers: list[int]) 
     return again
 
 
-def _worth(turn: SelectionStep, threshold: float) -> RankedCandidate | None:
+def _worth(step: SelectionStep, threshold: float) -> RankedCandidate | None:
     """Return the best effect of the catalogue whose form is in the data, if they ask for it."""
-    threshold += FURTHER_EFFECT_LN if turn.before.found else 0.0
-    rest = _rest_of_forms(turn)
-    for one in turn.ranking:
+    threshold += FURTHER_EFFECT_LN if step.before.found else 0.0
+    rest = _rest_of_forms(step)
+    for one in step.ranking:
         if not one.known or one.fitted is None:
             continue
-        worth, share = evidence_beside(turn.before, one), form_share(one.fitted, -1)
+        worth, share = evidence_beside(step.before, one), form_share(one.fitted, -1)
         # beside others a deviation may be what is left of theirs: then the form itself must count
-        itself = (1.0 - share) * worth if turn.before.found else 0.0
+        itself = (1.0 - share) * worth if step.before.found else 0.0
         if share > FORM_SHARE_LIMIT and itself < threshold:
             continue
-        asked = min(one.gain, worth) >= threshold and one.gain > rest - EQUAL_EVIDENCE_LN
-        return one if asked and supported(turn.before, one.fitted) else None
+        asked = (
+            min(one.ln_bayes_factor, worth) >= threshold
+            and one.ln_bayes_factor > rest - EQUAL_EVIDENCE_LN
+        )
+        return one if asked and supported(step.before, one.fitted) else None
     return None
 
 
-def _rest_of_forms(turn: SelectionStep) -> float:
+def _rest_of_forms(step: SelectionStep) -> float:
     """Return the largest gain of a nonparametric term at the location of an effect already found.
 
     Such a term is more likely a remainder of that effect's form than a further effect.
     """
-    locations = {f"unknown:{f.effect.location}" for f in turn.before.found}
-    return max((c.gain for c in turn.ranking if c.name in locations), default=-np.inf)
+    locations = {f"unknown:{f.effect.location}" for f in step.before.found}
+    return max((c.ln_bayes_factor for c in step.ranking if c.name in locations), default=-np.inf)

@@ -144,22 +144,23 @@ def _unknowns(fitted: MixedModelFit) -> list[Candidate]:
 def linearised(fitted: MixedModelFit, c: int) -> Linearised:
     """Return a configuration as the locations see it."""
     forward, state = fitted.problem.forward, fitted.linear.states[c]
-    scene, part = forward.scenes[c], forward.part(c)
-    measured_at = part.mean(part.clock.session)
-    measured_at[scene.unread] = scene.unread_clock.session
+    configuration_model, block = forward.configuration_models[c], forward.row_block(c)
+    measured_at = block.mean(block.clock.session)
+    measured_at[configuration_model.unread] = configuration_model.unread_clock.session
     return Linearised(
         beam=state.beam, contact=state.solved.contact, weighed=state.weighed,
-        points=forward.points(c, state.beam, state.solved), clock=part.clock,
-        position_m=scene.stated_m[part.reading_of], reading_of=part.reading_of,
-        initial_curvature_per_m=scene.rest(scene.s_m),
+        points=forward.points(c, state.beam, state.solved), clock=block.clock,
+        position_m=configuration_model.stated_m[block.reading_of], reading_of=block.reading_of,
+        initial_curvature_per_m=configuration_model.rest(configuration_model.s_m),
         force_at_0V_N=np.nan_to_num(state.solved.force_N) - state.by_eibm,
-        measured_at=measured_at, has_curve=scene.has_curve,
-        positions_m=_ends(np.concatenate([one.stated_m for one in forward.scenes])),
+        measured_at=measured_at, has_curve=configuration_model.has_curve,
+        positions_m=_ends(np.concatenate([one.stated_m for one in forward.configuration_models])),
         forces_N=_force_range_N(forward),
         bent_per_m=_most_bent_per_m(fitted),
-        bin_clock=part.bin_clock, bin_sample=part.bin_sample,
-        bin_mean=part.bin_mean, periodic=forward.wave, nothing=lambda: forward.blank_step(c),
-        change=lambda other: scene.change(state.beam, other, state.solved.contact),
+        bin_clock=block.bin_clock, bin_sample=block.bin_sample,
+        bin_mean=block.bin_mean, periodic=forward.periodic_term,
+        nothing=lambda: forward.blank_step(c),
+        change=lambda other: configuration_model.change(state.beam, other, state.solved.contact),
     )  # fmt: skip
 
 
@@ -174,5 +175,5 @@ def _most_bent_per_m(fitted: MixedModelFit) -> float:
 
 
 def _force_range_N(forward: ForwardModel) -> tuple[float, float]:
-    low, high = _ends(np.concatenate([part.measured_N for part in forward.layout.parts]))
+    low, high = _ends(np.concatenate([block.measured_N for block in forward.row_index.blocks]))
     return low, max(high, low + LEAST_RANGE_N)

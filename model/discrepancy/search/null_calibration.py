@@ -35,7 +35,7 @@ def null_gains(
         y = (factor @ random.standard_normal((*linear.data.y.shape, 1)))[:, :, 0]
         y[empty] = 0.0
         data = replace(linear.data, y=y, away=np.zeros_like(linear.data.away))
-        flat = y[forward.layout.run_of, forward.layout.row_of]
+        flat = y[forward.row_index.run_of, forward.row_index.row_of]
         solution = estimate(data, problem.guess, fitted.solution.log_sigma, 0.05)
         drawn = replace(linear, residual=flat, data=data)
         weighed = Projected.of(forward, drawn, solution)

@@ -43,14 +43,14 @@ def single_names(outcome: SearchResult, names: list[str], final: MixedModelFit) 
     base = outcome.base
     explained = 0.5 * (base.deviance - final.deviance) - _paid(outcome, names)
     least = LEAST_SHARE_OF_SINGLE_NAME * explained
-    some = [c for c in outcome.turns[0].ranking if c.known and c.name not in names]
-    some = [c for c in some if c.gain > least][:COMPARED_SINGLE_NAMES]
+    some = [c for c in outcome.steps[0].ranking if c.known and c.name not in names]
+    some = [c for c in some if c.ln_bayes_factor > least][:COMPARED_SINGLE_NAMES]
     result = []
     for one in some:
         fitted = one if one.fitted is not None else refined(base, one, (one.score, *one.shapes))
         if fitted.fitted is None or form_share(fitted.fitted, -1) > LOOSE_FORM_SHARE:
             continue
-        ahead = fitted.gain - explained + FURTHER_NAME_LN * (len(names) - 1)
+        ahead = fitted.ln_bayes_factor - explained + FURTHER_NAME_LN * (len(names) - 1)
         result.append(SingleName(candidate=fitted, explained=explained, ahead=ahead))
     return sorted(result, key=lambda one: -one.ahead)
 
@@ -58,8 +58,10 @@ def single_names(outcome: SearchResult, names: list[str], final: MixedModelFit) 
 def _paid(outcome: SearchResult, names: list[str]) -> float:
     """Return what the names paid for their sizes and shapes, in which they were chosen."""
     paid = 0.0
-    for turn in outcome.turns:
-        one = turn.chosen
+    for step in outcome.steps:
+        one = step.chosen
         if one is not None and one.fitted is not None and one.name in names:
-            paid += max(0.5 * (turn.before.deviance - one.fitted.deviance) - one.gain, 0.0)
+            paid += max(
+                0.5 * (step.before.deviance - one.fitted.deviance) - one.ln_bayes_factor, 0.0
+            )
     return float(np.maximum(paid, 0.0))

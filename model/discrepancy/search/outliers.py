@@ -22,21 +22,21 @@ OUT = 1e6  # how much noisier a condition left out is taken to be
 def outlier_candidates(fitted: MixedModelFit) -> list[Candidate]:
     """One for each condition, whose force and curve may be anything, and one for each set-up."""
     forward, result, number = fitted.problem.forward, _setups(fitted), 0
-    for c, part in enumerate(forward.layout.parts):
-        scene, state = forward.scenes[c], fitted.linear.states[c]
-        for k in range(scene.K):
+    for c, block in enumerate(forward.row_index.blocks):
+        configuration_model, state = forward.configuration_models[c], fitted.linear.states[c]
+        for k in range(configuration_model.K):
             columns = []
-            own = part.trend_rows[(part.trend_of == k) & part.is_mean]
+            own = block.trend_rows[(block.trend_of == k) & block.is_mean]
             if len(own):
-                columns.append(_at(forward.layout.size, own, FORCE_N))
-            if scene.has_curve[k]:
-                rows = part.mode_rows[k]
+                columns.append(_at(forward.row_index.size, own, FORCE_N))
+            if configuration_model.has_curve[k]:
+                rows = block.mode_rows[k]
                 columns += [
-                    _at(forward.layout.size, rows[m : m + 1], MODE_M / (1 + m))
-                    for m in range(min(4, scene.modes))
+                    _at(forward.row_index.size, rows[m : m + 1], MODE_M / (1 + m))
+                    for m in range(min(4, configuration_model.modes))
                 ]
-                if scene.voltage_V[k] != 0.0:  # its EIBM was another one
-                    both = np.zeros(forward.layout.size)
+                if configuration_model.voltage_V[k] != 0.0:  # its EIBM was another one
+                    both = np.zeros(forward.row_index.size)
                     both[rows] = 0.05 * state.modes_by_eibm[k]
                     both[own] = 0.05 * state.by_eibm[k]
                     columns.append(both)
@@ -57,17 +57,17 @@ def outlier_candidates(fitted: MixedModelFit) -> list[Candidate]:
 
 def _setups(fitted: MixedModelFit) -> list[Candidate]:
     """Set-ups with another B, EIBM, position, tilt, registration and zero than all others."""
-    layout, result = fitted.problem.forward.layout, []
+    row_index, result = fitted.problem.forward.row_index, []
     sigma = np.exp(fitted.solution.log_sigma)
     numbers = condition_runs(fitted.problem)
-    for r in range(len(layout.runs)):
+    for r in range(len(row_index.runs)):
         columns = []
         for value, name, Z in zip(sigma, ASSUMED, fitted.linear.data.groups, strict=False):
             if name in SET_UP:
                 for q in range(Z.shape[2]):
-                    column = np.zeros(layout.size)
-                    own = layout.run_of == r
-                    column[own] = value * Z[r, layout.row_of[own], q]
+                    column = np.zeros(row_index.size)
+                    own = row_index.run_of == r
+                    column[own] = value * Z[r, row_index.row_of[own], q]
                     columns.append(column)
         own_numbers = [str(n) for n, run in enumerate(numbers) if run == r]
         if len(own_numbers) > 1:
@@ -87,8 +87,12 @@ def _setups(fitted: MixedModelFit) -> list[Candidate]:
 
 def condition_runs(problem: FitProblem) -> list[int]:
     """Return the run of each condition, by its number over all configurations."""
-    layout = problem.forward.layout
-    return [layout.runs.index(one.run) for look in problem.forward.looks for one in look.seen]
+    row_index = problem.forward.row_index
+    return [
+        row_index.runs.index(one.run)
+        for data_vector in problem.forward.data_vectors
+        for one in data_vector.seen
+    ]
 
 
 def _at(size: int, rows: Index, value: float) -> FloatArray:
@@ -104,7 +108,7 @@ def numbers_of(name: str) -> list[int]:
 
 def condition_name(problem: FitProblem, number: int) -> str:
     """As people call it."""
-    names = [one.name for look in problem.forward.looks for one in look.seen]
+    names = [one.name for data_vector in problem.forward.data_vectors for one in data_vector.seen]
     return names[number]
 
 
@@ -112,11 +116,13 @@ def without(problem: FitProblem, numbers: list[int]) -> FitProblem:
     """Return the same data with some conditions so noisy that they do not count."""
     fixed, forward = problem.noise.fixed.copy(), problem.forward
     first = 0
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
         for k in (n - first for n in numbers):
-            if 0 <= k < scene.K:
-                fixed[part.trend_rows[part.trend_of == k]] += OUT * 1e-8
-                rows = part.mode_rows[k]
+            if 0 <= k < configuration_model.K:
+                fixed[block.trend_rows[block.trend_of == k]] += OUT * 1e-8
+                rows = block.mode_rows[k]
                 fixed[rows[rows >= 0]] += OUT * 1e-8
-        first += scene.K
+        first += configuration_model.K
     return replace(problem, noise=replace(problem.noise, fixed=fixed))

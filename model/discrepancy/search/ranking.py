@@ -42,7 +42,7 @@ class RankedCandidate:
     """A candidate with its evidence."""
 
     score: Score
-    gain: float  # ln of the Bayes factor against the present model, averaged over its shapes
+    ln_bayes_factor: float  # against the present model, averaged over its shapes
     solution: Solution | None = None
     fitted: MixedModelFit | None = None  # where it was refined
     tried: tuple[MixedModelFit, ...] = ()  # fits of all of its shapes that were refined
@@ -100,29 +100,29 @@ def _ranked(
         most = max(one.log_bayes, usual[name].log_bayes) if name in usual else one.log_bayes
         hopeless = top > CLEAR_EVIDENCE_LN and most < HOPELESS_SHARE * top
         if hopeless or (not promising and name not in hidden):
-            result.append(RankedCandidate(score=one, gain=one.log_bayes))
+            result.append(RankedCandidate(score=one, ln_bayes_factor=one.log_bayes))
             continue
         tried += promising and not outlier
         looks = [one]
         if name in hidden and not _alike(one, usual[name]):
             looks.append(usual[name])
         both = [(*rescored(fitted, look), look) for look in looks]
-        gain, solution, chosen = max(both, key=lambda item: item[0])
-        top = max(top, gain)
+        ln_bayes_factor, solution, chosen = max(both, key=lambda item: item[0])
+        top = max(top, ln_bayes_factor)
         shapes = _other_shapes(chosen, scores.get(name, []))
         among = _among(fitted, [c for c in every if c.name == name], solution)
         among += surprise(chosen)
         result.append(
             RankedCandidate(
                 score=chosen,
-                gain=gain + among,
+                ln_bayes_factor=ln_bayes_factor + among,
                 solution=solution,
                 shapes=shapes,
                 compared=tuple(scores.get(name, [])),
                 among=among,
             )
         )
-    result.sort(key=lambda c: -c.gain)
+    result.sort(key=lambda c: -c.ln_bayes_factor)
     return result
 
 

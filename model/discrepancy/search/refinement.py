@@ -52,15 +52,17 @@ def refine_best(
     known = [c for c in ranking if c.known]
     if not known:
         return ranking
-    chosen = [c for c in known if c.gain >= _worth_a_fit(known[0].gain)][:REFINED_CANDIDATES]
+    chosen = [c for c in known if c.ln_bayes_factor >= _worth_a_fit(known[0].ln_bayes_factor)][
+        :REFINED_CANDIDATES
+    ]
     plain = _plain(fitted, known)
     chosen += [c for c in known if c.name in plain and c not in chosen]
     done = dict[str, RankedCandidate]()
     for c in chosen:
         done[c.name] = refined(fitted, c, (c.score,), there, _least(done))
-    ranked = {c.name: c.gain for c in chosen}
-    some = _promising(fitted, list(done.values()), ranked, ranking[0].gain)
-    promising = sorted(some, key=lambda name: (-done[name].gain, name))
+    ranked = {c.name: c.ln_bayes_factor for c in chosen}
+    some = _promising(fitted, list(done.values()), ranked, ranking[0].ln_bayes_factor)
+    promising = sorted(some, key=lambda name: (-done[name].ln_bayes_factor, name))
     for name in promising:
         done[name] = refined(fitted, done[name], done[name].shapes, there, _least(done))
     forces = cache(partial(by_forces, fitted))  # a fit of its own, which few need
@@ -72,7 +74,7 @@ def refine_best(
         begins = (lambda: fitted.theta, forces)
         done[name] = _refined_again(fitted, done[name], ranked[name], begins)
     rest = [c for c in ranking if c.name not in done]
-    return sorted([*done.values(), *rest], key=lambda c: -c.gain)
+    return sorted([*done.values(), *rest], key=lambda c: -c.ln_bayes_factor)
 
 
 def _worth_a_fit(top: float) -> float:
@@ -82,12 +84,12 @@ def _worth_a_fit(top: float) -> float:
 
 def _least(done: Mapping[str, RankedCandidate]) -> float:
     """Return the same beside candidates that are fitted; 0 where none is."""
-    return max(_worth_a_fit(max((c.gain for c in done.values()), default=0.0)), 0.0)
+    return max(_worth_a_fit(max((c.ln_bayes_factor for c in done.values()), default=0.0)), 0.0)
 
 
 def refined(
     fitted: MixedModelFit,
-    contender: RankedCandidate,
+    candidate: RankedCandidate,
     shapes: Sequence[Score],
     there: MixedModelFit | None = None,
     least: float = 0.0,
@@ -99,8 +101,8 @@ def refined(
     evidence.
     """
     worthless = fitted.deviance - 2.0 * least
-    known = None if contender.solution is None else contender.solution.log_sigma
-    result = contender
+    known = None if candidate.solution is None else candidate.solution.log_sigma
+    result = candidate
     for one in shapes:
         own, noise = None if there is None else _same_shape(there, one), known
         if there is not None and own is not None:
@@ -131,9 +133,11 @@ def by_forces(fitted: MixedModelFit) -> FloatArray:
     bring them as near as they need to be.
     """
     problem, forward = fitted.problem, fitted.problem.forward
-    vague = np.zeros(forward.layout.size)
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
-        vague[part.mode_rows[scene.voltage_V != 0.0].ravel()] = VAGUE_M**2
+    vague = np.zeros(forward.row_index.size)
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
+        vague[block.mode_rows[configuration_model.voltage_V != 0.0].ravel()] = VAGUE_M**2
     noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
     theta = fitted.theta
     with suppress(ModelError, np.linalg.LinAlgError):
@@ -145,7 +149,7 @@ def by_forces(fitted: MixedModelFit) -> FloatArray:
 
 def _refined_again(
     fitted: MixedModelFit,
-    contender: RankedCandidate,
+    candidate: RankedCandidate,
     promised: float,
     begins: Sequence[Callable[[], FloatArray]],
 ) -> RankedCandidate:
@@ -154,8 +158,8 @@ def _refined_again(
     It begins at a usual size or where it leads with the usual scatter, lets nothing hide in
     scatter or form, and only then lets the form differ; not twice from the same place.
     """
-    one = contender.score
-    usual = best_scores(fitted, [one.candidate], usual_scatter(fitted)).get(contender.name)
+    one = candidate.score
+    usual = best_scores(fitted, [one.candidate], usual_scatter(fitted)).get(candidate.name)
     size = 1.0 if usual is None else usual.amplitude
     first = _found(fitted, one, float(np.copysign(max(1.0, abs(size)), size)))
     found = (*fitted.found, first)
@@ -166,15 +170,15 @@ def _refined_again(
             continue
         places.append(strict)
         freed = settled(fitted, strict.theta, strict.found, strict.log_sigma)
-        contender = _better(fitted, contender, one, freed)
+        candidate = _better(fitted, candidate, one, freed)
         if freed is None or form_share(freed, -1) > FORM_SHARE_LIMIT:
             # its deviation may have taken the place of its size: the catalogue's form may do
             bound = (*strict.found[:-1], replace(strict.found[-1], form=STRICT))
             kept = settled(fitted, strict.theta, bound, strict.log_sigma)
-            contender = _better(fitted, contender, one, kept)
-        if not _doubtful(contender, promised):
+            candidate = _better(fitted, candidate, one, kept)
+        if not _doubtful(candidate, promised):
             break
-    return contender
+    return candidate
 
 
 def _approached(
@@ -199,23 +203,26 @@ def _approached(
 
 
 def _better(
-    fitted: MixedModelFit, contender: RankedCandidate, one: Score, other: MixedModelFit | None
+    fitted: MixedModelFit, candidate: RankedCandidate, one: Score, other: MixedModelFit | None
 ) -> RankedCandidate:
-    """Return the contender, with this shape and fit where they are better than its own."""
-    best = contender.fitted
+    """Return the candidate, with this shape and fit where they are better than its own."""
+    best = candidate.fitted
     if other is None:
-        return contender
-    contender = replace(contender, tried=(*contender.tried, other))
+        return candidate
+    candidate = replace(candidate, tried=(*candidate.tried, other))
     # its size was chosen from several, as in `score`
-    gain = 0.5 * (fitted.deviance - other.deviance) - float(np.log(len(one.candidate.sizes)))
-    gain += contender.among
+    ln_bayes_factor = 0.5 * (fitted.deviance - other.deviance) - float(
+        np.log(len(one.candidate.sizes))
+    )
+    ln_bayes_factor += candidate.among
     if best is None:
-        return replace(contender, score=one, gain=gain, fitted=other)
+        return replace(candidate, score=one, ln_bayes_factor=ln_bayes_factor, fitted=other)
     if not preferred(_fit(other), _fit(best)):
-        return contender
-    if gain > contender.gain - EQUAL_EVIDENCE_LN:  # the effect explains what its best shape does
-        gain = max(gain, contender.gain)
-    return replace(contender, score=one, gain=gain, fitted=other)
+        return candidate
+    # the effect explains what its best shape does
+    if ln_bayes_factor > candidate.ln_bayes_factor - EQUAL_EVIDENCE_LN:
+        ln_bayes_factor = max(ln_bayes_factor, candidate.ln_bayes_factor)
+    return replace(candidate, score=one, ln_bayes_factor=ln_bayes_factor, fitted=other)
 
 
 def preferred(one: tuple[float, float], other: tuple[float, float]) -> bool:
@@ -315,23 +322,23 @@ def _promising(
     best candidate: refined, as they were `ranked`, and with the scatter estimated from the usual
     one on. One that was ranked above all that the fits have found may have ended at a wrong place.
     """
-    top = max(done, key=lambda c: c.gain)
+    top = max(done, key=lambda c: c.ln_bayes_factor)
     above = max(done, key=lambda c: ranked[c.name])
-    most = max(most, top.gain)
+    most = max(most, top.ln_bayes_factor)
     usual = replace(fitted, solution=usual_scatter(fitted))
     scores = best_scores(usual, [c.score.candidate for c in done], usual.solution)
     weak = HOPELESS_SHARE * most if most > CLEAR_EVIDENCE_LN else -np.inf
-    own = {c.name: max(c.gain, ranked[c.name]) for c in done}
-    lost = {above.name} if ranked[above.name] > top.gain else set[str]()
+    own = {c.name: max(c.ln_bayes_factor, ranked[c.name]) for c in done}
+    lost = {above.name} if ranked[above.name] > top.ln_bayes_factor else set[str]()
     return {top.name} | lost | {
         name for name in _foremost(scores)
         if own[name] >= weak or rescored(usual, scores[name])[0] >= weak
     }  # fmt: skip
 
 
-def _plain(fitted: MixedModelFit, contenders: list[RankedCandidate]) -> list[str]:
+def _plain(fitted: MixedModelFit, candidates: list[RankedCandidate]) -> list[str]:
     """Return the best candidates at the usual scatter."""
-    every = [c.score.candidate for c in contenders]
+    every = [c.score.candidate for c in candidates]
     return _foremost(best_scores(fitted, every, usual_scatter(fitted)))
 
 
@@ -342,12 +349,12 @@ def _foremost(scores: Mapping[str, Score]) -> list[str]:
     return close[:REFINED_AT_USUAL_SCATTER]
 
 
-def _doubtful(contender: RankedCandidate, promised: float) -> bool:
+def _doubtful(candidate: RankedCandidate, promised: float) -> bool:
     """Return whether its size may have been found at the wrong place.
 
     `promised` is the evidence of the straight line that led there.
     """
-    best = contender.fitted
-    if best is None or contender.gain < _worth_a_fit(promised):
+    best = candidate.fitted
+    if best is None or candidate.ln_bayes_factor < _worth_a_fit(promised):
         return True
     return form_share(best, -1) > DOUBTFUL_FORM_SHARE or _strained(best)

@@ -137,7 +137,7 @@ def _seen_from(effect: Effect, length: float) -> str:
 
 def _streams(fitted: MixedModelFit) -> bool:
     """Return whether there are repeats in order or series."""
-    parts = fitted.problem.forward.layout.parts
+    parts = fitted.problem.forward.row_index.blocks
     return any(len(p.bin_rows) or np.any(~p.is_mean) for p in parts)
 
 

@@ -33,10 +33,12 @@ def _wetting(measurements: Measurements) -> Iterator[str]:
 def _out_of_reach(base: MixedModelFit) -> Iterator[str]:
     forward = base.problem.forward
     for c, state in enumerate(base.linear.states):
-        scene = forward.scenes[c]
-        whole = scene.sheet.free_length_m + scene.sheet.elongation_m
+        configuration_model = forward.configuration_models[c]
+        whole = configuration_model.sheet.free_length_m + configuration_model.sheet.elongation_m
         far = state.solved.contact.s_hat_m > SLIP_LENGTH_RATIO * whole
-        for at_m in np.unique(scene.stated_m[far & np.isfinite(scene.stated_m)]):
+        for at_m in np.unique(
+            configuration_model.stated_m[far & np.isfinite(configuration_model.stated_m)]
+        ):
             yield (
                 f"'{forward.names[c]}' cannot reach {at_m * 1e3:g} mm in the model: it would slip"
                 " out of the rolls before"

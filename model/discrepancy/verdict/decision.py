@@ -13,8 +13,8 @@ from model.discrepancy.answers.compared_answers import ComparedAnswers
 from model.discrepancy.answers.hidden_names import hidden_chances
 from model.discrepancy.criticism.cell_noise import unusual_cell_noise
 from model.discrepancy.criticism.criticise import Criticism, criticise
+from model.discrepancy.criticism.image_noise import of_images, unusual_images
 from model.discrepancy.criticism.named_model import NamedModel
-from model.discrepancy.criticism.picture_noise import of_pictures, unusual_pictures
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.forward_selection import SearchResult, supported
 from model.discrepancy.search.ranking import RankedCandidate
@@ -34,10 +34,10 @@ from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
 from model.discrepancy.verdict.likely_locations import likely_locations
 from model.discrepancy.verdict.posterior import (
     Choice,
-    Leftover,
+    ResidualTerms,
     choice,
     choices,
-    leftover,
+    residual_terms,
     with_shapes,
 )
 from model.discrepancy.verdict.probable_names import (
@@ -64,7 +64,7 @@ class Decision:
     unknown: Unknown | None
     final: MixedModelFit  # with the free form of what is unknown, too
     free: RankedCandidate | None = None  # that form
-    rest: Leftover | None = None  # what nonparametric terms find beside the names
+    residual: ResidualTerms | None = None  # what nonparametric terms find beside the names
     criticism: Criticism = field(default_factory=Criticism)
     choice_sets: tuple[ChoiceSet, ...] = ()  # of the questions that it answers
     answers: tuple[Judged, ...] = ()  # to each of them
@@ -96,36 +96,38 @@ class Judgement:
         """Return what the evidence names."""
         base = self.outcome.base
         named, known = choices(self.outcome, self.effects, self.threshold)
-        rest = self._leftover(known)
-        if self._unexplained(rest) and len(named) < len(self.outcome.chosen):
+        residual = self._residual_terms(known)
+        if self._unexplained(residual) and len(named) < len(self.outcome.chosen):
             # what was taken for the rest of another one's form is more than that
             more, full = choices(self.outcome, self.effects, self.threshold, rests=True)
-            beside = self._leftover(full)
+            beside = self._residual_terms(full)
             if not self._unexplained(beside):
-                named, known, rest = more, full, beside
-        only = rest is not None and self._alone(rest, named, known)
-        if rest is None or not (only or self._unexplained(rest)):
-            return self._with_names(named, known, rest)
+                named, known, residual = more, full, beside
+        only = residual is not None and self._alone(residual, named, known)
+        if residual is None or not (only or self._unexplained(residual)):
+            return self._with_names(named, known, residual)
         if only:
-            named, known, rest = [], base, self._leftover(base) or rest
-        return self._with_unknown(named, known, rest)
+            named, known, residual = [], base, self._residual_terms(base) or residual
+        return self._with_unknown(named, known, residual)
 
     def _with_names(
-        self, named: list[Choice], known: MixedModelFit, rest: Leftover | None
+        self, named: list[Choice], known: MixedModelFit, residual: ResidualTerms | None
     ) -> Decision:
         known = with_shapes(known, named)
-        return Decision(named=named, known=known, unknown=None, final=known, rest=rest)
+        return Decision(named=named, known=known, unknown=None, final=known, residual=residual)
 
-    def _with_unknown(self, named: list[Choice], known: MixedModelFit, rest: Leftover) -> Decision:
+    def _with_unknown(
+        self, named: list[Choice], known: MixedModelFit, residual: ResidualTerms
+    ) -> Decision:
         """Return the names with the nonparametric term that is left beside them."""
         base = self.outcome.base
-        free = rest.first if known is base or rest.last is None else rest.last
-        at = base if free is rest.first else known
+        free = residual.first if known is base or residual.last is None else residual.last
+        at = base if free is residual.first else known
         final, known = with_free_form(known, free), with_shapes(known, named)
-        others = self.outcome.turns[0].ranking if at is base else rest.ranking
+        others = self.outcome.steps[0].ranking if at is base else residual.ranking
         unknown = replace(unknown_of(at, free), locations=likely_locations(free, others))
         return Decision(
-            named=named, known=known, unknown=unknown, final=final, free=free, rest=rest
+            named=named, known=known, unknown=unknown, final=final, free=free, residual=residual
         )
 
     def _beside_cell_noise(self, found: Decision) -> Decision:
@@ -134,12 +136,12 @@ class Judgement:
         It takes the place of something unknown that was found with so much noise;
         what hides in the noise of curves stays.
         """
-        in_pictures = found.free is not None and of_pictures(found.free)
+        in_pictures = found.free is not None and of_images(found.free)
         hidden = unusual_cell_noise(found.known) if found.named and not in_pictures else None
-        if found.rest is None or hidden is None or hidden.term is None:
+        if found.residual is None or hidden is None or hidden.term is None:
             return found
-        rest = found.rest.instead(hidden.ranking, found.known, self.outcome.base)
-        return self._with_unknown(found.named, found.known, rest)
+        residual = found.residual.instead(hidden.ranking, found.known, self.outcome.base)
+        return self._with_unknown(found.named, found.known, residual)
 
     def _judged(self, found: Decision) -> NamedModel:
         """Return the names with their model, and what the load cell's noise hides beside them."""
@@ -156,7 +158,10 @@ class Judgement:
         judged = self._judged(found)
         criticism = criticise(judged)
         choice_sets = ComparedAnswers(
-            judged=judged, rest=found.rest, unknown=found.unknown is not None, criticism=criticism
+            judged=judged,
+            residual=found.residual,
+            unknown=found.unknown is not None,
+            criticism=criticism,
         ).choice_sets()
         answers = tuple(calibrated().judged(one) for one in choice_sets)
         other = None
@@ -195,13 +200,13 @@ class Judgement:
             fitted = one.candidate.fitted
             if one.ahead <= 0.0 or fitted is None:
                 break
-            rest = self._leftover(fitted)
-            if self._unexplained(rest) or not supported(self.outcome.base, fitted):
+            residual = self._residual_terms(fitted)
+            if self._unexplained(residual) or not supported(self.outcome.base, fitted):
                 continue
-            ranking = [c for c in self.outcome.turns[0].ranking if c.name != one.candidate.name]
-            ranking = sorted([one.candidate, *ranking], key=lambda c: -c.gain)
+            ranking = [c for c in self.outcome.steps[0].ranking if c.name != one.candidate.name]
+            ranking = sorted([one.candidate, *ranking], key=lambda c: -c.ln_bayes_factor)
             named = [choice(one.candidate, ranking, self.outcome.base)]
-            return self._with_names(named, fitted, rest)
+            return self._with_names(named, fitted, residual)
         return None
 
     def _with_likelier(
@@ -220,12 +225,12 @@ class Judgement:
                 rival = next((c for c in one.ranking if c.name == name and c.known), None)
                 if name in names or rival is None or rival.fitted is None:
                     continue
-                rest = self._leftover(rival.fitted)
-                if self._unexplained(rest):
+                residual = self._residual_terms(rival.fitted)
+                if self._unexplained(residual):
                     continue
                 named = list(found.named)
                 named[i] = choice(rival, one.ranking, one.before)
-                return self._with_names(named, rival.fitted, rest)
+                return self._with_names(named, rival.fitted, residual)
         return None
 
     def _with_name_of_unknown(self, found: Decision, judged: Judged) -> Decision | None:
@@ -235,20 +240,19 @@ class Judgement:
         """
         if found.named:
             return None
-        turn = self.outcome.turns[0]
-        fitted = [c for c in turn.ranking if c.known and c.fitted is not None]
+        step = self.outcome.steps[0]
+        fitted = [c for c in step.ranking if c.known and c.fitted is not None]
         if is_name(judged.likeliest):
             some = [c for c in fitted if c.name == judged.likeliest]
         else:
-            some = [] if found.rest is None else explaining_as_much(
-                self.outcome.base, found.rest, [c for c in fitted if c.gain > 0.0]
+            some = [] if found.residual is None else explaining_as_much(
+                self.outcome.base, found.residual, [c for c in fitted if c.ln_bayes_factor > 0.0]
             )  # fmt: skip
-        for one in some[:1]:
-            if one.fitted is None or not supported(turn.before, one.fitted):
-                return None
-            named = [choice(one, turn.ranking, turn.before)]
-            return self._with_names(named, one.fitted, self._leftover(one.fitted))
-        return None
+        one = next(iter(some), None)
+        if one is None or one.fitted is None or not supported(step.before, one.fitted):
+            return None
+        named = [choice(one, step.ranking, step.before)]
+        return self._with_names(named, one.fitted, self._residual_terms(one.fitted))
 
     def _without(self, found: Decision, rejected: Sequence[str]) -> Decision:
         """Return a decision without these names, and with the best nonparametric term instead."""
@@ -257,19 +261,19 @@ class Judgement:
         if rejected:
             kept = self._kept(known.found, rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
-        rest = self._with_pictures(leftover(self.outcome, known, self.effects), known)
-        if rest is not None and self._alone(rest, named, known):
+        residual = self._with_images(residual_terms(self.outcome, known, self.effects), known)
+        if residual is not None and self._alone(residual, named, known):
             named, known = [], base
         hidden = unusual_cell_noise(known) if named else None
-        if rest is not None and hidden is not None and hidden.term is not None:
-            rest = rest.instead(hidden.ranking, known, base)
-        if rest is None or self._worth(rest, known) < self.threshold:
+        if residual is not None and hidden is not None and hidden.term is not None:
+            residual = residual.instead(hidden.ranking, known, base)
+        if residual is None or self._worth(residual, known) < self.threshold:
             if not rejected:
                 return found  # doubtful names, and nothing better
             if named:  # nothing takes the place of those that are rejected
-                return self._with_names(named, known, rest)
+                return self._with_names(named, known, residual)
             return Decision(named=[], known=base, unknown=None, final=base)
-        return self._with_unknown(named, known, rest)
+        return self._with_unknown(named, known, residual)
 
     def _kept(self, found: Sequence[Found], rejected: Sequence[str]) -> tuple[Found, ...]:
         """Return the effects that stay, in the forms that they had before those were found."""
@@ -280,44 +284,54 @@ class Judgement:
         forms = {one.name: one.fitted.found[-1].form for one in self.outcome.chosen if one.fitted}
         return tuple(replace(one, form=forms.get(one.effect.name, one.form)) for one in kept)
 
-    def _worth(self, rest: Leftover, known: MixedModelFit) -> float:
+    def _worth(self, residual: ResidualTerms, known: MixedModelFit) -> float:
         """Return the evidence of the nonparametric term that is left, names being uncertain."""
-        return rest.first.gain if known is self.outcome.base else rest.apart
+        return (
+            residual.first.ln_bayes_factor
+            if known is self.outcome.base
+            else residual.ln_bayes_factor_beside
+        )
 
-    def _leftover(self, known: MixedModelFit) -> Leftover | None:
+    def _residual_terms(self, known: MixedModelFit) -> ResidualTerms | None:
         """Return what nonparametric terms find beside the names."""
         if not self.enough:
             return None
-        return self._with_pictures(leftover(self.outcome, known, self.effects), known)
+        return self._with_images(residual_terms(self.outcome, known, self.effects), known)
 
-    def _with_pictures(self, rest: Leftover | None, known: MixedModelFit) -> Leftover | None:
+    def _with_images(
+        self, residual: ResidualTerms | None, known: MixedModelFit
+    ) -> ResidualTerms | None:
         """Return the rest with what hides in the noise of curves, unless it is another one."""
-        if rest is None or self._unexplained(rest):
-            return rest
-        pictures = unusual_pictures(known)
-        return rest if pictures is None else rest.instead([pictures], known, self.outcome.base)
+        if residual is None or self._unexplained(residual):
+            return residual
+        pictures = unusual_images(known)
+        return (
+            residual if pictures is None else residual.instead([pictures], known, self.outcome.base)
+        )
 
-    def _alone(self, rest: Leftover, named: Sequence[Choice], known: MixedModelFit) -> bool:
+    def _alone(
+        self, residual: ResidualTerms, named: Sequence[Choice], known: MixedModelFit
+    ) -> bool:
         """Return whether a nonparametric term stands for all names.
 
         Two names of two locations may be of other forms, too, as long as left-out positions are
         predicted as well with them: the term has to know what the names do not.
         """
         base, single = self.outcome.base, self.outcome.best_name
-        if not alone(rest, base, known, single):
+        if not alone(residual, base, known, single):
             return False
-        if len(named) == 1 and not of_pictures(rest.first):
-            return misses_much(base, rest, named[0])
-        missed = rest.first.gain * (1.0 - MISSED_BY_FORM_SHARE)
+        if len(named) == 1 and not of_images(residual.first):
+            return misses_much(base, residual, named[0])
+        missed = residual.first.ln_bayes_factor * (1.0 - MISSED_BY_FORM_SHARE)
         explained = 0.5 * (base.deviance - known.deviance)
         small = missed <= explained + NONPARAMETRIC_MARGIN_LN
         if len(named) != PAIR or pieces(named) or not small:
             return True
-        gains = predictive_gains(known, with_free_form(base, rest.first))
+        gains = predictive_gains(known, with_free_form(base, residual.first))
         return len(gains) < FEWEST_POSITIONS or float(np.sum(gains)) > NONPARAMETRIC_MARGIN_LN
 
-    def _unexplained(self, rest: Leftover | None) -> bool:
+    def _unexplained(self, residual: ResidualTerms | None) -> bool:
         """Return whether that exceeds the rest of a form."""
-        if rest is None or rest.share < UNEXPLAINED_SHARE:
+        if residual is None or residual.share < UNEXPLAINED_SHARE:
             return False
-        return rest.apart >= self.threshold + NONPARAMETRIC_MARGIN_LN
+        return residual.ln_bayes_factor_beside >= self.threshold + NONPARAMETRIC_MARGIN_LN

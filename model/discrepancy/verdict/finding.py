@@ -14,7 +14,8 @@ from model.discrepancy.answers.choice_set import NOTHING
 from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
 from model.discrepancy.criticism.catalogue import origins as origins_of_checks
 from model.discrepancy.criticism.cell_noise import unusual_cell_noise
-from model.discrepancy.criticism.picture_noise import of_pictures
+from model.discrepancy.criticism.check_result import Consequence
+from model.discrepancy.criticism.image_noise import of_images
 from model.discrepancy.next_measurement.choice import next_measurement
 from model.discrepancy.next_measurement.separation import Suspect, separated
 from model.discrepancy.prepare import Options, Prepared, setups
@@ -125,7 +126,7 @@ class Finding:
         base, decision = self.outcome.base, self.decision
         pool = candidates(base, self.effects)
         seen = self._signatures(pool, decision)
-        named = tuple(_named(c, decision, self.written.told) for c in decision.named)
+        named = tuple(_named(c, decision, self.written.reported) for c in decision.named)
         unknown = decision.unknown and with_alternatives(decision.unknown, decision)
         open_still = not_ruled_out(decision, _reported(named))
         beside, effects = self._beside(pool, decision), {e.name: e for e in self.effects}
@@ -136,10 +137,10 @@ class Finding:
         promises = self._promises()
         doubt = self._doubt(decision)
         verdict = self._verdict(named, unknown, doubt)
-        apart = self._left_out(pool, decision)
+        cross_validated = self._left_out(pool, decision)
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
-        told = self.written.predicting
-        fitted = BeforeAfter(*(gaps.gap(gaps.refitted(f), noise, where) for f in (base, told)))
+        reported = self.written.predicting
+        fitted = BeforeAfter(*(gaps.gap(gaps.refitted(f), noise, where) for f in (base, reported)))
         outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
         return Diagnosis(
             verdict=verdict,
@@ -147,7 +148,14 @@ class Finding:
                 filter(
                     None,
                     [
-                        sentence(verdict, named, unknown, apart.gap, doubt, apart.closed),
+                        sentence(
+                            verdict,
+                            named,
+                            unknown,
+                            cross_validated.gap,
+                            doubt,
+                            cross_validated.closed,
+                        ),
                         decision.criticism.sentence,
                     ],
                 )
@@ -158,10 +166,10 @@ class Finding:
             unknown=unknown,
             where=places(base, noise),
             fitted=fitted,
-            held_out=apart.gap,
-            closed=np.nan if apart.closed is None else apart.closed.share,
-            closed_gap=apart.closed,
-            floor=apart.floor,
+            held_out=cross_validated.gap,
+            closed=np.nan if cross_validated.closed is None else cross_validated.closed.share,
+            closed_gap=cross_validated.closed,
+            floor=cross_validated.floor,
             promises=promises,
             next_measurement=self._next(named),
             ranking=self._ranking(seen, decision),
@@ -169,22 +177,22 @@ class Finding:
             threshold_from=self.threshold_from,
             signatures=seen,
             classes=classes(seen, unseen),
-            rows=apart.rows,
+            rows=cross_validated.rows,
             scatter=_scatter(decision.final),
             outliers=outliers,
             notes=(
                 *self.ready.notes,
                 *remarks(self.measurements, base),
                 *map(promise_note, promises),
-                *worse(apart.gap, apart.floor),
+                *worse(cross_validated.gap, cross_validated.floor),
                 *cut_short(base.problem.effort),
                 *not_written(self.written.without, self.written.unsolved),
-                *notes(named, outliers, apart.chosen),
+                *notes(named, outliers, cross_validated.chosen),
                 *open_answers(open_still, named),
             ),
             model=self.written.model,
             plugins={**origins_of_locations(), **origins_of_effects(), **origins_of_checks()},
-            base=base_parameters(told),
+            base=base_parameters(reported),
             checks=decision.criticism.results,
             choice_sets=decision.choice_sets,
             not_ruled_out=open_still,
@@ -212,7 +220,7 @@ class Finding:
         """Return the signatures visible above the base model, at the final model's noise."""
         base = self.outcome.base
         solution = weigh(base.linear.data, decision.final.solution.log_sigma)
-        chosen = (t.chosen for t in self.outcome.turns if t.chosen is not None)
+        chosen = (t.chosen for t in self.outcome.steps if t.chosen is not None)
         sizes = {c.name: c.score.amplitude for c in chosen}
         return signatures(replace(base, solution=solution), forms(pool, {}), sizes)
 
@@ -234,7 +242,7 @@ class Finding:
         for asked, judged in zip(decision.choice_sets, decision.answers, strict=True):
             if asked.considered != judged.likeliest and NOTHING not in judged.answers:
                 return improbable(asked.considered, judged)
-        against = [one for one in criticism.failures if one.consequence != "told"]
+        against = [one for one in criticism.failures if one.consequence != Consequence.REMARK]
         if against:  # what is wrong with the names has no place of its own
             return against[0].sentence
         log_sigma, usual = decision.final.solution.log_sigma, decision.final.problem.guess
@@ -245,8 +253,8 @@ class Finding:
         noise = unusual_cell_noise(decision.final)
         if noise is not None and noise.times > EXCESSIVE_SCATTER_RATIO:
             return noisy(noise.name, noise.times)
-        best = next((c for c in self.outcome.turns[0].ranking if c.known), None)
-        if best is not None and best.gain > self.threshold + NONPARAMETRIC_MARGIN_LN:
+        best = next((c for c in self.outcome.steps[0].ranking if c.known), None)
+        if best is not None and best.ln_bayes_factor > self.threshold + NONPARAMETRIC_MARGIN_LN:
             return refused(best.name)
         return ""
 
@@ -264,7 +272,7 @@ class Finding:
     def _left_out(self, pool: Sequence[Candidate], decision: Decision) -> _LeftOut:
         base, final = self.outcome.base, self.written.predicting
         noise, where = gaps.variance(decision.final), gaps.cells(base, self.outcome.outliers)
-        rivals = [c.name for t in self.outcome.turns[:1] for c in t.ranking if c.known][
+        rivals = [c.name for t in self.outcome.steps[:1] for c in t.ranking if c.known][
             :CROSS_VALIDATED_NAMES
         ]
         names = {*rivals, *(c.effect.name for c in decision.named)}
@@ -314,8 +322,8 @@ class Finding:
 
     def _suspects(self, between: Sequence[Effect]) -> list[Suspect]:
         """Return effects at the size found; where none of them was, at one just noticed."""
-        ranked = {c.name: c.score for t in self.outcome.turns for c in t.ranking if c.known}
-        chosen = {t.chosen.name for t in self.outcome.turns if t.chosen is not None}
+        ranked = {c.name: c.score for t in self.outcome.steps for c in t.ranking if c.known}
+        chosen = {t.chosen.name for t in self.outcome.steps if t.chosen is not None}
         names = [one.name for one in between]
         if chosen.intersection(names) and all(name in ranked for name in names):
             return [
@@ -336,20 +344,20 @@ class Finding:
         """Return the candidates against the base model, and what the noise of curves hides."""
         lengths = dict(zip(seen.names, seen.detectability.tolist(), strict=True))
         first: Sequence[RankedCandidate] = (
-            self.outcome.turns[0].ranking if self.outcome.turns else []
+            self.outcome.steps[0].ranking if self.outcome.steps else []
         )
         free = decision.free
-        if free is not None and of_pictures(free):
+        if free is not None and of_images(free):
             others = [c for c in first if c.name != free.name]
-            first = sorted([free, *others], key=lambda c: -c.gain)
+            first = sorted([free, *others], key=lambda c: -c.ln_bayes_factor)
         return tuple(
             Ranked(
                 name=c.name,
                 location=c.score.candidate.location,
-                log_bayes=c.gain,
+                log_bayes=c.ln_bayes_factor,
                 size=c.score.amplitude,
                 detectability=lengths.get(c.name, c.score.length),
-                why_not="reported, at the usual noise of curves" if of_pictures(c) else "",
+                why_not="reported, at the usual noise of curves" if of_images(c) else "",
             )
             for c in first
             if c.score.candidate.location != "outlier"
@@ -359,7 +367,7 @@ class Finding:
 def _not_reported(some: Mapping[str, Said], named: Sequence[Named]) -> dict[str, Said]:
     """Return what is said of effects, without those that are reported."""
     reported = _reported(named)
-    return {name: told for name, told in some.items() if name not in reported}
+    return {name: values for name, values in some.items() if name not in reported}
 
 
 def _reported(named: Sequence[Named]) -> set[str]:

@@ -8,35 +8,37 @@ from model.discrepancy.search.evidence import Projected, score
 from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_names
 from model.discrepancy.search.ranking import RankedCandidate, usual_scatter
 from model.discrepancy.thresholds import MISSED_BY_FORM_SHARE, NONPARAMETRIC_MARGIN_LN
-from model.discrepancy.verdict.posterior import Choice, Leftover
+from model.discrepancy.verdict.posterior import Choice, ResidualTerms
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 
 
-def alone(rest: Leftover, base: MixedModelFit, known: MixedModelFit, single: float) -> bool:
+def alone(
+    residual: ResidualTerms, base: MixedModelFit, known: MixedModelFit, single: float
+) -> bool:
     """Return whether one free form explains more than all the names together.
 
     `single` is what the best name explains by itself.
     """
     names = len(known.found) - len(base.found)
     explained = 0.5 * (base.deviance - known.deviance)
-    return nonparametric_replaces_names(rest.first.gain, explained, names, single)
+    return nonparametric_replaces_names(residual.first.ln_bayes_factor, explained, names, single)
 
 
-def misses_much(base: MixedModelFit, rest: Leftover, name: Choice) -> bool:
+def misses_much(base: MixedModelFit, residual: ResidualTerms, name: Choice) -> bool:
     """Return whether a single name misses more than its form may, set-ups being as usual.
 
     Where set-ups may differ as much as the data ask for, they take up most of what goes from one to
     the next. Little evidence is left of either, and of that a right name may miss a good part.
     """
     own = [c for c in name.ranking if c.name == name.effect.name]
-    return not explaining_as_much(base, rest, own)
+    return not explaining_as_much(base, residual, own)
 
 
 def explaining_as_much(
-    base: MixedModelFit, rest: Leftover, names: Sequence[RankedCandidate]
+    base: MixedModelFit, residual: ResidualTerms, names: Sequence[RankedCandidate]
 ) -> list[RankedCandidate]:
     """Return the names that miss no more of a free form than theirs allows, the best first."""
-    free = _at_usual_scatter(base, rest.first) * (1.0 - MISSED_BY_FORM_SHARE)
+    free = _at_usual_scatter(base, residual.first) * (1.0 - MISSED_BY_FORM_SHARE)
     each = [(_at_usual_scatter(base, one), one) for one in names]
     some = [pair for pair in each if pair[0] + NONPARAMETRIC_MARGIN_LN >= free]
     return [one for _, one in sorted(some, key=lambda pair: -pair[0])]

@@ -7,7 +7,7 @@ from typing import cast
 
 import numpy as np
 
-from model.discrepancy.criticism.picture_noise import aside, of_pictures, picture_noise
+from model.discrepancy.criticism.image_noise import aside, image_noise, of_images
 from model.discrepancy.search.form_share import form_share, steps_of
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
@@ -41,17 +41,17 @@ OF_PARTS = {  # whose functions are of several coordinates, or of several voltag
 Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
 
 
-def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
+def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     """Return a nonparametric term with its credible band, along its strongest coordinate."""
-    name = contender.score.candidate.location
-    if of_pictures(contender):
-        return _in_pictures(fitted, contender)
-    found = shapes(fitted, name, contender.score.candidate.part)
+    name = candidate.score.candidate.location
+    if of_images(candidate):
+        return _in_images(fitted, candidate)
+    found = shapes(fitted, name, candidate.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(
-        fitted.problem.forward, fitted.linear, columns, contender.score.scale**-2.0
+        fitted.problem.forward, fitted.linear, columns, candidate.score.scale**-2.0
     )
-    known = fitted.solution if contender.solution is None else contender.solution
+    known = fitted.solution if candidate.solution is None else candidate.solution
     solution = weigh(linear.data, known.log_sigma)
     n = len(found)
     beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
@@ -72,13 +72,15 @@ def unknown_of(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
     )  # fmt: skip
 
 
-def _in_pictures(fitted: MixedModelFit, contender: RankedCandidate) -> Unknown:
+def _in_images(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     """Return how far a curve is off, in the picture where it is so most."""
-    name, one = of_pictures(contender), with_free_form(fitted, contender)
-    scene = fitted.problem.forward.scenes[fitted.problem.forward.names.index(name)]
+    name, one = of_images(candidate), with_free_form(fitted, candidate)
+    configuration_model = fitted.problem.forward.configuration_models[
+        fitted.problem.forward.names.index(name)
+    ]
     span, solution = one.spans[-1], one.solution
-    found = aside(scene, solution.beta[span], solution.covariance[span, span])
-    where, times = contender.score.candidate.location, picture_noise(fitted)[name].times
+    found = aside(configuration_model, solution.beta[span], solution.covariance[span, span])
+    where, times = candidate.score.candidate.location, image_noise(fitted)[name].times
     depends = (
         f"{dependence(where, '', 's', '')}; in each picture of '{name}' the curve is shifted and"
         f" turned by amounts of its own, with {times:.1f} times the usual standard deviation, and"
@@ -116,13 +118,15 @@ def _seen_wrong(
 ) -> Unknown:
     """Return how far the camera puts a curve off, for the condition where it does so most."""
     name = found[0].configuration
-    scene = fitted.problem.forward.scenes[fitted.problem.forward.names.index(name)]
+    configuration_model = fitted.problem.forward.configuration_models[
+        fitted.problem.forward.names.index(name)
+    ]
     moving = [i for i, s in enumerate(found) if s.points_m is not None]
     each = np.stack([s.points_m for s in found if s.points_m is not None], axis=2)  # (K, S, n)
     beta, C = beta[moving], C[np.ix_(moving, moving)]
     moved = each @ beta
     k = int(np.argmax(np.max(np.abs(moved), axis=1)))
-    s, keep = np.unique(scene.curve_s[k], return_index=True)
+    s, keep = np.unique(configuration_model.curve_s[k], return_index=True)
     band = np.sqrt(np.maximum(np.einsum("sn,nm,sm->s", each[k], C, each[k]), 0.0))[keep]
     return Unknown(
         location=location_name, configuration=name, s_mm=s * 1e3, profile=moved[k][keep] * 1e3,
@@ -131,13 +135,13 @@ def _seen_wrong(
     )  # fmt: skip
 
 
-def with_free_form(fitted: MixedModelFit, contender: RankedCandidate) -> MixedModelFit:
+def with_free_form(fitted: MixedModelFit, candidate: RankedCandidate) -> MixedModelFit:
     """Return the model with a free form in it, as far as a straight line goes."""
-    columns = contender.score.candidate.columns
+    columns = candidate.score.candidate.columns
     linear = with_columns(
-        fitted.problem.forward, fitted.linear, columns, contender.score.scale**-2.0
+        fitted.problem.forward, fitted.linear, columns, candidate.score.scale**-2.0
     )
-    known = fitted.solution if contender.solution is None else contender.solution
+    known = fitted.solution if candidate.solution is None else candidate.solution
     span = slice(fitted.linear.columns.shape[1], linear.columns.shape[1])
     return replace(
         fitted, linear=linear, solution=weigh(linear.data, known.log_sigma),
@@ -179,18 +183,18 @@ def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]
 
 def _form_curve(fitted: MixedModelFit, c: int, step: Perturbation, places: Index) -> FormCurve:
     """Return an effect along the sheet where it is largest, without and with its deviation."""
-    scene, solution = fitted.problem.forward.scenes[c], fitted.solution
-    G = scene.count
+    configuration_model, solution = fitted.problem.forward.configuration_models[c], fitted.solution
+    G = configuration_model.count
     along = step.beam[:, :G] + step.beam[:, G : 2 * G]
     values = along[int(np.argmax(np.max(np.abs(along), axis=1)))]
-    t = scene.s_m / scene.length
+    t = configuration_model.s_m / configuration_model.length
     waves = np.stack([FORM * share * cosine(j, t) for j, share in waves_along(len(places))], axis=1)
     C = solution.covariance[np.ix_(places, places)]
     factor = 1.0 + waves @ solution.beta[places]
     sigma = np.sqrt(np.einsum("ti,ij,tj->t", waves, C, waves))
     scale = np.max(np.abs(values)) or 1.0
     return FormCurve(
-        along="s", unit="mm", at=scene.s_m * 1e3, catalogue=values / scale,
+        along="s", unit="mm", at=configuration_model.s_m * 1e3, catalogue=values / scale,
         inferred=values * factor / scale, band=np.abs(values) * sigma / scale,
         what="what the effect adds, relative",
     )  # fmt: skip

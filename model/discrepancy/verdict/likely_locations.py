@@ -23,13 +23,13 @@ def likely_locations(
     `free` is the free form that is reported, `ranking` has those of the other locations beside the
     same names. No basis has all of a form: the evidence of the right location may miss a share.
     """
-    gains = {free.score.candidate.location: free.gain}
+    ln_bayes_factors = {free.score.candidate.location: free.ln_bayes_factor}
     for one in ranking:
         where = one.score.candidate.location
-        if is_nonparametric(one.name) and where not in gains:
-            gains[where] = min(one.gain, free.gain)
-    width = max(EVIDENCE_TEMPERATURE, LOCATION_FORM_SHARE * free.gain)
-    weights = np.exp((np.array(list(gains.values())) - free.gain) / width)
-    shares = dict(zip(gains, (weights / weights.sum()).tolist(), strict=True))
-    told = {where: share for where, share in shares.items() if share >= LEAST_LOCATION_SHARE}
-    return dict(sorted(told.items(), key=lambda item: -item[1]))
+        if is_nonparametric(one.name) and where not in ln_bayes_factors:
+            ln_bayes_factors[where] = min(one.ln_bayes_factor, free.ln_bayes_factor)
+    width = max(EVIDENCE_TEMPERATURE, LOCATION_FORM_SHARE * free.ln_bayes_factor)
+    weights = np.exp((np.array(list(ln_bayes_factors.values())) - free.ln_bayes_factor) / width)
+    shares = dict(zip(ln_bayes_factors, (weights / weights.sum()).tolist(), strict=True))
+    likely = {where: share for where, share in shares.items() if share >= LEAST_LOCATION_SHARE}
+    return dict(sorted(likely.items(), key=lambda item: -item[1]))

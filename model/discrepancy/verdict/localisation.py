@@ -23,12 +23,14 @@ def staged(base: MixedModelFit) -> FloatArray:
     They locate the misfit: a joint fit would spread an effect under voltage over all rows.
     """
     forward, problem, linear = base.problem.forward, base.problem, base.linear
-    layout = forward.layout
-    at_rest = np.zeros(layout.size, dtype=bool)
-    for part, scene in zip(layout.parts, forward.scenes, strict=True):
-        zero = scene.voltage_V == 0.0
-        at_rest[part.trend_rows[zero[part.trend_of]]] = True
-        rows = part.mode_rows[zero & scene.has_curve]
+    row_index = forward.row_index
+    at_rest = np.zeros(row_index.size, dtype=bool)
+    for block, configuration_model in zip(
+        row_index.blocks, forward.configuration_models, strict=True
+    ):
+        zero = configuration_model.voltage_V == 0.0
+        at_rest[block.trend_rows[zero[block.trend_of]]] = True
+        rows = block.mode_rows[zero & configuration_model.has_curve]
         at_rest[rows.ravel()] = True
     if not at_rest.any() or at_rest.all():
         return refitted(base)
@@ -50,18 +52,22 @@ def places(base: MixedModelFit, noise: FloatArray) -> tuple[Where, ...]:
     residual, forward = staged(base), base.problem.forward
     z = residual / np.sqrt(noise)
     found: list[Where] = []
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
-        for i, (row, k) in enumerate(zip(part.trend_rows, part.trend_of, strict=True)):
-            late = "in a first pulse" if part.is_early[i] else "how the readings go with time"
-            detail = "" if part.is_mean[i] else late
-            found.append(_where("force", scene, k, float(z[row]), None, detail))
-        for k in np.flatnonzero(scene.has_curve).tolist():
-            rows = part.mode_rows[k]
-            off = scene.along(k, residual[rows])
-            at = float(scene.curve_s[k, int(np.argmax(np.abs(off)))])
-            found.append(_where("curve", scene, k, _excess(z[rows]), at * 1e3))
-        for row, k in zip(part.bin_rows, part.bin_of, strict=True):
-            found.append(_where("signal", scene, k, float(z[row]), None, "within the pulse"))
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
+        for i, (row, k) in enumerate(zip(block.trend_rows, block.trend_of, strict=True)):
+            late = "in a first pulse" if block.is_early[i] else "how the readings go with time"
+            detail = "" if block.is_mean[i] else late
+            found.append(_where("force", configuration_model, k, float(z[row]), None, detail))
+        for k in np.flatnonzero(configuration_model.has_curve).tolist():
+            rows = block.mode_rows[k]
+            off = configuration_model.along(k, residual[rows])
+            at = float(configuration_model.curve_s[k, int(np.argmax(np.abs(off)))])
+            found.append(_where("curve", configuration_model, k, _excess(z[rows]), at * 1e3))
+        for row, k in zip(block.bin_rows, block.bin_of, strict=True):
+            found.append(
+                _where("signal", configuration_model, k, float(z[row]), None, "within the pulse")
+            )
     found = [w for w in found if abs(w.z) >= PLACE_SIGMA]
     found.sort(key=lambda w: -abs(w.z))
     return tuple(found[:PLACES_REPORTED])
@@ -75,18 +81,18 @@ def _excess(z: FloatArray) -> float:
 
 def _where(
     observable: Observable,
-    scene: ConfigurationModel,
+    configuration_model: ConfigurationModel,
     k: int,
     z: float,
     s_mm: float | None,
     detail: str = "",
 ) -> Where:
-    at, name = float(scene.stated_m[k]), scene.sheet.configuration
+    at, name = float(configuration_model.stated_m[k]), configuration_model.sheet.configuration
     position = None if np.isnan(at) else round(at * 1e3, 6)
     return Where(
         observable=observable,
         configuration=name,
-        voltage_V=float(scene.voltage_V[k]),
+        voltage_V=float(configuration_model.voltage_V[k]),
         position_mm=position,
         s_mm=s_mm,
         z=z,

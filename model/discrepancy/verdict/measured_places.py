@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.measurements import FloatArray, ModelError
-from model.sheet.instruments import LoadCellReadings, as_pictured, camera_m
+from model.sheet.instruments import LoadCellReadings, as_imaged, camera_m
 from model.sheet.prediction import Predictable
 from model.sheet.solution import sampled_s, solved
 
@@ -31,7 +31,9 @@ def seen_at(
     It is what `predict` says of each of them.
     """
     every = dict.fromkeys(
-        (at_m, volts) for at_m, asked in places for volts in model.beside(configuration, asked)
+        (at_m, volts)
+        for at_m, asked in places
+        for volts in model.alternating_voltages_V(configuration, asked)
     )
     rows = {place: k for k, place in enumerate(every)}
     found = solved(model.setups(configuration, list(rows)))
@@ -45,7 +47,7 @@ def seen_at(
         k = rows[at_m, volts]
         own = {v: row for (other_m, v), row in rows.items() if other_m == at_m}
         added_N = 0.0 if cell is None else cell.added_N(own, volts)
-        then = as_pictured(found.setups[k], model.effects, at_m)
+        then = as_imaged(found.setups[k], model.effects, at_m)
         late = then is not found.setups[k]
         seen, row = (solved([then]), 0) if late else (found, k)
         curve = seen.shapes(s_m) if late else shapes

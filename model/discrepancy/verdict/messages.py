@@ -37,9 +37,9 @@ OTHER_ANSWERS = {
 def shown_by(names: Sequence[str]) -> str:
     """Return a sentence about what shows each of some effects, whether it is on the menu or not."""
     known = catalogue()
-    told = (f"{title(name)}: {known[name].isolates.rstrip('.')}" for name in names if name in known)
+    each = (f"{title(name)}: {known[name].isolates.rstrip('.')}" for name in names if name in known)
     which = "it" if len(names) == 1 else "each of them"
-    return f"What shows {which} by itself: {'; '.join(told)}."
+    return f"What shows {which} by itself: {'; '.join(each)}."
 
 
 def nothing_separates(names: Sequence[str]) -> str:
@@ -71,8 +71,8 @@ def sentence(
     values = "".join(
         f" {_capital(title(one.name))}: {in_sessions(one)}." for one in named if in_sessions(one)
     )
-    said = f"{_capital(names)} {is_not} in the model.{values} {_gap(left_out)}."
-    return said if closed is None else f"{said} {closed_sentence(closed)}"
+    text = f"{_capital(names)} {is_not} in the model.{values} {_gap(left_out)}."
+    return text if closed is None else f"{text} {closed_sentence(closed)}"
 
 
 def _unknown_sentence(
@@ -80,22 +80,22 @@ def _unknown_sentence(
 ) -> str:
     """Return where something unknown acts, what else it may be, and what its curve predicts."""
     more = f" besides {listed([class_name(n) for n in named])}" if named else ""
-    said = f"An unknown effect{more} is in neither the model nor the catalogue."
+    text = f"An unknown effect{more} is in neither the model nor the catalogue."
     if unknown.confusable_with:
         names = listed([title(name) for name in unknown.confusable_with], "or")
-        said = (
+        text = (
             f"Something{more} is not in the model; it may be {names}, or {OTHER_ANSWERS[UNKNOWN]}."
         )
-    said += (
+    text += (
         f" Location: {located(unknown)} ({unknown.depends}); largest at"
         f" {unknown.peak_mm:.3g} {unknown.at_unit}.{_or_elsewhere(unknown)}"
     )
-    said += f" {_gap(left_out)}."
+    text += f" {_gap(left_out)}."
     if closed is not None and closed.after >= closed.before:
-        said += " The curve does not improve the prediction between the positions."
+        text += " The curve does not improve the prediction between the positions."
     elif closed is not None:
-        said += f" {closed_sentence(closed)}"
-    return f"{said} {unknown.advice}".rstrip()
+        text += f" {closed_sentence(closed)}"
+    return f"{text} {unknown.advice}".rstrip()
 
 
 def located(unknown: Unknown) -> str:
@@ -117,11 +117,11 @@ def class_name(one: Named) -> str:
     answers = [answer_title(name) for name in (one.name, *one.confusable_with, *one.or_else)]
     if len(answers) == 1:
         return answers[0]
-    said = " or ".join(answers)
+    names = " or ".join(answers)
     if not one.confusable_with:
-        return f"{said} ({percent(one.confidence)} that it is {answers[0]})"
+        return f"{names} ({percent(one.confidence)} that it is {answers[0]})"
     what = "together" if not one.or_else else "the names together"
-    return f"{said} (which these data cannot tell apart; {what} {percent(one.confidence)})"
+    return f"{names} (which these data cannot tell apart; {what} {percent(one.confidence)})"
 
 
 def improbable(considered: str, judged: Judged) -> str:
@@ -140,8 +140,8 @@ def open_answers(others: Mapping[str, float], named: Sequence[Named]) -> Iterato
     """Yield what may be in the data besides, or although nothing is named."""
     if others:
         besides = " besides" if named else ""
-        told = (f"{answer_title(name)} ({percent(chance)})" for name, chance in others.items())
-        yield f"not ruled out{besides}: {', '.join(told)}"
+        each = (f"{answer_title(name)} ({percent(chance)})" for name, chance in others.items())
+        yield f"not ruled out{besides}: {', '.join(each)}"
 
 
 def answer_title(name: str) -> str:
@@ -157,11 +157,13 @@ def in_sessions(one: Named) -> str:
     """Return an effect's values in each session with their 90 % intervals; empty: it has none."""
     sheets = one.by_configuration or {"": one.parameters}
     return "; ".join(
-        f"{name}{': ' * bool(name)}{told}" for name, own in sheets.items() if (told := _told(own))
+        f"{name}{': ' * bool(name)}{values}"
+        for name, own in sheets.items()
+        if (values := _values(own))
     )
 
 
-def _told(parameters: Mapping[str, Parameter]) -> str:
+def _values(parameters: Mapping[str, Parameter]) -> str:
     own = {session_of(name): p for name, p in parameters.items() if session_of(name)}
     less = " less session 1" if own and 1 not in own else ""
     return ", ".join(f"session {number}{less} {_with_interval(p)}" for number, p in own.items())

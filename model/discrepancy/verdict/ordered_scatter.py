@@ -33,11 +33,11 @@ def followed(fitted: MixedModelFit, name: str) -> tuple[str, float] | None:
 def _coordinates(fitted: MixedModelFit) -> dict[str, FloatArray]:
     """Return for each run its configuration and the coordinate; NaN where there is none: (R, 2)."""
     forward = fitted.problem.forward
-    runs = forward.layout.runs
+    runs = forward.row_index.runs
     result = {what: np.full((len(runs), 2), np.nan) for what in COORDINATES}
-    for c, look in enumerate(forward.looks):
-        for run in {one.run for one in look.seen}:
-            own = [one for one in look.seen if one.run == run]
+    for c, data_vector in enumerate(forward.data_vectors):
+        for run in {one.run for one in data_vector.seen}:
+            own = [one for one in data_vector.seen if one.run == run]
             time = float(np.mean([np.mean(one.clock.session) for one in own]))
             r = runs.index(run)
             result["position"][r] = c, own[0].position_m

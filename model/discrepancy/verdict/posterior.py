@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.criticism.picture_noise import with_usual_noise
+from model.discrepancy.criticism.image_noise import with_usual_noise
 from model.discrepancy.search.beside_others import evidence_beside, evidence_beside_at_usual_noise
 from model.discrepancy.search.evidence import Score
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
@@ -32,7 +32,7 @@ class Choice:
 
     effect: Effect
     confidence: float  # posterior by the evidence alone
-    gain: float
+    ln_bayes_factor: float
     of_location: float  # posterior of all effects of its location
     before: MixedModelFit  # the model without it, the other names in place
     ranking: Sequence[RankedCandidate]  # of what could be added to that, best first
@@ -45,8 +45,8 @@ def posterior(ranking: Sequence[RankedCandidate]) -> dict[str, float]:
     known = [c for c in ranking if c.known]
     if not known:
         return {}
-    gains = np.array([c.gain for c in known]) / EVIDENCE_TEMPERATURE
-    weights = np.exp(gains - np.max(gains))
+    ln_bayes_factors = np.array([c.ln_bayes_factor for c in known]) / EVIDENCE_TEMPERATURE
+    weights = np.exp(ln_bayes_factors - np.max(ln_bayes_factors))
     return dict(zip((c.name for c in known), (weights / weights.sum()).tolist(), strict=True))
 
 
@@ -64,7 +64,7 @@ def choice(
     return Choice(
         effect=effect,
         confidence=own,
-        gain=chosen.gain,
+        ln_bayes_factor=chosen.ln_bayes_factor,
         of_location=of_location,
         before=before,
         ranking=ranking,
@@ -117,8 +117,8 @@ def _chances(
             best[value] = max(evidence, best.get(value, -np.inf))
     if not best:
         return {}
-    gains = np.array(list(best.values())) / EVIDENCE_TEMPERATURE
-    weights = np.exp(gains - np.max(gains))
+    ln_bayes_factors = np.array(list(best.values())) / EVIDENCE_TEMPERATURE
+    weights = np.exp(ln_bayes_factors - np.max(ln_bayes_factors))
     return dict(zip(best, (weights / weights.sum()).tolist(), strict=True))
 
 
@@ -130,28 +130,28 @@ def choices(
     An effect that the others make superfluous is taken out again, and so is, unless `rests`, what
     is rather left of another one's form; what the model had before the search stays.
     """
-    turns = [t for t in outcome.turns if t.chosen is not None]
+    steps = [t for t in outcome.steps if t.chosen is not None]
     final, first = outcome.final, len(outcome.base.found)
     result = []
-    for i, turn in enumerate(turns):
-        if turn.chosen is None:
+    for i, step in enumerate(steps):
+        if step.chosen is None:
             continue
-        if i == len(turns) - 1:
-            result.append(choice(turn.chosen, turn.ranking, turn.before))
+        if i == len(steps) - 1:
+            result.append(choice(step.chosen, step.ranking, step.before))
             continue
         without = _without(final, first + i)
         ranking = refine_best(without, rank(without, effects, locations=False), final)
-        own = next((c for c in ranking if c.name == turn.chosen.name), turn.chosen)
-        gain = 0.5 * (without.deviance - final.deviance)
-        if min(gain, evidence_beside(without, own)) < threshold + FURTHER_EFFECT_LN:
-            shorter = SearchResult(outcome.base, turns[:i] + turns[i + 1 :], without)
+        own = next((c for c in ranking if c.name == step.chosen.name), step.chosen)
+        ln_bayes_factor = 0.5 * (without.deviance - final.deviance)
+        if min(ln_bayes_factor, evidence_beside(without, own)) < threshold + FURTHER_EFFECT_LN:
+            shorter = SearchResult(outcome.base, steps[:i] + steps[i + 1 :], without)
             return choices(shorter, effects, threshold, rests)
-        result.append(choice(own, ranking if own is not turn.chosen else turn.ranking, without))
+        result.append(choice(own, ranking if own is not step.chosen else step.ranking, without))
     left = None if rests else rest_of_another(result)
     if left is None:
         return result, final
     without = _without(final, first + left)
-    shorter = SearchResult(outcome.base, turns[:left] + turns[left + 1 :], without)
+    shorter = SearchResult(outcome.base, steps[:left] + steps[left + 1 :], without)
     return choices(shorter, effects, threshold)
 
 
@@ -160,8 +160,8 @@ def _without(final: MixedModelFit, place: int) -> MixedModelFit:
 
     It is fitted once: the choices are made again where what was taken for a rest is more than that.
     """
-    rest = tuple(one for j, one in enumerate(final.found) if j != place)
-    found = settled(final, final.theta, rest, final.solution.log_sigma)
+    others = tuple(one for j, one in enumerate(final.found) if j != place)
+    found = settled(final, final.theta, others, final.solution.log_sigma)
     if found is None:
         raise unsettled()
     return found
@@ -208,11 +208,11 @@ def rest_of_another(named: Sequence[Choice]) -> int | None:
     Forms differ in more ways than are tolerated. What several effects of several locations explain
     as well is such a rest, and so is a change in time beside another one if it is no clear name.
     """
-    strongest = max(named, key=lambda one: one.gain, default=None)
-    for i, one in sorted(enumerate(named), key=lambda item: item[1].gain):
+    strongest = max(named, key=lambda one: one.ln_bayes_factor, default=None)
+    for i, one in sorted(enumerate(named), key=lambda item: item[1].ln_bayes_factor):
         if one is strongest or one.confidence >= CERTAIN_PROBABILITY:
             continue
-        stronger = [other for other in named if other.gain > one.gain]
+        stronger = [other for other in named if other.ln_bayes_factor > one.ln_bayes_factor]
         in_time = _in_time(one) and any(_in_time(other) for other in stronger)
         if in_time or one.of_location < CERTAIN_PROBABILITY:
             return i
@@ -224,25 +224,25 @@ def _in_time(one: Choice) -> bool:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Leftover:
+class ResidualTerms:
     """The findings of nonparametric terms in the residual of a model."""
 
-    gain: float  # of the best free form on the final model
+    ln_bayes_factor: float  # of the best free form on the final model
     total: float  # of the best free form on the base model, or of the catalogue's effects
     location: str  # of the best free form
     first: RankedCandidate  # the free form on the base model
     last: RankedCandidate | None  # the same on the final model
-    apart: float  # its gain beside what the names explain
+    ln_bayes_factor_beside: float  # the same beside what the names explain
     ranking: Sequence[RankedCandidate] = ()  # of everything, on the final model
 
     @property
     def share(self) -> float:
         """Of the excess that is left."""
-        return max(self.gain, 0.0) / max(self.total, 1e-9)
+        return max(self.ln_bayes_factor, 0.0) / max(self.total, 1e-9)
 
     def instead(
         self, hidden: Sequence[RankedCandidate], final: MixedModelFit, base: MixedModelFit
-    ) -> Leftover:
+    ) -> ResidualTerms:
         """Return the same with what hides in noise as the nonparametric term, the first of them.
 
         They stand for those of their locations.
@@ -251,36 +251,39 @@ class Leftover:
         names = {one.name for one in hidden[1:]}
         others = [one for one in self.ranking if one.name not in names]
         return replace(
-            self, gain=best.gain, total=max(self.total, explained + best.gain),
+            self, ln_bayes_factor=best.ln_bayes_factor,
+            total=max(self.total, explained + best.ln_bayes_factor),
             location=best.score.candidate.location, last=best,
             first=best if final is base else self.first,
-            apart=evidence_beside_at_usual_noise(with_usual_noise(final, best), best),
-            ranking=sorted([*hidden, *others], key=lambda c: -c.gain),
+            ln_bayes_factor_beside=evidence_beside_at_usual_noise(
+                with_usual_noise(final, best), best
+            ),
+            ranking=sorted([*hidden, *others], key=lambda c: -c.ln_bayes_factor),
         )  # fmt: skip
 
 
-def leftover(
+def residual_terms(
     outcome: SearchResult, final: MixedModelFit, effects: Sequence[Effect]
-) -> Leftover | None:
+) -> ResidualTerms | None:
     """Return how much free forms could still explain."""
-    first = [c for c in outcome.turns[0].ranking if c.name.startswith("unknown:")]
+    first = [c for c in outcome.steps[0].ranking if c.name.startswith("unknown:")]
     if not first:
         return None
-    best = max(first, key=lambda c: c.gain)
+    best = max(first, key=lambda c: c.ln_bayes_factor)
     explained = 0.5 * (outcome.base.deviance - final.deviance) if final.found else 0.0
-    ranked = (turn for turn in outcome.turns if turn.before is final)
+    ranked = (step for step in outcome.steps if step.before is final)
     same = next(ranked, None) or SelectionStep(final, rank(final, effects))
     last = [c for c in same.ranking if c.name.startswith("unknown:")]
-    rest = max(last, key=lambda c: c.gain, default=None)
-    gain = rest.gain if rest is not None else 0.0
-    total = max(best.gain, explained + max(gain, 0.0))
-    beside = evidence_beside(final, rest) if rest is not None else 0.0
-    return Leftover(
-        gain=gain,
+    best_on_final = max(last, key=lambda c: c.ln_bayes_factor, default=None)
+    ln_bayes_factor = best_on_final.ln_bayes_factor if best_on_final is not None else 0.0
+    total = max(best.ln_bayes_factor, explained + max(ln_bayes_factor, 0.0))
+    beside = evidence_beside(final, best_on_final) if best_on_final is not None else 0.0
+    return ResidualTerms(
+        ln_bayes_factor=ln_bayes_factor,
         total=total,
         location=best.name.split(":")[1],
         first=best,
-        last=rest,
-        apart=beside,
+        last=best_on_final,
+        ln_bayes_factor_beside=beside,
         ranking=same.ranking,
     )

@@ -36,33 +36,39 @@ def cells(
     """
     forward, first = fitted.problem.forward, 0
     found = Cells(
-        force=(), curve=(), drift=(), sway=(), pulse=(), weight=np.ones(forward.layout.size)
+        force=(), curve=(), drift=(), sway=(), pulse=(), weight=np.ones(forward.row_index.size)
     )
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
         # without contact there is nothing that the sheet's model could be wrong about
-        here = configuration in (None, scene.sheet.configuration)
+        here = configuration in (None, configuration_model.sheet.configuration)
         counts = np.array(
             [
                 here and first + k not in without and not one.zero
-                for k, one in enumerate(scene.look.seen)
+                for k, one in enumerate(configuration_model.data_vector.seen)
             ]
         )
-        readings = np.bincount(part.reading_of, minlength=scene.K)
-        found.weight[part.trend_rows] = np.where(part.is_mean, 1.0, 1.0 / readings[part.trend_of])
-        found.weight[part.sway_rows] = 1.0 / readings[part.sway_of]
+        readings = np.bincount(block.reading_of, minlength=configuration_model.K)
+        found.weight[block.trend_rows] = np.where(
+            block.is_mean, 1.0, 1.0 / readings[block.trend_of]
+        )
+        found.weight[block.sway_rows] = 1.0 / readings[block.sway_of]
         own = np.flatnonzero(counts)
-        trends = [part.trend_rows[(part.trend_of == k) & ~part.is_mean] for k in own]
-        sways = [part.sway_rows[part.sway_of == k] for k in own]
+        trends = [block.trend_rows[(block.trend_of == k) & ~block.is_mean] for k in own]
+        sways = [block.sway_rows[block.sway_of == k] for k in own]
         found = replace(
             found,
-            force=found.force + _each(part.trend_rows[part.is_mean & counts[part.trend_of]]),
+            force=found.force + _each(block.trend_rows[block.is_mean & counts[block.trend_of]]),
             curve=found.curve
-            + tuple(part.mode_rows[k] for k in np.flatnonzero(scene.has_curve & counts)),
+            + tuple(
+                block.mode_rows[k] for k in np.flatnonzero(configuration_model.has_curve & counts)
+            ),
             drift=found.drift + tuple(rows for rows in trends if len(rows)),
             sway=found.sway + tuple(rows for rows in sways if len(rows)),
-            pulse=found.pulse + _each(part.bin_rows[counts[part.bin_of]]),
+            pulse=found.pulse + _each(block.bin_rows[counts[block.bin_of]]),
         )
-        first += scene.K
+        first += configuration_model.K
     return found
 
 
@@ -73,9 +79,9 @@ def _each(rows: Index) -> tuple[Index, ...]:
 
 def variance(fitted: MixedModelFit) -> FloatArray:
     """Of every row: noise and the scatter of set-ups (N,)."""
-    layout = fitted.problem.forward.layout
+    row_index = fitted.problem.forward.row_index
     V = np.linalg.inv(fitted.solution.weights)
-    diagonal: FloatArray = np.einsum("rii->ri", V)[layout.run_of, layout.row_of]
+    diagonal: FloatArray = np.einsum("rii->ri", V)[row_index.run_of, row_index.row_of]
     return diagonal
 
 
@@ -178,11 +184,11 @@ def at_set_ups(fitted: MixedModelFit, log_sigma: FloatArray) -> FloatArray:
 
     `log_sigma` is the scatter of the set-ups by which an offset is judged; the parameters stay.
     """
-    data, layout = fitted.linear.data, fitted.problem.forward.layout
+    data, row_index = fitted.linear.data, fitted.problem.forward.row_index
     solution = replace(weigh(data, log_sigma), beta=fitted.solution.beta)
     result = refitted(fitted).copy()
     for Z, u in zip(data.groups, effects(data, solution), strict=False):
-        result -= np.einsum("rnq,rq->rn", Z, u)[layout.run_of, layout.row_of]
+        result -= np.einsum("rnq,rq->rn", Z, u)[row_index.run_of, row_index.row_of]
     return result
 
 
@@ -194,17 +200,17 @@ def table(
     set_ups = [at_set_ups(fitted, log_sigma) for fitted in (base, final)]
     forces = [refitted(base), refitted(final), before, after, *set_ups]
     rows = []
-    for c, (part, seen) in enumerate(
-        zip(base.problem.forward.layout.parts, base.problem.forward.looks, strict=True)
+    for c, (block, seen) in enumerate(
+        zip(base.problem.forward.row_index.blocks, base.problem.forward.data_vectors, strict=True)
     ):
         for k, one in enumerate(seen.seen):
             if one.zero:
                 continue
-            mean = part.trend_rows[(part.trend_of == k) & part.is_mean]
+            mean = block.trend_rows[(block.trend_of == k) & block.is_mean]
             force = float(np.mean(one.kept_N)) if len(mean) else np.nan
             sigma = float(noise[mean[0]]) if len(mean) else np.nan
             expected = [force - float(r[mean[0]]) if len(mean) else np.nan for r in forces]
-            measured = base.problem.forward.scenes[c].measured(k)
+            measured = base.problem.forward.configuration_models[c].measured(k)
             first, last = (_simulated(fitted, c, k, refitted(fitted)) for fitted in (base, final))
             offset_first, offset_last = (
                 _simulated(fitted, c, k, off)
@@ -242,8 +248,8 @@ def _simulated(
 ) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
     """Return places (x, y) of a curve's points as a model has them, and how far off they are."""
     forward = fitted.problem.forward
-    scene, solved = forward.scenes[c], fitted.linear.states[c].solved
-    s, x, y = scene.measured(k)
+    configuration_model, solved = forward.configuration_models[c], fitted.linear.states[c].solved
+    s, x, y = configuration_model.measured(k)
     n = len(s)
-    off = scene.along(k, residual[forward.part(c).mode_rows[k]])[:n]
+    off = configuration_model.along(k, residual[forward.row_block(c).mode_rows[k]])[:n]
     return (x - off * solved.nx[k, :n], y - off * solved.ny[k, :n]), off

@@ -10,7 +10,7 @@ import numpy as np
 from model.discrepancy.verdict.measured_places import Seen, seen_at
 from model.identification.data.data_vector import ConditionData
 from model.identification.likelihood.forward_model import ForwardModel
-from model.measurements import FloatArray
+from model.measurements import rms
 from model.sheet.sheet_model import SheetModel
 
 
@@ -31,12 +31,12 @@ def with_stated_errors(
     free shapes, and what was measured with the rig turned over.
     """
     own, first = dict[str, list[Error]](), 0
-    for name, look in zip(forward.names, forward.looks, strict=True):
+    for name, data_vector in zip(forward.names, forward.data_vectors, strict=True):
         some = [
-            one for k, one in enumerate(look.seen, first)
+            one for k, one in enumerate(data_vector.seen, first)
             if k not in without and not (one.free or one.zero or one.tilt_rad)
         ]  # fmt: skip
-        first += len(look.seen)
+        first += len(data_vector.seen)
         own[name] = [
             error for number in sorted({one.session for one in some})
             for error in _errors(
@@ -58,22 +58,17 @@ def _error(one: ConditionData, found: Seen) -> Error:
     if one.curve is None:
         return Error(force, np.nan)
     s_m = one.curve.s_m
-    apart = np.hypot(
+    distance_m = np.hypot(
         np.interp(s_m, found.s_m, found.x_m) - one.curve.x_m,
         np.interp(s_m, found.s_m, found.y_m) - one.curve.y_m,
     )
-    return Error(force, _rms(apart))
+    return Error(force, rms(distance_m))
 
 
 def _merit(errors: Sequence[Error]) -> dict[str, float]:
     """Return the errors by the names that a model file has; those that exist."""
     merit = {
-        "force_rmse_N": _rms(np.array([e.force_N for e in errors])),
-        "curve_rmse_m": _rms(np.array([e.curve_m for e in errors])),
+        "force_rmse_N": rms(np.array([e.force_N for e in errors])),
+        "curve_rmse_m": rms(np.array([e.curve_m for e in errors])),
     }
     return {name: value for name, value in merit.items() if np.isfinite(value)}
-
-
-def _rms(values: FloatArray) -> float:
-    good = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(good**2))) if len(good) else np.nan

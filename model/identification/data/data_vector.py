@@ -1,4 +1,4 @@
-"""What `diagnose` looks at: every condition's readings in time order, its curve, and the pulses.
+"""The data vector of `diagnose`: the readings of all conditions in time order, curves and pulses.
 
 Ten readings become a few numbers: their mean, and how they go with time (orthonormal polynomials up
 to the third degree; what is left of them only says how noisy a reading is). The readings of the
@@ -131,7 +131,7 @@ class DataVector:
         return sorted({s.voltage_V for s in self.seen if s.voltage_V != 0.0})
 
 
-def look(measurements: Measurements, configuration: str) -> DataVector:
+def data_vector_of(measurements: Measurements, configuration: str) -> DataVector:
     """Everything usable of a configuration; a `ModelError` where there is nothing."""
     sheet = measurements.sheets.get(configuration)
     if sheet is None:

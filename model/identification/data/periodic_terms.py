@@ -153,11 +153,15 @@ class _Series:
         return a, b, (a * cy + b * sy) / max(float(y @ y), 1e-300)
 
 
-def wave_in(looks: Sequence[DataVector]) -> PeriodicTerm | None:
+def periodic_term_in(data_vectors: Sequence[DataVector]) -> PeriodicTerm | None:
     """Return the periodic term that explains most of the detrended readings, or None."""
-    session_s = max(look.session_s for look in looks)
-    forces = _Series.of([x for look in looks for x in _forces(look)], session_s, LEAST_N)
-    curves = _Series.of([x for look in looks for x in _curves(look)], session_s)
+    session_s = max(data_vector.session_s for data_vector in data_vectors)
+    forces = _Series.of(
+        [x for data_vector in data_vectors for x in _forces(data_vector)], session_s, LEAST_N
+    )
+    curves = _Series.of(
+        [x for data_vector in data_vectors for x in _curves(data_vector)], session_s
+    )
     kinds: list[tuple[_Series | None, What]]
     kinds = [(forces, "force"), (forces, "EIBM"), (curves, "EIBM")]
     best, most = None, MOST
@@ -168,17 +172,17 @@ def wave_in(looks: Sequence[DataVector]) -> PeriodicTerm | None:
     return best
 
 
-def _forces(look: DataVector) -> Iterator[tuple[ConditionData, FloatArray, float]]:
+def _forces(data_vector: DataVector) -> Iterator[tuple[ConditionData, FloatArray, float]]:
     """Of each condition that is repeated; the EIBM makes what the force is more than at 0 V."""
-    for one, rest in _with_rest(look):
+    for one, rest in _with_rest(data_vector):
         known = one.voltage_V != 0.0 and rest is not None and len(rest.kept_N) > 0
         at_rest_N = np.mean(rest.kept_N) if known and rest is not None else np.mean(one.kept_N)
         yield one, one.kept_N, float(np.mean(one.kept_N) - at_rest_N)
 
 
-def _curves(look: DataVector) -> Iterator[tuple[ConditionData, FloatArray, float]]:
+def _curves(data_vector: DataVector) -> Iterator[tuple[ConditionData, FloatArray, float]]:
     """How far each reading's curve is from the mean one, the way that this is from that at 0 V."""
-    for one, rest in _with_rest(look):
+    for one, rest in _with_rest(data_vector):
         own = one.own_curves[-len(one.kept_N) :]
         if not own or not one.voltage_V or rest is None or rest.curve is None or one.curve is None:
             continue
@@ -189,10 +193,10 @@ def _curves(look: DataVector) -> Iterator[tuple[ConditionData, FloatArray, float
         yield one, np.array([(_points(c, n) - mean) @ way for c in own]), reach
 
 
-def _with_rest(look: DataVector) -> Iterator[tuple[ConditionData, ConditionData | None]]:
+def _with_rest(data_vector: DataVector) -> Iterator[tuple[ConditionData, ConditionData | None]]:
     """Conditions that are repeated more often than there are trends, with their run's at 0 V."""
-    rest = {one.run: one for one in look.seen if not one.voltage_V and not one.zero}
-    for one in look.seen:
+    rest = {one.run: one for one in data_vector.seen if not one.voltage_V and not one.zero}
+    for one in data_vector.seen:
         if not one.free and len(one.kept_N) > TRENDS:
             yield one, rest.get(one.run)
 

@@ -53,14 +53,14 @@ class SolvedConditions:
 class ConfigurationModel:
     """One configuration's geometry, and the conditions it was measured in."""
 
-    def __init__(self, look: DataVector, rest: Field) -> None:
-        self.look, self.sheet, self.rest = look, look.sheet, rest
-        self.length = look.sheet.free_length_m
-        self._elements = elements = SheetElements(look.sheet, rest)
+    def __init__(self, data_vector: DataVector, rest: Field) -> None:
+        self.data_vector, self.sheet, self.rest = data_vector, data_vector.sheet, rest
+        self.length = data_vector.sheet.free_length_m
+        self._elements = elements = SheetElements(data_vector.sheet, rest)
         self.count, self.s_m, self.weights = elements.count, elements.s_m, elements.weights
         self.at_rest = elements.at_rest  # k0 at the nodes
-        self.modes = MODES_LONG if is_long(look.sheet) else MODES_SHORT
-        seen = look.seen
+        self.modes = MODES_LONG if is_long(data_vector.sheet) else MODES_SHORT
+        seen = data_vector.seen
         self.clock = AcquisitionTimes.joined([o.clock for o in seen if len(o.force_N)])
         self.reading_of = np.array(
             [k for k, o in enumerate(seen) for _ in o.force_N], dtype=np.int64
@@ -89,7 +89,7 @@ class ConfigurationModel:
         self.has_curve, self.points, self.project = curves.given, curves.points, curves.project
         self.curve_s, self.curve_x, self.curve_y = curves.s_m, curves.x_m, curves.y_m
         self._grid_s = np.broadcast_to(self.s_m, (self.K, self.count))
-        self._contacts = ContactSearch(look, elements)
+        self._contacts = ContactSearch(data_vector, elements)
         self._found: list[tuple[Index, Equilibria]] = []  # of the last solution
 
     def measured(self, k: int) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -25,12 +25,12 @@ RISE = ((0.0, LATE), (0.0, LONGER), STRAIGHT)
 
 def rise_columns(forward: ForwardModel, c: int, state: ModelState) -> FloatArray:
     """Rows of one configuration by each of `RISE`, (N, 3)."""
-    part, none = forward.part(c), forward.no_step(c)
-    rise = max(forward.scenes[c].sheet.rise_time_s, 1e-3)
+    block, none = forward.row_block(c), forward.no_step(c)
+    rise = max(forward.configuration_models[c].sheet.rise_time_s, 1e-3)
     # against the sampling point, at which the EIBM is what it is said to be
-    there, sample = (_changes(k, rise, part.edge_s) for k in (part.bin_clock, part.bin_sample))
+    there, sample = (_changes(k, rise, block.edge_s) for k in (block.bin_clock, block.bin_sample))
     rows = [
-        forward.rows_of(c, state, replace(none, bin_eibm=-part.bin_mean(one - other)))
+        forward.rows_of(c, state, replace(none, bin_eibm=-block.bin_mean(one - other)))
         for one, other in zip(there, sample, strict=True)
     ]
     return np.stack(rows, axis=1)

@@ -43,7 +43,8 @@ def whole_step(
     (here,) = acting_in((one,), forward.names[c])
     full = applied(without, state.solved.contact, [here])
     step = replace(
-        forward.no_step(c), beam=forward.scenes[c].change(without, full, state.solved.contact)
+        forward.no_step(c),
+        beam=forward.configuration_models[c].change(without, full, state.solved.contact),
     )
     return forward.outer_step(c, state, here, step)
 
@@ -69,7 +70,7 @@ def effect_columns(
     places = {name: c for c, name in enumerate(forward.names)}
     bent = [state.base for state in linear.states]
     for parameter, names in one.parameters():
-        column = np.zeros(forward.layout.size)
+        column = np.zeros(forward.row_index.size)
         for name in names:
             column += _by_parameter(
                 forward, places[name], linear, bent[places[name]], one, active, parameter
@@ -81,8 +82,9 @@ def effect_columns(
         away.append(away_from_usual)
     extra, more, off = _form_columns(forward, linear, one, active)
     return (
-        np.concatenate([np.zeros((forward.layout.size, 0)), *(c[:, None] for c in columns), extra],
-                       axis=1),
+        np.concatenate(
+            [np.zeros((forward.row_index.size, 0)), *(c[:, None] for c in columns), extra], axis=1
+        ),
         np.array([*precision, *more]), np.array([*away, *off]),
     )  # fmt: skip
 
@@ -95,7 +97,7 @@ def _form_columns(
     Ways in which the form is inferred to differ come first, and then those that no model has.
     """
     if one.given is not None and not one.ways:
-        return np.zeros((forward.layout.size, 0)), np.zeros(0), np.zeros(0)
+        return np.zeros((forward.row_index.size, 0)), np.zeros(0), np.zeros(0)
     steps = _steps(forward, linear, one, active)
     whole, ways = _deviating(forward, linear, one, steps)
     if not one.ways:
@@ -135,7 +137,7 @@ def _deviating(
 
 
 def _stacked(forward: ForwardModel, rows: list[FloatArray]) -> FloatArray:
-    return np.stack(rows, axis=1) if rows else np.zeros((forward.layout.size, 0))
+    return np.stack(rows, axis=1) if rows else np.zeros((forward.row_index.size, 0))
 
 
 def _by_way(
@@ -147,7 +149,7 @@ def _by_way(
     more = replace(way, size=way.size + WAY_STEP)
     turned = replace(one, ways=(*one.ways[:index], more, *one.ways[index + 1 :]))
     steps = _steps(forward, linear, turned, active)
-    total = np.zeros(forward.layout.size)
+    total = np.zeros(forward.row_index.size)
     for c, (step, before) in enumerate(zip(steps, whole, strict=True)):
         total += forward.rows_of(c, linear.states[c], step) - before
     return total / WAY_STEP
@@ -193,7 +195,9 @@ def _by_parameter(
         outer = forward.outer_step(c, state, here, forward.no_step(c))
         both.append((beam, outer))
     (low, outer_low), (high, outer_high) = both
-    step = replace(outer_high, beam=forward.scenes[c].change(low, high, state.solved.contact))
+    step = replace(
+        outer_high, beam=forward.configuration_models[c].change(low, high, state.solved.contact)
+    )
     rows = forward.rows_of(c, state, step) - forward.rows_of(
         c, state, replace(outer_low, beam=0.0 * outer_low.beam)
     )

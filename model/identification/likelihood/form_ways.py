@@ -54,39 +54,45 @@ def deviations(
     effect: Effect, forward: ForwardModel, c: int, step: Perturbation, contact: ContactSolution
 ) -> Ways:
     """Yield the perturbations by which the form may differ, each with its standard deviation."""
-    scene = forward.scenes[c]
+    configuration_model = forward.configuration_models[c]
     for along in effect.form_error_along:
         if along == "s":
             waves = waves_along(effect.waves)
-            u, most = scene.s_m / scene.length, scene.length
+            u, most = (
+                configuration_model.s_m / configuration_model.length,
+                configuration_model.length,
+            )
             yield from _along_sheet(forward, c, step, u, waves, _Span("s", 0.0, most))
         elif along == "curvature":
-            bent = np.abs(contact.curvature - scene.rest(scene.s_m))
+            bent = np.abs(contact.curvature - configuration_model.rest(configuration_model.s_m))
             most = max(float(np.max(bent)), 1e-9)
             span = _Span("curvature", 0.0, most)
             yield from _along_sheet(forward, c, step, bent / most, WAVES, span)
         elif along == "position":
-            u, span = unit(scene.stated_m), _Span("position", *_ends(scene.stated_m))
+            u, span = (
+                unit(configuration_model.stated_m),
+                _Span("position", *_ends(configuration_model.stated_m)),
+            )
             for j, share in WAVES:
                 yield Way(_weighed(forward, c, step, cosine(j, u)), FORM * share, span.wave(j))
         elif along == "voltage":
-            driven = np.sign(scene.voltage_V)
+            driven = np.sign(configuration_model.voltage_V)
             at_zero = any(np.any(step_of[driven == 0.0]) for step_of in (step.beam, step.points_m))
             at_zero = at_zero or bool(
-                np.any(step.force_N[driven[forward.part(c).reading_of] == 0.0])
+                np.any(step.force_N[driven[forward.row_block(c).reading_of] == 0.0])
             )
             for wave in (driven, np.where(driven == 0.0, -1.0, 0.5)):
-                terms = partial(_at_voltages, scene.voltage_V, wave, at_zero=at_zero)
+                terms = partial(_at_voltages, configuration_model.voltage_V, wave, at_zero=at_zero)
                 yield Way(_weighed(forward, c, step, wave), SIGN, terms)
         elif along in _SLOW:
             yield from _in_time(forward, c, step, along)
         elif along in _OF_RUNS:
             yield from _OF_RUNS[along](forward, c, step)
         elif along == "place":
-            most = np.maximum(scene.curve_s.max(axis=1, keepdims=True), 1e-12)
+            most = np.maximum(configuration_model.curve_s.max(axis=1, keepdims=True), 1e-12)
             span = _Span("s", 0.0, float(np.max(most)))
             for j, share in WAVES:
-                points = step.points_m * cosine(j, scene.curve_s / most)
+                points = step.points_m * cosine(j, configuration_model.curve_s / most)
                 way = replace(forward.no_step(c), points_m=points)
                 yield Way(way, FORM * share, span.wave(j))
 
@@ -157,17 +163,17 @@ def _ends(values: FloatArray) -> tuple[float, float]:
 
 def _from_run_to_run(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
     """Yield differences between runs, such as the distance of frames from edges."""
-    own = [one.run for one in forward.looks[c].seen]
-    for run in forward.layout.runs:
+    own = [one.run for one in forward.data_vectors[c].seen]
+    for run in forward.row_index.runs:
         factor = np.array([float(each == run) for each in own])
         yield Way(_weighed(forward, c, step, factor), RUN)
 
 
 def _held_at_zero(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
     """Yield factors at 0 V, after each side of approach: what held the sheet there is not known."""
-    scene = forward.scenes[c]
+    configuration_model = forward.configuration_models[c]
     for way in (1.0, -1.0):
-        here = (scene.voltage_V == 0.0) & (scene.up == way)
+        here = (configuration_model.voltage_V == 0.0) & (configuration_model.up == way)
         yield Way(_weighed(forward, c, step, here.astype(float)), HELD)
 
 
@@ -175,7 +181,7 @@ def _at_each_polarity(forward: ForwardModel, c: int, step: Perturbation) -> Ways
     """Yield a factor from one polarity to the other that the next sheet has the other way round."""
     if len(forward.names) < 2:
         return
-    volts = forward.scenes[c].voltage_V
+    volts = forward.configuration_models[c].voltage_V
     wave = (1.0 if c == 0 else -1.0) * np.sign(volts)
     terms = partial(_at_voltages, volts, wave, at_zero=False)
     yield Way(_weighed(forward, c, step, wave), SIGN, terms)
@@ -202,7 +208,7 @@ def _along_sheet(
     span: _Span,
 ) -> Ways:
     """Yield changes of curvature and compliance times waves of u in 0 .. 1, (G,) or (K, G)."""
-    G = forward.scenes[c].count
+    G = forward.configuration_models[c].count
     for j, share in waves:
         beam = np.zeros_like(step.beam)
         beam[:, :G] = step.beam[:, :G] * cosine(j, u)
@@ -212,7 +218,7 @@ def _along_sheet(
 
 def _in_pulses(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
     """Yield factors within a pulse."""
-    for j, (wave, bins) in zip(PULSE_WAVES, _pulse_waves(forward.part(c)), strict=True):
+    for j, (wave, bins) in zip(PULSE_WAVES, _pulse_waves(forward.row_block(c)), strict=True):
         way = replace(
             forward.no_step(c), eibm=step.eibm * wave, stiffness=step.stiffness * wave,
             force_N=step.force_N * wave, bin_eibm=step.bin_eibm * bins,
@@ -221,15 +227,15 @@ def _in_pulses(forward: ForwardModel, c: int, step: Perturbation) -> Ways:
         yield Way(way, 0.6 * FORM / j, _Span("pulse", 0.0, PULSE_S, "voltage").wave(j))
 
 
-def _pulse_waves(part: RowBlock) -> list[tuple[FloatArray, FloatArray]]:
+def _pulse_waves(block: RowBlock) -> list[tuple[FloatArray, FloatArray]]:
     """Return waves over a pulse at readings, 0 where there is no voltage, and in parts of it."""
-    kept = part.bin_clock.worked_out  # that is of one part only
+    kept = block.bin_clock.worked_out  # that is of one part only
     if "pulse waves" not in kept:
-        driven = part.clock.voltage_V != 0.0
+        driven = block.clock.voltage_V != 0.0
         kept["pulse waves"] = [
             (
-                cosine(j, part.clock.pulse_s / PULSE_S) * driven,
-                part.bin_mean(cosine(j, part.bin_clock.pulse_s / PULSE_S)),
+                cosine(j, block.clock.pulse_s / PULSE_S) * driven,
+                block.bin_mean(cosine(j, block.bin_clock.pulse_s / PULSE_S)),
             )
             for j in PULSE_WAVES
         ]
@@ -237,12 +243,12 @@ def _pulse_waves(part: RowBlock) -> list[tuple[FloatArray, FloatArray]]:
     return waves
 
 
-def _slow_waves(part: RowBlock, times: str) -> list[FloatArray]:
+def _slow_waves(block: RowBlock, times: str) -> list[FloatArray]:
     """Return waves at readings over some of their times; none where all of these are equal."""
-    kept = part.clock.worked_out
+    kept = block.clock.worked_out
     key = ("slow waves", times)
     if key not in kept:
-        t = unit(getattr(part.clock, times))
+        t = unit(getattr(block.clock, times))
         kept[key] = [] if np.ptp(t) == 0.0 else [cosine(j, t) for j in SLOW_WAVES]
     waves: list[FloatArray] = kept[key]
     return waves
@@ -252,17 +258,17 @@ def _in_time(forward: ForwardModel, c: int, step: Perturbation, along: Along) ->
     """Yield changes within a pulse; over run or session something is added: drifts cross zero."""
     if along == "time":
         yield from _in_pulses(forward, c, step)
-    part = forward.part(c)
-    driven = part.clock.voltage_V != 0.0
-    if not len(part.clock.pulse_s):  # shapes alone: none of them is dated
+    block = forward.row_block(c)
+    driven = block.clock.voltage_V != 0.0
+    if not len(block.clock.pulse_s):  # shapes alone: none of them is dated
         return
     size = [0.5 * float(np.ptp(v)) for v in (step.eibm, step.stiffness, step.force_N)]
     if not (any(size) or np.any(step.force_N)):
         return
     for over, times in _SLOW[along]:
         force = step.force_N if over == "run" else size[2]
-        span = _Span(over, *_ends(getattr(part.clock, times)))
-        for j, wave in zip(SLOW_WAVES, _slow_waves(part, times), strict=False):
+        span = _Span(over, *_ends(getattr(block.clock, times)))
+        for j, wave in zip(SLOW_WAVES, _slow_waves(block, times), strict=False):
             way = replace(
                 forward.no_step(c), eibm=size[0] * wave * driven, stiffness=size[1] * wave,
                 force_N=force * wave,
@@ -290,8 +296,8 @@ def cosine(j: int, t: FloatArray) -> FloatArray:
 
 def _weighed(forward: ForwardModel, c: int, step: Perturbation, wave: FloatArray) -> Perturbation:
     """Return a step times a factor (K,) for each condition."""
-    part = forward.part(c)
-    by_reading, by_bin, by_row = wave[part.reading_of], wave[part.bin_of], wave[:, None]
+    block = forward.row_block(c)
+    by_reading, by_bin, by_row = wave[block.reading_of], wave[block.bin_of], wave[:, None]
     factors = {
         "beam": by_row, "eibm": by_reading, "stiffness": by_reading, "force_N": by_reading,
         "bin_eibm": by_bin, "bin_stiffness": by_bin, "points_m": by_row, "frame_eibm": by_reading,

@@ -70,8 +70,10 @@ def weighted_squares(forward: ForwardModel, residual: FloatArray) -> float:
 
 def _weights(forward: ForwardModel) -> FloatArray:
     """Return weights (N,), zero except for mean forces and curves."""
-    weights = np.zeros(forward.layout.size)
-    for part, scene in zip(forward.layout.parts, forward.scenes, strict=True):
-        weights[part.trend_rows[part.is_mean]] = 1.0 / FORCE_SIGMA_N
-        weights[part.mode_rows[scene.has_curve]] = 1.0 / MODE_SIGMA_M
+    weights = np.zeros(forward.row_index.size)
+    for block, configuration_model in zip(
+        forward.row_index.blocks, forward.configuration_models, strict=True
+    ):
+        weights[block.trend_rows[block.is_mean]] = 1.0 / FORCE_SIGMA_N
+        weights[block.mode_rows[configuration_model.has_curve]] = 1.0 / MODE_SIGMA_M
     return weights

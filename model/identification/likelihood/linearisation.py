@@ -87,13 +87,13 @@ class FurtherColumns:
         """Return columns of what differs from set-up to set-up with what they change beyond."""
         found = {name: list(columns) for name, columns in scatter.items()}
         turns = dict.fromkeys(EACH, 0)
-        for c, part in enumerate(forward.layout.parts):
+        for c, block in enumerate(forward.row_index.blocks):
             if c in self.eibm:
                 found["eibm"][c] = found["eibm"][c] + self.eibm[c]
                 found["stiffness"][c] = found["stiffness"][c] + self.stiffness[c]
             for k, name in own_eibm(forward, c):
                 if c in self.eibm:
-                    own = np.where(part.of_condition(k, forward.layout.size), self.eibm[c], 0.0)
+                    own = np.where(block.of_condition(k, forward.row_index.size), self.eibm[c], 0.0)
                     found[name][turns[name]] = found[name][turns[name]] + own
                 turns[name] += 1
         return found
@@ -111,18 +111,22 @@ class Bases:
 
     def beam(self, forward: ForwardModel, c: int, theta: FloatArray) -> BeamProblem:
         """Return the beam problem of the base model of a configuration."""
-        one, scene = self.parts[c], forward.scenes[c]
-        rest = sum((theta[i] * row for i, row in one.rest.items()), np.zeros(scene.count))
+        one, configuration_model = self.parts[c], forward.configuration_models[c]
+        rest = sum(
+            (theta[i] * row for i, row in one.rest.items()), np.zeros(configuration_model.count)
+        )
         count = len(one.forms)
         eibm = {v: sign * theta[i : i + count] @ one.forms for v, (i, sign) in one.eibm.items()}
-        return scene.beam(float(np.exp(theta[one.stiffness])), eibm, np.asarray(rest))
+        return configuration_model.beam(float(np.exp(theta[one.stiffness])), eibm, np.asarray(rest))
 
 
 def base_steps(
     forward: ForwardModel, bases: Bases, c: int, state: ModelState, base: BeamProblem
 ) -> dict[int, Perturbation]:
     """Return the derivatives by the base parameters of a configuration."""
-    one, scene, G = bases.parts[c], forward.scenes[c], forward.scenes[c].count
+    one = bases.parts[c]
+    configuration_model = forward.configuration_models[c]
+    G = configuration_model.count
     result = {}
     none = forward.no_step(c)
     by = np.zeros_like(none.beam)
@@ -131,7 +135,7 @@ def base_steps(
     by[:, -2] = 1.0 if state.mounting is None else 1.0 / (1.0 + state.mounting.stiffness)
     result[one.stiffness] = replace(none, beam=by)
     for voltage, (first, sign) in one.eibm.items():
-        own = scene.voltage_V == voltage
+        own = configuration_model.voltage_V == voltage
         shaped = sign * _form(state.beam.eibm[own], base.eibm[own]) * state.beam.soft[own]
         for i, form in enumerate(one.forms, first):
             by = np.zeros_like(none.beam)
@@ -172,8 +176,8 @@ def sensitivities(
     mounted: Sequence[Mounting] = (),
 ) -> tuple[tuple[ModelState, ...], FloatArray, FloatArray]:
     """Return states, residuals (N,) and their derivatives (N, p) by the base parameters."""
-    states, residual = list[ModelState](), np.zeros(forward.layout.size)
-    columns = np.zeros((forward.layout.size, bases.size))
+    states, residual = list[ModelState](), np.zeros(forward.row_index.size)
+    columns = np.zeros((forward.row_index.size, bases.size))
     for c in range(len(forward.names)):
         base = bases.beam(forward, c, theta)
         base = mounted[c].applied(base) if mounted else base
@@ -213,8 +217,8 @@ def linearise(
     if bases.further is not None:
         beyond = bases.further.scattered(forward, scatter)
         groups = groups_of(forward, noise.random_effects, beyond, noise.constant)
-    pad, (mean, width) = forward.layout.pad, priors_of(bases)
-    empty = pad(np.ones(forward.layout.size)) == 0.0
+    pad, (mean, width) = forward.row_index.pad, priors_of(bases)
+    empty = pad(np.ones(forward.row_index.size)) == 0.0
     y = pad(residual)
     if added:
         y = y + restored(solved, added)
@@ -241,7 +245,7 @@ def with_columns(
 ) -> Linearisation:  # fmt: skip
     """More columns (N, q) with Gaussian priors."""
     q = extra.shape[1]
-    X = np.concatenate([linear.data.X, forward.layout.pad(extra)], axis=2)
+    X = np.concatenate([linear.data.X, forward.row_index.pad(extra)], axis=2)
     data = replace(
         linear.data, X=X,
         precision=np.concatenate([linear.data.precision, np.broadcast_to(precision, q)]),

@@ -69,17 +69,19 @@ WIDE = NoisePriors(
 
 def scatter_columns(forward: ForwardModel, c: int, state: ModelState) -> Columns:
     """Rows of one configuration by what differs from set-up to set-up, each shared by a run."""
-    none, part, scene = forward.no_step(c), forward.part(c), forward.scenes[c]
+    none = forward.no_step(c)
+    block = forward.row_block(c)
+    configuration_model = forward.configuration_models[c]
     steps = {name: [step] for name, step in _setup_steps(forward, c, state).items()}
     steps["registration"] = [replace(none, points_m=n) for n in (state.solved.nx, state.solved.ny)]
-    rise = max(scene.sheet.rise_time_s, 1e-3)
-    late = rise_left(part.bin_clock, rise, part.edge_s) - rise_left(part.bin_clock, rise, 0.0)
-    steps["pulse_edge"] = [replace(none, bin_eibm=part.bin_mean(late))]
+    rise = max(configuration_model.sheet.rise_time_s, 1e-3)
+    late = rise_left(block.bin_clock, rise, block.edge_s) - rise_left(block.bin_clock, rise, 0.0)
+    steps["pulse_edge"] = [replace(none, bin_eibm=block.bin_mean(late))]
     steps |= {name: [] for name in EACH}
     active = _active(state)
     for k, name in own_eibm(forward, c):
         by = np.zeros_like(none.beam)
-        by[k, : scene.count] = active[k]
+        by[k, : configuration_model.count] = active[k]
         steps[name].append(replace(none, beam=by))
     rows = iter(forward.rows_of_each(c, state, [one for own in steps.values() for one in own]))
     return {name: [next(rows) for _ in own] for name, own in steps.items()}
@@ -87,9 +89,9 @@ def scatter_columns(forward: ForwardModel, c: int, state: ModelState) -> Columns
 
 def own_eibm(forward: ForwardModel, c: int) -> list[tuple[int, str]]:
     """Return the conditions that have an EIBM of their own, each with the name of its scatter."""
-    scene = forward.scenes[c]
-    driven = np.flatnonzero(scene.voltage_V).tolist()
-    return [(k, "eibm_free" if k in scene.free else "eibm_condition") for k in driven]
+    configuration_model = forward.configuration_models[c]
+    driven = np.flatnonzero(configuration_model.voltage_V).tolist()
+    return [(k, "eibm_free" if k in configuration_model.free else "eibm_condition") for k in driven]
 
 
 def own_slots(forward: ForwardModel) -> list[dict[int, tuple[str, int, int]]]:
@@ -99,10 +101,10 @@ def own_slots(forward: ForwardModel) -> list[dict[int, tuple[str, int, int]]]:
     """
     taken: dict[tuple[str, int], int] = {}
     result = []
-    for c, look in enumerate(forward.looks):
+    for c, data_vector in enumerate(forward.data_vectors):
         slots = {}
         for k, name in own_eibm(forward, c):
-            run = forward.layout.runs.index(look.seen[k].run)
+            run = forward.row_index.runs.index(data_vector.seen[k].run)
             taken[name, run] = taken.get((name, run), -1) + 1
             slots[k] = (name, run, taken[name, run])
         result.append(slots)
@@ -112,8 +114,8 @@ def own_slots(forward: ForwardModel) -> list[dict[int, tuple[str, int, int]]]:
 def mountings(forward: ForwardModel, added: Added) -> list[Mounting]:
     """Return what set-ups added, as the conditions of each configuration have it."""
     result = []
-    for look, slots in zip(forward.looks, own_slots(forward), strict=True):
-        runs = [forward.layout.runs.index(one.run) for one in look.seen]
+    for data_vector, slots in zip(forward.data_vectors, own_slots(forward), strict=True):
+        runs = [forward.row_index.runs.index(one.run) for one in data_vector.seen]
         shared = {
             name: added[name][runs, 0] for name in IN_THE_BEAM if name not in EACH
         }  # fmt: skip
@@ -143,23 +145,25 @@ def _active(state: ModelState) -> FloatArray:
 
 def _setup_steps(forward: ForwardModel, c: int, state: ModelState) -> dict[str, Perturbation]:
     """One unit of B, EIBM (relative), position (m), tilt (rad) and the cell's zero (N)."""
-    scene, none = forward.scenes[c], forward.no_step(c)
-    G = scene.count
+    configuration_model, none = forward.configuration_models[c], forward.no_step(c)
+    G = configuration_model.count
 
     def beam(column: int | slice, value: FloatArray | float) -> FloatArray:
         by = np.zeros_like(none.beam)
         by[:, column] = value
         return by
 
-    stiff = np.ones(scene.K) if state.mounting is None else 1.0 + state.mounting.stiffness
+    stiff = (
+        np.ones(configuration_model.K) if state.mounting is None else 1.0 + state.mounting.stiffness
+    )
     bent = state.beam.eibm * state.beam.soft / stiff[:, None]
     on_arc = beam(2 * G + 1, 1.0) + beam(2 * G + 3, 1.0)
     return {
         "stiffness": replace(none, beam=beam(slice(0, G), -bent) + beam(-2, 1.0 / stiff)),
         "eibm": replace(none, beam=beam(slice(0, G), _active(state))),
-        "position": replace(none, beam=on_arc / scene.sheet.arc_radius_m),
+        "position": replace(none, beam=on_arc / configuration_model.sheet.arc_radius_m),
         "clamp_tilt": replace(none, beam=beam(-1, 1.0) - on_arc),
-        "force_zero": replace(none, force_N=np.ones(len(forward.part(c).reading_of))),
+        "force_zero": replace(none, force_N=np.ones(len(forward.row_block(c).reading_of))),
     }
 
 
@@ -198,28 +202,28 @@ def groups_of(
 def _one_each(forward: ForwardModel, name: str, columns: list[FloatArray]) -> FloatArray:
     """Columns (N,) of the conditions that have an EIBM of their own, packed as (R, n, q)."""
     slots = [slot for own in own_slots(forward) for slot in own.values() if slot[0] == name]
-    flat = np.zeros((forward.layout.size, 1 + max([0, *(place for _, _, place in slots)])))
+    flat = np.zeros((forward.row_index.size, 1 + max([0, *(place for _, _, place in slots)])))
     for (_, _, place), column in zip(slots, columns, strict=True):
         flat[:, place] += column
-    return forward.layout.pad(flat)
+    return forward.row_index.pad(flat)
 
 
 def _wander(forward: ForwardModel, name: str) -> list[FloatArray]:
     """Return columns (N,) of a factor of the covariance of the load cell's wander in a run."""
     columns = []
-    for part in forward.layout.parts:
-        clock = part.clock.run_s
-        run = forward.layout.run_of[part.trend_rows]
+    for block in forward.row_index.blocks:
+        clock = block.clock.run_s
+        run = forward.row_index.run_of[block.trend_rows]
         for r in np.unique(run):
-            rows = part.trend_rows[run == r]
-            T = part.trend[run == r]
+            rows = block.trend_rows[run == r]
+            T = block.trend[run == r]
             use = np.flatnonzero(np.any(T != 0.0, axis=0))
             apart = np.abs(clock[use][:, None] - clock[use])
             kernel = np.exp(-apart / WANDER_S[name])
             V = T[:, use] @ kernel @ T[:, use].T
             values, vectors = np.linalg.eigh(V)
             for j in np.flatnonzero(values > 1e-6 * max(values[-1], 1e-300)):
-                column = np.zeros(forward.layout.size)
+                column = np.zeros(forward.row_index.size)
                 column[rows] = vectors[:, j] * np.sqrt(values[j])
                 columns.append(column)
     return columns
@@ -228,22 +232,22 @@ def _wander(forward: ForwardModel, name: str) -> list[FloatArray]:
 def _pulse_levels(forward: ForwardModel) -> list[FloatArray]:
     """All parts of a pulse share the error of the sampling point's force."""
     columns = []
-    for part in forward.layout.parts:
-        for p in np.unique(part.bin_set):
-            column = np.zeros(forward.layout.size)
-            column[part.bin_rows[part.bin_set == p]] = 1.0
+    for block in forward.row_index.blocks:
+        for p in np.unique(block.bin_set):
+            column = np.zeros(forward.row_index.size)
+            column[block.bin_rows[block.bin_set == p]] = 1.0
             columns.append(column)
     return columns
 
 
 def by_run(forward: ForwardModel, columns: list[FloatArray]) -> FloatArray:
     """Columns (N,) that touch one run each, or all: packed as (R, n, q)."""
-    layout = forward.layout
-    taken = np.zeros(len(layout.runs), dtype=np.int64)  # of the columns of each run
-    flat = np.zeros((layout.size, max(1, len(columns))))
+    row_index = forward.row_index
+    taken = np.zeros(len(row_index.runs), dtype=np.int64)  # of the columns of each run
+    flat = np.zeros((row_index.size, max(1, len(columns))))
     for column in columns:
         rows = np.flatnonzero(column)
-        runs = layout.run_of[rows]
+        runs = row_index.run_of[rows]
         flat[rows, taken[runs]] = column[rows]
         taken[np.unique(runs)] += 1
-    return layout.pad(flat[:, : max(1, int(np.max(taken)))])
+    return row_index.pad(flat[:, : max(1, int(np.max(taken)))])

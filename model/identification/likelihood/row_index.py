@@ -116,11 +116,18 @@ class RowBlock:
 class RowIndex:
     """Rows of all configurations, run by run."""
 
-    def __init__(self, looks: list[DataVector], scenes: list[ConfigurationModel]) -> None:
+    def __init__(
+        self, data_vectors: list[DataVector], configuration_models: list[ConfigurationModel]
+    ) -> None:
         self.runs: list[RunKey] = []
         self._run_of: list[int] = []
         self.size = 0
-        self.parts = [self._part(look, scene) for look, scene in zip(looks, scenes, strict=True)]
+        self.blocks = [
+            self._block(data_vector, configuration_model)
+            for data_vector, configuration_model in zip(
+                data_vectors, configuration_models, strict=True
+            )
+        ]
         self.run_of = np.array(self._run_of, dtype=np.int64)
         self.row_of = np.zeros(self.size, dtype=np.int64)
         counts = np.zeros(len(self.runs), dtype=np.int64)
@@ -142,46 +149,49 @@ class RowIndex:
         self.size += count
         return np.arange(self.size - count, self.size)
 
-    def _part(self, look: DataVector, scene: ConfigurationModel) -> RowBlock:
-        seen = look.seen
+    def _block(self, data_vector: DataVector, configuration_model: ConfigurationModel) -> RowBlock:
+        seen = data_vector.seen
         n = sum(len(o.force_N) for o in seen)
         trend, sway = _Rows(n), _Rows(n)
         is_mean, is_early = list[bool](), list[bool]()
-        modes = np.full((len(seen), scene.modes), -1)
+        modes = np.full((len(seen), configuration_model.modes), -1)
         start = 0
         for k, o in enumerate(seen):
             own = slice(start, start + len(o.force_N))
             start = own.stop
-            T = trends(o.kept_clock, look.trends) if len(o.force_N) else np.zeros((0, 0))
+            T = trends(o.kept_clock, data_vector.trends) if len(o.force_N) else np.zeros((0, 0))
             early = _firsts(o)
             trend.add(_spread(T, o.counts), own, self._new(o.run, len(T)), k)
             trend.add(early, own, self._new(o.run, len(early)), k)
             is_mean += [j == 0 for j in range(len(T) + len(early))]
             is_early += [j >= len(T) for j in range(len(T) + len(early))]
             if o.curve is not None:
-                modes[k] = self._new(o.run, scene.modes)
+                modes[k] = self._new(o.run, configuration_model.modes)
             if o.own_curves and o.voltage_V != 0.0:
                 slopes = _spread(T[1 : 1 + MOST_SWAYS], o.counts)
                 if len(o.own_curves) == len(o.counts):
                     slopes = np.concatenate([slopes, early])
                 sway.add(slopes, own, self._new(o.run, len(slopes)), k)
-        bins = [self._new(p.run, len(p.force_N)) for p in look.pulses]
-        reading_of, clock = scene.reading_of, scene.clock
-        bin_clock, bin_sample, bin_at = _moments(seen, look.pulses)
+        bins = [self._new(p.run, len(p.force_N)) for p in data_vector.pulses]
+        reading_of, clock = configuration_model.reading_of, configuration_model.clock
+        bin_clock, bin_sample, bin_at = _moments(seen, data_vector.pulses)
         return RowBlock(
             reading_of=reading_of, clock=clock,
             measured_N=np.concatenate([o.force_N for o in seen]),
-            in_time=_in_time(clock, reading_of, look), share=scene.share, trend=trend.stacked(),
+            in_time=_in_time(clock, reading_of, data_vector), share=configuration_model.share,
+            trend=trend.stacked(),
             trend_rows=_ints(trend.rows), trend_of=_ints(trend.of),
             is_mean=np.array(is_mean, dtype=bool), is_early=np.array(is_early, dtype=bool),
             mode_rows=modes, sway=sway.stacked(), sway_rows=_ints(sway.rows),
             sway_of=_ints(sway.of), bin_clock=bin_clock, bin_sample=bin_sample, bin_at=bin_at,
-            bin_of=_ints([p.condition for p in look.pulses for _ in p.force_N]),
+            bin_of=_ints([p.condition for p in data_vector.pulses for _ in p.force_N]),
             bin_rows=np.concatenate([_ints([]), *bins]),
-            bin_set=_ints([i for i, p in enumerate(look.pulses) for _ in p.force_N]),
-            bin_N=np.concatenate([np.zeros(0), *(p.force_N for p in look.pulses)]),
-            bin_variance=np.concatenate([np.zeros(0), *(p.variance_N2 for p in look.pulses)]),
-            edge_s=max([0.0, *(p.edge_s for p in look.pulses)]),
+            bin_set=_ints([i for i, p in enumerate(data_vector.pulses) for _ in p.force_N]),
+            bin_N=np.concatenate([np.zeros(0), *(p.force_N for p in data_vector.pulses)]),
+            bin_variance=np.concatenate(
+                [np.zeros(0), *(p.variance_N2 for p in data_vector.pulses)]
+            ),
+            edge_s=max([0.0, *(p.edge_s for p in data_vector.pulses)]),
         )  # fmt: skip
 
 
@@ -254,10 +264,10 @@ def _in_pulse(sample: AcquisitionTimes, at_s: FloatArray) -> AcquisitionTimes:
     )  # fmt: skip
 
 
-def _in_time(clock: AcquisitionTimes, of: Index, look: DataVector) -> Index:
-    keys = list(dict.fromkeys(o.run for o in look.seen))
-    run = np.array([keys.index(look.seen[int(k)].run) for k in of])
-    day = np.array([look.seen[int(k)].session for k in of])
+def _in_time(clock: AcquisitionTimes, of: Index, data_vector: DataVector) -> Index:
+    keys = list(dict.fromkeys(o.run for o in data_vector.seen))
+    run = np.array([keys.index(data_vector.seen[int(k)].run) for k in of])
+    day = np.array([data_vector.seen[int(k)].session for k in of])
     return np.lexsort((clock.run_s, run, np.round(clock.session, 12), day))
 
 

@@ -21,7 +21,11 @@ WAYS_FROM_ONE = ((5, 4, 3, 2, 1, 0), (7,))
 
 
 def beyond_first_order(
-    scene: ConfigurationModel, part: RowBlock, state: ModelState, inner: Sequence[Acting], size: int
+    configuration_model: ConfigurationModel,
+    block: RowBlock,
+    state: ModelState,
+    inner: Sequence[Acting],
+    size: int,
 ) -> FloatArray:
     """Return the difference (N,) from the first-order rows, which are linear in EIBM and stiffness.
 
@@ -31,11 +35,11 @@ def beyond_first_order(
     y = np.zeros(size)
     if state.response is None:
         return y
-    of, (eibm, stiffness) = part.reading_of, in_means(scene, inner)
-    driven = part.clock.voltage_V != 0.0
+    of, (eibm, stiffness) = block.reading_of, in_means(configuration_model, inner)
+    driven = block.clock.voltage_V != 0.0
     a, b = np.ones(len(of)), np.ones(len(of))
     for one in inner:
-        found = course(one, part.clock)
+        found = course(one, block.clock)
         if found is not None:
             a, b = a + found[0], b + found[1]
     there = _Course.of(a, b, eibm[of] * driven, stiffness[of])
@@ -44,33 +48,35 @@ def beyond_first_order(
     first = first + (force - state.by_eibm)[of] * there.stiffness
     powers = _powers(state.response)
     exact = there.force(powers[:, of])
-    y[part.trend_rows] = part.trend @ np.nan_to_num(exact - first)
+    y[block.trend_rows] = block.trend @ np.nan_to_num(exact - first)
     bent = np.where(driven, there.ratio - 1.0 - there.eibm + there.stiffness, 0.0)
-    y[part.sway_rows] = part.sway @ (bent * state.reach_m[of])
-    mean = part.mean(bent)
-    y[part.mode_rows[scene.has_curve]] = (state.modes_by_eibm * mean[:, None])[scene.has_curve]
-    y[part.bin_rows] = _in_pulses(scene, part, state, inner, powers)
+    y[block.sway_rows] = block.sway @ (bent * state.reach_m[of])
+    mean = block.mean(bent)
+    y[block.mode_rows[configuration_model.has_curve]] = (state.modes_by_eibm * mean[:, None])[
+        configuration_model.has_curve
+    ]
+    y[block.bin_rows] = _in_pulses(configuration_model, block, state, inner, powers)
     return y
 
 
 def _in_pulses(
-    scene: ConfigurationModel,
-    part: RowBlock,
+    configuration_model: ConfigurationModel,
+    block: RowBlock,
     state: ModelState,
     inner: Sequence[Acting],
     powers: FloatArray,
 ) -> FloatArray:
     """Return the same for the parts of the pulses, relative to their sampling points: (b,)."""
-    of, rise = part.bin_of, max(scene.sheet.rise_time_s, 1e-6)
-    eibm, stiffness = in_means(scene, inner)
+    of, rise = block.bin_of, max(configuration_model.sheet.rise_time_s, 1e-6)
+    eibm, stiffness = in_means(configuration_model, inner)
     force, slope = np.nan_to_num(state.solved.force_N[of]), state.by_eibm[of]
     both = []
-    at_sample = 1.0 - part.bin_mean(rise_left(part.bin_sample, rise, 0.0))
-    for number, clock in enumerate((part.bin_clock, part.bin_sample)):
-        a = (1.0 - part.bin_mean(rise_left(clock, rise, 0.0))) / at_sample
+    at_sample = 1.0 - block.bin_mean(rise_left(block.bin_sample, rise, 0.0))
+    for number, clock in enumerate((block.bin_clock, block.bin_sample)):
+        a = (1.0 - block.bin_mean(rise_left(clock, rise, 0.0))) / at_sample
         b = np.ones_like(a)
         for one in inner:
-            change = in_parts(part, one)[number]
+            change = in_parts(block, one)[number]
             a, b = a + change[0], b + change[1]
         there = _Course.of(a, b, eibm[of], stiffness[of])
         first = slope * there.eibm + (force - slope) * there.stiffness

@@ -13,6 +13,7 @@ import pytest
 from model.discrepancy import Diagnosis, diagnose
 from model.discrepancy.criticism.catalogue import verdict_checks
 from model.discrepancy.criticism.cell_noise import CellNoise, unusual_cell_noise
+from model.discrepancy.criticism.check_result import Consequence
 from model.discrepancy.search.evidence import Candidate, Score
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import ALARMING_SCATTER_RATIO
@@ -113,7 +114,7 @@ def _term() -> RankedCandidate:
         name="unknown:load_cell", values={}, columns=np.zeros((1, 1)), sizes=(1.0,)
     )
     one = Score(candidate=candidate, log_bayes=30.0, amplitude=1.0, scale=1.0, length=1.0)
-    return RankedCandidate(score=one, gain=30.0)
+    return RankedCandidate(score=one, ln_bayes_factor=30.0)
 
 
 @pytest.mark.parametrize(
@@ -138,4 +139,4 @@ def test_the_check_says_what_is_larger_and_whether_it_has_an_order(noise, said):
     assert len(failures) == len(said)
     for failure, words in zip(failures, said, strict=True):
         assert words in failure.sentence
-        assert (failure.consequence, failure.effects) == ("told", ())
+        assert (failure.consequence, failure.effects) == (Consequence.REMARK, ())

@@ -11,7 +11,7 @@ import pytest
 from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.prepare import Options, prepare
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
@@ -41,22 +41,37 @@ def decided(
 ):
     """A decision for gravity, with the judged answers to that question."""
     base = base_fit()
-    names = [scene.sheet.configuration for scene in base.problem.forward.scenes]
+    names = [
+        configuration_model.sheet.configuration
+        for configuration_model in base.problem.forward.configuration_models
+    ]
     values = {name: {"load_N_per_m": 0.01 * (i + 1)} for i, name in enumerate(names)}
     one = replace(base, found=(Found(effect=effect("gravity"), values=values),))
     choice = Choice(
-        effect=effect("gravity"), confidence=1.0, gain=50.0, of_location=1.0, before=base,
-        ranking=(),
+        effect=effect("gravity"), confidence=1.0, ln_bayes_factor=50.0, of_location=1.0,
+        before=base, ranking=(),
     )  # fmt: skip
     failures = tuple(
-        Failure(consequence="one_of", sentence="", effects=("gravity",), rivals=(name,))
+        Failure(
+            consequence=Consequence.EQUIVALENCE_CLASS,
+            sentence="",
+            effects=("gravity",),
+            rivals=(name,),
+        )
         for name in rivals
     )
     if doubted:
-        failures += (Failure(consequence="doubt", sentence="", effects=("gravity",)),)
+        failures += (
+            Failure(
+                consequence=Consequence.REJECT_UNLESS_PROBABLE, sentence="", effects=("gravity",)
+            ),
+        )
     if overlooked < 1.0:
         noticed = Failure(
-            consequence="noticed", sentence="", effects=("gravity",), overlooked=overlooked
+            consequence=Consequence.IMPROBABLE_AMPLITUDE,
+            sentence="",
+            effects=("gravity",),
+            overlooked=overlooked,
         )
         failures += (noticed,)
     return SimpleNamespace(
@@ -112,11 +127,11 @@ def test_what_people_notice_is_less_probable_and_may_be_something_unknown(report
 @pytest.mark.parametrize(
     ("consequence", "probability", "kept"),
     [
-        ("doubt", 0.95, True),
-        ("doubt", 0.7, False),
-        ("unknown", 0.99, False),
-        ("noticed", 0.7, True),
-        ("alike", 0.7, True),
+        (Consequence.REJECT_UNLESS_PROBABLE, 0.95, True),
+        (Consequence.REJECT_UNLESS_PROBABLE, 0.7, False),
+        (Consequence.REJECT, 0.99, False),
+        (Consequence.IMPROBABLE_AMPLITUDE, 0.7, True),
+        (Consequence.INDISTINGUISHABLE, 0.7, True),
     ],
 )
 def test_answers_that_are_sure_of_a_name_outweigh_a_doubt_but_no_impossible_amplitude(
@@ -149,17 +164,17 @@ def test_a_name_gives_way_to_a_likelier_one_of_its_question(monkeypatch, likelie
     fits = {"gravity": base_fit(), "clamp_angle": replace(base_fit())}
     ranking = [
         SimpleNamespace(
-            name=name, known=True, fitted=fits[name], gain=50.0, tried=(), compared=(),
+            name=name, known=True, fitted=fits[name], ln_bayes_factor=50.0, tried=(), compared=(),
             score=SimpleNamespace(candidate=SimpleNamespace(
                 effect=effect(name), location=effect(name).location)),
         )
         for name in PAIR
     ]  # fmt: skip
     one = Choice(
-        effect=effect("gravity"), confidence=0.5, gain=50.0, of_location=1.0, before=base_fit(),
-        ranking=ranking,
+        effect=effect("gravity"), confidence=0.5, ln_bayes_factor=50.0, of_location=1.0,
+        before=base_fit(), ranking=ranking,
     )  # fmt: skip
-    monkeypatch.setattr(Judgement, "_leftover", lambda _self, _: None)
+    monkeypatch.setattr(Judgement, "_residual_terms", lambda _self, _: None)
     whole = Judgement(outcome=None, effects=(), threshold=6.0, enough=True)  # type: ignore[arg-type]
     found = Decision(
         named=[one],

@@ -35,7 +35,7 @@ from model.discrepancy.thresholds import (
 )
 from model.discrepancy.verdict.posterior import (
     Choice,
-    Leftover,
+    ResidualTerms,
     choice,
     posterior,
     rest_of_another,
@@ -48,39 +48,39 @@ from model.measurements import Reading
 from tests.model.discrepancy.sessions import base_fit, fitted, means_of, session
 
 
-def contender(name: str, gain: float) -> RankedCandidate:
+def ranked(name: str, gain: float) -> RankedCandidate:
     known = effect(name) if ":" not in name else None
     candidate = Candidate(
         name=name, values={}, columns=np.zeros((1, 1)), sizes=(1.0,), effect=known, location=""
     )
     return RankedCandidate(
         score=Score(candidate=candidate, log_bayes=gain, amplitude=1.0, scale=1.0, length=1.0),
-        gain=gain,
+        ln_bayes_factor=gain,
     )
 
 
 def test_posteriors_are_of_the_catalogue_s_effects_and_add_up_to_one():
-    ranking = [contender("gravity", 20.0), contender("outlier:3", 50.0),
-               contender("unknown:time", 30.0), contender("clamp_angle", 17.0)]  # fmt: skip
+    ranking = [ranked("gravity", 20.0), ranked("outlier:3", 50.0),
+               ranked("unknown:time", 30.0), ranked("clamp_angle", 17.0)]  # fmt: skip
     found = posterior(ranking)
     assert list(found) == ["gravity", "clamp_angle"]
     assert sum(found.values()) == pytest.approx(1.0)
     assert found["gravity"] / found["clamp_angle"] == pytest.approx(
         np.exp(3.0 / EVIDENCE_TEMPERATURE)
     )
-    assert posterior([contender("unknown:time", 3.0)]) == {}
+    assert posterior([ranked("unknown:time", 3.0)]) == {}
 
 
 def test_a_free_form_cannot_be_chosen_as_a_name():
     with pytest.raises(TypeError, match="unknown:time is no effect"):
-        choice(contender("unknown:time", 3.0), [], base_fit())
+        choice(ranked("unknown:time", 3.0), [], base_fit())
 
 
 def named(name: str, gain: float, confidence: float, of_location: float) -> Choice:
     return Choice(
         effect=effect(name),
         confidence=confidence,
-        gain=gain,
+        ln_bayes_factor=gain,
         of_location=of_location,
         before=base_fit(),
         ranking=(),
@@ -106,9 +106,14 @@ def test_what_several_effects_explain_as_well_is_the_rest_of_a_stronger_one(seco
 
 @pytest.mark.parametrize(("gain", "total", "share"), [(5.0, 50.0, 0.1), (-1.0, 50.0, 0.0)])
 def test_what_is_left_is_a_share_of_all_there_was(gain, total, share):
-    first = contender("unknown:time", total)
-    assert Leftover(
-        gain=gain, total=total, location="time", first=first, last=first, apart=gain
+    first = ranked("unknown:time", total)
+    assert ResidualTerms(
+        ln_bayes_factor=gain,
+        total=total,
+        location="time",
+        first=first,
+        last=first,
+        ln_bayes_factor_beside=gain,
     ).share == pytest.approx(share)
 
 
@@ -158,11 +163,13 @@ def test_a_condition_left_out_has_no_say():
     base = base_fit()
     k = 4
     problem = without(base.problem, [k])
-    rows = base.problem.forward.part(0).trend_rows[base.problem.forward.part(0).trend_of == k]
+    rows = base.problem.forward.row_block(0).trend_rows[
+        base.problem.forward.row_block(0).trend_of == k
+    ]
     changed = np.flatnonzero(problem.noise.fixed != base.problem.noise.fixed)
     assert set(rows) < set(changed)
-    part = base.problem.forward.part(0)
-    modes = set(part.mode_rows[k])
+    block = base.problem.forward.row_block(0)
+    modes = set(block.mode_rows[k])
     assert set(changed) == set(rows) | modes
 
 
@@ -291,7 +298,7 @@ def test_an_interval_holds_the_values_of_a_shape_that_explains_as_much():
 
     best, other = fit(100.0, 0.05, 0.1), fit(100.0, 0.02, 0.3)
     alone = Choice(
-        effect=relaxing, confidence=1.0, gain=50.0, of_location=1.0,
+        effect=relaxing, confidence=1.0, ln_bayes_factor=50.0, of_location=1.0,
         tried=(best,), before=best, ranking=(),
     )  # fmt: skip
     assert with_shapes(best, [alone]) is best
@@ -310,7 +317,7 @@ def test_an_interval_holds_the_values_of_a_shape_that_explains_as_much():
 )
 def test_beside_others_the_form_itself_must_count(monkeypatch, share, worth, named):
     """Half of what a lag seems to be may be a third effect that is not in the model yet."""
-    one = SimpleNamespace(known=True, fitted=base_fit(), gain=worth, name="charging_lag")
+    one = SimpleNamespace(known=True, fitted=base_fit(), ln_bayes_factor=worth, name="charging_lag")
     before = SimpleNamespace(found=(SimpleNamespace(effect=effect("gravity")),))
     for name, value in (("form_share", share), ("evidence_beside", worth), ("supported", True)):
         monkeypatch.setattr(searching, name, lambda *_, value=value: value)
@@ -333,11 +340,11 @@ def test_names_end_where_one_nonparametric_term_stands_for_as_many_as_there_may_
     base, names = SimpleNamespace(deviance=0.0), ["gravity", "clamp_angle"]
     gains = [g for g in (first, second) if g is not None]
     turns = [
-        SelectionStep(base, [contender("unknown:camera", free), contender("gravity", first)])
+        SelectionStep(base, [ranked("unknown:camera", free), ranked("gravity", first)])
         for _ in gains
     ]
-    for turn, name, gain in zip(turns, names, gains, strict=False):
-        turn.chosen = contender(name, gain)
+    for step, name, gain in zip(turns, names, gains, strict=False):
+        step.chosen = ranked(name, gain)
     final = SimpleNamespace(deviance=-2.0 * sum(gains))
     found = searching.SearchResult(base, turns, final)
     assert searching.nonparametric_replaces_any_names(found, 3) is replaced

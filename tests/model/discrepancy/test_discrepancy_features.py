@@ -10,7 +10,7 @@ import pytest
 
 from model import Condition, Measurements, ModelError, Reading, TimeSeries
 from model.discrepancy.prepare import Options, prepare
-from model.identification.data.data_vector import look, trends
+from model.identification.data.data_vector import data_vector_of, trends
 from model.identification.data.pulses import BINS_S, parts_of_pulses
 from tests.model.discrepancy.sessions import (
     base_fit,
@@ -29,7 +29,7 @@ def forward():
 
 
 def test_a_mean_and_three_trends_stand_for_the_readings_of_a_condition():
-    seen = look(session(), "long").seen[1]
+    seen = data_vector_of(session(), "long").seen[1]
     T = trends(seen.kept_clock)
     n = len(seen.kept_N)
     assert (n, len(seen.force_N)) == (10, 11)  # the first is discarded
@@ -45,14 +45,14 @@ def test_a_mean_and_three_trends_stand_for_the_readings_of_a_condition():
 
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_few_readings_have_fewer_trends(n: int):
-    clock = look(session(), "long").seen[1].clock
+    clock = data_vector_of(session(), "long").seen[1].clock
     few = clock.of(np.arange(len(clock.voltage_V)) < n)
     assert trends(few).shape == (n, n)
 
 
 def test_readings_without_times_are_spaced_by_the_pulses():
     m = session()
-    timed, plain = (look(each, "long").seen[2].clock for each in (m, means_of(m)))
+    timed, plain = (data_vector_of(each, "long").seen[2].clock for each in (m, means_of(m)))
     np.testing.assert_allclose(plain.run_s, timed.run_s, atol=0.05)
     np.testing.assert_array_equal(plain.pulse, timed.pulse)
     assert np.ptp(plain.session) == 0.0  # when in the run's part of the session nobody knows
@@ -61,12 +61,12 @@ def test_readings_without_times_are_spaced_by_the_pulses():
 
 def test_without_times_of_the_session_runs_go_by_the_order_of_the_table():
     bare = means_of(session())
-    every = [s for name in ("long", "short") for s in look(bare, name).seen]
+    every = [s for name in ("long", "short") for s in data_vector_of(bare, name).seen]
     shares = [float(s.clock.session[0]) for s in every]
     wanted = np.repeat((np.arange(14) + 0.5) / 14.0, 3)  # seven positions of each sheet
     np.testing.assert_allclose(shares, wanted)
     turned = replace(bare, conditions=bare.conditions[::-1])
-    other = [float(s.clock.session[0]) for s in look(turned, "long").seen]
+    other = [float(s.clock.session[0]) for s in data_vector_of(turned, "long").seen]
     np.testing.assert_allclose(sorted(other), wanted[21:])  # the short sheet came first
 
 
@@ -86,13 +86,13 @@ def test_a_free_shape_counts_as_when_it_was_acquired(at_s: float):
 def _free_at(m: Measurements, held: Condition, readings: tuple[Reading, ...]) -> float:
     """Return the part of the session at which the shape, now without the load cell, counts."""
     free = replace(held, position_m=None, readings=readings)
-    every = look(replace(m, conditions=(*m.conditions, free)), "long").seen
+    every = data_vector_of(replace(m, conditions=(*m.conditions, free)), "long").seen
     (clock,) = (s.clock for s in every if s.free)
     return float(clock.session[0])
 
 
 def test_pulses_are_counted_from_the_first_that_is_driven():
-    every = {s.voltage_V: s for s in look(session(), "long").seen[:3]}
+    every = {s.voltage_V: s for s in data_vector_of(session(), "long").seen[:3]}
     clocks = {volts: seen.kept_clock for volts, seen in every.items()}
     assert np.all(clocks[0.0].pulse == -1.0)
     both = np.sort(np.concatenate([clocks[2.0].pulse, clocks[-2.0].pulse]))
@@ -111,20 +111,24 @@ def test_first_pulses_stand_for_themselves_and_are_in_no_mean():
     """Force and shape of each, less the mean of those that count."""
     m = session()
     both = [prepare(one, Options()).problem.forward for one in (m, without_first_pulses(m))]
-    for part, plain, look_ in zip(*(s.layout.parts for s in both), both[0].looks, strict=True):
-        assert (part.is_early.sum(), plain.is_early.sum()) == (14, 0)
-        numbers = part.trend @ part.measured_N
-        np.testing.assert_allclose(numbers[~part.is_early], plain.trend @ plain.measured_N)
-        wanted = [s.force_N[0] - s.kept_N.mean() for s in look_.seen if s.voltage_V != 0.0]
-        np.testing.assert_allclose(numbers[part.is_early], wanted)
-        assert len(part.sway_rows) == len(plain.sway_rows) + 14
+    for block, plain, data_vector in zip(
+        *(s.row_index.blocks for s in both), both[0].data_vectors, strict=True
+    ):
+        assert (block.is_early.sum(), plain.is_early.sum()) == (14, 0)
+        numbers = block.trend @ block.measured_N
+        np.testing.assert_allclose(numbers[~block.is_early], plain.trend @ plain.measured_N)
+        wanted = [s.force_N[0] - s.kept_N.mean() for s in data_vector.seen if s.voltage_V != 0.0]
+        np.testing.assert_allclose(numbers[block.is_early], wanted)
+        assert len(block.sway_rows) == len(plain.sway_rows) + 14
 
 
 def test_a_first_pulse_without_a_curve_leaves_those_of_the_others():
     m = session()
     c = m.conditions[1]
     bare = tuple(replace(r, curve=None) if r.kind == "discarded" else r for r in c.readings)
-    seen = look(replace(m, conditions=(m.conditions[0], replace(c, readings=bare))), "long").seen[1]
+    seen = data_vector_of(
+        replace(m, conditions=(m.conditions[0], replace(c, readings=bare))), "long"
+    ).seen[1]
     assert (len(seen.own_curves), len(seen.force_N)) == (10, 11)
 
 
@@ -141,7 +145,7 @@ def test_what_is_no_first_pulse_is_not_taken_for_one(what: str):
         c = replace(c, readings=(*others, replace(first, index=99)))
     else:
         c = replace(c, voltage_V=0.0, readings=(first, *(replace(r, kind="zero") for r in others)))
-    seen = look(replace(m, conditions=(m.conditions[0], c)), "long").seen[1]
+    seen = data_vector_of(replace(m, conditions=(m.conditions[0], c)), "long").seen[1]
     assert np.all(seen.counts)
     assert len(seen.force_N) == 10
 
@@ -150,7 +154,9 @@ def test_identical_readings_are_one_reading():
     m = session()
     c = m.conditions[1]
     same = replace(c, readings=tuple(replace(r, force_N=1e-3) for r in c.readings))
-    seen = look(replace(m, conditions=(m.conditions[0], same, *m.conditions[2:])), "long").seen[1]
+    seen = data_vector_of(
+        replace(m, conditions=(m.conditions[0], same, *m.conditions[2:])), "long"
+    ).seen[1]
     assert seen.identical
     assert seen.force_N.tolist() == [1e-3]
     assert trends(seen.clock).tolist() == [[1.0]]
@@ -161,13 +167,13 @@ def test_readings_that_are_not_valid_do_not_count():
     c = m.conditions[1]
     bad = [replace(r, valid=False, force_N=9.0) if i == 3 else r for i, r in enumerate(c.readings)]
     odd = replace(m, conditions=(replace(c, readings=tuple(bad)), *m.conditions[2:]))
-    assert np.max(look(odd, "long").seen[0].force_N) < 1.0
+    assert np.max(data_vector_of(odd, "long").seen[0].force_N) < 1.0
 
 
 def test_a_position_with_the_rig_turned_over_is_a_run_of_its_own():
     m = session()
     over = tuple(replace(c, tilt_rad=np.pi) for c in m.conditions)
-    seen = look(replace(m, conditions=(*m.conditions, *over)), "long").seen
+    seen = data_vector_of(replace(m, conditions=(*m.conditions, *over)), "long").seen
     half = len(seen) // 2
     assert [s.tilt_rad for s in seen] == [0.0] * half + [np.pi] * half
     assert not {s.run for s in seen[:half]} & {s.run for s in seen[half:]}
@@ -178,16 +184,16 @@ def test_a_position_with_the_rig_turned_over_is_a_run_of_its_own():
 @pytest.mark.slow
 def test_a_free_shape_has_a_curve_and_no_force(measure):
     made_here = measure(names=("long",), free=True)
-    every = look(made_here, "long").seen
+    every = data_vector_of(made_here, "long").seen
     seen = [s for s in every if s.free]
     assert len(seen) == 3
     assert all(s.curve is not None and len(s.force_N) == 0 for s in seen)
     first = min(s.clock.session[0] for s in every if not s.free)
     assert all(s.clock.session[0] == first for s in seen)
     one = prepare(made_here, Options()).problem.forward
-    part, scene = one.part(0), one.scenes[0]
-    assert np.all(part.mode_rows[scene.free] >= 0)
-    assert not np.isin(part.trend_of, scene.free).any()
+    block, configuration_model = one.row_block(0), one.configuration_models[0]
+    assert np.all(block.mode_rows[configuration_model.free] >= 0)
+    assert not np.isin(block.trend_of, configuration_model.free).any()
 
 
 def test_free_shapes_are_as_old_as_their_sheet_s_first_position(measure):
@@ -202,7 +208,7 @@ def test_free_shapes_are_as_old_as_their_sheet_s_first_position(measure):
     made_here = replace(made_here, conditions=tuple(later))
     last_s = max(r.session_s for c in later for r in c.used())
     for name, share in (("long", 0.0), ("short", 800.0 / (last_s - 100.0))):
-        clocks = [s.clock for s in look(made_here, name).seen if s.free]
+        clocks = [s.clock for s in data_vector_of(made_here, name).seen if s.free]
         assert [float(clock.session[0]) for clock in clocks] == pytest.approx([share] * 3)
         assert all(clock.pulse[0] > 2.0 for clock in clocks if clock.voltage_V[0])  # not the first
 
@@ -224,18 +230,19 @@ def alone(m: Measurements, values_mN: Sequence[float], **condition: object) -> M
 def test_without_contact_the_load_cell_shows_its_zero():
     m = session()
     found = alone(m, [0.01, 0.02, 0.03])
-    plain, seen = (look(one, "long").seen for one in (m, found))
+    plain, seen = (data_vector_of(one, "long").seen for one in (m, found))
     assert len(seen) == len(plain) + 1
     zero = seen[-1]
     assert zero.zero
     assert zero.free
     np.testing.assert_allclose(zero.force_N, [1e-5, 2e-5, 3e-5])
     problem = prepare(found, Options()).problem
-    part, scene = problem.forward.part(0), problem.forward.scenes[0]
+    block = problem.forward.row_block(0)
+    configuration_model = problem.forward.configuration_models[0]
     k = len(seen) - 1
-    assert k not in scene.free  # it is no shape
+    assert k not in configuration_model.free  # it is no shape
     fit = fitted(found)
-    row = part.trend_rows[(part.trend_of == k) & part.is_mean]
+    row = block.trend_rows[(block.trend_of == k) & block.is_mean]
     assert fit.linear.residual[row] == pytest.approx(2e-5)  # no force is expected
 
 
@@ -246,7 +253,9 @@ def test_without_contact_the_load_cell_shows_its_zero():
 )  # fmt: skip
 def test_what_is_no_zero_of_the_load_cell_is_left_out(values_mN, condition):
     m = session()
-    assert len(look(alone(m, values_mN, **condition), "long").seen) == len(look(m, "long").seen)
+    assert len(data_vector_of(alone(m, values_mN, **condition), "long").seen) == len(
+        data_vector_of(m, "long").seen
+    )
 
 
 def test_a_zero_taken_at_a_position_belongs_to_the_run_there():
@@ -254,7 +263,7 @@ def test_a_zero_taken_at_a_position_belongs_to_the_run_there():
     c = m.conditions[0]
     more = tuple(Reading(index=40 + i, kind="no_contact", force_N=1e-5 * i) for i in range(3))
     with_zero = replace(m, conditions=(replace(c, readings=c.readings + more), *m.conditions[1:]))
-    plain, seen = (look(one, "long").seen for one in (m, with_zero))
+    plain, seen = (data_vector_of(one, "long").seen for one in (m, with_zero))
     assert [s.zero for s in seen] == [False] * len(plain) + [True]
     assert seen[-1].run == seen[0].run
     np.testing.assert_array_equal(seen[0].force_N, plain[0].force_N)
@@ -270,7 +279,11 @@ def test_a_sheet_that_is_not_wetted_again_goes_on_drying():
         for c in m.conditions
     ))  # fmt: skip
     usual, dry = (
-        next(s for s in look(one, "long").seen if s.run[1] == second.position_m and s.voltage_V > 0)
+        next(
+            s
+            for s in data_vector_of(one, "long").seen
+            if s.run[1] == second.position_m and s.voltage_V > 0
+        )
         for one in (m, once)
     )
     np.testing.assert_allclose(usual.clock.driven_s, 0.6 * usual.clock.pulse)
@@ -280,7 +293,7 @@ def test_a_sheet_that_is_not_wetted_again_goes_on_drying():
 def test_a_position_approached_from_above_is_a_run_of_its_own():
     m = session()
     again = [replace(c, approach="down") for c in m.conditions if c.position_m == 0.01]
-    both = look(replace(m, conditions=(*m.conditions, *again)), "long")
+    both = data_vector_of(replace(m, conditions=(*m.conditions, *again)), "long")
     assert {s.run[3] for s in both.seen if s.up < 0.0} == {1}
     assert {s.run[3] for s in both.seen if s.up > 0.0} == {0}
 
@@ -293,7 +306,7 @@ def test_a_series_belongs_to_its_run_alone():
     second = [replace(c, run=1, approach="down") for c in m.conditions if c.position_m == 0.01]
     series = [replace(s, run=1) for s in m.series if s.position_m == 0.01]
     twice = replace(m, conditions=(*m.conditions, *second), series=(*m.series, *series))
-    pulses = [p for p in look(twice, "long").pulses if p.run[1] == 0.01]
+    pulses = [p for p in data_vector_of(twice, "long").pulses if p.run[1] == 0.01]
     assert sorted(p.run[3] for p in pulses) == [0, 0, 1, 1]
 
 
@@ -350,37 +363,37 @@ def test_a_series_without_force_says_nothing_and_one_without_clock_is_refused():
 
 def test_every_row_stands_once_and_in_the_run_it_comes_from():
     one = forward()
-    layout = one.layout
+    row_index = one.row_index
     every = np.concatenate(
         [
             np.concatenate([p.trend_rows, p.mode_rows[p.mode_rows >= 0], p.sway_rows, p.bin_rows])
-            for p in layout.parts
+            for p in row_index.blocks
         ]
     )
-    np.testing.assert_array_equal(np.sort(every), np.arange(layout.size))
-    for part, seen in zip(layout.parts, one.looks, strict=True):
-        own = [layout.runs[r] for r in layout.run_of[part.trend_rows]]
-        assert own == [seen.seen[k].run for k in part.trend_of]
-    flat = np.random.default_rng(0).standard_normal((layout.size, 2))
-    padded = layout.pad(flat)
-    np.testing.assert_array_equal(padded[layout.run_of, layout.row_of], flat)
+    np.testing.assert_array_equal(np.sort(every), np.arange(row_index.size))
+    for block, seen in zip(row_index.blocks, one.data_vectors, strict=True):
+        own = [row_index.runs[r] for r in row_index.run_of[block.trend_rows]]
+        assert own == [seen.seen[k].run for k in block.trend_of]
+    flat = np.random.default_rng(0).standard_normal((row_index.size, 2))
+    padded = row_index.pad(flat)
+    np.testing.assert_array_equal(padded[row_index.run_of, row_index.row_of], flat)
     assert np.count_nonzero(padded) == flat.size
 
 
 @pytest.mark.slow
 def test_means_alone_have_neither_sways_nor_pulses():
-    part = prepare(means_of(session()), Options()).problem.forward.part(0)
-    timed = forward().part(0)
-    assert (len(part.sway_rows), len(part.bin_rows)) == (0, 0)
+    block = prepare(means_of(session()), Options()).problem.forward.row_block(0)
+    timed = forward().row_block(0)
+    assert (len(block.sway_rows), len(block.bin_rows)) == (0, 0)
     assert len(timed.sway_rows) > 0 < len(timed.bin_rows)
-    assert part.is_mean.sum() == timed.is_mean.sum() == 21
+    assert block.is_mean.sum() == timed.is_mean.sum() == 21
 
 
 def test_readings_are_ordered_by_when_they_were_taken():
-    part = forward().part(0)
-    session_, run_s = part.clock.session[part.in_time], part.clock.run_s[part.in_time]
+    block = forward().row_block(0)
+    session_, run_s = block.clock.session[block.in_time], block.clock.run_s[block.in_time]
     assert np.all(np.diff(np.round(session_, 9)) >= 0.0)
-    at = [forward().looks[0].seen[k].position_m for k in part.reading_of[part.in_time]]
+    at = [forward().data_vectors[0].seen[k].position_m for k in block.reading_of[block.in_time]]
     same = np.diff(at) == 0.0
     assert np.all(np.diff(run_s)[same] > 0.0)
 
@@ -392,5 +405,5 @@ def test_curves_of_readings_that_the_mean_does_not_match_are_not_compared():
     coarse = replace(c.curve, **{k: getattr(c.curve, k)[::2] for k in ("s_m", "x_m", "y_m")},
                      sigma_m=None)  # fmt: skip
     odd = replace(m, conditions=(m.conditions[0], replace(c, curve=coarse), *m.conditions[2:]))
-    assert look(m, "long").seen[1].own_curves
-    assert not look(odd, "long").seen[1].own_curves
+    assert data_vector_of(m, "long").seen[1].own_curves
+    assert not data_vector_of(odd, "long").seen[1].own_curves

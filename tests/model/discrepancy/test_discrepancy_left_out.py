@@ -31,20 +31,20 @@ SYMMETRIC = Case((Hiding("eibm_asymmetry"),), seed=7, symmetric=True)
 
 def test_residuals_of_a_position_are_those_of_a_fit_without_its_runs():
     base = base_fit()
-    layout, linear = base.problem.forward.layout, base.linear
+    row_index, linear = base.problem.forward.row_index, base.linear
     runs = position_groups(base)[2]
     before, after, chosen = left_out(base, base, [], [runs])
     V = np.linalg.inv(base.solution.weights)
     information, pull = np.diag(linear.data.precision), -linear.data.precision * linear.data.away
-    for r in range(len(layout.runs)):  # run by run with plain least squares of whitened rows
+    for r in range(len(row_index.runs)):  # run by run with plain least squares of whitened rows
         if r not in runs:
-            rows = np.flatnonzero(layout.run_of == r)
-            own = layout.row_of[rows]
+            rows = np.flatnonzero(row_index.run_of == r)
+            own = row_index.row_of[rows]
             white = np.linalg.inv(np.linalg.cholesky(V[r][np.ix_(own, own)]))
             X, y = white @ linear.columns[rows], white @ linear.residual[rows]
             information, pull = information + X.T @ X, pull + X.T @ y
     beta = inverse_symmetric(information) @ pull
-    out = np.isin(layout.run_of, runs)
+    out = np.isin(row_index.run_of, runs)
     wanted = (linear.residual - linear.columns @ beta)[out]
     np.testing.assert_allclose(before[out], wanted, rtol=1e-5, atol=1e-5 * np.std(wanted))
     np.testing.assert_array_equal(before[out], after[out])
@@ -54,7 +54,7 @@ def test_residuals_of_a_position_are_those_of_a_fit_without_its_runs():
 
 def test_a_position_is_left_out_of_both_sheets_and_free_shapes_of_none():
     groups = position_groups(base_fit())
-    runs = base_fit().problem.forward.layout.runs
+    runs = base_fit().problem.forward.row_index.runs
     assert [{runs[r][1] for r in g} for g in groups] == [{k * 5e-3} for k in range(7)]
     assert all({runs[r][0] for r in g} == {"long", "short"} for g in groups)
 
@@ -115,11 +115,11 @@ def test_the_gap_in_units_of_the_noise_is_of_what_was_measured(force, curve, qua
 
 def test_variances_are_those_of_noise_and_scatter_together():
     base = base_fit()
-    layout, data = base.problem.forward.layout, base.linear.data
+    row_index, data = base.problem.forward.row_index, base.linear.data
     sigma2 = np.exp(2.0 * base.solution.log_sigma)
     groups = sum(s * np.sum(Z**2, axis=2) for s, Z in zip(sigma2, data.groups, strict=False))
     masks = sum(s * m for s, m in zip(sigma2[len(data.groups) :], data.masks, strict=True))
-    whole = (data.fixed + groups + masks)[layout.run_of, layout.row_of]
+    whole = (data.fixed + groups + masks)[row_index.run_of, row_index.row_of]
     np.testing.assert_allclose(variance(base), whole, rtol=1e-6)
 
 
@@ -143,14 +143,14 @@ def test_without_its_positions_nothing_else_changes():
 def test_conditions_left_out_as_outliers_count_for_no_gap():
     base = base_fit()
     whole, some = cells(base), cells(base, [4, 41])
-    part = base.problem.forward.part(0)
-    rows = set(part.trend_rows[part.trend_of == 4])
+    block = base.problem.forward.row_block(0)
+    rows = set(block.trend_rows[block.trend_of == 4])
     counted = [set(np.concatenate([*c.force, *c.drift]).tolist()) for c in (whole, some)]
     assert rows <= counted[0]
     assert not rows & counted[1]
     assert [len(c.force) for c in (whole, some)] == [42, 40]
     assert [len(c.curve) for c in (whole, some)] == [42, 40]
-    noise = np.ones(base.problem.forward.layout.size)
+    noise = np.ones(base.problem.forward.row_index.size)
     noise[list(rows)] = 1e6
     assert floor(noise, some).force_rmse_mN == pytest.approx(1e3)
     assert gap_of(3.0 * np.ones(len(noise)), noise, some).force_rmse_mN == pytest.approx(3e3)

@@ -17,7 +17,7 @@ from model.discrepancy.search.evidence import candidates
 from model.discrepancy.verdict import finding
 from model.discrepancy.verdict.result import Next
 from model.effects import effect
-from model.identification.data.data_vector import look
+from model.identification.data.data_vector import data_vector_of
 from tests.cases import few
 from tests.model.discrepancy.sessions import Case, Extras, base_fit, session
 
@@ -31,7 +31,7 @@ def suspects(pair, values, sizes):
 @pytest.mark.parametrize("entry", MENU, ids=list(ENTRIES))
 def test_every_entry_adds_runs_that_are_none_of_the_session(entry):
     for name in ("long", "short"):
-        one = look(session(), name)
+        one = data_vector_of(session(), name)
         added = entry.add(one)
         assert not {s.run for s in added} & {s.run for s in one.seen}
         keys = [(*s.run, s.voltage_V) for s in added]
@@ -44,16 +44,18 @@ def test_every_entry_adds_runs_that_are_none_of_the_session(entry):
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_an_entry_is_measured_once_at_each_place_however_often_it_was_before():
-    plain = look(session(), "long")
-    often = look(session(Case(seed=1, extras=Extras(remounts=3, reversed_approach=True))), "long")
+    plain = data_vector_of(session(), "long")
+    often = data_vector_of(
+        session(Case(seed=1, extras=Extras(remounts=3, reversed_approach=True))), "long"
+    )
     assert len(often.seen) > len(plain.seen)
     for entry in MENU:
         assert len(entry.add(often)) == len(entry.add(plain)), entry.name
 
 
 def test_only_the_rig_turned_over_is_turned_over():
-    one = look(session(), "long")
-    tilted = look(
+    one = data_vector_of(session(), "long")
+    tilted = data_vector_of(
         replace(session(), conditions=tuple(
             replace(c, tilt_rad=np.pi) for c in session().conditions
         )), "long",
@@ -65,7 +67,7 @@ def test_only_the_rig_turned_over_is_turned_over():
 
 
 def test_long_runs_go_on_with_the_same_pulses_at_three_positions():
-    one = look(session(), "long")
+    one = data_vector_of(session(), "long")
     usual = {(s.position_m, s.voltage_V): s for s in one.seen}
     added = ENTRIES["long_runs"].add(one)
     assert sorted({s.position_m for s in added}) == [0.0, 0.015, 0.03]
@@ -85,9 +87,13 @@ def test_long_runs_go_on_with_the_same_pulses_at_three_positions():
 @pytest.mark.slow
 def test_free_shapes_are_taken_when_measured_ones_are():
     """Amid pulses, not in the first one after 0 V, of which a lag or the first pulses say much."""
-    added = [s for s in ENTRIES["free_shapes"].add(look(session(), "long")) if s.voltage_V]
+    added = [
+        s for s in ENTRIES["free_shapes"].add(data_vector_of(session(), "long")) if s.voltage_V
+    ]
     free = session(Case(seed=1, extras=Extras(free_shapes=True)))
-    measured = [s for s in look(free, "long").seen if s.free and not s.zero and s.voltage_V]
+    measured = [
+        s for s in data_vector_of(free, "long").seen if s.free and not s.zero and s.voltage_V
+    ]
     for one in added:
         like = next(s for s in measured if s.voltage_V == one.voltage_V).clock
         for name in ("pulse", "run_s", "driven_s", "wetted_s"):
@@ -154,7 +160,9 @@ def test_of_several_alternatives_all_count_by_their_probability(monkeypatch):
     rivals = ("clamp_angle", "force_offset", "roll_offset")
     sigmas = {"now": (1.0, 1.0, 1.0), "likeliest": (3.0, 1.0, 1.2), "others": (1.1, 6.0, 5.0)}
     pairs = [[Suspect(effect(name), {}, 1.0) for name in ("gravity", one)] for one in rivals]
-    fitted = SimpleNamespace(problem=SimpleNamespace(forward=SimpleNamespace(looks=["long"])))
+    fitted = SimpleNamespace(
+        problem=SimpleNamespace(forward=SimpleNamespace(data_vectors=["long"]))
+    )
     entries = [
         SimpleNamespace(name=name, what=name, minutes=lambda _: 10.0, protocol={})
         for name in ("likeliest", "others")

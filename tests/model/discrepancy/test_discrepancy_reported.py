@@ -48,7 +48,7 @@ def lagging(deviance: float, remembers: float):
 
 def chosen(*tried):
     one = Choice(
-        effect=effect("charging_lag"), confidence=0.999, gain=50.0,
+        effect=effect("charging_lag"), confidence=0.999, ln_bayes_factor=50.0,
         of_location=1.0, tried=tried, before=tried[0], ranking=(),
     )  # fmt: skip
     return chosen_values(one, tried[0].found[-1])

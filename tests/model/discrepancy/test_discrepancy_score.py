@@ -25,7 +25,7 @@ from model.identification.likelihood.noise.row_covariance import Data
 from tests.model.discrepancy.sessions import base_fit
 
 
-class SmallLayout:
+class SmallRowIndex:
     """Three runs of four rows."""
 
     run_of, row_of = np.repeat(np.arange(3), 4), np.tile(np.arange(4), 3)
@@ -35,7 +35,7 @@ class SmallLayout:
 
 
 class SmallStudy:
-    layout = SmallLayout()
+    row_index = SmallRowIndex()
 
 
 class SmallLinear:

@@ -45,12 +45,12 @@ def steps_of(name: str, values=None) -> tuple:
 def test_a_form_differs_by_its_standard_deviation_along_the_sheet():
     """Many draws of the deviations scatter by a third of the form, averaged along the sheet."""
     one, forward, states, steps = steps_of("nonuniform_stiffness")
-    G, step = forward.scenes[0].count, steps[0]
+    G, step = forward.configuration_models[0].count, steps[0]
     ways = list(deviations(one, forward, 0, step, states[0].solved.contact))
     k = int(np.argmax(np.max(np.abs(step.beam[:, G : 2 * G]), axis=1)))
     form = step.beam[k, G : 2 * G]
     ratio = np.stack([way.share * way.step.beam[k, G : 2 * G] / form for way in ways])
-    variance = forward.scenes[0].weights @ np.sum(ratio**2, axis=0)
+    variance = forward.configuration_models[0].weights @ np.sum(ratio**2, axis=0)
     assert np.sqrt(variance) == pytest.approx(FORM, rel=0.05)
 
 
@@ -62,9 +62,9 @@ def test_what_may_differ_with_the_polarity_differs_with_it():
         for w in deviations(one, forward, 0, steps[0], states[0].solved.contact)
         if w.share == SIGN
     ]
-    volts = forward.scenes[0].voltage_V
+    volts = forward.configuration_models[0].voltage_V
     assert len(ways) == 2
-    G = forward.scenes[0].count
+    G = forward.configuration_models[0].count
     odd, zero = (way.step.beam[:, G] / steps[0].beam[:, G] for way in ways)
     np.testing.assert_allclose(odd, np.sign(volts))
     np.testing.assert_allclose(zero, np.where(volts == 0.0, -1.0, 0.5))
@@ -76,7 +76,7 @@ def own_ways(name: str, share: float, values=None) -> list[list[FloatArray]]:
     result = []
     for c, step in enumerate(steps):
         ways = deviations(one, forward, c, step, states[c].solved.contact)
-        first = np.unique(forward.part(c).reading_of, return_index=True)[1]
+        first = np.unique(forward.row_block(c).reading_of, return_index=True)[1]
         force, rows = step.force_N, [w.step.force_N for w in ways if w.share == share]
         some = np.where(force == 0.0, 1.0, force)
         result.append([(row / some)[first] for row in rows])
@@ -85,7 +85,10 @@ def own_ways(name: str, share: float, values=None) -> list[list[FloatArray]]:
 
 def test_what_sticks_differs_at_each_polarity_of_each_sheet():
     everywhere = {"force_mN": 0.2, "from_position_mm": 0.0, "kind": 3.0}
-    volts = [np.sign(scene.voltage_V) for scene in base_fit().problem.forward.scenes]
+    volts = [
+        np.sign(configuration_model.voltage_V)
+        for configuration_model in base_fit().problem.forward.configuration_models
+    ]
     ways = own_ways("roll_sticking", SIGN, everywhere)
     for sign, V, (alike, at_zero, own) in zip((1.0, -1.0), volts, ways, strict=True):
         touched = alike != 0.0
@@ -97,12 +100,14 @@ def test_what_sticks_differs_at_each_polarity_of_each_sheet():
 
 def test_friction_differs_at_0V_after_each_side_of_approach():
     felt = {"coefficient": 0.1, "force_alone": 1.0, "at_force_mN": 0.0}
-    for scene, (up, down) in zip(
-        base_fit().problem.forward.scenes, own_ways("roll_friction", HELD, felt), strict=True
+    for configuration_model, (up, down) in zip(
+        base_fit().problem.forward.configuration_models,
+        own_ways("roll_friction", HELD, felt),
+        strict=True,
     ):
-        at_zero = scene.voltage_V == 0.0
+        at_zero = configuration_model.voltage_V == 0.0
         np.testing.assert_allclose(up + down, at_zero)
-        np.testing.assert_allclose(up, at_zero & (scene.up > 0.0))
+        np.testing.assert_allclose(up, at_zero & (configuration_model.up > 0.0))
 
 
 def test_what_the_approach_did_at_0V_is_no_deviation_from_a_form():
@@ -154,7 +159,7 @@ def test_every_effect_is_columns_that_count(name: str):
     one, forward, states, steps = steps_of(name)
     found = atoms(forward, states, one, steps)
     assert np.all(np.isfinite(found))
-    assert found.shape[0] == forward.layout.size
+    assert found.shape[0] == forward.row_index.size
     assert np.all(np.any(found[:, 1:], axis=0))
 
 
@@ -240,14 +245,14 @@ def test_free_shapes_act_on_what_their_slot_says_and_nothing_else(location):
     base = base_fit()
     forward = base.problem.forward
     made = [one.step for one in locations()[location].bases(linearised(base, 0))]
-    found = set().union(*(acting(step, forward.scenes[0].count) for step in made))
+    found = set().union(*(acting(step, forward.configuration_models[0].count) for step in made))
     assert found == ALLOWED[location]
 
 
 def test_the_eibm_s_shapes_change_sign_with_the_voltage_and_the_even_ones_do_not():
     base = base_fit()
     forward = base.problem.forward
-    volts, G = forward.scenes[0].voltage_V, forward.scenes[0].count
+    volts, G = forward.configuration_models[0].voltage_V, forward.configuration_models[0].count
     for location, sign in (("eibm", -1.0), ("even_moment", 1.0)):
         for one in locations()[location].bases(linearised(base, 0)):
             step = one.step
@@ -260,9 +265,9 @@ def test_the_eibm_s_shapes_change_sign_with_the_voltage_and_the_even_ones_do_not
 
 def test_the_load_cell_s_shapes_leave_the_curves_alone_and_the_camera_s_the_forces():
     base = base_fit()
-    layout = base.problem.forward.layout
-    modes = np.concatenate([p.mode_rows.ravel() for p in layout.parts])
-    means = np.concatenate([p.trend_rows for p in layout.parts])
+    row_index = base.problem.forward.row_index
+    modes = np.concatenate([p.mode_rows.ravel() for p in row_index.blocks])
+    means = np.concatenate([p.trend_rows for p in row_index.blocks])
     assert not any(np.any(s.rows[modes]) for s in shapes(base, "load_cell"))
     assert not any(np.any(s.rows[means]) for s in shapes(base, "camera"))
 
@@ -322,8 +327,8 @@ def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
 
 def test_a_screw_s_error_at_each_position_is_one_shape_for_both_sheets():
     base = base_fit()
-    layout = base.problem.forward.layout
-    own = [np.concatenate([p.trend_rows for p in (part,)]) for part in layout.parts]
+    row_index = base.problem.forward.row_index
+    own = [np.concatenate([p.trend_rows for p in (block,)]) for block in row_index.blocks]
     for shape in shapes(base, "position", "position"):
         assert all(np.any(shape.rows[rows]) for rows in own)
 
@@ -356,7 +361,7 @@ def test_whatever_is_unknown_can_be_told():
             base,
             RankedCandidate(
                 score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
-                gain=9.0,
+                ln_bayes_factor=9.0,
             ),
         )
         assert told.location == one.location
@@ -383,7 +388,7 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
             base,
             RankedCandidate(
                 score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
-                gain=9.0,
+                ln_bayes_factor=9.0,
             ),
         )
         assert told.along == found[0].along
@@ -407,10 +412,12 @@ def test_what_is_a_function_of_the_force_has_a_profile_along_the_force():
         base,
         RankedCandidate(
             score=Score(candidate=one, log_bayes=9.0, amplitude=1.0, scale=0.1, length=1.0),
-            gain=9.0,
+            ln_bayes_factor=9.0,
         ),
     )
-    measured_mN = 1e3 * np.concatenate([p.measured_N for p in base.problem.forward.layout.parts])
+    measured_mN = 1e3 * np.concatenate(
+        [p.measured_N for p in base.problem.forward.row_index.blocks]
+    )
     assert (told.along, told.at_unit, told.unit) == ("force", "mN", "mN")
     assert told.s_mm[[0, -1]] == pytest.approx([measured_mN.min(), measured_mN.max()])
     assert told.depends.endswith("a function of the force")
@@ -443,11 +450,11 @@ def test_whatever_the_load_cell_makes_of_the_force_is_among_its_shapes(power: in
 def test_what_is_there_under_voltage_only_is_alike_at_both_polarities(location):
     base = base_fit()
     forward = base.problem.forward
-    part, volts = forward.part(0), forward.scenes[0].voltage_V
+    block, volts = forward.row_block(0), forward.configuration_models[0].voltage_V
     for one in locations()[location].bases(linearised(base, 0)):
         if one.part != "voltage":
             continue
-        acts = part.mean(one.step.force_N) if location == "load_cell" else one.step.beam[:, -10]
+        acts = block.mean(one.step.force_N) if location == "load_cell" else one.step.beam[:, -10]
         assert not np.any(acts[volts == 0.0])
         np.testing.assert_allclose(acts[volts == 2.0], acts[volts == -2.0])
     names = [s.part for s in shapes(base, location)]
@@ -458,8 +465,8 @@ def test_a_clamp_may_turn_while_the_session_goes_on():
     base = base_fit()
     turns = shapes(base, "time", "clamp, session")
     assert len(turns) == 8
-    part = base.problem.forward.layout.parts[0]
-    assert all(np.any(s.rows[part.mode_rows]) for s in turns)  # shapes turn with it
+    block = base.problem.forward.row_index.blocks[0]
+    assert all(np.any(s.rows[block.mode_rows]) for s in turns)  # shapes turn with it
 
 
 def test_what_only_the_usual_scatter_allows_is_looked_at_too(monkeypatch):

@@ -21,8 +21,8 @@ def with_rows(base: MixedModelFit, rows: FloatArray) -> MixedModelFit:
     """The same with more in the data, which set-ups that differ much take up."""
     log_sigma = base.solution.log_sigma.copy()
     log_sigma[base.problem.noise_names().index("eibm")] += np.log(20.0)
-    layout, linear = base.problem.forward.layout, base.linear
-    data = replace(linear.data, y=linear.data.y + layout.pad(rows[:, None])[:, :, 0])
+    row_index, linear = base.problem.forward.row_index, base.linear
+    data = replace(linear.data, y=linear.data.y + row_index.pad(rows[:, None])[:, :, 0])
     linear = replace(linear, residual=linear.residual + rows, data=data)
     return replace(base, linear=linear, solution=replace(base.solution, log_sigma=log_sigma))
 
@@ -31,7 +31,7 @@ def ranked(fitted: MixedModelFit, candidate: Candidate) -> RankedCandidate:
     forward = fitted.problem.forward
     projected = Projected.of(forward, fitted.linear, fitted.solution)
     found = score(forward, projected, candidate)
-    return RankedCandidate(score=found, gain=found.log_bayes)
+    return RankedCandidate(score=found, ln_bayes_factor=found.log_bayes)
 
 
 @pytest.mark.slow

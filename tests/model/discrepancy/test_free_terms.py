@@ -28,7 +28,7 @@ Made = Callable[[ForwardModel, int, ModelState], Perturbation]
 
 def beam(forward: ForwardModel, c: int, state: ModelState, **change: FloatArray) -> Perturbation:
     other = replace(state.beam, **change)
-    by = forward.scenes[c].change(state.beam, other, state.solved.contact)
+    by = forward.configuration_models[c].change(state.beam, other, state.solved.contact)
     return replace(forward.no_step(c), beam=by)
 
 
@@ -63,15 +63,15 @@ def bow_that_grows(forward: ForwardModel, c: int, _state: ModelState) -> Perturb
     def course(clock: AcquisitionTimes) -> FloatArray:
         return -0.1 * np.sign(clock.voltage_V) * np.expm1(-clock.driven_s / 5.0)
 
-    part = forward.part(c)
-    within = part.bin_mean(course(part.bin_clock)) - part.bin_mean(course(part.bin_sample))
-    return replace(forward.no_step(c), eibm=course(part.clock), bin_eibm=within)
+    block = forward.row_block(c)
+    within = block.bin_mean(course(block.bin_clock)) - block.bin_mean(course(block.bin_sample))
+    return replace(forward.no_step(c), eibm=course(block.clock), bin_eibm=within)
 
 
 def glare(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
-    solved, scene = state.solved, forward.scenes[c]
+    solved, configuration_model = state.solved, forward.configuration_models[c]
     phi = np.unwrap(np.arctan2(-solved.nx, solved.ny), axis=1)
-    curvature = np.gradient(phi, axis=1) / np.gradient(scene.curve_s, axis=1)
+    curvature = np.gradient(phi, axis=1) / np.gradient(configuration_model.curve_s, axis=1)
     return replace(forward.no_step(c), points_m=1e-4 * np.tanh(curvature / 40.0))
 
 
@@ -130,20 +130,20 @@ def test_one_free_form_that_explains_more_than_the_names_stands_for_them():
         base = SimpleNamespace(found=(), deviance=200.0)
         return base, SimpleNamespace(found=("name",) * names, deviance=0.0)
 
-    free = SimpleNamespace(first=SimpleNamespace(gain=110.0))
+    free = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=110.0))
     assert alone(free, *fits(2), 90.0)
     assert not alone(free, *fits(1), 90.0)  # which may be of another form
     assert not alone(free, *fits(0), 90.0)
-    less = SimpleNamespace(first=SimpleNamespace(gain=102.0))
+    less = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=102.0))
     assert not alone(less, *fits(2), 90.0)
-    much_more = SimpleNamespace(first=SimpleNamespace(gain=125.0))
+    much_more = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=125.0))
     assert alone(much_more, *fits(1), 90.0)
 
 
 def test_three_names_have_to_explain_more_than_a_free_form():
     base = SimpleNamespace(found=(), deviance=200.0)
     two, three = (SimpleNamespace(found=("name",) * n, deviance=0.0) for n in (2, 3))
-    free = SimpleNamespace(first=SimpleNamespace(gain=80.0))
+    free = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=80.0))
     assert alone(free, base, three, 40.0)  # the others add 60 to the best name, the free form 40
     assert not alone(free, base, two, 40.0)
     assert not alone(free, base, three, 70.0)  # the best name explains about as much

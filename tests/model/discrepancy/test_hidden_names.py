@@ -18,7 +18,9 @@ from tests.model.discrepancy.sessions import base_fit
 
 
 def chances(monkeypatch, *found: tuple[str, float, float]) -> dict[str, float]:
-    every = [HiddenName(name=name, gain=gain, ahead=ahead) for name, gain, ahead in found]
+    every = [
+        HiddenName(name=name, ln_bayes_factor=gain, ahead=ahead) for name, gain, ahead in found
+    ]
     monkeypatch.setattr(module, "hidden_names", lambda *_: every)
     return module.hidden_chances(None, ())  # type: ignore[arg-type]
 
@@ -51,7 +53,9 @@ def test_little_evidence_and_a_form_that_explains_much_more_are_not_told(monkeyp
 def test_a_second_name_has_to_explain_more_than_a_form_that_differs(
     monkeypatch, gain, lost, names, more
 ):
-    first, second = (SimpleNamespace(name=n, known=True, gain=gain, fitted=n) for n in "ab")
+    first, second = (
+        SimpleNamespace(name=n, known=True, ln_bayes_factor=gain, fitted=n) for n in "ab"
+    )
     strict = StrictForms(fitted="strict", lost=lost, ranking=[second])  # type: ignore[arg-type]
     monkeypatch.setattr(selection.StrictForms, "of", lambda *_: strict)
     monkeypatch.setattr(selection, "refine_best", lambda _, ranking: ranking)

@@ -20,7 +20,7 @@ from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
 def free(where: str, gain: float) -> SimpleNamespace:
     candidate = SimpleNamespace(location=where)
     return SimpleNamespace(
-        name=f"unknown:{where}", gain=gain, score=SimpleNamespace(candidate=candidate)
+        name=f"unknown:{where}", ln_bayes_factor=gain, score=SimpleNamespace(candidate=candidate)
     )
 
 

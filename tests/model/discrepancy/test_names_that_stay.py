@@ -35,8 +35,8 @@ def judgement(monkeypatch) -> Judgement:
     monkeypatch.setattr(module, "fit_mixed_model", lambda _, __, found: fit_with(*found))
     monkeypatch.setattr(module, "alone", lambda *_: False)
     monkeypatch.setattr(module, "misses_much", lambda *_: True)
-    monkeypatch.setattr(module, "of_pictures", lambda _: "")
-    monkeypatch.setattr(module, "unusual_pictures", lambda _: None)
+    monkeypatch.setattr(module, "of_images", lambda _: "")
+    monkeypatch.setattr(module, "unusual_images", lambda _: None)
     monkeypatch.setattr(module, "unusual_cell_noise", lambda _: None)
     told = {"_with_names": "names", "_with_unknown": "unknown"}
     for method, what in told.items():
@@ -57,8 +57,13 @@ def judgement(monkeypatch) -> Judgement:
     ],
 )
 def test_a_name_stays_where_another_is_rejected(monkeypatch, judgement, first, apart, told):
-    rest = SimpleNamespace(first=SimpleNamespace(gain=first), last=None, apart=apart, share=0.1)
-    monkeypatch.setattr(module, "leftover", lambda *_: rest)
+    rest = SimpleNamespace(
+        first=SimpleNamespace(ln_bayes_factor=first),
+        last=None,
+        ln_bayes_factor_beside=apart,
+        share=0.1,
+    )
+    monkeypatch.setattr(module, "residual_terms", lambda *_: rest)
     found = SimpleNamespace(named=[GRAVITY, CELL], known=fit_with(GRAVITY, CELL))
     assert judgement._without(found, ["force_offset"]) == told
 
@@ -82,8 +87,13 @@ def test_a_form_is_free_again_where_the_name_that_it_hid_is_dropped(
 
 
 def test_doubtful_names_stay_where_nothing_is_better(monkeypatch, judgement):
-    rest = SimpleNamespace(first=SimpleNamespace(gain=50.0), last=None, apart=2.0, share=0.1)
-    monkeypatch.setattr(module, "leftover", lambda *_: rest)
+    rest = SimpleNamespace(
+        first=SimpleNamespace(ln_bayes_factor=50.0),
+        last=None,
+        ln_bayes_factor_beside=2.0,
+        share=0.1,
+    )
+    monkeypatch.setattr(module, "residual_terms", lambda *_: rest)
     found = SimpleNamespace(named=[GRAVITY, CELL], known=fit_with(GRAVITY, CELL))
     assert judgement._without(found, []) is found
 
@@ -104,7 +114,7 @@ def test_two_names_of_two_locations_may_be_of_other_forms(
     monkeypatch.setattr(module, "alone", lambda *_: True)
     monkeypatch.setattr(module, "with_free_form", lambda *_: None)
     monkeypatch.setattr(module, "predictive_gains", lambda *_: gains)
-    rest = SimpleNamespace(first=SimpleNamespace(gain=50.0))
+    rest = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=50.0))
     known = fit_with(*named)  # explains 40, the term 50
     assert judgement._alone(rest, named, known) == alone
 
@@ -120,12 +130,12 @@ def test_two_loops_of_the_force_are_pieces_of_one_as_two_names_of_one_location_a
 
 def test_a_term_that_explains_much_more_stands_for_two_names(monkeypatch, judgement):
     monkeypatch.setattr(module, "alone", lambda *_: True)
-    rest = SimpleNamespace(first=SimpleNamespace(gain=60.0))
+    rest = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=60.0))
     assert judgement._alone(rest, [GRAVITY, CELL], fit_with(GRAVITY, CELL))
 
 
 def test_a_name_that_misses_little_at_the_usual_scatter_stays(monkeypatch, judgement):
     monkeypatch.setattr(module, "alone", lambda *_: True)
     monkeypatch.setattr(module, "misses_much", lambda *_: False)
-    rest = SimpleNamespace(first=SimpleNamespace(gain=60.0))
+    rest = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=60.0))
     assert not judgement._alone(rest, [GRAVITY], fit_with(GRAVITY))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from model.discrepancy.answers.calibrated_answers import Judged
+from model.discrepancy.criticism.check_result import Consequence
 from model.discrepancy.criticism.kinds import one_name
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.search import one_name as search
@@ -15,7 +16,9 @@ from model.discrepancy.verdict.probable_names import improbable, maybe_absent
 
 
 def ranked(name: str, gain: float, *, known: bool = True) -> SimpleNamespace:
-    return SimpleNamespace(name=name, gain=gain, known=known, fitted=SimpleNamespace(deviance=0.0))
+    return SimpleNamespace(
+        name=name, ln_bayes_factor=gain, known=known, fitted=SimpleNamespace(deviance=0.0)
+    )
 
 
 def outcome_of(*others: SimpleNamespace) -> SimpleNamespace:
@@ -27,7 +30,7 @@ def outcome_of(*others: SimpleNamespace) -> SimpleNamespace:
         SimpleNamespace(before=base, ranking=[first, *others], chosen=first),
         SimpleNamespace(before=one, ranking=[second], chosen=second),
     ]
-    return SimpleNamespace(base=base, turns=turns, final=two)
+    return SimpleNamespace(base=base, steps=turns, final=two)
 
 
 def compared(monkeypatch, *others: SimpleNamespace, share: float = 0.0) -> dict[str, float]:
@@ -73,7 +76,7 @@ def test_a_single_name_shares_the_probability_as_far_as_it_comes_close(monkeypat
         assert failures == []
         return
     (one,) = failures
-    assert (one.consequence, one.effects) == ("alike", names)
+    assert (one.consequence, one.effects) == (Consequence.INDISTINGUISHABLE, names)
     assert one.rivals == ("elongation_flexibility",)
     assert one.odds == pytest.approx((odds,))
     assert one.sentence.startswith("elongation flexibility alone explains about as much as")
@@ -88,8 +91,8 @@ def test_two_names_are_compared_with_one_in_the_best_wording_of_each(monkeypatch
     first, second, rival = (
         SimpleNamespace(name=n) for n in ("camera_scale", "force_drift", "gravity")
     )
-    named = [SimpleNamespace(effect=second, gain=9.0, before=None),
-             SimpleNamespace(effect=first, gain=19.0, before=None)]  # fmt: skip
+    named = [SimpleNamespace(effect=second, ln_bayes_factor=9.0, before=None),
+             SimpleNamespace(effect=first, ln_bayes_factor=19.0, before=None)]  # fmt: skip
     fitted = SimpleNamespace(solution=SimpleNamespace(log_sigma=None))
     candidate = SimpleNamespace(
         name="gravity", score=SimpleNamespace(candidate=SimpleNamespace(effect=rival))

@@ -20,7 +20,7 @@ def _found(monkeypatch: pytest.MonkeyPatch, added: FloatArray) -> tuple[str, flo
 
 def _runs() -> list[tuple[str, float]]:
     """Return configuration and position of each; positions are measured in their order."""
-    return [(run[0], run[1]) for run in base_fit().problem.forward.layout.runs]
+    return [(run[0], run[1]) for run in base_fit().problem.forward.row_index.runs]
 
 
 def test_what_goes_with_the_position_is_no_chance(monkeypatch):

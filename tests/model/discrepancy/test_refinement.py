@@ -100,7 +100,7 @@ def test_a_name_too_weak_for_any_verdict_is_not_fitted_from_other_beginnings(mon
     one, other = rank(base, [effect("gravity"), effect("clamp_angle")], locations=False)[:2]
 
     def promising(ranked, top=100.0):
-        done = [replace(one, gain=top), replace(other, gain=1.0)]
+        done = [replace(one, ln_bayes_factor=top), replace(other, ln_bayes_factor=1.0)]
         return refinement._promising(base, done, {one.name: top, other.name: ranked}, top)
 
     both = {one.name, other.name}
@@ -115,7 +115,7 @@ def test_a_name_too_weak_for_any_verdict_is_not_fitted_from_other_beginnings(mon
 def test_a_fit_that_loses_what_a_straight_line_promised_begins_elsewhere(monkeypatch):
     base = base_fit(FALLING)
     ranked = [c for c in rank(base, [effect("nonuniform_eibm")]) if c.known]
-    promised = ranked[0].gain
+    promised = ranked[0].ln_bayes_factor
     assert promised > 20.0
     ended = []
     spy = refinement.settled
@@ -129,7 +129,7 @@ def test_a_fit_that_loses_what_a_straight_line_promised_begins_elsewhere(monkeyp
     monkeypatch.setattr(refinement, "_strained", lambda _fit: False)  # nor does the scatter tell
     best = refine_best(base, [replace(c, shapes=()) for c in ranked])[0]
     assert len(best.tried) > 1
-    assert best.gain == pytest.approx(promised, rel=0.25)
+    assert best.ln_bayes_factor == pytest.approx(promised, rel=0.25)
 
 
 @pytest.mark.slow
@@ -145,7 +145,7 @@ def test_where_a_deviation_takes_the_place_of_an_effect_its_own_form_is_fitted_t
     best = refine_best(base, [replace(c, shapes=()) for c in ranked])[0]
     assert best.fitted is not None
     assert best.fitted.found[-1].form == refinement.STRICT
-    assert best.gain == pytest.approx(ranked[0].gain, rel=0.25)
+    assert best.ln_bayes_factor == pytest.approx(ranked[0].ln_bayes_factor, rel=0.25)
 
 
 @pytest.mark.slow
@@ -196,7 +196,7 @@ def test_a_fit_that_was_given_up_is_not_the_fit_of_a_caller_with_another_limit(m
 def test_a_search_ends_after_so_many_solutions_and_says_so(monkeypatch):
     base, some = base_fit(FALLING), [effect("nonuniform_eibm"), effect("gravity")]
     whole = forward_selection.search(base.problem, base.theta, some, 6.0)
-    assert len(whole.turns) == 2  # the second finds nothing further
+    assert len(whole.steps) == 2  # the second finds nothing further
     assert not list(cut_short(whole.base.problem.effort))
     again = forward_selection.search(base.problem, base.theta, some, 6.0)
     solutions = again.base.problem.effort.solutions  # each search has its own count
@@ -204,6 +204,6 @@ def test_a_search_ends_after_so_many_solutions_and_says_so(monkeypatch):
     monkeypatch.setattr(forward_selection, "MOST_SOLUTIONS", 3)
     short = forward_selection.search(base.problem, base.theta, some, 6.0)
     assert [one.name for one in short.chosen] == ["nonuniform_eibm"]
-    assert len(short.turns) == 1
+    assert len(short.steps) == 1
     (note,) = cut_short(short.base.problem.effort)
     assert "after 3 solutions of the model" in note

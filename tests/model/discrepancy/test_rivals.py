@@ -45,7 +45,7 @@ def candidate(name: str) -> Candidate:
 
 def ranked(name: str, gain: float) -> RankedCandidate:
     own = Score(candidate=candidate(name), log_bayes=gain, amplitude=1.0, scale=1.0, length=1.0)
-    return RankedCandidate(score=own, gain=gain)
+    return RankedCandidate(score=own, ln_bayes_factor=gain)
 
 
 @pytest.mark.parametrize("name", EACH)
@@ -83,7 +83,7 @@ def test_what_says_more_than_a_name_is_no_rival_where_the_data_speak_against_it(
 def test_what_acts_at_another_place_is_a_rival_where_it_explains_about_as_much(
     rival: str, behind: float, is_one: bool
 ):
-    named = SimpleNamespace(effect=effect("arc_error"), gain=13.0)
+    named = SimpleNamespace(effect=effect("arc_error"), ln_bayes_factor=13.0)
     assert explains_as_much(ranked(rival, 13.0 - behind), named) is is_one
 
 
@@ -95,7 +95,9 @@ def test_what_explains_more_in_its_own_words_is_a_rival_though_it_imitates_no_na
     monkeypatch.setattr(neighbours, "evidence", lambda *_: words)
     monkeypatch.setattr(neighbours, "_imitates", lambda *_: False)
     ranking = [ranked("surface_tension", 26.7), ranked("force_offset", 20.6)]
-    one = SimpleNamespace(effect=effect("surface_tension"), gain=26.7, before=None, ranking=ranking)
+    one = SimpleNamespace(
+        effect=effect("surface_tension"), ln_bayes_factor=26.7, before=None, ranking=ranking
+    )
     assert set(neighbours._odds(SimpleNamespace(log_sigma=None), one)) == rivals
 
 

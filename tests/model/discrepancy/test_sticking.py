@@ -16,5 +16,5 @@ def test_sticking_from_the_second_position_on_explains_more_than_a_hysteresis(mo
     monkeypatch.setattr("benchmarks.worlds.generators._shooting_known.STUCK_FROM_M", 2.5e-3)
     base = fitted(world("shooting").measure(PAPER, {"roll_sticking": 0.2}, 5))
     both = [effect("roll_sticking"), effect("load_cell_hysteresis")]
-    gain = {one.name: one.gain for one in rank(base, both, locations=False)}
+    gain = {one.name: one.ln_bayes_factor for one in rank(base, both, locations=False)}
     assert gain["roll_sticking"] > gain["load_cell_hysteresis"] + 20.0

@@ -12,7 +12,7 @@ from labrig.analysis.together import BETWEEN_S, together
 from model.discrepancy.prepare import Options, prepare
 from model.effects import effect
 from model.effects.conformance import faults
-from model.identification.data.data_vector import DataVector, look
+from model.identification.data.data_vector import DataVector, data_vector_of
 from model.locations.examples import example_clock, example_weighed
 from model.parameter import Parameter
 from model.sheet.applied_effects import effect_of
@@ -28,7 +28,7 @@ def two(measured=None) -> DataVector:
     runs = list(dict.fromkeys((c.configuration, c.position_m) for c in whole.conditions))[:3]
     some = (c for c in whole.conditions if (c.configuration, c.position_m) in runs)
     second = replace(whole, conditions=tuple(some), series=())
-    return look(together([(Path("a.h5"), whole), (Path("b.h5"), second)]), "long")
+    return data_vector_of(together([(Path("a.h5"), whole), (Path("b.h5"), second)]), "long")
 
 
 def times(of: DataVector, number: int) -> np.ndarray:
@@ -49,7 +49,7 @@ def test_the_time_in_a_session_begins_anew_and_that_over_all_goes_on():
 
 @pytest.mark.slow
 def test_the_length_of_a_session_is_that_of_the_longest_one():
-    assert two().session_s == pytest.approx(look(session(), "long").session_s)
+    assert two().session_s == pytest.approx(data_vector_of(session(), "long").session_s)
     assert two().session_s > BETWEEN_S / 10.0
 
 
@@ -63,7 +63,7 @@ def test_without_times_the_runs_of_each_session_are_counted_from_its_beginning()
 @pytest.mark.slow
 def test_a_session_without_times_has_the_order_of_its_runs_beside_one_with_times():
     for first, second in ((means_of(session()), session()), (session(), means_of(session()))):
-        both = look(together([(Path("a.h5"), first), (Path("b.h5"), second)]), "long")
+        both = data_vector_of(together([(Path("a.h5"), first), (Path("b.h5"), second)]), "long")
         (one, whole), (other, later) = (times(both, number) for number in (1, 2))
         for own in (one, other):
             assert own.min() >= 0.0
@@ -73,7 +73,7 @@ def test_a_session_without_times_has_the_order_of_its_runs_beside_one_with_times
 
 
 def test_of_one_session_both_times_are_the_same():
-    for one in look(session(), "long").seen:
+    for one in data_vector_of(session(), "long").seen:
         np.testing.assert_allclose(one.clock.overall, one.clock.session, atol=1e-12)
 
 
@@ -82,8 +82,8 @@ def test_of_one_session_both_times_are_the_same():
 def test_readings_of_a_later_session_come_after_all_of_the_first():
     whole = together([(Path("a.h5"), session()), (Path("b.h5"), session())])
     forward = prepare(whole, Options()).problem.forward
-    part, seen = forward.part(0), forward.looks[0].seen
-    day = np.array([seen[int(k)].session for k in part.reading_of[part.in_time]])
+    block, seen = forward.row_block(0), forward.data_vectors[0].seen
+    day = np.array([seen[int(k)].session for k in block.reading_of[block.in_time]])
     assert np.all(np.diff(day) >= 0)
 
 

@@ -13,7 +13,7 @@ import pytest
 
 from benchmarks.hidden_effects import case, hidden_session
 from model.discrepancy import DiagnoseOptions, diagnose
-from model.discrepancy.criticism import Failure, VerdictCheck, catalogue
+from model.discrepancy.criticism import Consequence, Failure, VerdictCheck, catalogue
 from model.discrepancy.criticism.catalogue import verdict_checks
 from model.discrepancy.criticism.conformance import faults
 from model.discrepancy.criticism.criticise import criticise
@@ -66,7 +66,7 @@ class Broken(VerdictCheck):
         if named.named == ("raises",):
             raise KeyError("no such thing")
         if named.named == ("misspelt",):
-            yield Failure(consequence="unknwon", sentence="it is seen")
+            yield Failure(consequence="rejekt", sentence="it is seen")
         yield named.named[0]
 
 
@@ -75,7 +75,9 @@ class Sound(VerdictCheck):
 
     def failures(self, named):
         """See `VerdictCheck.failures`."""
-        yield Failure(consequence="noticed", sentence="it is seen", effects=named.named)
+        yield Failure(
+            consequence=Consequence.IMPROBABLE_AMPLITUDE, sentence="it is seen", effects=named.named
+        )
 
 
 @pytest.mark.parametrize(
@@ -83,7 +85,10 @@ class Sound(VerdictCheck):
     [
         ("raises", "KeyError: 'no such thing'"),
         ("word", "TypeError: it yielded str, not a Failure"),
-        ("misspelt", "ValueError: there is no consequence 'unknwon'; there are unknown, noticed"),
+        (
+            "misspelt",
+            "ValueError: there is no consequence 'rejekt'; there are reject, reject_",
+        ),
     ],
 )
 def test_a_check_of_another_distribution_that_fails_costs_no_verdict(monkeypatch, named, said):
@@ -159,7 +164,12 @@ def test_the_probability_that_nobody_noticed_falls_without_an_edge():
 
 @pytest.mark.parametrize(
     ("angle_rad", "consequence"),
-    [(0.3, []), (0.55, ["noticed"]), (0.8, ["noticed"]), (2.0, ["unknown"])],
+    [
+        (0.3, []),
+        (0.55, [Consequence.IMPROBABLE_AMPLITUDE]),
+        (0.8, [Consequence.IMPROBABLE_AMPLITUDE]),
+        (2.0, [Consequence.REJECT]),
+    ],
 )
 def test_only_an_amplitude_that_nobody_can_overlook_rejects_a_name(angle_rad, consequence):
     values = {"long": {"angle_rad": angle_rad}}

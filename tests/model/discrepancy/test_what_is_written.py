@@ -75,7 +75,7 @@ def along(value: float, full_V: float = 0.0) -> Profile:
 @pytest.mark.slow
 def test_a_model_without_a_solution_at_half_the_voltage_is_found_out():
     forward = base_fit().problem.forward
-    volts = max(max(look.voltages_V) for look in forward.looks)
+    volts = max(max(data_vector.voltages_V) for data_vector in forward.data_vectors)
     assert unsolved_at(fit(session()).model, forward) == ""
     assert unsolved_at(with_compliance(along(0.1)), forward) == ""
     # as stiff as ever at the voltages that were measured, negative at a quarter of that
@@ -131,8 +131,8 @@ def with_lag(base: SheetModel) -> SheetModel:
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_with_the_means_of_fit_a_model_predicts_what_fit_does_measured_or_not():
-    base, told = fit(session()).model, base_fit()
-    found = with_means_of(base, with_lag(base), told)
+    base, reported = fit(session()).model, base_fit()
+    found = with_means_of(base, with_lag(base), reported)
     for name in base.sheets:
         for at_m in (0.0, 0.0125, 0.03):
             for volts in (2.0, -2.0, 0.0, 1.0):
@@ -145,9 +145,9 @@ def test_with_the_means_of_fit_a_model_predicts_what_fit_does_measured_or_not():
         for name in base.sheets
         for v in base.sheet(name).eibm
     )
-    part = told.problem.bases.parts[0]
-    name = told.problem.forward.names[0]
-    stiffness = np.exp(theta_of(found, told)[part.stiffness])
+    part = reported.problem.bases.parts[0]
+    name = reported.problem.forward.names[0]
+    stiffness = np.exp(theta_of(found, reported)[part.stiffness])
     assert stiffness == pytest.approx(found.sheet(name).B.value)
 
 

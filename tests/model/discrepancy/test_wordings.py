@@ -9,7 +9,7 @@ import pytest
 
 from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.reported_set import shared
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.criticise import Criticism
 from model.discrepancy.criticism.wordings import evidence, without_contact, wordings
 from model.discrepancy.search.evidence import candidates
@@ -33,8 +33,8 @@ def pulled(fitted, *, everywhere: bool):
     if not everywhere:
         row = np.where(without_contact(fitted.problem.forward), 0.0, row)
     data = fitted.linear.data
-    layout = fitted.problem.forward.layout
-    linear = replace(fitted.linear, data=replace(data, y=data.y + layout.pad(row)))
+    row_index = fitted.problem.forward.row_index
+    linear = replace(fitted.linear, data=replace(data, y=data.y + row_index.pad(row)))
     return replace(fitted, linear=linear)
 
 
@@ -71,7 +71,7 @@ def test_names_that_nothing_tells_apart_have_their_probability_together():
 
 
 def test_odds_are_those_of_the_name_s_own_rivals():
-    alike = {"sentence": "", "consequence": "alike"}
+    alike = {"sentence": "", "consequence": Consequence.INDISTINGUISHABLE}
     failures = (
         Failure(**alike, effects=("a",), rivals=("b", "c"), odds=(0.5, 0.1)),
         Failure(**alike, effects=("d",), rivals=("e",), odds=(1.0,)),
@@ -85,7 +85,7 @@ def test_a_second_name_of_a_location_counts_with_the_others_that_it_may_be():
 
 
 def test_a_rival_that_is_likelier_in_other_words_takes_the_place_of_a_name():
-    alike = {"consequence": "alike", "sentence": "alike", "effects": ("a",)}
+    alike = {"consequence": Consequence.INDISTINGUISHABLE, "sentence": "alike", "effects": ("a",)}
     found = Criticism(failures=(Failure(**alike, rivals=("b", "c"), odds=(3.0, 0.1)),))
     assert found.likelier("a") == "b"
     assert found.likelier("d") == ""

@@ -76,7 +76,7 @@ def test_each_basis_shape_of_a_location_is_a_term_that_does_the_same():
             assert apart < ALIKE, (name, shape.part)
             for term in (one for one in way.terms if one.along == "position"):
                 (own,) = term.configurations  # between its positions nothing was measured
-                stated = forward.scenes[forward.names.index(own)].stated_m
+                stated = forward.configuration_models[forward.names.index(own)].stated_m
                 assert term.at == tuple(np.unique(stated[np.isfinite(stated)]))
         without = {shape.part for shape in every if not shape.terms}
         of_no_mean = {"EIBM, pulse", "EIBM, period", "force, period", "place, session"}

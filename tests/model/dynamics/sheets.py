@@ -19,11 +19,11 @@ from model.dynamics import (
     Simulation,
     Viscoelasticity,
 )
-from model.dynamics.linear.closed_form import StraightSheet
 from model.dynamics.linear.linear_model import linear_model
 from model.dynamics.linear.state_space import LinearSystem
 from model.dynamics.linearised import SmallMotion, linearise
 from model.mechanics.field import Field
+from tests.model.dynamics.closed_form import StraightSheet
 
 B, LENGTH_M, RADIUS_M = 1.27e-6, 0.05, 0.04
 MATERIAL = Viscoelasticity(B_Nm2=B, shares=(0.15, 0.10), times_s=(0.02, 0.3), viscous_time_s=2e-4)

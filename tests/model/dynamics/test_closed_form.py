@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from model.dynamics.linear.closed_form import blocked_force, charge, current, deflection, response
+from tests.model.dynamics.closed_form import blocked_force, charge, current, deflection, response
 from tests.model.dynamics.sheets import STRAIGHT_SHEET as SHEET
 from tests.model.dynamics.sheets import B
 

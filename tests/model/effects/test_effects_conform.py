@@ -116,7 +116,7 @@ def test_only_what_may_differ_between_sheets_is_free_by_configuration():
 def test_effects_of_the_load_cell_leave_the_shape_alone_and_those_of_the_camera_the_force():
     for effect in EFFECTS.values():
         if effect.location == "camera":
-            assert acts(effect) <= {"curve", "pictured"}
+            assert acts(effect) <= {"curve", "in_image"}
         elif effect.location == "load_cell" and effect.name != "load_cell_compliance":
             assert acts(effect) == {"force"}
 

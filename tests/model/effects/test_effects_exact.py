@@ -715,10 +715,10 @@ def test_an_older_picture_shows_what_had_come_by_then(through_zero: float):
     p = {"delay_s": 0.3, "through_zero": through_zero}
     way = 1.0 - np.array([0.0, -1.0, -1.0] if through_zero else clock.opposite)
     then, now = 1.0 - way * np.exp(-2.0), 1.0 - way * np.exp(-5.0)
-    assert effect("frame_delay").pictured(clock, p) == pytest.approx(then / now - 1.0)
-    late = effect("frame_delay").pictured(clock, {**p, "delay_s": 0.55})  # before the edge
+    assert effect("frame_delay").in_image(clock, p) == pytest.approx(then / now - 1.0)
+    late = effect("frame_delay").in_image(clock, {**p, "delay_s": 0.55})  # before the edge
     assert late == pytest.approx((1.0 - way) / now - 1.0)
-    assert effect("force_offset").pictured(clock, {"force_mN": 1.0}) is None
+    assert effect("force_offset").in_image(clock, {"force_mN": 1.0}) is None
 
 
 def test_the_loop_of_one_run_is_that_of_each_of_several():

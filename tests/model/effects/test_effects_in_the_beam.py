@@ -14,7 +14,7 @@ from model.effects import Effect, catalogue, effect
 from model.effects.conformance import acts, plausible
 from model.effects.interface import BeamProblem, ContactSolution
 from model.effects.sliding import slid
-from model.identification.data.data_vector import look
+from model.identification.data.data_vector import data_vector_of
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
@@ -30,17 +30,17 @@ FREE = Curve(
 class Bench:
     """Conditions of one sheet, with its base model."""
 
-    scene: ConfigurationModel
+    configuration_model: ConfigurationModel
     base: BeamProblem
 
     def settled(
         self, effect: Effect, p: dict[str, float], rounds: int = 60
     ) -> tuple[BeamProblem, ContactSolution]:
         """Solve and apply in turn until nothing moves."""
-        beam, contact = self.base, self.scene.solve(self.base).contact
+        beam, contact = self.base, self.configuration_model.solve(self.base).contact
         for _ in range(rounds):
             before, beam = contact, effect.beam(self.base, contact, p)
-            contact = self.scene.solve(beam).contact
+            contact = self.configuration_model.solve(beam).contact
             moved = np.abs(contact.force_N - before.force_N), np.abs(contact.y_m - before.y_m)
             if np.nanmax(moved[0], initial=0.0) < 1e-14 and np.max(moved[1]) < 1e-13:
                 return beam, contact
@@ -81,10 +81,10 @@ def bench(
         for at in positions_mm
         for i, volt in enumerate(volts)
     ]
-    seen = look(Measurements(sheets={"it": sheet}, conditions=tuple(conditions)), "it")
-    scene = ConfigurationModel(seen, Field.constant(k0, length_m))
+    seen = data_vector_of(Measurements(sheets={"it": sheet}, conditions=tuple(conditions)), "it")
+    configuration_model = ConfigurationModel(seen, Field.constant(k0, length_m))
     eibm = {volt: np.sign(volt) * bend * (1.0 if volt > 0 else 0.8) for volt in VOLTS}
-    return Bench(scene, scene.beam(B, eibm))
+    return Bench(configuration_model, configuration_model.beam(B, eibm))
 
 
 def brute(
@@ -155,7 +155,7 @@ def brute(
 def test_a_compliant_clamp_settles_where_a_search_by_hand_does(compliance: float):
     one = bench((0.0, 10.0, 25.0), k0=20.0, bend=25.0)
     beam, contact = one.settled(effect("clamp_compliance"), {"rotation_rad_per_Nm": compliance})
-    for k in range(one.scene.K):
+    for k in range(one.configuration_model.K):
         kappa = Field.constant(20.0 + float(one.base.eibm[k, 0]), 0.05)
         beta = float(one.base.stated_m[k]) / R
 
@@ -174,7 +174,7 @@ def test_a_load_cell_that_gives_way_stands_where_it_was_pushed_to():
     beam, contact = one.settled(effect("load_cell_compliance"), {"compliance_mm_per_mN": c})
     assert beam.shift_m == pytest.approx(c * contact.force_N, rel=1e-9)
     rigid = bench(tuple(1e3 * (one.base.stated_m + beam.shift_m)), k0=20.0, bend=25.0)
-    there = rigid.scene.solve(rigid.base).contact.force_N.reshape(-1, 3)[
+    there = rigid.configuration_model.solve(rigid.base).contact.force_N.reshape(-1, 3)[
         np.arange(9), np.arange(9) % 3
     ]
     assert contact.force_N == pytest.approx(there, rel=1e-9)
@@ -242,7 +242,7 @@ def test_a_level_cantilever_sags_by_w_l4_over_8_B():
     one = bench((None,), volts=(0.0,))
     for load in (1e-4, -1e-4):
         _, contact = one.settled(effect("gravity"), {"load_N_per_m": load})
-        end = np.polynomial.Polynomial.fit(one.scene.s_m, contact.y_m[0], 6)(0.05)
+        end = np.polynomial.Polynomial.fit(one.configuration_model.s_m, contact.y_m[0], 6)(0.05)
         assert end == pytest.approx(-load * 0.05**4 / (8.0 * B), rel=2e-4)
 
 
@@ -250,7 +250,7 @@ def test_a_level_cantilever_sags_by_w_l4_over_8_B():
 def test_a_held_heavy_sheet_settles_where_a_boundary_value_solver_does(bend: float):
     one = bench((15.0,), bend=bend, volts=(2.0,))
     load = 0.02
-    light = one.scene.solve(one.base).contact.force_N[0]
+    light = one.configuration_model.solve(one.base).contact.force_N[0]
     _, contact = one.settled(effect("gravity"), {"load_N_per_m": load})
     wanted = brute(15e-3 / R, bend, load=load / B)["force"]
     assert contact.force_N[0] - light == pytest.approx(wanted - light, rel=2e-3)
@@ -265,7 +265,7 @@ def test_friction_gives_the_shape_and_the_force_of_a_tangential_load(mu: float):
     one = bench((-10.0, 25.0), k0=0.0, bend=30.0)
     _, contact = one.settled(effect("roll_friction"), {"coefficient": mu, "force_alone": 0.0})
     way = slid(one.base, contact)
-    for k in range(one.scene.K):
+    for k in range(one.configuration_model.K):
         wanted = brute(float(one.base.stated_m[k]) / R, float(one.base.eibm[k, 0]), mu=mu * way[k])
         assert contact.force_N[k] == pytest.approx(wanted["force"], rel=1e-5)
         assert contact.s_hat_m[k] == pytest.approx(wanted["s_hat"], rel=1e-6)
@@ -276,7 +276,7 @@ def test_friction_gives_the_shape_and_the_force_of_a_tangential_load(mu: float):
 def test_friction_changes_its_sign_with_the_side_of_approach():
     p = {"coefficient": 0.2, "force_alone": 0.0}
     one, two = (bench((25.0,), approach=a, volts=(0.0,)) for a in ("up", "down"))
-    smooth = one.scene.solve(one.base).contact.force_N[0]
+    smooth = one.configuration_model.solve(one.base).contact.force_N[0]
     up, down = (b.settled(effect("roll_friction"), p)[1].force_N[0] for b in (one, two))
     # pushed up the sheet bends further and pushes back more; the rolls add to that
     assert up < smooth < down < 0.0
@@ -290,7 +290,7 @@ def test_a_position_error_is_another_position(scale: float, there_mm: float):
     one, other = bench((10.0,), bend=25.0), bench((there_mm,), bend=25.0)
     _, contact = one.settled(effect("position_error"), {"offset_mm": 0.5, "scale": scale})
     assert contact.force_N == pytest.approx(
-        other.scene.solve(other.base).contact.force_N, rel=1e-10
+        other.configuration_model.solve(other.base).contact.force_N, rel=1e-10
     )
 
 
@@ -314,10 +314,10 @@ def test_an_effect_settles_within_four_rounds_and_does_not_add_up(name: str):
     one = bench((0.0, 15.0, 30.0, None), k0=18.0, bend=20.0)
     kind, p = effect(name), plausible(effect(name))
     _, at_rest = one.settled(kind, p)
-    contact = one.scene.solve(one.base).contact
+    contact = one.configuration_model.solve(one.base).contact
     for _ in range(4):
         beam = kind.beam(one.base, contact, p)
-        contact = one.scene.solve(beam).contact
+        contact = one.configuration_model.solve(beam).contact
     assert np.nanmax(np.abs(contact.force_N - at_rest.force_N)) < 1e-7  # N: nobody measures that
     again = kind.beam(one.base, contact, p)
     for field in ("rest", "eibm", "bend", "soft", "tilt_rad", "shift_m", "offset_m"):
@@ -329,6 +329,6 @@ def test_what_acts_on_a_base_without_the_effect_leaves_that_base_alone():
     one = bench((0.0, 15.0), bend=20.0)
     kept = replace(one.base, bend=one.base.bend.copy(), tilt_rad=one.base.tilt_rad.copy())
     for kind in catalogue().values():
-        kind.beam(one.base, one.scene.solve(one.base).contact, plausible(kind))
+        kind.beam(one.base, one.configuration_model.solve(one.base).contact, plausible(kind))
     assert np.array_equal(kept.bend, one.base.bend)
     assert np.array_equal(kept.tilt_rad, one.base.tilt_rad)

@@ -9,7 +9,7 @@ import numpy as np
 from model import Condition, Measurements, Reading
 from model.effects import Effect, EffectParameter
 from model.effects.conformance import faults
-from model.identification.data.data_vector import look
+from model.identification.data.data_vector import data_vector_of
 from model.locations.examples import example_beam, example_clock, example_weighed
 from model.locations.quantities import AcquisitionTimes
 from model.sheet.effect_hooks import Acting, added_force_N, course, load_cell_input
@@ -84,7 +84,7 @@ def test_values_of_readings_are_those_of_the_measurements():
         configuration="long", position_m=0.01, voltage_V=2.0, readings=readings, curve=None
     )
     measured = Measurements(sheets={"long": geometry("long")}, conditions=(condition,))
-    (seen,) = look(measured, "long").seen
+    (seen,) = data_vector_of(measured, "long").seen
     changed = course(ACTING, seen.clock)
     assert changed is not None
     np.testing.assert_allclose(changed[0], [0.0, 0.01, 0.0, 0.03], atol=1e-12)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.families import Family, families, joined
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.thresholds import LEFT_OUT_CHI2_RATIO, LEFT_OUT_SIGMA
@@ -27,7 +27,7 @@ def too_large(
         ratio, sigma = chi2 / count, (chi2 - count) / np.sqrt(2.0 * count)
         if ratio > LEFT_OUT_CHI2_RATIO and sigma > LEFT_OUT_SIGMA:
             yield Failure(
-                consequence="unknown",
+                consequence=Consequence.REJECT,
                 sentence=(
                     f"{name}: the error on left-out positions is {np.sqrt(ratio):.1f} times what"
                     " noise and usual scatter allow"

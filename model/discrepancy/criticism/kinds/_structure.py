@@ -7,7 +7,7 @@ from itertools import permutations
 
 import numpy as np
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.group_amplitudes import (
     Group,
     GroupAmplitude,
@@ -49,7 +49,7 @@ def contradicted(
         if pair is not None:
             weak, strong = pair
             yield Failure(
-                consequence="doubt",
+                consequence=Consequence.REJECT_UNLESS_PROBABLE,
                 sentence=(
                     f"amplitude of {title(one.effect.name)}, relative to that in all data:"
                     f" {_number(strong)} {strong.title}, but {_number(weak)} {weak.title}"

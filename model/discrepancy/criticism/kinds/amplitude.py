@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.thresholds import LEAST_OVERLOOKED, OVERLOOKED_TOLD
@@ -31,7 +31,9 @@ class Amplitude(VerdictCheck):
                 impossible = overlooked < LEAST_OVERLOOKED
                 share = "" if impossible else f" ({100.0 * overlooked:.0f} % overlook that)"
                 yield Failure(
-                    consequence="unknown" if impossible else "noticed",
+                    consequence=(
+                        Consequence.REJECT if impossible else Consequence.IMPROBABLE_AMPLITUDE
+                    ),
                     sentence=f"{parameter.beyond_limit(value)}{share}",
                     effects=(one.effect.name,),
                     overlooked=overlooked,

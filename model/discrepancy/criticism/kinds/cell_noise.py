@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from model.discrepancy.criticism.cell_noise import CELL
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import MOUNTING, NamedModel
 from model.discrepancy.thresholds import ALARMING_SCATTER_RATIO
@@ -26,12 +26,14 @@ class LoadCellNoise(VerdictCheck):
         found = named.cell_noise
         if found is None:
             return
-        said = f"beside the names the {CELL[found.name]} is {found.times:.0f} times the usual one"
+        text = f"beside the names the {CELL[found.name]} is {found.times:.0f} times the usual one"
         if found.term is not None:
             order = "what it takes up is smooth or comes back, as noise does not"
-            yield Failure(consequence="told", sentence=f"{said}, and {order}")
+            yield Failure(consequence=Consequence.REMARK, sentence=f"{text}, and {order}")
         elif found.times > ALARMING_SCATTER_RATIO and found.name not in MOUNTING:
-            yield Failure(consequence="told", sentence=f"{said}, without any order in it")
+            yield Failure(
+                consequence=Consequence.REMARK, sentence=f"{text}, without any order in it"
+            )
 
 
 CHECK = LoadCellNoise(

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.search.cross_validation import position_groups, scores_without
@@ -37,9 +37,9 @@ class ChoiceOfName(VerdictCheck):
             rival, times = others.most_common(1)[0]
             if not _comes_close(named, rival):
                 return
-            first = max(named.named, key=lambda one: one.gain)
+            first = max(named.named, key=lambda one: one.ln_bayes_factor)
             yield Failure(
-                consequence="one_of",
+                consequence=Consequence.EQUIVALENCE_CLASS,
                 sentence=(
                     f"{title(rival)} is chosen in {times} of {len(cases)} cases in which a position"
                     " or a configuration is left out"
@@ -54,15 +54,15 @@ def _comes_close(named: NamedModel, rival: str) -> bool:
 
     Of strong effects the evidence, which is linear, may misjudge a form that the fit decides.
     """
-    gains = {c.name: c.gain for c in named.outcome.turns[0].ranking}
-    first = max(gains.get(one.effect.name, 0.0) for one in named.named)
-    return gains.get(rival, 0.0) > (1.0 - REFINED_EVIDENCE_SHARE) * first
+    ln_bayes_factors = {c.name: c.ln_bayes_factor for c in named.outcome.steps[0].ranking}
+    first = max(ln_bayes_factors.get(one.effect.name, 0.0) for one in named.named)
+    return ln_bayes_factors.get(rival, 0.0) > (1.0 - REFINED_EVIDENCE_SHARE) * first
 
 
 def _left_out(named: NamedModel) -> list[Index]:
     """Return the runs of each position, and of each configuration where there are several."""
-    layout = named.fitted.problem.forward.layout
-    of = np.array([run[0] for run in layout.runs])
+    row_index = named.fitted.problem.forward.row_index
+    of = np.array([run[0] for run in row_index.runs])
     names = list(dict.fromkeys(of.tolist()))
     sheets = [np.flatnonzero(of == name) for name in names] if len(names) > 1 else []
     return [*position_groups(named.fitted), *sheets]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.criticism.wordings import evidence, wordings
@@ -47,7 +47,7 @@ class Neighbours(VerdictCheck):
             odds = {n: v for n, v in _odds(named, one).items() if n not in names}
             if odds:
                 yield Failure(
-                    consequence="alike",
+                    consequence=Consequence.INDISTINGUISHABLE,
                     sentence=(
                         f"these data do not tell {title(one.effect.name)} from"
                         f" {' or '.join(map(title, odds))}"
@@ -70,7 +70,9 @@ def _odds(named: NamedModel, one: Choice) -> dict[str, float]:
     for rival in every:
         if rival is own:
             continue
-        ahead = rival.gain - (one.gain if own is None else own.gain)
+        ahead = rival.ln_bayes_factor - (
+            one.ln_bayes_factor if own is None else own.ln_bayes_factor
+        )
         ahead = min(ahead, 0.0)
         if own is not None and {own.name, rival.name} <= found.keys():
             in_words = found[rival.name] - found[own.name]
@@ -99,7 +101,7 @@ def _same_place(rival: RankedCandidate, one: Choice) -> bool:
 def explains_as_much(rival: RankedCandidate, one: Choice) -> bool:
     """Return whether what acts at another place explains about as much."""
     places = (rival.score.candidate.location, one.effect.location)
-    close = rival.gain > one.gain - NEIGHBOUR_EVIDENCE_LN
+    close = rival.ln_bayes_factor > one.ln_bayes_factor - NEIGHBOUR_EVIDENCE_LN
     return close and not any(location(where).in_time for where in places)
 
 
@@ -110,7 +112,7 @@ def _imitates(named: NamedModel, one: Choice, rival: RankedCandidate) -> bool:
         return False
     index = next(i for i, f in enumerate(fitted.found) if f.effect.name == one.effect.name)
     forward, span = fitted.problem.forward, fitted.spans[index]
-    whole = np.zeros(forward.layout.size)
+    whole = np.zeros(forward.row_index.size)
     for c, step in steps_of(fitted, index):
         whole += forward.rows_of(c, fitted.linear.states[c], step)
     keep = np.setdiff1d(np.arange(fitted.linear.columns.shape[1]), np.arange(span.start, span.stop))

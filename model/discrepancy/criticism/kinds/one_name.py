@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.criticism.wordings import evidence
@@ -39,7 +39,7 @@ class OneName(VerdictCheck):
                 odds[one.candidate.name] = float(np.exp(min(ahead, 0.0) / EVIDENCE_TEMPERATURE))
         if odds:
             yield Failure(
-                consequence="alike",
+                consequence=Consequence.INDISTINGUISHABLE,
                 sentence=(
                     f"{' or '.join(map(title, odds))} alone explains about as much as"
                     f" {' and '.join(map(title, names))} together"
@@ -58,7 +58,7 @@ def _ahead_in_words(named: NamedModel, one: SingleName) -> float:
     if len(named.named) != PAIR:
         return -np.inf
     base, log_sigma = named.outcome.base, named.log_sigma
-    first, second = sorted(named.named, key=lambda choice: -choice.gain)
+    first, second = sorted(named.named, key=lambda choice: -choice.ln_bayes_factor)
     rival = one.candidate.score.candidate.effect
     effects = [first.effect, *([] if rival is None else [rival])]
     alone = evidence(base, log_sigma, effects)

@@ -28,9 +28,9 @@ class PlaceStructure(VerdictCheck):
 
 def _thirds(named: NamedModel) -> list[Group]:
     """Return the rows of the lowest, middle and highest third of the positions."""
-    layout = named.fitted.problem.forward.layout
+    row_index = named.fitted.problem.forward.row_index
     rows = joined(families(named.fitted, named.outcome.outliers))
-    position_m = np.array([run[1] for run in layout.runs])[layout.run_of[rows]]
+    position_m = np.array([run[1] for run in row_index.runs])[row_index.run_of[rows]]
     known = np.unique(position_m[np.isfinite(position_m)])
     if len(known) < len(PARTS):
         return []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import MOUNTING, NamedModel
 from model.discrepancy.thresholds import ALARMING_SCATTER_RATIO
@@ -21,7 +21,7 @@ class Scatter(VerdictCheck):
             ratio = named.scatter_ratio.get(name, 0.0)
             if ratio > ALARMING_SCATTER_RATIO:
                 yield Failure(
-                    consequence="unknown",
+                    consequence=Consequence.REJECT,
                     sentence=(
                         f"beside the name {title} still differs from set-up to set-up"
                         f" {ratio:.0f} times as much as usual"

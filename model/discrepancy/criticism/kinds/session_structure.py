@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.group_amplitudes import GroupAmplitude, amplitudes
 from model.discrepancy.criticism.named_model import NamedModel, limited_scatter
@@ -35,7 +35,7 @@ class SessionStructure(VerdictCheck):
             missing = LEAST_RIGID_RATIO * between.factor - within.factor
             if missing > STRUCTURE_SIGMA * sigma:
                 yield Failure(
-                    consequence="unknown",
+                    consequence=Consequence.REJECT,
                     sentence=(
                         f"{title(one.effect.name)} is {between.factor:.2f} ± {between.sigma:.2f}"
                         " between the configurations, over what is named, but"
@@ -50,7 +50,7 @@ def _factors(named: NamedModel, index: int) -> tuple[GroupAmplitude, GroupAmplit
     """Return the factors of an effect's course within configurations, and of their means."""
     fitted = named.fitted
     forward = fitted.problem.forward
-    whole, means = np.zeros(forward.layout.size), np.zeros(forward.layout.size)
+    whole, means = np.zeros(forward.row_index.size), np.zeros(forward.row_index.size)
     for c, step in steps_of(fitted, index):
         level = replace(step, force_N=_level(step.force_N), eibm=_level(step.eibm),
                         stiffness=_level(step.stiffness))  # fmt: skip

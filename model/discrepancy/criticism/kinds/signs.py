@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from model.discrepancy.criticism.check_result import Failure
+from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.thresholds import STRUCTURE_SIGMA
@@ -29,7 +29,7 @@ class Signs(VerdictCheck):
                 high += [name] if values[parameter.name] - reach > 0.0 else []
             if low and high:
                 yield Failure(
-                    consequence="unknown",
+                    consequence=Consequence.REJECT,
                     sentence=(
                         f"{title(one.effect.name)} is positive in '{high[0]}' and negative in"
                         f" '{low[0]}', but it can only act one way"

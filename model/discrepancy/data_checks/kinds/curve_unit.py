@@ -34,7 +34,7 @@ def _of(check: str, sheet: SheetGeometry, curves: list[Curve]) -> Iterator[Suspi
     name, end_m = sheet.configuration, np.array([c.s_m[-1] for c in curves])
     low, high = SHORTEST_CURVE_RATIO * sheet.free_length_m, LONGEST_CURVE_RATIO * whole_m
     wrong = (long_m < low) | (long_m > high)
-    apart = np.abs(long_m / np.maximum(end_m, 1e-12) - 1.0) > CONTRADICTION
+    contradicts = np.abs(long_m / np.maximum(end_m, 1e-12) - 1.0) > CONTRADICTION
     many = "" if wrong.all() else f"{int(wrong.sum())} of the {len(curves)} "
     if wrong.any():
         typical_m = float(np.median(long_m[wrong]))
@@ -47,13 +47,13 @@ def _of(check: str, sheet: SheetGeometry, curves: list[Curve]) -> Iterator[Suspi
                 f" sheet {1e3 * whole_m:.3g} mm: {_unit(factor)}"
             ),
         )  # fmt: skip
-    elif apart.any():
-        typical = float(np.median(end_m[apart] / long_m[apart]))
+    elif contradicts.any():
+        typical = float(np.median(end_m[contradicts] / long_m[contradicts]))
         yield Suspicion(
             check=check, severity="stop", where="s_mm of curves.csv", configurations=(name,),
             value=1.0 / typical,
             sentence=(
-                f"s_mm of {int(apart.sum())} of the {len(curves)} curves of '{name}' is"
+                f"s_mm of {int(contradicts.sum())} of the {len(curves)} curves of '{name}' is"
                 f" {typical:.3g} times their length along x_mm and y_mm, which must be equal"
             ),
         )  # fmt: skip

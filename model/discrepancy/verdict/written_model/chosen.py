@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.criticism.picture_noise import of_pictures
+from model.discrepancy.criticism.image_noise import of_images
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.verdict.decision import Decision
@@ -31,8 +31,8 @@ from model.sheet.sheet_model import SheetModel
 class WrittenModel:
     """What is written of a decision."""
 
-    told: MixedModelFit  # with what was found, solved with the inferred forms in the model
-    predicting: MixedModelFit  # what the file predicts with: `told`, or the base model
+    reported: MixedModelFit  # with what was found, solved with the inferred forms in the model
+    predicting: MixedModelFit  # what the file predicts with: `reported`, or the base model
     model: SheetModel  # as a file has it
     # where the model with an inferred form that is left out has no solution; empty: none is
     unsolved: str = ""
@@ -40,7 +40,7 @@ class WrittenModel:
     @property
     def without(self) -> bool:
         """Whether the file has the base model, without what was found."""
-        return self.predicting is not self.told
+        return self.predicting is not self.reported
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,32 +56,35 @@ class Writer:
 
         The first fit that has an answer everywhere decides.
         """
-        base, told, unsolved = self.outcome.base, decision.known, ""
+        base, reported, unsolved = self.outcome.base, decision.known, ""
         final, free = decision.final, decision.free
-        if free is not None and of_pictures(free):
+        if free is not None and of_images(free):
             final, free = decision.known, None  # how each is off says nothing of the next one
-        for told in written(decision.known, final, free):
-            model = sheet_model(told, self.measurements, self.options)
-            where = "" if told is base else unsolved_at(model, base.problem.forward)
+        for reported in written(decision.known, final, free):
+            model = sheet_model(reported, self.measurements, self.options)
+            where = "" if reported is base else unsolved_at(model, base.problem.forward)
             if where:
                 unsolved = unsolved or where
                 continue
-            if told is base or not predicts_better(base, told):
+            if reported is base or not predicts_better(base, reported):
                 break
-            if not means_ask_for(base, told):
-                told, model = self._with_means_of_fit(told, model)
-            if any(one.ways for one in told.found):
+            if not means_ask_for(base, reported):
+                reported, model = self._with_means_of_fit(reported, model)
+            if any(one.ways for one in reported.found):
                 unsolved = ""  # begun elsewhere the form has a solution everywhere, and is written
             return WrittenModel(
-                told=told, predicting=told, model=self._with_errors(model), unsolved=unsolved
+                reported=reported,
+                predicting=reported,
+                model=self._with_errors(model),
+                unsolved=unsolved,
             )
-        plain = self._of_fit() if told is not base else None
+        plain = self._of_fit() if reported is not base else None
         if plain is None:
             plain = self._with_errors(sheet_model(base, self.measurements, self.options))
-        return WrittenModel(told=told, predicting=base, model=plain, unsolved=unsolved)
+        return WrittenModel(reported=reported, predicting=base, model=plain, unsolved=unsolved)
 
     def _with_means_of_fit(
-        self, told: MixedModelFit, model: SheetModel
+        self, reported: MixedModelFit, model: SheetModel
     ) -> tuple[MixedModelFit, SheetModel]:
         """Return fit and model with mean forces and curves as `fit` has them, where that can be.
 
@@ -90,10 +93,10 @@ class Writer:
         plain = self._of_fit()
         with suppress(ModelError, np.linalg.LinAlgError):
             if plain is not None:
-                other = with_means_of(plain, model, told)
-                if not unsolved_at(other, told.problem.forward):
-                    return replace(told, theta=theta_of(other, told)), other
-        return told, model
+                other = with_means_of(plain, model, reported)
+                if not unsolved_at(other, reported.problem.forward):
+                    return replace(reported, theta=theta_of(other, reported)), other
+        return reported, model
 
     def _of_fit(self) -> SheetModel | None:
         """Return the base model as `fit` writes it; None where that would be another one.

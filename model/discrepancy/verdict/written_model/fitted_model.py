@@ -30,7 +30,7 @@ def sheet_model(final: MixedModelFit, measurements: Measurements, options: Optio
     together = {
         name: deviations(final, c)
         for c, name in enumerate(forward.names)
-        if weighs(forward.looks[c])
+        if weighs(forward.data_vectors[c])
     }
     held = tuple(f"{name or 'all'}, {at * 1e3:g} mm" for name, at in options.hold_out)
     return SheetModel(
@@ -72,7 +72,7 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
         for k in one.effect.parameters
     }
     forward = final.problem.forward
-    sheet = forward.scenes[forward.names.index(configuration)].sheet
+    sheet = forward.configuration_models[forward.names.index(configuration)].sheet
     derived = one.effect.derived(values, sheet)
     amplitude = one.effect.amplitude
     size = amplitude.name
@@ -113,19 +113,21 @@ def _step(parameter: EffectParameter) -> float:
 def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     """B, k0 and EIBM of one configuration."""
     forward, part = final.problem.forward, final.problem.bases.parts[c]
-    scene, theta = forward.scenes[c], final.theta
+    configuration_model, theta = forward.configuration_models[c], final.theta
     sigma = np.sqrt(np.maximum(np.diag(final.solution.covariance), 0.0))
     B = float(np.exp(theta[part.stiffness]))
-    share = float(sigma[part.stiffness]) if weighs(scene.look) else 1.0  # then nothing is known
+    share = (
+        float(sigma[part.stiffness]) if weighs(configuration_model.data_vector) else 1.0
+    )  # then nothing is known
     stiffness = Parameter(value=B, sigma=B * share, unit="N m^2", freedom=INTERVAL_FREEDOM)
-    stated = scene.sheet.initial_curvature
+    stated = configuration_model.sheet.initial_curvature
     if stated is not None:
         along = Along(stated[0], stated[1], np.zeros(len(stated[0])), "1/m")
     else:
-        rest = scene.rest(scene.s_m)
+        rest = configuration_model.rest(configuration_model.s_m)
         for i, row in part.rest.items():
             rest = rest + theta[i] * row
-        along = Along(scene.s_m, rest, np.zeros(len(rest)), "1/m")
+        along = Along(configuration_model.s_m, rest, np.zeros(len(rest)), "1/m")
     eibm = {}
     for volts, (i, sign) in part.eibm.items():
         level = B * float(theta[i])
@@ -137,7 +139,7 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
             freedom=INTERVAL_FREEDOM,
         )
         eibm[volts] = Along.constant(value)
-    geometry = replace(scene.sheet, initial_curvature=(along.s_m, along.values))
+    geometry = replace(configuration_model.sheet, initial_curvature=(along.s_m, along.values))
     return ConfiguredSheet(geometry, stiffness, along, eibm)
 
 
@@ -149,7 +151,7 @@ def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
     result = {}
     for c, name in enumerate(final.problem.forward.names):
         sheet = _sheet(final, c)
-        known = weighs(final.problem.forward.looks[c])
+        known = weighs(final.problem.forward.data_vectors[c])
         own = {"B_Nm2": sheet.B} if known else {}
         what, unit = ("EIBM", "N m") if known else ("EIBM/B", "1/m")
         scale = 1.0 if known else 1.0 / sheet.B.value

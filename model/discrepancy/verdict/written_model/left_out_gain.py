@@ -45,30 +45,30 @@ def forms_asked_for(known: MixedModelFit, final: MixedModelFit) -> bool:
     return bool(plain - formed > -FORM_GAIN_CHI2)
 
 
-def predicts_better(base: MixedModelFit, told: MixedModelFit) -> bool:
+def predicts_better(base: MixedModelFit, reported: MixedModelFit) -> bool:
     """Return whether left-out positions are predicted no worse with what was found than without."""
-    return _gain_in_means(base, told) > -LOSS_CHI2
+    return _gain_in_means(base, reported) > -LOSS_CHI2
 
 
-def means_ask_for(base: MixedModelFit, told: MixedModelFit) -> bool:
+def means_ask_for(base: MixedModelFit, reported: MixedModelFit) -> bool:
     """Return whether left-out positions ask for what was found as clearly as a name is asked for.
 
     If not, as with a lag that looks like less EIBM, they do not know what it does to them.
     """
-    return _gain_in_means(base, told) >= FORM_GAIN_CHI2
+    return _gain_in_means(base, reported) >= FORM_GAIN_CHI2
 
 
-def _gain_in_means(base: MixedModelFit, told: MixedModelFit) -> float:
+def _gain_in_means(base: MixedModelFit, reported: MixedModelFit) -> float:
     """Return the fall of chi^2 of left-out mean forces and curves: a model file predicts these.
 
     Infinite where there are too few to tell.
     """
-    where, noise = cells(told), variance(told)
+    where, noise = cells(reported), variance(reported)
     rows = np.concatenate([*where.force, *where.curve, np.zeros(0, dtype=np.int64)])
-    if len(position_groups(told)) < FEWEST_POSITIONS or not len(rows):
+    if len(position_groups(reported)) < FEWEST_POSITIONS or not len(rows):
         return np.inf
     none = np.zeros(0, dtype=np.int64)
-    before, after = (_chi2(fitted, none, rows, noise) for fitted in (base, told))
+    before, after = (_chi2(fitted, none, rows, noise) for fitted in (base, reported))
     return before - after
 
 
@@ -81,7 +81,7 @@ def columns_asked_for(final: MixedModelFit, part_of: Sequence[str]) -> Index:
     """
     kept, first = list(dict.fromkeys(part_of)), final.spans[-1].start
     every, noise = np.array(part_of), variance(final)
-    run_of = final.problem.forward.layout.run_of
+    run_of = final.problem.forward.row_index.run_of
     groups = position_groups(final)
     if len(kept) < 2 or len(groups) < FEWEST_POSITIONS:
         return np.arange(len(part_of))

@@ -25,15 +25,17 @@ CLOSE = 1e-11  # of the data's standard deviation, at which there is nothing to 
 STEP = 1e-4  # relative, for derivatives
 
 
-def with_means_of(plain: SheetModel, model: SheetModel, told: MixedModelFit) -> SheetModel:
+def with_means_of(plain: SheetModel, model: SheetModel, reported: MixedModelFit) -> SheetModel:
     """Return a model with the B and EIBM that give it a base model's mean forces and curves.
 
-    As nearly as they can, at the conditions that were measured. `told` is what the model is of.
+    As nearly as they can, at the conditions that were measured. `reported` is what the model is of.
     """
-    units, sheets = floor(variance(told), cells(told)), dict(model.sheets)
-    for name, look in zip(told.problem.forward.names, told.problem.forward.looks, strict=True):
+    units, sheets = floor(variance(reported), cells(reported)), dict(model.sheets)
+    for name, data_vector in zip(
+        reported.problem.forward.names, reported.problem.forward.data_vectors, strict=True
+    ):
         places = [
-            (float(one.position_m), float(one.voltage_V)) for one in look.seen
+            (float(one.position_m), float(one.voltage_V)) for one in data_vector.seen
             if not (one.free or one.zero or one.tilt_rad)
         ]  # fmt: skip
         if not places or plain.sheet(name).eibm.keys() != sheets[name].eibm.keys():
@@ -47,10 +49,10 @@ def with_means_of(plain: SheetModel, model: SheetModel, told: MixedModelFit) -> 
     return replace(model, sheets=sheets)
 
 
-def theta_of(model: SheetModel, told: MixedModelFit) -> FloatArray:
+def theta_of(model: SheetModel, reported: MixedModelFit) -> FloatArray:
     """Return a fit's base parameters with the B and EIBM of a model."""
-    theta = told.theta.copy()
-    names, parts = told.problem.forward.names, told.problem.bases.parts
+    theta = reported.theta.copy()
+    names, parts = reported.problem.forward.names, reported.problem.bases.parts
     for name, part in zip(names, parts, strict=True):
         sheet = model.sheet(name)
         theta[part.stiffness] = np.log(sheet.B.value)

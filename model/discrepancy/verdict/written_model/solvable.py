@@ -23,18 +23,18 @@ def unsolved_at(model: SheetModel, forward: ForwardModel) -> str:
     them, in each session: what was measured itself is asked for by `stated_errors`. What is not
     reachable without the model's effects does not count.
     """
-    for name, look in zip(forward.names, forward.looks, strict=True):
-        places = list(dict.fromkeys(_places(look)))
-        for number in sorted({one.session for one in look.seen}):
+    for name, data_vector in zip(forward.names, forward.data_vectors, strict=True):
+        places = list(dict.fromkeys(_places(data_vector)))
+        for number in sorted({one.session for one in data_vector.seen}):
             found = _first_unsolved(model.in_session(number), name, places)
             if found is not None:
                 return f"{name}, {found[0] * 1e3:.3g} mm, {found[1]:+.3g} V"
     return ""
 
 
-def _places(look: DataVector) -> Iterator[Place]:
+def _places(data_vector: DataVector) -> Iterator[Place]:
     """Yield positions and voltages within what was measured."""
-    touching = [one for one in look.seen if not (one.free or one.zero or one.tilt_rad)]
+    touching = [one for one in data_vector.seen if not (one.free or one.zero or one.tilt_rad)]
     positions = sorted({float(one.position_m) for one in touching})
     between = [0.5 * (a + b) for a, b in pairwise(positions)]
     voltages = sorted({HALF * float(one.voltage_V) for one in touching})
@@ -57,7 +57,11 @@ def _first_unsolved(model: SheetModel, name: str, places: list[Place]) -> Place 
 
 
 def _all_solved(model: SheetModel, name: str, places: list[Place]) -> bool:
-    every = list(dict.fromkeys((at, v) for at, volts in places for v in model.beside(name, volts)))
+    every = list(
+        dict.fromkeys(
+            (at, v) for at, volts in places for v in model.alternating_voltages_V(name, volts)
+        )
+    )
     try:
         return all_solved(model.setups(name, every))
     except ModelError:  # the effects do not settle

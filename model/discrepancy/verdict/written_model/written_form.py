@@ -98,10 +98,10 @@ def _with_share(one: Found, share: float) -> Found:
 
 
 def _unnamed(
-    fitted: MixedModelFit, final: MixedModelFit, contender: RankedCandidate
+    fitted: MixedModelFit, final: MixedModelFit, ranked: RankedCandidate
 ) -> tuple[MixedModelFit, Found]:
     """Return the fit with the parts of a free form that gain something, and these parts."""
-    candidate, span = contender.score.candidate, final.spans[-1]
+    candidate, span = ranked.score.candidate, final.spans[-1]
     every = shapes(fitted, candidate.location, candidate.part)
     keep = columns_asked_for(final, [shape.part for shape in every])
     if len(keep) < len(every):
@@ -111,7 +111,7 @@ def _unnamed(
         final = replace(final, linear=linear, solution=solution, spans=(*final.spans[:-1], span))
     sizes = final.solution.beta[span].tolist()
     ways = tuple(
-        FormWay(terms=terms, size=size, sigma=contender.score.scale)
+        FormWay(terms=terms, size=size, sigma=ranked.score.scale)
         for shape, size in zip([every[i] for i in keep], sizes, strict=True)
         if (terms := terms_of(fitted.problem.forward, shape))
     )
@@ -124,13 +124,19 @@ def terms_of(forward: ForwardModel, shape: BasisShape) -> tuple[Profile, ...]:
     """Return a basis shape as a model file has it, by configuration."""
     result = []
     for name, term in shape.terms.items():
-        scene = forward.scenes[forward.names.index(name)]
-        volts = np.abs(scene.voltage_V)
+        configuration_model = forward.configuration_models[forward.names.index(name)]
+        volts = np.abs(configuration_model.voltage_V)
         least_V = float(np.min(volts[volts > 0.0], initial=np.inf))
         # a relative change of the EIBM is one of what goes with the voltage already
         full_V = least_V if np.isfinite(least_V) and term.adds != "EIBM" else 0.0
         result.append(
-            _term(term, name, shape.unit, full_V, np.unique(scene.stated_m[scene.touching]))
+            _term(
+                term,
+                name,
+                shape.unit,
+                full_V,
+                np.unique(configuration_model.stated_m[configuration_model.touching]),
+            )
         )
     return tuple(result)
 

@@ -46,9 +46,9 @@ def extrapolated(known: Sequence[tuple[float, Equilibria | None]], to: float) ->
 class ContactSearch:
     """Solves contacts, each from the last solution: `last` of all, another one beside the arc."""
 
-    def __init__(self, look: DataVector, elements: SheetElements) -> None:
-        self._look, self._sheet, self._elements = look, look.sheet, elements
-        self._stated_m = np.array([o.position_m for o in look.seen])
+    def __init__(self, data_vector: DataVector, elements: SheetElements) -> None:
+        self._look, self._sheet, self._elements = data_vector, data_vector.sheet, elements
+        self._stated_m = np.array([o.position_m for o in data_vector.seen])
         self.last: Equilibria | None = None
         # conditions, angles and solution where contacts were last beside the point on the arc
         self.last_beside: tuple[Index, FloatArray, Equilibria] | None = None

@@ -48,13 +48,21 @@ class _Kind:
 
 def noise_of(forward: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
     """Return the noise of readings, modes, sways and pulses, each configuration on its own."""
-    N = forward.layout.size
+    N = forward.row_index.size
     fixed, kinds = np.zeros(N), list[_Kind]()
-    for name, part, scene, look in zip(
-        forward.names, forward.layout.parts, forward.scenes, forward.looks, strict=True
+    for name, block, configuration_model, data_vector in zip(
+        forward.names,
+        forward.row_index.blocks,
+        forward.configuration_models,
+        forward.data_vectors,
+        strict=True,
     ):
-        wave_N = 0.0 if forward.wave is None else forward.wave.added_N(part.clock)
-        kinds += _kinds(name, part, scene, look, part.measured_N - wave_N, priors)
+        periodic_N = (
+            0.0 if forward.periodic_term is None else forward.periodic_term.added_N(block.clock)
+        )
+        kinds += _kinds(
+            name, block, configuration_model, data_vector, block.measured_N - periodic_N, priors
+        )
     masks = []
     for kind in kinds:
         mask = np.zeros(N)
@@ -79,19 +87,19 @@ def width_of(noise: RowNoise) -> FloatArray:
 
 
 def _kinds(
-    name: str, part: RowBlock, scene: ConfigurationModel, look: DataVector, reading_N: FloatArray,
-    priors: NoisePriors,
+    name: str, block: RowBlock, configuration_model: ConfigurationModel, data_vector: DataVector,
+    reading_N: FloatArray, priors: NoisePriors,
 ) -> Iterator[_Kind]:  # fmt: skip
-    if len(part.trend_rows):
+    if len(block.trend_rows):
         # of independent readings: those of a mean are fewer times as noisy
-        in_mean = np.array([one.mean_of for one in look.seen])[part.trend_of]
-        weight = np.sum(part.trend**2, axis=1) / in_mean
-        size, unsure = _reading_noise(part, reading_N, look)
+        in_mean = np.array([one.mean_of for one in data_vector.seen])[block.trend_of]
+        weight = np.sum(block.trend**2, axis=1) / in_mean
+        size, unsure = _reading_noise(block, reading_N, data_vector)
         yield _Kind(
-            name=f"{name} reading", rows=part.trend_rows, weight=weight, size=size, unsure=unsure
+            name=f"{name} reading", rows=block.trend_rows, weight=weight, size=size, unsure=unsure
         )
-    if priors.misfit_N and part.is_mean.any():
-        means = part.trend_rows[part.is_mean]
+    if priors.misfit_N and block.is_mean.any():
+        means = block.trend_rows[block.is_mean]
         yield _Kind(
             name=f"{name} force",
             rows=means,
@@ -99,11 +107,11 @@ def _kinds(
             size=priors.misfit_N,
             unsure=priors.mode_unsure,
         )
-    stated = [o.curve.sigma_m for o in look.seen if o.curve is not None]
+    stated = [o.curve.sigma_m for o in data_vector.seen if o.curve is not None]
     known = [float(np.mean(s)) for s in stated if s is not None]
     typical = max(float(np.mean(known)) if known else CURVE_M, 5.0 * LEAST_MODE_M)
-    for m in range(scene.modes):
-        rows = part.mode_rows[scene.has_curve, m]
+    for m in range(configuration_model.modes):
+        rows = block.mode_rows[configuration_model.has_curve, m]
         if len(rows):
             yield _Kind(
                 name=f"{name} mode {m}",
@@ -113,17 +121,17 @@ def _kinds(
                 unsure=priors.mode_unsure,
                 least=LEAST_MODE_M,
             )
-    if len(part.sway_rows):
-        weight = np.sum(part.sway**2, axis=1)
+    if len(block.sway_rows):
+        weight = np.sum(block.sway**2, axis=1)
         yield _Kind(
-            name=f"{name} sway", rows=part.sway_rows, weight=weight, size=SWAY_M, unsure=2.0
+            name=f"{name} sway", rows=block.sway_rows, weight=weight, size=SWAY_M, unsure=2.0
         )
-    if len(part.bin_rows):
+    if len(block.bin_rows):
         # the scatter of the pulses says how sure each part is, up to a factor near one
-        pooled = _pooled(part.bin_variance, part.bin_set)
+        pooled = _pooled(block.bin_variance, block.bin_set)
         yield _Kind(
             name=f"{name} pulse",
-            rows=part.bin_rows,
+            rows=block.bin_rows,
             weight=pooled,
             size=1.0,
             unsure=1.5,
@@ -131,17 +139,19 @@ def _kinds(
         )
 
 
-def _reading_noise(part: RowBlock, reading_N: FloatArray, look: DataVector) -> tuple[float, float]:
+def _reading_noise(
+    block: RowBlock, reading_N: FloatArray, data_vector: DataVector
+) -> tuple[float, float]:
     """Return the standard deviation of a reading about its trend in time, and of its logarithm."""
     total, degrees = 0.0, 0
-    for one in look.seen:
+    for one in data_vector.seen:
         if one.spread_N is not None and one.spread_N > 0.0:
             known = max(one.mean_of - 1, 1)
             total += known * one.spread_N**2
             degrees += known
-    for k in np.unique(part.reading_of):
-        own = (part.reading_of == k) & (part.share > 0.0)
-        rows = part.trend[(part.trend_of == k) & ~part.is_early][:, own]
+    for k in np.unique(block.reading_of):
+        own = (block.reading_of == k) & (block.share > 0.0)
+        rows = block.trend[(block.trend_of == k) & ~block.is_early][:, own]
         n = int(own.sum())
         if n <= len(rows):
             continue

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from model.discrepancy.criticism.picture_noise import aside, picture_noise, unusual_pictures
+from model.discrepancy.criticism.image_noise import aside, image_noise, unusual_images
 from model.discrepancy.thresholds import EVIDENCE_THRESHOLD_LN
 from model.measurements import Condition, Curve, Measurements
 from tests.cases import few
@@ -42,25 +42,25 @@ def _turned(curve: Curve | None, angle: float) -> Curve | None:
 
 @pytest.mark.slow
 def test_usual_noise_of_curves_is_no_evidence():
-    found = picture_noise(base_fit(NOTHING))
+    found = image_noise(base_fit(NOTHING))
     assert set(found) == {"long", "short"}
     assert all(one.evidence < 0.3 * EVIDENCE_THRESHOLD_LN for one in found.values())
-    assert unusual_pictures(base_fit(NOTHING)) is None
+    assert unusual_images(base_fit(NOTHING)) is None
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("which", few(["long", "short"]))
 def test_noise_of_one_configuration_is_compared_with_the_other(which):
-    found = unusual_pictures(fitted(turned(session(NOTHING), {which})))
+    found = unusual_images(fitted(turned(session(NOTHING), {which})))
     assert found is not None
     assert found.score.candidate.part.endswith(which)
-    assert found.gain > 5.0 * EVIDENCE_THRESHOLD_LN
+    assert found.ln_bayes_factor > 5.0 * EVIDENCE_THRESHOLD_LN
 
 
 @pytest.mark.slow
 def test_noise_that_all_configurations_have_is_the_cameras_usual_one():
     """Images of one condition may have in common what they do not show by themselves."""
-    assert unusual_pictures(fitted(turned(session(NOTHING), {"long", "short"}))) is None
+    assert unusual_images(fitted(turned(session(NOTHING), {"long", "short"}))) is None
 
 
 @pytest.mark.thorough
@@ -73,8 +73,8 @@ def test_few_pictures_that_are_far_off_are_outliers():
     for i, one in zip(own[3:9:3], wrong.conditions, strict=True):
         conditions[i] = one
     found = fitted(replace(m, conditions=tuple(conditions)))
-    assert picture_noise(found)["short"].evidence > EVIDENCE_THRESHOLD_LN
-    assert unusual_pictures(found) is None
+    assert image_noise(found)["short"].evidence > EVIDENCE_THRESHOLD_LN
+    assert unusual_images(found) is None
 
 
 @pytest.mark.slow
@@ -85,7 +85,7 @@ def test_a_single_configuration_has_nothing_to_be_compared_with():
         conditions=tuple(c for c in m.conditions if c.configuration == "short"),
         series=tuple(s for s in m.series if s.configuration == "short"),
     )  # fmt: skip
-    assert unusual_pictures(fitted(alone)) is None
+    assert unusual_images(fitted(alone)) is None
 
 
 def test_the_picture_that_is_farthest_off_is_named_with_its_session():
@@ -96,11 +96,13 @@ def test_the_picture_that_is_farthest_off_is_named_with_its_session():
             SimpleNamespace(name=f"short, {k} mm, +1 V", session=min(1 + k // 2, sessions))
             for k in range(3)
         ]
-        scene = SimpleNamespace(
-            look=SimpleNamespace(seen=seen), has_curve=np.ones(3, dtype=bool), modes=2,
+        configuration_model = SimpleNamespace(
+            data_vector=SimpleNamespace(seen=seen), has_curve=np.ones(3, dtype=bool), modes=2,
             curve_s=np.tile(s, (3, 1)), along=lambda _, m: m[0] * np.ones(4) + m[1] * s,
         )  # fmt: skip
-        found = aside(scene, np.array([1.0, 0.0, 0.5, 0.0, -2.0, 0.0]), 0.01 * np.eye(6))
+        found = aside(
+            configuration_model, np.array([1.0, 0.0, 0.5, 0.0, -2.0, 0.0]), 0.01 * np.eye(6)
+        )
         assert found.name == name
         assert found.off_m == pytest.approx(-2e-4 * np.ones(4))
         assert found.sigma_m == pytest.approx(1e-5 * np.hypot(1.0, s))

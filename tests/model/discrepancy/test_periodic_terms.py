@@ -7,13 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.identification.data.data_vector import look
+from model.identification.data.data_vector import data_vector_of
 from model.identification.data.periodic_terms import (
     PeriodicTerm,
     cosine,
     cosines_and_sines,
+    periodic_term_in,
     sine,
-    wave_in,
 )
 from model.measurements import Measurements
 from tests.cases import few
@@ -24,8 +24,8 @@ BREATHING = Case((Hiding("breathing_eibm", size=0.02),), seed=12)
 WANDERING = Case(correlated=True, seed=13)
 
 
-def looks(m: Measurements):
-    return [look(m, name) for name in m.sheets]
+def data_vectors(m: Measurements):
+    return [data_vector_of(m, name) for name in m.sheets]
 
 
 def beating(m: Measurements, size_N: float, period_s: float, since: str) -> Measurements:
@@ -47,7 +47,7 @@ def beating(m: Measurements, size_N: float, period_s: float, since: str) -> Meas
 )
 @pytest.mark.parametrize("period_s", few([1.9, 3.3, 5.1], first=2))
 def test_a_wave_in_the_forces_is_found_with_its_period_and_size(since, clock, period_s):
-    found = wave_in(looks(beating(session(), 2e-4, period_s, since)))
+    found = periodic_term_in(data_vectors(beating(session(), 2e-4, period_s, since)))
     assert found is not None
     assert (found.what, found.since) == ("force", clock)
     assert found.period_s == pytest.approx(period_s, rel=0.01)
@@ -58,31 +58,31 @@ def test_a_wave_in_the_forces_is_found_with_its_period_and_size(since, clock, pe
 @pytest.mark.parametrize("size_N", few([1.5e-5, 6e-5]))
 def test_what_is_no_more_than_a_load_cell_s_wander_is_not_told(size_N):
     """A wander may have one rate above all others, so that it explains most of what is left."""
-    assert wave_in(looks(beating(session(), size_N, 3.3, "time_s"))) is None
+    assert periodic_term_in(data_vectors(beating(session(), size_N, 3.3, "time_s"))) is None
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", few([NOTHING, WANDERING]), ids=["quiet", "wandering"])
 def test_where_nothing_comes_again_nothing_is_found(case):
-    assert wave_in(looks(session(case))) is None
+    assert periodic_term_in(data_vectors(session(case))) is None
 
 
 def test_a_few_readings_are_no_wave():
     m = beating(session(), 2e-4, 3.3, "time_s")
     few = replace(m, conditions=m.conditions[:2], sheets={"long": m.sheets["long"]})
-    assert wave_in(looks(few)) is None
+    assert periodic_term_in(data_vectors(few)) is None
 
 
 @pytest.mark.thorough
 def test_an_eibm_that_breathes_is_seen_in_the_curves_where_the_forces_do_not_show_it():
-    found = wave_in(looks(session(BREATHING)))
+    found = periodic_term_in(data_vectors(session(BREATHING)))
     assert found is not None
     assert found.what == "EIBM"
     assert np.hypot(*found.amplitudes) == pytest.approx(0.02, rel=0.3)
 
 
 def test_what_a_wave_adds_to_the_force():
-    clock = look(session(), "long").seen[0].clock
+    clock = data_vector_of(session(), "long").seen[0].clock
     wave = PeriodicTerm(
         what="force", period_s=2.0, since="run", session_s=100.0, amplitudes=(3e-4, 4e-4)
     )

@@ -29,7 +29,7 @@ def askew(error: float) -> Pictured:
     return lambda x, y: ((1.0 + error * x / OVER_M) * x, (1.0 + error * x / OVER_M) * y)
 
 
-def pictured(made: Measurements, camera: Pictured) -> Measurements:
+def imaged(made: Measurements, camera: Pictured) -> Measurements:
     """The same session with another camera: s is the length along what it shows."""
 
     def seen(curve: Curve) -> Curve:
@@ -79,7 +79,7 @@ def made(measure) -> Measurements:
 @pytest.mark.parametrize(
     "error", few([-0.05, *(pytest.param(e, marks=pytest.mark.thorough) for e in (0.05, 0.15))])
 )
-@pytest.mark.parametrize("seen", few([pictured, along_the_sheet]))
+@pytest.mark.parametrize("seen", few([imaged, along_the_sheet]))
 def test_a_scale_is_what_it_is(made: Measurements, seen, error: float):
     value, half = interval(fitted(seen(made, larger(error)), "camera_scale", axis=0.0))
     assert value == pytest.approx(error, abs=half)
@@ -88,7 +88,7 @@ def test_a_scale_is_what_it_is(made: Measurements, seen, error: float):
 
 @pytest.mark.slow
 def test_a_perspective_is_what_it_is(made: Measurements):
-    session = pictured(made, askew(0.05))
+    session = imaged(made, askew(0.05))
     value, half = interval(fitted(session, "camera_perspective", direction_rad=0.0))
     assert value == pytest.approx(0.05, abs=half)
     assert half < 5e-4

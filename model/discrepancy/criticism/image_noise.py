@@ -1,9 +1,9 @@
-"""Noise of curves beyond what pictures have: something unknown hides in it.
+"""Noise of curves beyond what images have: something unknown hides in it.
 
 The noise of a curve's shape ("modes") is estimated from what the model leaves, so a gap that no
 candidate describes is taken up by it. Two things say how large it usually is: images that are taken
 one after the other, and the other configurations, which the same camera sees. What is beyond both
-competes as a nonparametric term of the camera: in each picture of a configuration its curve is
+competes as a nonparametric term of the camera: in each image of a configuration its curve is
 shifted and turned by amounts of its own.
 """
 
@@ -18,9 +18,9 @@ from model.discrepancy.search.evidence import Candidate, Projected, score
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     EVIDENCE_THRESHOLD_LN,
-    FEWEST_PICTURES,
-    FEWEST_UNUSUAL_PICTURES,
-    PICTURE_NOISE_LN,
+    FEWEST_IMAGES,
+    FEWEST_UNUSUAL_IMAGES,
+    IMAGE_NOISE_LN,
     REPEATS_NOISE_RATIO,
 )
 from model.identification.data.data_vector import Index
@@ -37,7 +37,7 @@ SIZES = (0.03, 0.1, 0.3, 1.0, 3.0)  # of that
 
 
 @dataclass(frozen=True)
-class PictureNoise:
+class ImageNoise:
     """Standard deviations of the first modes of a configuration's curves."""
 
     estimated_m: FloatArray
@@ -47,7 +47,7 @@ class PictureNoise:
     def evidence(self) -> float:
         """Ln of how improbable so much noise is, usual noise being known within a factor."""
         above = np.maximum(np.log(self.estimated_m / self.usual_m), 0.0)
-        return 0.5 * float(np.sum((above / PICTURE_NOISE_LN) ** 2))
+        return 0.5 * float(np.sum((above / IMAGE_NOISE_LN) ** 2))
 
     @property
     def times(self) -> float:
@@ -55,15 +55,18 @@ class PictureNoise:
         return float(np.max(self.estimated_m / self.usual_m))
 
 
-def picture_noise(fitted: MixedModelFit) -> dict[str, PictureNoise]:
+def image_noise(fitted: MixedModelFit) -> dict[str, ImageNoise]:
     """Return the noise of configurations for which something says how large it usually is."""
     forward = fitted.problem.forward
     pairs = zip(fitted.problem.noise_names(), np.exp(fitted.solution.log_sigma), strict=True)
     noise = dict(pairs)
     estimated = {
         name: np.array([noise[f"{name} mode {m}"] for m in range(MODES)])
-        for name, scene in zip(forward.names, forward.scenes, strict=True)
-        if np.count_nonzero(scene.has_curve) >= FEWEST_PICTURES and scene.modes >= MODES
+        for name, configuration_model in zip(
+            forward.names, forward.configuration_models, strict=True
+        )
+        if np.count_nonzero(configuration_model.has_curve) >= FEWEST_IMAGES
+        and configuration_model.modes >= MODES
     }
     result = {}
     for name, own in estimated.items():
@@ -74,7 +77,7 @@ def picture_noise(fitted: MixedModelFit) -> dict[str, PictureNoise]:
         repeats = _of_repeats(fitted, forward.names.index(name))
         if repeats is not None:
             usual = np.maximum(usual, REPEATS_NOISE_RATIO * repeats)
-        result[name] = PictureNoise(own, usual)
+        result[name] = ImageNoise(own, usual)
     return result
 
 
@@ -84,26 +87,26 @@ def _of_repeats(fitted: MixedModelFit, c: int) -> FloatArray | None:
     By differences of successive images, in which what changes slowly is small.
     """
     forward, state = fitted.problem.forward, fitted.linear.states[c]
-    scene, total, count = forward.scenes[c], np.zeros(MODES), 0
-    for k in np.flatnonzero(scene.has_curve).tolist():
-        seen = forward.looks[c].seen[k]
+    configuration_model, total, count = forward.configuration_models[c], np.zeros(MODES), 0
+    for k in np.flatnonzero(configuration_model.has_curve).tolist():
+        seen = forward.data_vectors[c].seen[k]
         images = min(int(np.count_nonzero(seen.counts)), len(seen.own_curves))
         if images < 2:
             continue
-        points = seen.own_points_m[:, -images:, : scene.curve_s.shape[1]]
+        points = seen.own_points_m[:, -images:, : configuration_model.curve_s.shape[1]]
         change, n = np.diff(points, axis=1), points.shape[2]
         off = change[0] * state.solved.nx[k, :n] + change[1] * state.solved.ny[k, :n]
-        modes = off @ scene.project[k, :MODES, :n].T
+        modes = off @ configuration_model.project[k, :MODES, :n].T
         total += np.sum(modes**2, axis=0) / (2.0 * images)
         count += images - 1
     return np.sqrt(total / count) if count else None
 
 
-def unusual_pictures(fitted: MixedModelFit) -> RankedCandidate | None:
+def unusual_images(fitted: MixedModelFit) -> RankedCandidate | None:
     """Return the term of the configuration whose curves are noisier than usual; None: none are."""
     found = {
-        name: one for name, one in picture_noise(fitted).items()
-        if one.evidence > EVIDENCE_THRESHOLD_LN and _many(fitted, name) > FEWEST_UNUSUAL_PICTURES
+        name: one for name, one in image_noise(fitted).items()
+        if one.evidence > EVIDENCE_THRESHOLD_LN and _many(fitted, name) > FEWEST_UNUSUAL_IMAGES
     }  # fmt: skip
     if not found:
         return None
@@ -111,20 +114,20 @@ def unusual_pictures(fitted: MixedModelFit) -> RankedCandidate | None:
     candidate = _candidate(fitted, name)
     forward, solution = fitted.problem.forward, weigh(fitted.linear.data, _usual(fitted, found))
     one = score(forward, Projected.of(forward, fitted.linear, solution), candidate)
-    return RankedCandidate(score=one, gain=one.log_bayes, solution=solution)
+    return RankedCandidate(score=one, ln_bayes_factor=one.log_bayes, solution=solution)
 
 
 def _many(fitted: MixedModelFit, name: str) -> float:
-    """Return how many pictures the noise is of: one that is far off is an outlier, no noise."""
+    """Return how many images the noise is of: one that is far off is an outlier, no noise."""
     forward, linear, solution = fitted.problem.forward, fitted.linear, fitted.solution
-    sizes = picture_noise(fitted)[name].estimated_m
+    sizes = image_noise(fitted)[name].estimated_m
     # what the noise, not the scatter of set-ups, has of the residual
     own = sizes**2 * Projected.of(forward, linear, solution).pulled[_rows(fitted, name)]
     squares = np.sum(own**2, axis=1)
     return float(np.sum(squares) ** 2 / np.sum(squares**2))
 
 
-def _usual(fitted: MixedModelFit, found: Mapping[str, PictureNoise]) -> FloatArray:
+def _usual(fitted: MixedModelFit, found: Mapping[str, ImageNoise]) -> FloatArray:
     """Return ln of all standard deviations, those of these curves as they usually are."""
     result, names = fitted.solution.log_sigma.copy(), fitted.problem.noise_names()
     for name, one in found.items():
@@ -137,7 +140,7 @@ def _usual(fitted: MixedModelFit, found: Mapping[str, PictureNoise]) -> FloatArr
 def _candidate(fitted: MixedModelFit, name: str) -> Candidate:
     forward = fitted.problem.forward
     rows = _rows(fitted, name)
-    columns = np.zeros((forward.layout.size, rows.size))
+    columns = np.zeros((forward.row_index.size, rows.size))
     columns[rows.ravel(), np.arange(rows.size)] = UNIT_M
     return Candidate(
         name=f"unknown:{LOCATION}", values={}, columns=columns, sizes=SIZES, location=LOCATION,
@@ -146,21 +149,21 @@ def _candidate(fitted: MixedModelFit, name: str) -> Candidate:
 
 
 def _rows(fitted: MixedModelFit, name: str) -> Index:
-    """Return the rows of the first modes, (pictures, MODES)."""
+    """Return the rows of the first modes, (images, MODES)."""
     forward = fitted.problem.forward
     c = forward.names.index(name)
-    return forward.part(c).mode_rows[forward.scenes[c].has_curve, :MODES]
+    return forward.row_block(c).mode_rows[forward.configuration_models[c].has_curve, :MODES]
 
 
-def of_pictures(contender: RankedCandidate) -> str:
-    """Return the configuration of a term of each picture; empty: it is another one."""
-    part = contender.score.candidate.part
+def of_images(candidate: RankedCandidate) -> str:
+    """Return the configuration of a term of each image; empty: it is another one."""
+    part = candidate.score.candidate.part
     return part.removeprefix(f"{PART}, ") if part.startswith(f"{PART}, ") else ""
 
 
 @dataclass(frozen=True)
 class Aside:
-    """How far a curve is off, where a term of each picture moves it most; arrays (points,)."""
+    """How far a curve is off, where a term of each image moves it most; arrays (points,)."""
 
     name: str  # of the condition
     s_m: FloatArray
@@ -168,27 +171,30 @@ class Aside:
     sigma_m: FloatArray
 
 
-def aside(scene: ConfigurationModel, beta: FloatArray, C: FloatArray) -> Aside:
-    """Return the curve that a term's sizes (pictures x MODES) move most; C is their covariance."""
-    pictures, size = np.flatnonzero(scene.has_curve), UNIT_M * beta.reshape(-1, MODES)
+def aside(configuration_model: ConfigurationModel, beta: FloatArray, C: FloatArray) -> Aside:
+    """Return the curve that a term's sizes (images x MODES) move most; C is their covariance."""
+    images, size = np.flatnonzero(configuration_model.has_curve), UNIT_M * beta.reshape(-1, MODES)
     first = int(np.argmax(np.sum(size**2, axis=1)))
-    k, own = int(pictures[first]), slice(MODES * first, MODES * (first + 1))
-    s, keep = np.unique(scene.curve_s[k], return_index=True)
-    by = np.stack([_shape(scene, k, m) for m in range(MODES)], axis=1)[keep]
+    k, own = int(images[first]), slice(MODES * first, MODES * (first + 1))
+    s, keep = np.unique(configuration_model.curve_s[k], return_index=True)
+    by = np.stack([_shape(configuration_model, k, m) for m in range(MODES)], axis=1)[keep]
     band = UNIT_M * np.sqrt(np.maximum(np.einsum("sm,mn,sn->s", by, C[own, own], by), 0.0))
-    return Aside(_name(scene, k), s, by @ size[first], band)
+    return Aside(_name(configuration_model, k), s, by @ size[first], band)
 
 
-def _name(scene: ConfigurationModel, k: int) -> str:
+def _name(configuration_model: ConfigurationModel, k: int) -> str:
     """Return a condition's name, with its session where there are several."""
-    one, several = scene.look.seen[k], len({other.session for other in scene.look.seen}) > 1
+    one, several = (
+        configuration_model.data_vector.seen[k],
+        len({other.session for other in configuration_model.data_vector.seen}) > 1,
+    )
     return f"{one.name}, session {one.session}" if several else one.name
 
 
-def _shape(scene: ConfigurationModel, k: int, m: int) -> FloatArray:
-    return scene.along(k, np.eye(scene.modes)[m])
+def _shape(configuration_model: ConfigurationModel, k: int, m: int) -> FloatArray:
+    return configuration_model.along(k, np.eye(configuration_model.modes)[m])
 
 
-def with_usual_noise(fitted: MixedModelFit, contender: RankedCandidate) -> MixedModelFit:
+def with_usual_noise(fitted: MixedModelFit, candidate: RankedCandidate) -> MixedModelFit:
     """Return a fit that is weighed with the noise of the term."""
-    return fitted if contender.solution is None else replace(fitted, solution=contender.solution)
+    return fitted if candidate.solution is None else replace(fitted, solution=candidate.solution)

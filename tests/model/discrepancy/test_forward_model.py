@@ -11,7 +11,7 @@ from model import Parameter, predict
 from model.effects import effect
 from model.effects.conformance import plausible
 from model.effects.interface import BeamProblem
-from model.identification.data.data_vector import look
+from model.identification.data.data_vector import data_vector_of
 from model.identification.likelihood.configuration.stacked_curves import projection
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
@@ -35,25 +35,30 @@ def studies(measure):
     made = measure(force_N=0.0, curve_m=0.0, scatter=0.0, free=True, positions_mm=(0, 10, 25))
     result = {}
     for name in NAMES:
-        seen = look(made, name)
+        seen = data_vector_of(made, name)
         s, k = seen.sheet.initial_curvature
         rest = Field.linear(s, k, seen.sheet.free_length_m)
         result[name] = ForwardModel([seen], [rest]), made
     return result
 
 
-def base(scene: ConfigurationModel, name: str) -> BeamProblem:
-    return scene.beam(STIFF[name], LEVEL[name])
+def base(configuration_model: ConfigurationModel, name: str) -> BeamProblem:
+    return configuration_model.beam(STIFF[name], LEVEL[name])
 
 
-def change(name: str, scene: ConfigurationModel, beam: BeamProblem, h: float) -> BeamProblem:
+def change(
+    name: str, configuration_model: ConfigurationModel, beam: BeamProblem, h: float
+) -> BeamProblem:
     """One field of a beam moved by h of its natural size, unevenly along the sheet."""
-    t, touching = scene.s_m / scene.length, np.isfinite(scene.stated_m).astype(float)
+    t, touching = (
+        configuration_model.s_m / configuration_model.length,
+        np.isfinite(configuration_model.stated_m).astype(float),
+    )
     moves = {
         "stiffness": beam.stiffness * (1.0 + 0.1 * h),
         "rest": beam.rest + h * np.cos(2.0 * t),
         "eibm": beam.eibm * (1.0 + 0.1 * h * (1.0 - t**2)),
-        "bend": beam.bend + h * np.sin(3.0 * t) * (1.0 + scene.voltage_V[:, None]),
+        "bend": beam.bend + h * np.sin(3.0 * t) * (1.0 + configuration_model.voltage_V[:, None]),
         "soft": beam.soft + 0.05 * h * (1.0 + np.cos(3.0 * t)),
         "elongation_soft": beam.elongation_soft + 0.02 * h,
         "shift_m": beam.shift_m + 5e-4 * h * touching,
@@ -70,16 +75,21 @@ FIELDS = ("stiffness", "rest", "eibm", "bend", "soft", "elongation_soft", "shift
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("field", FIELDS)
 def test_force_and_modes_answer_as_finite_differences_do(studies, name: str, field: str):
-    scene = studies[name][0].scenes[0]
-    beam, h = base(scene, name), 0.02
-    low, high = (scene.solve(change(field, scene, beam, sign * h)) for sign in (-1.0, 1.0))
-    solved = scene.solve(beam)
-    answers = scene.answers(beam, solved)
-    up, down = (change(field, scene, beam, sign * h) for sign in (1.0, -1.0))
-    step = scene.change(beam, up, solved.contact) - scene.change(beam, down, solved.contact)
+    configuration_model = studies[name][0].configuration_models[0]
+    beam, h = base(configuration_model, name), 0.02
+    low, high = (
+        configuration_model.solve(change(field, configuration_model, beam, sign * h))
+        for sign in (-1.0, 1.0)
+    )
+    solved = configuration_model.solve(beam)
+    answers = configuration_model.answers(beam, solved)
+    up, down = (change(field, configuration_model, beam, sign * h) for sign in (1.0, -1.0))
+    step = configuration_model.change(beam, up, solved.contact) - configuration_model.change(
+        beam, down, solved.contact
+    )
     force = np.einsum("kq,kq->k", answers.force, step)
     wanted = high.force_N - low.force_N
-    touching = scene.touching
+    touching = configuration_model.touching
     size = np.max(np.abs(wanted[touching]))
     np.testing.assert_allclose(force[touching], wanted[touching], atol=3e-4 * size + 1e-12)
     modes = np.einsum("kmq,kq->km", answers.modes, step)
@@ -93,16 +103,18 @@ def test_force_and_modes_answer_as_finite_differences_do(studies, name: str, fie
 
 @pytest.mark.parametrize("name", NAMES)
 def test_base_conditions_are_those_of_predict(studies, truth, name: str):
-    scene = studies[name][0].scenes[0]
-    solved = scene.solve(base(scene, name))
-    for k in scene.touching:
-        wanted = predict(truth, name, scene.stated_m[k], scene.voltage_V[k])
+    configuration_model = studies[name][0].configuration_models[0]
+    solved = configuration_model.solve(base(configuration_model, name))
+    for k in configuration_model.touching:
+        wanted = predict(
+            truth, name, configuration_model.stated_m[k], configuration_model.voltage_V[k]
+        )
         assert solved.force_N[k] == pytest.approx(wanted.F_N, rel=1e-6, abs=1e-10)
         assert solved.contact.s_hat_m[k] == pytest.approx(wanted.s_hat_m, rel=1e-6)
-        x = np.interp(wanted.s_m, scene.curve_s[k], solved.x_m[k])
+        x = np.interp(wanted.s_m, configuration_model.curve_s[k], solved.x_m[k])
         assert np.max(np.abs(x - wanted.x_m)) < 2e-6
     assert np.nanmax(np.abs(solved.modes_m)) < 2e-7  # the curves were predicted, free ones too
-    forces = scene.forces(base(scene, name))
+    forces = configuration_model.forces(base(configuration_model, name))
     np.testing.assert_allclose(forces, solved.force_N, rtol=1e-12, atol=1e-14)  # of mN: rounding
 
 
@@ -110,14 +122,14 @@ def test_base_conditions_are_those_of_predict(studies, truth, name: str):
 @pytest.mark.parametrize("effect_name", few(["clamp_compliance", "nonlinear_stiffness", "gravity"]))
 def test_an_effect_of_the_solution_is_solved_until_it_agrees_with_itself(studies, effect_name):
     forward = studies["long"][0]
-    scene, one = forward.scenes[0], effect(effect_name)
+    configuration_model, one = forward.configuration_models[0], effect(effect_name)
     p = plausible(one)
-    start = base(scene, "long")
+    start = base(configuration_model, "long")
     state = forward.state(0, start, (AppliedEffect(one, {"long": p}),))
-    contact = scene.solve(start).contact
+    contact = configuration_model.solve(start).contact
     for _ in range(30):
-        contact = scene.solve(one.beam(start, contact, p)).contact
-    change = np.nanmax(np.abs(contact.force_N - scene.solve(start).force_N))
+        contact = configuration_model.solve(one.beam(start, contact, p)).contact
+    change = np.nanmax(np.abs(contact.force_N - configuration_model.solve(start).force_N))
     assert change > 1e-6
     left = np.nanmax(np.abs(state.solved.force_N - contact.force_N))
     assert left < 2e-3 * change
@@ -136,17 +148,21 @@ def test_an_effect_adds_to_the_fitted_forces_what_it_adds_to_the_predicted_ones(
     studies, truth, effect_name
 ):
     forward, one = studies["long"][0], effect(effect_name)
-    values, scene, part = plausible(one), forward.scenes[0], forward.part(0)
-    rows, conditions = part.trend_rows[part.is_mean], part.trend_of[part.is_mean]
+    values = plausible(one)
+    configuration_model = forward.configuration_models[0]
+    block = forward.row_block(0)
+    rows, conditions = block.trend_rows[block.is_mean], block.trend_of[block.is_mean]
     active = (AppliedEffect(one, {"long": values}),)
-    plain, there = (forward.state(0, base(scene, "long"), a).residual[rows] for a in ((), active))
+    plain, there = (
+        forward.state(0, base(configuration_model, "long"), a).residual[rows] for a in ((), active)
+    )
     parameters = {
         name: Parameter(value=value, sigma=0.0, unit="") for name, value in values.items()
     }
     with_it = truth.with_effects(ActiveEffect(name=effect_name, parameters=parameters))
     added = []
     for k in conditions:
-        at = ("long", scene.stated_m[k], scene.voltage_V[k])
+        at = ("long", configuration_model.stated_m[k], configuration_model.voltage_V[k])
         added.append(predict(with_it, *at).F_N - predict(truth, *at).F_N)
     assert np.max(np.abs(added)) > 1e-7
     np.testing.assert_allclose(plain - there, added, rtol=1e-4, atol=1e-9)
@@ -157,11 +173,11 @@ def test_a_rig_turned_over_is_one_whose_weight_pulls_the_other_way(measure):
     turned = replace(made, conditions=tuple(replace(c, tilt_rad=np.pi) for c in made.conditions))
     gravity, forces = effect("gravity"), []
     for m, load in ((made, -0.01), (turned, 0.01)):
-        seen = look(m, "long")
+        seen = data_vector_of(m, "long")
         s, k = seen.sheet.initial_curvature
         forward = ForwardModel([seen], [Field.linear(s, k, seen.sheet.free_length_m)])
         active = (AppliedEffect(gravity, {"long": {"load_N_per_m": load}}),)
-        solved = forward.state(0, base(forward.scenes[0], "long"), active).solved
+        solved = forward.state(0, base(forward.configuration_models[0], "long"), active).solved
         forces.append((solved.force_N, solved.modes_m))
     for one, other in zip(*forces, strict=True):
         np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-15)
@@ -184,24 +200,27 @@ def test_a_curve_is_cut_where_the_sheet_ends(measure):
         c, s_m=np.append(c.s_m, [c.s_m[-1] + by, c.s_m[-1] + 2 * by]),
         x_m=np.append(c.x_m, [0.2, 0.3]), y_m=np.append(c.y_m, [0.0, 0.0]),
     )  # fmt: skip
-    seen = look(replace(made, conditions=(replace(first, curve=longer), *others)), "long")
-    scene = ConfigurationModel(seen, Field.constant(20.0, 0.05))
-    s, x, y = scene.measured(0)
+    seen = data_vector_of(replace(made, conditions=(replace(first, curve=longer), *others)), "long")
+    configuration_model = ConfigurationModel(seen, Field.constant(20.0, 0.05))
+    s, x, y = configuration_model.measured(0)
     np.testing.assert_allclose(s, c.s_m)
     assert np.max(x) < 0.1
     assert len(y) == len(s)
-    plain = ConfigurationModel(look(made, "long"), Field.constant(20.0, 0.05))
-    one, two = (a.solve(a.beam(1e-6, {2.0: 20.0, -2.0: -20.0})).modes_m for a in (scene, plain))
+    plain = ConfigurationModel(data_vector_of(made, "long"), Field.constant(20.0, 0.05))
+    one, two = (
+        a.solve(a.beam(1e-6, {2.0: 20.0, -2.0: -20.0})).modes_m
+        for a in (configuration_model, plain)
+    )
     np.testing.assert_allclose(one, two, atol=1e-15)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_forces_of_some_conditions_are_those_of_all(studies, name: str):
-    scene = studies[name][0].scenes[0]
-    beam = base(scene, name)
-    scene.solve(beam)
-    some, stronger = scene.touching[1::2], replace(beam, eibm=1.15 * beam.eibm)
-    whole, part = scene.forces(stronger), scene.forces(stronger, some)
+    configuration_model = studies[name][0].configuration_models[0]
+    beam = base(configuration_model, name)
+    configuration_model.solve(beam)
+    some, stronger = configuration_model.touching[1::2], replace(beam, eibm=1.15 * beam.eibm)
+    whole, part = configuration_model.forces(stronger), configuration_model.forces(stronger, some)
     np.testing.assert_allclose(part[some], whole[some], rtol=1e-9)
     assert np.all(np.isnan(np.delete(part, some)))
 
@@ -212,30 +231,40 @@ def test_forces_at_other_sizes_are_those_of_the_physical_branch(
     studies, name: str, radii_apart: bool
 ):
     """A sheet whose EIBM is turned over: from the stated one, the solver may end elsewhere."""
-    scene = studies[name][0].scenes[0]
-    beam = base(scene, name)
+    configuration_model = studies[name][0].configuration_models[0]
+    beam = base(configuration_model, name)
     if radii_apart:  # another arc, and curves that pass beside it
-        reach = 1e-5 * np.arange(scene.K)
-        beam = replace(beam, reach_m=reach, offset_m=np.full(scene.K, 2e-4))
-    scene.solve(beam)
-    some = scene.touching[np.any(beam.eibm[scene.touching] != 0.0, axis=1)]
-    begin = scene._contacts.last, scene._contacts.last_beside
+        reach = 1e-5 * np.arange(configuration_model.K)
+        beam = replace(beam, reach_m=reach, offset_m=np.full(configuration_model.K, 2e-4))
+    configuration_model.solve(beam)
+    some = configuration_model.touching[
+        np.any(beam.eibm[configuration_model.touching] != 0.0, axis=1)
+    ]
+    begin = configuration_model._contacts.last, configuration_model._contacts.last_beside
     for way in WAYS_FROM_ONE:
         sizes = LEVELS[way,].tolist()
-        for found, size in zip(scene.forces_at_sizes(beam, sizes, some), sizes, strict=True):
-            fresh = ConfigurationModel(scene.look, scene.rest)  # from the free shape
+        for found, size in zip(
+            configuration_model.forces_at_sizes(beam, sizes, some), sizes, strict=True
+        ):
+            fresh = ConfigurationModel(
+                configuration_model.data_vector, configuration_model.rest
+            )  # from the free shape
             own = fresh.forces(replace(beam, eibm=size * beam.eibm))
             np.testing.assert_allclose(found[some], own[some], rtol=1e-6, atol=1e-9)
         # nothing goes on from where a way ended: as far off, the solver may end elsewhere
-        assert scene._contacts.last is begin[0]
-        assert scene._contacts.last_beside is begin[1]
+        assert configuration_model._contacts.last is begin[0]
+        assert configuration_model._contacts.last_beside is begin[1]
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_rows_of_several_steps_are_those_of_each(studies, name: str):
     forward = studies[name][0]
-    scene, part = forward.scenes[0], forward.part(0)
-    state, none, steps = forward.state(0, base(scene, name), ()), forward.no_step(0), []
+    configuration_model, block = forward.configuration_models[0], forward.row_block(0)
+    state, none, steps = (
+        forward.state(0, base(configuration_model, name), ()),
+        forward.no_step(0),
+        [],
+    )
     for field in fields(Perturbation):
         like = getattr(none, field.name)
         steps.append(
@@ -246,22 +275,22 @@ def test_rows_of_several_steps_are_those_of_each(studies, name: str):
         np.testing.assert_allclose(rows, forward.rows_of(0, state, step), rtol=1e-12, atol=1e-15)
     assert not np.any(together[0])
     force = together[1 + [f.name for f in fields(Perturbation)].index("force_N")]
-    np.testing.assert_allclose(force[part.trend_rows], part.trend @ steps[3].force_N)
+    np.testing.assert_allclose(force[block.trend_rows], block.trend @ steps[3].force_N)
 
 
 @pytest.mark.slow
 def test_parts_of_pulses_are_taken_at_their_moments_in_each_pulse_of_their_condition():
     forward = base_fit().problem.forward
-    for part, seen in zip(forward.layout.parts, forward.looks, strict=True):
+    for block, seen in zip(forward.row_index.blocks, forward.data_vectors, strict=True):
         parts = [(p.condition, at, width) for p in seen.pulses
                  for at, width in zip(p.middle_s, p.width_s, strict=True)]  # fmt: skip
         assert parts
         for i, (k, at, width) in enumerate(parts):
-            pulses, own = seen.seen[k].kept_clock, part.bin_at == i
+            pulses, own = seen.seen[k].kept_clock, block.bin_at == i
             moments = np.repeat(at + WITHIN * width, len(pulses.run_s))
-            np.testing.assert_allclose(part.bin_clock.pulse_s[own], moments)
+            np.testing.assert_allclose(block.bin_clock.pulse_s[own], moments)
             begun = np.tile(pulses.run_s - pulses.pulse_s, len(WITHIN))
-            np.testing.assert_allclose(part.bin_clock.run_s[own], begun + moments)
+            np.testing.assert_allclose(block.bin_clock.run_s[own], begun + moments)
             np.testing.assert_array_equal(
-                part.bin_sample.voltage_V[own], np.tile(pulses.voltage_V, len(WITHIN))
+                block.bin_sample.voltage_V[own], np.tile(pulses.voltage_V, len(WITHIN))
             )
