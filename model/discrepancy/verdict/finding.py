@@ -155,6 +155,7 @@ class Finding:
                             cross_validated.gap,
                             doubt,
                             cross_validated.closed,
+                            self.written.unsolved if self.written.without else "",
                         ),
                         decision.criticism.sentence,
                     ],

@@ -55,10 +55,13 @@ def sentence(
     left_out: BeforeAfter,
     doubt: str,
     closed: ClosedGap | None = None,
+    unsolved: str = "",
 ) -> str:
     """Return the verdict in sentences; `doubt` says why the data do not allow one.
 
     `closed` is the gap that is closed on left-out positions; None: none stands out of the noise.
+    `unsolved`: where the model with what was found has no solution, if the file has the base model
+    for that.
     """
     if verdict == "cannot_tell":
         return f"These data do not allow a verdict: {doubt}."
@@ -71,7 +74,10 @@ def sentence(
     values = "".join(
         f" {_capital(title(one.name))}: {in_sessions(one)}." for one in named if in_sessions(one)
     )
-    text = f"{_capital(names)} {is_not} in the model.{values} {_gap(left_out)}."
+    text = f"{_capital(names)} {is_not} in the model.{values}"
+    if unsolved:
+        return f"{text} The model with it has no solution at {unsolved}: it predicts nothing."
+    text = f"{text} {_gap(left_out)}."
     return text if closed is None else f"{text} {closed_sentence(closed)}"
 
 

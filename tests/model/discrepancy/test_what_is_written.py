@@ -100,6 +100,9 @@ def test_of_what_has_no_solution_everywhere_less_is_written_and_a_note_says_so(
     assert formed is (fails == 1)  # from the other beginning the form has a solution everywhere
     note = next(not_written(not kept, "long, 5 mm, +1 V"))
     assert (note in found.notes) is not formed
+    assert (
+        "has no solution at long, 5 mm, +1 V: it predicts nothing" in found.sentence
+    ) is not kept
     assert found.model.merit["force_rmse_N"] > 0.0
 
 
