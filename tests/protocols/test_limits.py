@@ -77,12 +77,33 @@ def test_a_schedule_that_makes_no_sense_is_refused(change, says):
         ({"delay_s": 0.05}, "reading 0 begins before its step"),
         ({"delay_s": 1.15}, "reading 0 is not over when its step is"),
         ({"voltage_V": 1.0}, "reading 0 says 1 V, its step 0 V"),
-        ({"delay_s": float("nan")}, "a time is not a finite number"),
+        ({"delay_s": float("nan")}, "reading 0 has a time that is not a finite number"),
     ],
 )
 def test_a_reading_that_makes_no_sense_is_refused(change, says):
     readings = short_schedule().runs[0].readings
     assert says in faults(changed(readings=(replace(readings[0], **change), *readings[1:])))
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (
+            {"delay_s": 0.01},
+            "5 readings begin before their step (the first is reading 0, its step lasts 1.2 s)",
+        ),
+        (
+            {"delay_s": 1.19},
+            "5 readings are not over when their step is (the first is reading 0, its step lasts",
+        ),
+        ({"voltage_V": 9.0}, "5 readings say another voltage than their step (the first is"),
+    ],
+)
+def test_what_many_readings_have_in_common_is_said_once(change, says):
+    readings = short_schedule().runs[0].readings
+    said = faults(changed(readings=tuple(replace(one, **change) for one in readings)))
+    assert says in said
+    assert said.count("reading 0") == 1
 
 
 def test_an_empty_or_misnumbered_schedule_is_refused():
