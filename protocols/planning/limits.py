@@ -74,14 +74,17 @@ def _general_faults(schedule: Schedule) -> Iterator[str]:
 
 
 def _faults_of_runs(schedule: Schedule, limits: SafetyLimits | None) -> list[str]:
-    """Each fault once, with the runs that have it."""
+    """Each fault once, with the runs that have it; those of the same runs together."""
     where: dict[str, list[PlannedRun]] = {}
     for run in schedule.runs:
         for fault in structure_faults(run):
             where.setdefault(fault, []).append(run)
         for fault in limit_faults(run, limits) if limits else ():
             where.setdefault(fault, []).append(run)
-    return [f"{_runs(runs)}: {fault}" for fault, runs in where.items()]
+    together: dict[tuple[int, ...], list[str]] = {}
+    for fault, runs in where.items():
+        together.setdefault(tuple(run.index for run in runs), []).append(fault)
+    return [f"{_runs(where[faults[0]])}: {', and '.join(faults)}" for faults in together.values()]
 
 
 def limit_faults(run: PlannedRun, limits: SafetyLimits) -> Iterator[str]:

@@ -36,6 +36,7 @@ def test_all_faults_are_listed_together_with_their_limits_and_runs():
     text = faults(make_schedule(train, [Place("long", (0.0, 0.005, 0.010))]))
     assert "run 1 (long at 0 mm) and 2 more: 3 V at the sheet is beyond the limit of ±2.5 V" in text
     assert "37.2 s under voltage is longer than the limit of 30 s" in text
+    assert text.count("run 1 (long at 0 mm)") == 1  # what the same runs have is said together
 
 
 def test_exactly_at_the_limits_is_allowed():
