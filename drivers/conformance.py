@@ -9,10 +9,17 @@ each in its folder.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Sequence
 from typing import TypeVar
 
-from drivers.interfaces import Clock, DeviceError, DeviceIdentity, Identified
+from drivers.interfaces import (
+    Clock,
+    DeviceError,
+    DeviceIdentity,
+    DeviceTimeoutError,
+    Identified,
+)
 
 T = TypeVar("T")
 IDENTITY_S = 1.0
@@ -24,22 +31,47 @@ class Checks:
 
     def __init__(self, clock: Clock) -> None:
         self.clock = clock
-        self.faults: list[str] = []
+        self._found: list[str] = []
+        self.answered = True  # whether the last call returned; of one that raised nothing is judged
+        self._silent = False
+
+    @property
+    def faults(self) -> list[str]:
+        """What is wrong, each sentence once, with how often it was found."""
+        return [
+            f"{sentence} ({times} times)" if times > 1 else sentence
+            for sentence, times in Counter(self._found).items()
+        ]
+
+    def is_silent(self) -> bool:
+        """Whether a call ended with a time-out: each further one would wait as long for nothing."""
+        return self._silent
+
+    def note(self, sentence: str) -> None:
+        """Note what is wrong."""
+        self._found.append(sentence)
 
     def require(self, good: object, sentence: str) -> bool:
         """Note the sentence unless `good`; return whether it is."""
         if not good:
-            self.faults.append(sentence)
+            self.note(sentence)
         return bool(good)
+
+    def has(self, device: object, names: Sequence[str]) -> bool:
+        """Require that a device has these methods; return whether it has."""
+        missing = [name for name in names if not callable(getattr(device, name, None))]
+        return self.require(not missing, f"it has no method {', '.join(missing)}")
 
     def call(self, name: str, act: Callable[[], T], within_s: float = PROMPT_S) -> T | None:
         """Return what the call returns; None after a fault: it raised, or took too long."""
         began_s = self.clock.now()
+        self.answered = False
         try:
             result = act()
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the finding
-            self.faults.append(f"{name} raised {_described(error)}")
+            self._raised(f"{name} raised {_described(error)}", error)
             return None
+        self.answered = True
         self._in_time(name, began_s, within_s)
         return result
 
@@ -57,9 +89,9 @@ class Checks:
         except wanted as error:
             self.require(str(error), f"{name} raised {type(error).__name__} without a sentence")
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the finding
-            self.faults.append(f"{name} raised {_described(error)}, not {wanted.__name__}")
+            self._raised(f"{name} raised {_described(error)}, not {wanted.__name__}", error)
         else:
-            self.faults.append(f"{name} was not refused with {wanted.__name__}")
+            self.note(f"{name} was not refused with {wanted.__name__}")
         self._in_time(name, began_s, within_s)
 
     def identify(self, device: object) -> None:
@@ -82,10 +114,14 @@ class Checks:
         """Let time pass."""
         self.clock.sleep_until(self.clock.now() + seconds)
 
+    def _raised(self, sentence: str, error: BaseException) -> None:
+        self.note(sentence)
+        self._silent = self._silent or isinstance(error, DeviceTimeoutError)
+
     def _in_time(self, name: str, began_s: float, within_s: float) -> None:
         took_s = self.clock.now() - began_s
         if took_s > within_s:
-            self.faults.append(f"{name} took {took_s:.2f} s; at most {within_s:g} s are allowed")
+            self.note(f"{name} took {took_s:.2f} s; at most {within_s:g} s are allowed")
 
 
 def _described(error: BaseException) -> str:

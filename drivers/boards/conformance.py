@@ -215,13 +215,13 @@ def rescue_faults(
     report = checks.call(
         "make_safe", lambda: rescue.make_safe(patience_s, lambda: None), patience_s + DEVICE_S
     )
-    if not isinstance(report, SafetyReport):
-        checks.faults.append(f"make_safe returned {report!r}, not a SafetyReport")
-    else:
+    if isinstance(report, SafetyReport):
         checks.require(report.is_safe, f"make_safe reports: {report.text}")
         checks.require(
             abs(read_V()) < 0.05 or not report.is_safe, f"it reports safe at {read_V():.3f} V"
         )
+    elif checks.answered:
+        checks.note(f"make_safe returned {report!r}, not a SafetyReport")
     checks.call("close", rescue.close, DEVICE_S)
     checks.call("a second close", rescue.close)
     return checks.faults

@@ -59,6 +59,11 @@ class OpenedCapture:
         return self.settings.trigger not in (FREE, None)
 
     @property
+    def stated_shape(self) -> tuple[int, int]:
+        """Rows and columns of a frame as the capture states them; 0 where it does not."""
+        return int(self._capture.get(HEIGHT)), int(self._capture.get(WIDTH))
+
+    @property
     def losses(self) -> tuple[int, int]:
         """Frames since it was opened that came incomplete, and that never came."""
         found: tuple[int, int] = getattr(self._capture, "losses", (0, 0))
@@ -140,8 +145,7 @@ class OpenedCapture:
         capture.set(READ_TIMEOUT_MSEC, READ_TIMEOUT_S * 1e3)
         capture.set(CONVERT_RGB, 0)
         image = self._read()
-        expected = (int(capture.get(HEIGHT)), int(capture.get(WIDTH)))
-        if image.shape[:2] != expected or not _is_plain(image):
+        if image.shape[:2] != self.stated_shape or not _is_plain(image):
             capture.set(CONVERT_RGB, 1)  # packed or compressed data: let OpenCV decode it
             image = self._read()
         if self._is_file:

@@ -90,6 +90,11 @@ class CaptureCamera:
         return self._taken().dtype
 
     @property
+    def stated_shape(self) -> tuple[int, int]:
+        """Rows and columns of a frame as the capture states them; 0 where it does not."""
+        return self._taken().stated_shape
+
+    @property
     def settings(self) -> AcquisitionSettings:
         """See `Camera.settings`."""
         return self._taken().settings

@@ -154,7 +154,11 @@ def faults(part: object) -> list[str]:
     """Return what is wrong with a kind of camera, a sentence each."""
     calls = {"make": ("settings", "clock", "rate_hz"), "find": ()}
     found = list(kind_faults(part, CameraKind, calls, needed=("source",)))
-    if isinstance(part, CameraKind) and not part.sets <= ALL_SETTINGS:
+    if not isinstance(part, CameraKind):
+        return found
+    if not isinstance(part.sets, frozenset):  # other people's may be anything
+        found.append(f'its sets are {part.sets!r}, not names such as frozenset({{"gain"}})')  # type: ignore[unreachable]
+    elif not part.sets <= ALL_SETTINGS:
         found.append(f"it sets {', '.join(sorted(part.sets - ALL_SETTINGS))}, which is no setting")
     return found
 

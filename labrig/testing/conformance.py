@@ -1,10 +1,15 @@
 """The conformance functions, under one name each.
 
-Those of a kind of part take the part alone: the loader runs them, too. Those of a device or of an
-answer (`camera_faults`, `signal_faults`, `curve_faults` ...) take an open device, or an answer.
+Those of a kind of part take the part alone: the loader runs them, too, but for what takes long.
+Those of a device or of an answer (`camera_faults`, `signal_faults`, `curve_faults` ...) take a
+device, or an answer. None of them raises what the part's own code raises: it is one of its faults.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec
 
 from drivers.boards.conformance import (
     connection_faults,
@@ -22,6 +27,7 @@ from drivers.cameras.conformance import camera_faults
 from drivers.cameras.contract import faults as camera_kind_faults
 from drivers.force_sensors.conformance import force_sensor_faults
 from drivers.force_sensors.contract import faults as force_sensor_kind_faults
+from drivers.plugins import first_faults
 from drivers.positioners.conformance import positioner_faults
 from drivers.positioners.contract import faults as positioner_kind_faults
 from labrig.batch.conformance import faults as batch_task_faults
@@ -32,7 +38,7 @@ from labrig.extractors.conformance import faults_of_curve as curve_faults
 from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
 from labrig.report.sections.conformance import faults as section_faults
-from labrig.vision.checks.conformance import faults as curve_check_faults
+from labrig.testing.drawn_curves import curve_check_faults
 from labrig.vision.facts.conformance import faults as strip_fact_faults
 from model.discrepancy.criticism.conformance import faults as verdict_check_faults
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
@@ -83,3 +89,18 @@ __all__ = [
     "timed_output_faults",
     "verdict_check_faults",
 ]
+
+_P = ParamSpec("_P")
+
+
+def _never_raising(faults: Callable[_P, list[str]]) -> Callable[_P, list[str]]:
+    """Return a conformance function of which what a part raises is one of the faults."""
+
+    @wraps(faults)
+    def found(*args: _P.args, **kwargs: _P.kwargs) -> list[str]:
+        return first_faults([lambda: faults(*args, **kwargs)])
+
+    return found
+
+
+globals().update({name: _never_raising(globals()[name]) for name in __all__})

@@ -20,6 +20,7 @@ from model.effects.interface import (
     EffectParameter,
     LoadCellInput,
 )
+from model.effects.methods import faults_of_answer, faults_of_calls
 from model.locations import locations
 from model.locations.examples import (
     example_beam,
@@ -36,6 +37,10 @@ ACTIONS = ("beam", "course", "lagging", "force", "curve", "in_image")
 MOST_LAGGING = 9
 CHANNEL_VALUES = (21.0, 57.0)  # first and last of every further channel, whatever its unit
 Given = TypeVar("Given", AcquisitionTimes, LoadCellInput)
+LARGEST_FACTOR = 10.0  # by which an effect of plausible size changes the EIBM or a stiffness
+LARGEST_FORCE_N = 0.05  # that one adds
+_SCALED = {"beam.eibm": "EIBM", "beam.soft": "compliance", "beam.stiffness": "stiffness"}
+_AWAY = " without contact"
 RISE_S = 0.1  # of the voltage, where pictures are taken
 _FORM_COORDINATES = get_args(get_args(get_type_hints(Effect)["form_error_along"])[0])
 
@@ -47,11 +52,15 @@ def faults(effect: object) -> list[str]:
     """
     if not isinstance(effect, Effect):
         return [f"it is of type {type(effect).__name__}, not a model.effects.Effect"]
-    return first_faults(partial(check, effect) for check in (faults_of_form, *_CHECKS))
+    checks = (faults_of_form, _can_be_called, *_CHECKS)
+    return first_faults(partial(check, effect) for check in checks)
 
 
 def faults_of_form(effect: Effect) -> list[str]:
     """Return the faults of its description; no code of the effect runs."""
+    every: object = effect.parameters
+    if not (isinstance(every, tuple) and all(isinstance(one, EffectParameter) for one in every)):
+        return ["its parameters must be a tuple of EffectParameter"]
     return [
         *_faults_of_words(effect),
         *(fault for one in effect.parameters for fault in _faults_of_parameter(one)),
@@ -90,7 +99,9 @@ def _faults_of_words(effect: Effect) -> Iterator[str]:
             yield f"its {name} is empty"
     if effect.location not in locations():
         yield f"its location {effect.location!r} is none of {', '.join(locations())}"
-    if unknown := sorted(set(effect.form_error_along) - set(_FORM_COORDINATES)):
+    if not isinstance(effect.form_error_along, tuple):  # other people's may be anything
+        yield 'its form_error_along must be a tuple, as ("voltage",)'  # type: ignore[unreachable]
+    elif unknown := sorted(set(effect.form_error_along) - set(_FORM_COORDINATES)):
         yield (
             f"its form differs along {', '.join(unknown)}, which is none of"
             f" {', '.join(_FORM_COORDINATES)}"
@@ -110,6 +121,9 @@ def _faults_of_words(effect: Effect) -> Iterator[str]:
 def _faults_of_parameter(parameter: EffectParameter) -> Iterator[str]:
     low, high = parameter.low, parameter.high
     inside = [parameter.prior_scale, *parameter.starting_values]
+    if not all(isinstance(value, int | float) for value in inside):
+        yield f"{parameter.name}: {inside} must be numbers"
+        return
     if not all(np.isfinite(v) and low <= v <= high for v in inside):
         yield f"{parameter.name}: {inside} must lie between {low:g} and {high:g}"
     if parameter.log and not (parameter.low > 0.0):
@@ -150,6 +164,27 @@ def _results(effect: Effect, p: Mapping[str, float], *, touched: bool = True) ->
     spoilt = not all(_same(a, b) for a, b in zip(kept, given, strict=True))
     found[GIVEN] = np.array([float(spoilt)])
     return found
+
+
+def _can_be_called(effect: Effect) -> Iterator[str]:
+    yield from faults_of_calls(effect, (*ACTIONS, "derived"))
+
+
+def _returns_what_it_must(effect: Effect) -> Iterator[str]:
+    beam, contact = example_beam()
+    beam.clock = _recorded(effect, beam.clock)
+    run, p = _recorded(effect, example_clock()), plausible(effect)
+    arguments = {
+        "beam": (beam, contact),
+        "course": (run,),
+        "lagging": (beam, contact),
+        "force": (_recorded(effect, example_weighed()),),
+        "curve": (example_points(),),
+        "pictured": (replace(run, rise_s=RISE_S),),
+    }
+    for name in sorted(acts(effect)):
+        made: object = getattr(effect, name)(*arguments[name], p)
+        yield from faults_of_answer(name, made)
 
 
 def _recorded(effect: Effect, given: Given) -> Given:
@@ -215,15 +250,44 @@ def _is_there_when_plausible(effect: Effect) -> Iterator[str]:
 
 
 def _keeps_shapes_and_is_finite(effect: Effect) -> Iterator[str]:
-    before = _untouched()
+    """Yield each fault once, with the values at which it was found first."""
+    found: dict[str, list[Mapping[str, float]]] = {}
     for touched in (True, False):
         for p in _everywhere(effect):
-            for name, values in _results(effect, p, touched=touched).items():
-                what = f"the {name}" + ("" if touched else " without contact")
-                if np.shape(values) != np.shape(before[name]):
-                    yield f"{what} has shape {np.shape(values)}, not {np.shape(before[name])}"
-                elif name != "beam.stated_m" and not np.all(np.isfinite(values)):
-                    yield f"{what} is not finite at {p}"
+            for said in _faults_at(effect, p, touched=touched):
+                if touched or said.replace(_AWAY, "") not in found:
+                    found.setdefault(said, []).append(p)
+    for said, where in found.items():
+        more = len(where) - 1
+        yield f"{said} at {dict(where[0])}" + (f" (and {more} more cases)" if more else "")
+
+
+def _faults_at(effect: Effect, p: Mapping[str, float], *, touched: bool) -> Iterator[str]:
+    before = _untouched()
+    for name, values in _results(effect, p, touched=touched).items():
+        what = f"the {name}" + ("" if touched else _AWAY)
+        if np.shape(values) != np.shape(before[name]):
+            yield f"{what} has shape {np.shape(values)}, not {np.shape(before[name])}"
+        elif name != "beam.stated_m" and not np.all(np.isfinite(values)):
+            yield f"{what} is not finite"
+
+
+def _is_of_plausible_size(effect: Effect) -> Iterator[str]:
+    """Yield what changes far more than anybody would call plausible: another unit, probably."""
+    before, after = _untouched(), _results(effect, plausible(effect))
+    for name, values in after.items():
+        size = float(np.nanmax(np.abs(values)))
+        at = "at its plausible size it"
+        if name in _SCALED:
+            factor = size / float(np.nanmax(np.abs(before[name])))
+        elif name.startswith(("EIBM in", "stiffness in")):  # relative changes
+            factor = 1.0 + size
+        else:
+            if name == "force" and size > LARGEST_FORCE_N:
+                yield f"{at} adds {size:g} N to the force: is it in mN?"
+            continue
+        if factor > LARGEST_FACTOR:
+            yield f"{at} changes the {_SCALED.get(name, name)} by a factor of {factor:.0f}"
 
 
 def _changes_nothing_it_was_given(effect: Effect) -> Iterator[str]:
@@ -265,10 +329,12 @@ def _everywhere(effect: Effect) -> Iterator[dict[str, float]]:
 
 
 _CHECKS: tuple[Callable[[Effect], Iterator[str]], ...] = (
+    _returns_what_it_must,
     _keeps_shapes_and_is_finite,
     _is_absent_when_neutral,
     _is_there_when_plausible,
     _changes_nothing_it_was_given,
     _does_not_remember,
     _derives_what_it_names,
+    _is_of_plausible_size,
 )

@@ -12,6 +12,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 
 from protocols.errors import ScheduleError
 from protocols.kinds.contract import ProtocolKind
+from protocols.kinds.fields import LARGEST_VOLTAGE_V
 from protocols.planning.builder import StepsAndReadings
 from protocols.planning.encoding import run_from_dict, run_to_dict
 from protocols.planning.limits import structure_faults
@@ -35,11 +36,10 @@ def faults(kind: object) -> list[str]:
         return found
     try:
         protocol = kind()
+        found = list(islice(_run_faults(protocol), _MAX_FAULTS))
     except ScheduleError as error:
         return [f"its defaults are refused: {error}"]
-    return list(islice(_run_faults(protocol), _MAX_FAULTS)) or list(
-        accepted_out_of_bounds(protocol)
-    )
+    return found or list(accepted_out_of_bounds(protocol))
 
 
 def declared_faults(kind: type[Any], method: str) -> Iterator[str]:
@@ -110,13 +110,24 @@ def planned(parts: StepsAndReadings, **more: Any) -> PlannedRun:
 
 
 def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
-    steps, readings, duration_s = protocol.steps_and_readings()
+    made: object = protocol.steps_and_readings()
+    if not (isinstance(made, tuple) and len(made) == 3):
+        yield (
+            f"steps_and_readings returned {type(made).__name__}, not the steps, readings and "
+            "duration that Builder.finish() returns"
+        )
+        return
+    steps, readings, duration_s = made
     run = planned((steps, readings, duration_s))
     yield from structure_faults(run)
     if not any(reading.kind is ReadingKind.KEPT for reading in readings):
         yield "by default it keeps no reading"
     if not protocol.driven_V:
         yield "by default it applies no voltage"
+        return
+    largest_V = max(map(abs, protocol.driven_V))
+    if largest_V > LARGEST_VOLTAGE_V:
+        yield f"by default it drives {largest_V:g} V; at most {LARGEST_VOLTAGE_V:g} V are allowed"
         return
     if run_from_dict(json.loads(json.dumps(run_to_dict(run)))) != run:
         yield "its run is another one after it was written as JSON and read again"

@@ -36,7 +36,9 @@ class Builder:
         require_size(len(self._steps) + len(self._readings))
 
     def reading(self, delay_s: float, half_window_s: float, kind: ReadingKind) -> None:
-        """Take a reading in the step added last."""
+        """Take a reading in the step added last. Raises ScheduleError where there is none."""
+        if not self._steps:
+            raise ScheduleError("a reading comes before the first step; add the step first")
         step = len(self._steps) - 1
         self._readings.append(
             PlannedReading(
@@ -64,7 +66,12 @@ class Builder:
             count += 1
 
     def finish(self) -> StepsAndReadings:
-        """Return to 0 V, unless that is where the last step is, and hand over everything."""
+        """Return to 0 V, unless that is where the last step is, and hand over everything.
+
+        Raises ScheduleError where there is no step.
+        """
+        if not self._steps:
+            raise ScheduleError("it has no step")
         if self._steps[-1].voltage_V != 0.0:
             self.step(0.0, 0.0)
         return tuple(self._steps), tuple(self._readings), self._end_s

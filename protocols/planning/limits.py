@@ -74,14 +74,17 @@ def _general_faults(schedule: Schedule) -> Iterator[str]:
 
 
 def _faults_of_runs(schedule: Schedule, limits: SafetyLimits | None) -> list[str]:
-    """Each fault once, with the runs that have it."""
+    """Each fault once, with the runs that have it; those of the same runs together."""
     where: dict[str, list[PlannedRun]] = {}
     for run in schedule.runs:
         for fault in structure_faults(run):
             where.setdefault(fault, []).append(run)
         for fault in limit_faults(run, limits) if limits else ():
             where.setdefault(fault, []).append(run)
-    return [f"{_runs(runs)}: {fault}" for fault, runs in where.items()]
+    together: dict[tuple[int, ...], list[str]] = {}
+    for fault, runs in where.items():
+        together.setdefault(tuple(run.index for run in runs), []).append(fault)
+    return [f"{_runs(where[faults[0]])}: {', and '.join(faults)}" for faults in together.values()]
 
 
 def limit_faults(run: PlannedRun, limits: SafetyLimits) -> Iterator[str]:
@@ -122,8 +125,7 @@ def structure_faults(run: PlannedRun) -> Iterator[str]:
     if [reading.index for reading in run.readings] != list(range(len(run.readings))):
         yield "the readings are not numbered 0, 1, 2, ..."
     yield from _move_faults(run)
-    for reading in run.readings:
-        yield from _reading_faults(run, reading)
+    yield from _faults_of_readings(run)
     yield from _reference_faults(run)
     due_s = [run.time_of(r) for r in run.readings if 0 <= r.step < len(run.steps)]
     if any(later < earlier for earlier, later in pairwise(due_s)):
@@ -163,24 +165,52 @@ def _move_faults(run: PlannedRun) -> Iterator[str]:
         yield f"the load cell is moved at {move.time_s:g} s, outside the run"
 
 
-def _reading_faults(run: PlannedRun, reading: PlannedReading) -> Iterator[str]:
-    name = f"reading {reading.index}"
+@dataclass(frozen=True)
+class _ReadingFault:
+    """What is wrong with a reading, in the words for one and for several of them."""
+
+    one: str
+    several: str
+    detail: str  # of this reading
+
+
+def _faults_of_readings(run: PlannedRun) -> Iterator[str]:
+    """Yield each fault once, with how many readings have it."""
+    found: dict[str, list[tuple[PlannedReading, _ReadingFault]]] = {}
+    for reading in run.readings:
+        for fault in _reading_faults(run, reading):
+            found.setdefault(fault.several, []).append((reading, fault))
+    for several, having in found.items():
+        reading, first = having[0]
+        name = f"reading {reading.index}"
+        if len(having) == 1:
+            yield f"{name} {first.one}"
+        else:
+            yield f"{len(having)} readings {several} (the first is {name}, {first.detail})"
+
+
+def _reading_faults(run: PlannedRun, reading: PlannedReading) -> Iterator[_ReadingFault]:
     if not 0 <= reading.step < len(run.steps):
-        yield f"{name} belongs to step {reading.step}, and there is none"
+        one = f"belongs to step {reading.step}, and there is none"
+        yield _ReadingFault(one, "belong to steps that are not there", f"of step {reading.step}")
         return
     if not (isfinite(reading.delay_s) and isfinite(reading.half_window_s)):
-        yield f"{name}: a time is not a finite number"
+        rest = "a time that is not a finite number"
+        yield _ReadingFault(f"has {rest}", f"have {rest}", f"{reading.delay_s:g} s into its step")
         return
     step = run.steps[reading.step]
     last = reading.step == len(run.steps) - 1
     end_s = run.duration_s if last else run.steps[reading.step + 1].time_s
+    lasts = f"its step lasts {end_s - step.time_s:g} s"
     reach_s = reading.delay_s + reading.half_window_s
     if reading.half_window_s < 0 or not fits(reading.half_window_s, reading.delay_s):
-        yield f"{name} begins before its step"
+        yield _ReadingFault("begins before its step", "begin before their step", lasts)
     if not fits(step.time_s + reach_s, end_s):
-        yield f"{name} is not over when its step is"
+        one = f"is not over when its step is, which lasts {end_s - step.time_s:g} s"
+        yield _ReadingFault(one, "are not over when their step is", lasts)
     if reading.voltage_V != step.voltage_V:
-        yield f"{name} says {reading.voltage_V:g} V, its step {step.voltage_V:g} V"
+        one = f"says {reading.voltage_V:g} V, its step {step.voltage_V:g} V"
+        yield _ReadingFault(one, "say another voltage than their step", f"which {one}")
 
 
 def _runs(runs: list[PlannedRun]) -> str:

@@ -33,7 +33,7 @@ from drivers.force_sensors import FORCE_SENSORS
 from drivers.force_sensors.conformance import force_sensor_faults
 from drivers.force_sensors.dpm3 import Dpm3Meter
 from drivers.force_sensors.metered_input import MeteredInput
-from drivers.interfaces import DeviceError, Frame, RealClock
+from drivers.interfaces import DeviceError, DeviceTimeoutError, Frame, RealClock
 from drivers.positioners import POSITIONERS
 from drivers.positioners.conformance import positioner_faults
 from drivers.positioners.manual import ManualStage
@@ -164,6 +164,66 @@ def test_a_camera_that_breaks_the_contract_is_found(kind, said):
     assert any(said in fault for fault in found), found
 
 
+class NeverWaiting(SimulatedCapture):
+    """Hands over a frame whenever it is asked for one."""
+
+    def grab(self) -> bool:
+        self._clock.sleep_until(self._clock.now() + 1e-4)
+        self._number = 0 if self._number is None else self._number + 1
+        return True
+
+
+class OtherSize(SimulatedCapture):
+    """States another size than that of its frames."""
+
+    def get(self, propId: int) -> float:
+        return 100.0 if propId in (3, 4) else super().get(propId)
+
+
+def camera_on(capture, clock):
+    return CaptureCamera("simulated", clock, lambda _: capture(CountingScene(), clock))
+
+
+def test_a_camera_that_never_waits_for_a_frame_is_found():
+    clock = VirtualClock()
+    found = camera_faults(camera_on(NeverWaiting, clock), clock)
+    assert any("frames came in 1 s" in f and "25 a second were asked for" in f for f in found), (
+        found
+    )
+
+
+def test_the_rate_that_a_camera_was_made_for_counts_where_it_states_none():
+    clock = VirtualClock()
+    camera = simulated_camera(clock)
+    assert camera_faults(camera, clock, rate_hz=25.0) == []
+    found = camera_faults(simulated_camera(clock), clock, rate_hz=5.0)
+    assert any("5 a second were asked for" in fault for fault in found), found
+
+
+def test_a_capture_that_states_another_size_than_its_frames_have_is_found():
+    clock = VirtualClock()
+    (fault,) = camera_faults(camera_on(OtherSize, clock), clock)
+    assert fault == "it states 100 x 100 pixels (width x height), and its frames have 6 x 4"
+
+
+def test_what_lacks_a_method_of_a_device_is_told_which():
+    clock = VirtualClock()
+    methods = "start, want, want_all, frames, stop, fire"
+    assert camera_faults(Opening(), clock) == [f"it has no method {methods}"]
+    assert force_sensor_faults(Opening(), clock) == ["it has no method read_force, tare"]
+    assert positioner_faults(Opening(), clock) == ["it has no method move_to, position"]
+
+
+class Opening:
+    """It can be opened and closed."""
+
+    def open(self) -> None:
+        """Open it."""
+
+    def close(self) -> None:
+        """Close it."""
+
+
 # ------------------------------------------------------------------------------------- positioners
 
 
@@ -211,6 +271,68 @@ def test_a_stage_that_reports_another_position_is_found():
     assert "after move_to(0.01) position is 0" in positioner_faults(zaber(clock, Sloppy), clock)
 
 
+class InMillimetres(ZaberStage):
+    """States its travel in mm."""
+
+    def travel_m(self):
+        return 0.0, 60.0
+
+
+def test_a_travel_in_another_unit_is_found_and_nothing_is_moved_to_its_ends():
+    clock = VirtualClock()
+    assert positioner_faults(zaber(clock, InMillimetres), clock) == [
+        "its travel is 0 to 60 m: is it in mm?"
+    ]
+
+
+class OneNumber(ZaberStage):
+    """Its travel is a length."""
+
+    def travel_m(self):
+        return 0.06
+
+
+def test_a_travel_that_is_no_two_numbers_is_found():
+    clock = VirtualClock()
+    found = positioner_faults(zaber(clock, OneNumber), clock)
+    assert "travel_m returned 0.06, not the lower and the upper end in m" in found
+
+
+class Silent(ZaberStage):
+    """Its cable was pulled out."""
+
+    def move_to(self, position_m: float) -> bool:
+        self._clock.sleep_until(self._clock.now() + 10.0)
+        raise DeviceTimeoutError("the stage does not answer; check its cable")
+
+    def position(self) -> float | None:
+        self.move_to(0.0)
+        return None
+
+
+def test_a_stage_that_does_not_answer_is_asked_once():
+    clock = VirtualClock()
+    began_s = clock.now()
+    assert positioner_faults(zaber(clock, Silent), clock) == [
+        "move_to(0) raised DeviceTimeoutError: the stage does not answer; check its cable"
+    ]
+    assert clock.now() - began_s < 15.0
+
+
+class Failing(ZaberStage):
+    """Fails in each move."""
+
+    def move_to(self, position_m: float) -> bool:
+        raise DeviceError("the stage is stuck")
+
+
+def test_of_a_move_that_failed_nothing_else_is_judged():
+    clock = VirtualClock()
+    found = positioner_faults(zaber(clock, Failing), clock)
+    assert found[0] == "move_to(0) raised DeviceError: the stage is stuck"
+    assert not any("returned" in fault or "after move_to" in fault for fault in found)
+
+
 # ----------------------------------------------------------------------------------- force sensors
 
 
@@ -234,7 +356,47 @@ def test_a_sensor_of_another_unit_is_found():
         return simulated.InMemorySerial(device, clock, port=name, **settings)
 
     found = force_sensor_faults(InGrams("COM1", serial_factory=port), clock)
-    assert any("the range is 0.98 N" in fault for fault in found)
+    assert any("the range is 0.98 N (5 times)" in fault for fault in found)
+
+
+class Stuck(Dpm3Meter):
+    """Fails in each reading."""
+
+    error: type[DeviceError] = DeviceError
+    is_open = False
+
+    def open(self) -> None:
+        super().open()
+        self.is_open = True
+
+    def read_force(self) -> float:
+        force_N = super().read_force()
+        if self.is_open:
+            raise self.error("the meter shows no number")
+        return force_N
+
+
+class Mute(Stuck):
+    """It is silent after it was opened."""
+
+    error = DeviceTimeoutError
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        (Stuck, "read_force raised DeviceError: the meter shows no number (6 times)"),
+        (Mute, "read_force raised DeviceTimeoutError: the meter shows no number"),
+    ],
+)
+def test_each_sentence_about_a_sensor_is_said_once_and_a_silent_one_is_asked_once(kind, said):
+    clock = VirtualClock()
+    device = simulated.SimulatedDpm3Meter(Load(0.02), clock, noise_N=0.0)
+
+    def port(name, **settings):
+        return simulated.InMemorySerial(device, clock, port=name, **settings)
+
+    assert force_sensor_faults(kind("COM1", serial_factory=port), clock) == [said]
 
 
 # ------------------------------------------------------------------------------------------ boards

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
+from drivers.cameras import CAMERAS
 from drivers.cameras.contract import CameraKind
 from drivers.cameras.contract import faults as camera_faults
 from drivers.kinds import call_fault
@@ -33,3 +36,8 @@ def test_a_kind_of_camera_whose_make_takes_too_little_is_refused_when_it_is_load
     assert camera_faults(kind) == [
         "its make cannot be called as make(settings, clock, rate_hz): too many positional arguments"
     ]
+
+
+def test_a_kind_of_camera_whose_sets_are_no_set_is_told_so() -> None:
+    kind = replace(CAMERAS.get("opencv"), sets="gain")  # type: ignore[arg-type]
+    assert camera_faults(kind) == ["its sets are 'gain', not names such as frozenset({\"gain\"})"]

@@ -56,7 +56,7 @@ def damaged(change):
         (lambda d: d["runs"][0].update(readings=[3]), r"readings\[0\]: a table is wanted"),
         (lambda d: d["runs"][0].update(position_m="0"), "position_m: a float is wanted, not '0'"),
         (lambda d: d["runs"][0].update(moisten=0), "moisten: a bool is wanted, not 0"),
-        (lambda d: d["runs"][0].update(duration_s=0.5), "not over when its step is"),
+        (lambda d: d["runs"][0].update(duration_s=0.5), "not over when their step is"),
         (lambda d: d.update(frame_rate_hz=float("nan")), "frame_rate_hz"),
         (lambda d: d["runs"][0].update(tilt_rad=0.5), r"upright .* or is turned over .*, nothing"),
         (lambda d: d["runs"][0].update(tilt_rad=math.pi), "be turned over between two runs"),

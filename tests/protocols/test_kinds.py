@@ -7,6 +7,7 @@ from typing import ClassVar
 import pytest
 
 from labrig.config import PROTOCOLS
+from labrig.testing import protocol_faults
 from protocols import ProtocolKind, ReadingKind, ScheduleError
 from protocols.kinds.conformance import faults
 from protocols.kinds.fields import duration, voltage
@@ -150,6 +151,20 @@ def read_too_late(self):
     return run.finish()
 
 
+def read_before_its_first_step(self):
+    run = Builder()
+    run.reading(0.1, 0.01, KEPT)
+    run.step(self.voltage_V, self.pulse_s)
+    return run.finish()
+
+
+def in_millivolts(self):
+    run = Builder()
+    run.step(1e3 * self.voltage_V, self.pulse_s)
+    run.reading(self.pulse_s / 2, 0.01, KEPT)
+    return run.finish()
+
+
 def other_kind(**members):
     return dataclass(frozen=True, kw_only=True)(
         type("Other", (Flash,), {"__doc__": "x", **members})
@@ -164,6 +179,20 @@ def other_kind(**members):
         (other_kind(steps_and_readings=left_energised), "leaves 1 V at the sheet"),
         (other_kind(steps_and_readings=read_too_late), "is not over when its step is"),
         (other_kind(name="Not a name"), "small letters"),
+        (
+            other_kind(steps_and_readings=read_before_its_first_step),
+            "its defaults are refused: a reading comes before the first step",
+        ),
+        (
+            other_kind(steps_and_readings=lambda _: Builder().finish()),
+            "refused: it has no step",
+        ),
+        (
+            other_kind(steps_and_readings=lambda _: None),
+            "steps_and_readings returned NoneType, not the steps, readings and duration",
+        ),
+        (other_kind(steps_and_readings=lambda _: Builder()), "returned Builder, not the steps"),
+        (other_kind(steps_and_readings=in_millivolts), "by default it drives 1000 V"),
         (other_kind(__annotations__={"more": "float"}, more=1.0), "more has no description"),
         (
             other_kind(
@@ -185,3 +214,9 @@ def other_kind(**members):
 )
 def test_a_bad_kind_is_told_what_is_wrong(kind, says):
     assert says in "; ".join(faults(kind))
+
+
+def test_what_a_kind_raises_is_one_of_its_faults():
+    kind = other_kind(steps_and_readings=lambda _: 1 / 0)
+    (fault,) = protocol_faults(kind)
+    assert fault.startswith("its code raised ZeroDivisionError: division by zero (test_kinds.py, ")

@@ -36,6 +36,7 @@ def test_all_faults_are_listed_together_with_their_limits_and_runs():
     text = faults(make_schedule(train, [Place("long", (0.0, 0.005, 0.010))]))
     assert "run 1 (long at 0 mm) and 2 more: 3 V at the sheet is beyond the limit of ±2.5 V" in text
     assert "37.2 s under voltage is longer than the limit of 30 s" in text
+    assert text.count("run 1 (long at 0 mm)") == 1  # what the same runs have is said together
 
 
 def test_exactly_at_the_limits_is_allowed():
@@ -77,12 +78,33 @@ def test_a_schedule_that_makes_no_sense_is_refused(change, says):
         ({"delay_s": 0.05}, "reading 0 begins before its step"),
         ({"delay_s": 1.15}, "reading 0 is not over when its step is"),
         ({"voltage_V": 1.0}, "reading 0 says 1 V, its step 0 V"),
-        ({"delay_s": float("nan")}, "a time is not a finite number"),
+        ({"delay_s": float("nan")}, "reading 0 has a time that is not a finite number"),
     ],
 )
 def test_a_reading_that_makes_no_sense_is_refused(change, says):
     readings = short_schedule().runs[0].readings
     assert says in faults(changed(readings=(replace(readings[0], **change), *readings[1:])))
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (
+            {"delay_s": 0.01},
+            "5 readings begin before their step (the first is reading 0, its step lasts 1.2 s)",
+        ),
+        (
+            {"delay_s": 1.19},
+            "5 readings are not over when their step is (the first is reading 0, its step lasts",
+        ),
+        ({"voltage_V": 9.0}, "5 readings say another voltage than their step (the first is"),
+    ],
+)
+def test_what_many_readings_have_in_common_is_said_once(change, says):
+    readings = short_schedule().runs[0].readings
+    said = faults(changed(readings=tuple(replace(one, **change) for one in readings)))
+    assert says in said
+    assert said.count("reading 0") == 1
 
 
 def test_an_empty_or_misnumbered_schedule_is_refused():

@@ -6,6 +6,9 @@ A file adds one by its constant `CHECK`; another distribution by an entry point 
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import cast
 
 import numpy as np
@@ -29,6 +32,8 @@ FOLDER: PluginFolder[CurveCheck] = PluginFolder(
     group="labrig.curve_checks",
     faults=_faults,
 )
+# parts that are asked besides those of the folder, where a test tries them
+_TRIED: ContextVar[tuple[Part[CurveCheck], ...]] = ContextVar("tried", default=())
 
 
 def curve_checks() -> dict[str, CurveCheck]:
@@ -39,6 +44,16 @@ def curve_checks() -> dict[str, CurveCheck]:
 def origins() -> dict[str, str]:
     """Return "distribution version" by name of the curve checks of other distributions."""
     return FOLDER.origins()
+
+
+@contextmanager
+def asking_also(checks: Iterable[CurveCheck]) -> Iterator[None]:
+    """Ask these checks, too, for as long as the context lasts, as of another distribution."""
+    token = _TRIED.set(tuple(Part(check.name, check, "tried", "0") for check in checks))
+    try:
+        yield
+    finally:
+        _TRIED.reset(token)
 
 
 def findings(seen: SeenCurve, stage: CheckStage) -> list[CurveFinding]:
@@ -63,7 +78,8 @@ def _looks_at_outlines(part: Part[CurveCheck]) -> bool:
 
 
 def _in_order() -> list[Part[CurveCheck]]:
-    return sorted(FOLDER.parts().values(), key=lambda part: part.part.order)
+    every = [*FOLDER.parts().values(), *_TRIED.get()]
+    return sorted(every, key=lambda part: part.part.order)
 
 
 def _asked(part: Part[CurveCheck], seen: SeenCurve) -> CurveFinding | None:
@@ -73,7 +89,7 @@ def _asked(part: Part[CurveCheck], seen: SeenCurve) -> CurveFinding | None:
     try:
         found = part.part.finding(seen)
         if found is not None:
-            _require_finding(found, len(seen.fit.shape.x))
+            require_finding(found, len(seen.fit.shape.x))
     except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
         return CurveFinding(
             warning=f"the curve check '{part.name}' of {part.distribution} {part.version} failed "
@@ -82,10 +98,12 @@ def _asked(part: Part[CurveCheck], seen: SeenCurve) -> CurveFinding | None:
     return found
 
 
-def _require_finding(found: object, nodes: int) -> None:
+def require_finding(found: object, nodes: int) -> None:
     """Raise TypeError or ValueError where another distribution's finding cannot be used."""
     if not isinstance(found, CurveFinding):
         raise TypeError(f"it returned {type(found).__name__}, not a CurveFinding")
+    if not (found.refusal or found.warning) and found.widening_px is None:
+        raise ValueError("its CurveFinding has neither a refusal nor a warning nor a widening")
     wide = found.widening_px
     if wide is not None and (np.shape(wide) != (nodes,) or not np.isfinite(wide).all()):
         raise ValueError(f"widening_px must be {nodes} finite numbers, one for each node")

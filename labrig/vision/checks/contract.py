@@ -13,6 +13,7 @@ what both kinds share and more.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -36,7 +37,7 @@ class CheckStage(StrEnum):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CurveFinding:
-    """What a check says of one curve."""
+    """What a check says of one curve: a refusal, a warning, a widening, or several of them."""
 
     refusal: str = ""  # a sentence; empty: no reason to refuse it
     refused_at_px: Pixel | None = None  # where that shows; None: nowhere in particular
@@ -63,9 +64,24 @@ class CurveCheck:
         return None
 
     def refuse(self, at_px: Pixel | None = None, **values: float | str) -> CurveFinding:
-        """Return its refusal with these values, and the pixel where it shows."""
-        return CurveFinding(refusal=self.refusal.format(**values), refused_at_px=at_px)
+        """Return its refusal with these values, and the pixel where it shows.
+
+        Raises ValueError where it has none, or one with a place for another value.
+        """
+        return CurveFinding(refusal=_text("refusal", self.refusal, values), refused_at_px=at_px)
 
     def warn(self, widening_px: FloatArray | None = None, **values: float | str) -> CurveFinding:
-        """Return its warning with these values, and what it adds to the uncertainty."""
-        return CurveFinding(warning=self.warning.format(**values), widening_px=widening_px)
+        """Return its warning with these values, and what it adds to the uncertainty.
+
+        Raises ValueError where it has none, or one with a place for another value.
+        """
+        return CurveFinding(warning=_text("warning", self.warning, values), widening_px=widening_px)
+
+
+def _text(what: str, text: str, values: Mapping[str, float | str]) -> str:
+    if not text:
+        raise ValueError(f"its {what} is empty, so nothing can be said with it")
+    try:
+        return text.format(**values)
+    except KeyError as error:
+        raise ValueError(f"its {what} has a place for {error}, which is given no value") from None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy.typing as npt
@@ -33,12 +32,9 @@ def _heeded(curve: NeutralCurve, optics: Optics) -> NeutralCurve:
         try:
             why = objects(curve.points_px)
         except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
+            # what the user stated decides, so it must not be passed over
             named = "" if isinstance(error, LabrigError) else f"{type(error).__name__}: "
-            text = (
-                "what is known of the strip was not compared with the curve: "
-                f"{named}{str(error).rstrip('.')}"
-            )
-            return replace(curve, warnings=(*curve.warnings, text))
+            why = f"{named}{str(error).rstrip('.')}."
         if why:
             return NeutralCurve(ok=False, why=f"check of what is known failed: {why}")
     return curve

@@ -13,6 +13,7 @@ from labrig.vision.checks.sheet_end import SheetEnd
 from labrig.vision.curve.background_lines import BackgroundLine
 from labrig.vision.fit.context import FitContext
 from labrig.vision.fit.curve_fit import CurveFit
+from labrig.vision.image.image import GreyImage
 from labrig.vision.thresholds import LENGTH_ERROR_MAX_PX, LENGTH_ERROR_MAX_RATIO
 from labrig.vision.uncertainty.residual_offset import offset_px
 
@@ -41,6 +42,11 @@ class SeenCurve:
     left_out_along: bool = False  # whether cells were left out where something lies along it
     # of the curve with its whole uncertainty:
     sigma_px: FloatArray | None = None  # (nodes,): one standard deviation along the normal
+
+    @property
+    def image(self) -> GreyImage:
+        """The image: `grey` (rows, columns), its noise and its warnings."""
+        return self.context.image
 
     @cached_property
     def join(self) -> GapJoin:

@@ -45,6 +45,11 @@ class SeenOutline:
     end_measured: bool  # inside of the image; neither the length nor the tip is stated
 
     @property
+    def image(self) -> GreyImage:
+        """The image: `grey` (rows, columns), its noise and its warnings."""
+        return self.context.image
+
+    @property
     def covered(self) -> float:
         """Share of the length on which both edges are seen."""
         return float(self.fit.blocks.seen.mean()) if self.edges_seen else 0.0

@@ -4,10 +4,21 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
-from labrig.vision.facts.contract import FactOf, FactShape, SearchConstraints, StripFact
+import numpy as np
+import numpy.typing as npt
 
+from drivers.plugins import first_faults
+from labrig.errors import LabrigError
+from labrig.vision.facts.contract import (
+    FactOf,
+    FactShape,
+    SearchConstraints,
+    StripFact,
+)
+
+FloatArray = npt.NDArray[np.float64]
 _FLAG = re.compile(r"--[a-z][a-z0-9]*(-[a-z0-9]+)*")
 # keys of optics.json that are no facts; a test holds them equal to those of its model
 KEYS_OF_OPTICS = frozenset(
@@ -49,7 +60,7 @@ def faults(fact: object) -> list[str]:
     """Return what is wrong with a fact, a sentence each without its full stop."""
     if not isinstance(fact, StripFact):
         return [f"it is of type {type(fact).__name__}, not a StripFact"]
-    return list(_faults(fact)) or list(_faults_of_value(fact))
+    return first_faults([lambda: _faults(fact), lambda: _faults_of_value(fact)])
 
 
 def _faults(fact: StripFact) -> Iterator[str]:
@@ -76,7 +87,11 @@ def _faults(fact: StripFact) -> Iterator[str]:
 
 
 def _faults_of_value(fact: StripFact) -> Iterator[str]:
-    value = True if fact.shape == FactShape.FLAG else fact.read(fact.example)
+    try:
+        value = True if fact.shape == FactShape.FLAG else fact.read(fact.example)
+    except (ValueError, LabrigError) as error:
+        yield f"its example {fact.example!r} is not read: {str(error).rstrip('.')}"
+        return
     kept = fact.checked(json.loads(json.dumps(value)))
     if kept != value:
         yield f"its example is {kept!r} when it comes from a file, and {value!r} as stated"
@@ -85,8 +100,24 @@ def _faults_of_value(fact: StripFact) -> Iterator[str]:
     constraints = fact.constraints(value)
     if not isinstance(constraints, SearchConstraints):  # other people's may be anything
         yield f"`constraints` returned {type(constraints).__name__}, not SearchConstraints"  # type: ignore[unreachable]
+        return
+    for objects in constraints.objections:
+        yield from _faults_of_objection(objects)
     if (
         type(fact).constraints is StripFact.constraints
         and type(fact).directed is StripFact.directed
     ):
         yield "it has neither `constraints` nor `directed`: it says nothing"
+
+
+def _faults_of_objection(objects: Callable[[FloatArray], str]) -> Iterator[str]:
+    """Ask it about a drawn curve."""
+    along = np.linspace(0.0, 1.0, 121)
+    points_px = np.column_stack([24.0 + 120.0 * along, 75.0 - 30.0 * along**2])
+    try:
+        why: object = objects(points_px)
+    except (Exception, SystemExit) as error:  # noqa: BLE001 - it may raise anything
+        yield f"its objection failed with {type(error).__name__}: {error}"
+    else:
+        if not isinstance(why, str):
+            yield f"its objection returned {why!r}, not a text"

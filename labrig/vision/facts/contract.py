@@ -74,8 +74,16 @@ class SearchConstraints:
     hidden_px: tuple[Polygon, ...] = ()  # what is inside is not used
     length_measured: bool = False  # its length is found, whatever is stated
     # asked with the points (n, 2) of a found curve, each returns why that cannot be it, a sentence;
-    # empty: it can
+    # empty: it can. What it raises refuses the curve, too.
     objections: tuple[Callable[[FloatArray], str], ...] = ()
+
+    def __post_init__(self) -> None:
+        """Raise TypeError where the objections are not a tuple of functions."""
+        if not isinstance(self.objections, tuple):  # other people's may be anything
+            kind = type(self.objections).__name__  # type: ignore[unreachable]
+            raise TypeError(f"its objections are a {kind}, not a tuple of functions")
+        if not all(map(callable, self.objections)):
+            raise TypeError("its objections are not functions")
 
     @classmethod
     def together(cls, every: Iterable[SearchConstraints]) -> SearchConstraints:
@@ -91,6 +99,14 @@ class SearchConstraints:
             ),
             objections=tuple(one for each in constraints for one in each.objections),
         )
+
+
+def objection(objects: Callable[[FloatArray], str], points_px: FloatArray) -> str:
+    """Return why a curve cannot be it; empty: it can. Raises TypeError for what is no text."""
+    why = objects(points_px)
+    if not isinstance(why, str):  # other people's may be anything
+        raise TypeError(f"its objection returned {why!r}, not a text")
+    return why
 
 
 class Directed(Protocol):

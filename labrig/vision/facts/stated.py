@@ -21,7 +21,7 @@ from pydantic import (
 from labrig.config.base import ClosedModel
 from labrig.errors import BadInputError, LabrigError
 from labrig.vision.facts.catalogue import origin_of, strip_facts
-from labrig.vision.facts.contract import FactOf, Point, SearchConstraints, StripFact
+from labrig.vision.facts.contract import FactOf, Point, SearchConstraints, StripFact, objection
 
 FloatArray = npt.NDArray[np.float64]
 T = TypeVar("T")
@@ -165,7 +165,18 @@ def _constraints(fact: StripFact, value: Any) -> SearchConstraints:
 
 
 def _objection(fact: StripFact, objects: Callable[[FloatArray], str], points_px: FloatArray) -> str:
-    return _of_fact(fact, fact.name, partial(objects, points_px))
+    """Return why a curve cannot be the strip. Raises BadInputError where the fact cannot say it."""
+    try:
+        return objection(objects, points_px)
+    except (Exception, SystemExit) as error:
+        origin = origin_of(fact.name)
+        if not origin:  # a fault of ours is none of the user's
+            raise
+        raise BadInputError(
+            f"{fact.name}: the strip fact '{fact.name}'{origin} was not compared with the curve: "
+            f"{type(error).__name__}: {str(error).rstrip('.')}; mend it, or leave "
+            f"{fact.option.flag} out."
+        ) from None
 
 
 def _of_fact(fact: StripFact, where: str, ask: Callable[[], T]) -> T:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drivers.plugins import Part
+from labrig.testing import curve_check_faults
 from labrig.vision import neutral_curve
 from labrig.vision.checks import catalogue
 from labrig.vision.checks.catalogue import curve_checks
@@ -28,6 +29,16 @@ class Always(CurveCheck):
             return "bad"
         if self.name == "short":
             return CurveFinding(warning="never said", widening_px=np.ones(3))
+        if self.name == "mute":
+            return CurveFinding()
+        if self.name == "forgetful":
+            return self.refuse()
+        if self.name == "misspelt":
+            return self.warn(widening_px=None, wide_px=3.0)
+        if self.name == "imaged" and seen.image.grey.shape != seen.context.image.grey.shape:
+            return self.warn()
+        if self.name == "imaged":
+            return None
         if self.name == "nowhere":
             return CurveFinding(refusal="Never said.", refused_at_px=(np.nan, 3.0))
         wide = np.full(len(seen.fit.shape.x), 1.0)
@@ -59,11 +70,12 @@ def test_orders_differ_so_that_the_first_refusal_is_always_the_same():
     assert orders == sorted(orders)
 
 
+@pytest.mark.slow
 def test_the_check_on_the_page_about_extending_conforms():
     section = PAGE.read_text(encoding="utf-8").split("## A check of a curve")[1]
     there: dict[str, object] = {"__name__": "example"}
     exec(compile(section.split("```python")[1].split("```")[0], "extending.md", "exec"), there)
-    assert faults(there["CHECK"]) == []
+    assert curve_check_faults(there["CHECK"]) == []
 
 
 def test_a_faulty_check_is_told_what_is_wrong():
@@ -114,9 +126,51 @@ def test_a_check_of_another_distribution_refuses(plain, known, with_check, stage
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["broken", "wordy", "short", "nowhere"])
+@pytest.mark.parametrize("name", ["broken", "wordy", "short", "nowhere", "mute", "forgetful"])
 def test_a_check_of_another_distribution_that_fails_costs_no_curve(plain, known, with_check, name):
     with_check(name, CheckStage.CHOSEN, warning="never said")
     curve = neutral_curve(plain.image, *known(plain))
     assert curve.ok
     assert [w for w in curve.warnings if f"'{name}' of labrig-extra 0.1 failed" in w]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("broken", "its code raised KeyError: 'no such thing' (test_curve_checks.py, line "),
+        ("wordy", "it returned str, not a CurveFinding"),
+        ("short", "widening_px must be 121 finite numbers, one for each node"),
+        ("mute", "its CurveFinding has neither a refusal nor a warning nor a widening"),
+        ("forgetful", "its refusal is empty, so nothing can be said with it"),
+        ("misspelt", "its warning has a place for 'beside_px', which is given no value"),
+    ],
+)
+def test_a_check_is_asked_about_drawn_strips_before_anybody_uses_it(name, said):
+    check = Always(name=name, looks_at="it", warning="{beside_px} beside", order=1)
+    (fault,) = curve_check_faults(check)
+    assert fault.startswith("asked about a drawn strip (SeenCurve), ")
+    assert said in fault
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stage", CheckStage)
+def test_a_check_finds_the_image_of_curves_and_outlines_under_one_name(stage):
+    check = Always(name="imaged", looks_at="it", warning="it", stage=stage, order=1)
+    assert curve_check_faults(check) == []
+
+
+class OfCurves(CurveCheck):
+    """A check that knows of no outlines."""
+
+    def finding(self, seen):
+        """See `CurveCheck.finding`."""
+        return self.warn() if seen.sheet_end is None else None
+
+
+@pytest.mark.slow
+def test_a_check_that_fails_on_outlines_alone_is_found():
+    check = OfCurves(name="of_curves", looks_at="it", warning="it", order=1)
+    (fault,) = curve_check_faults(check)
+    assert fault.startswith("asked about the outline of a drawn strip (SeenOutline), its code ")
+    assert "no attribute 'sheet_end'" in fault

@@ -12,6 +12,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.errors import BadInputError
+from labrig.testing import strip_fact_faults
 from labrig.vision import Optics
 from labrig.vision.calibration.optics import StripPlace
 from labrig.vision.facts import stated
@@ -284,7 +285,71 @@ def test_of_two_facts_of_one_name_the_second_is_left_out_with_a_sentence(install
         assert strip_facts()["tip_px"].option.flag == "--tip-px"
 
 
-def test_a_fact_whose_objection_fails_is_named_and_the_curve_stays():
+OBJECTS = """
+
+class Objects(Course):
+    def constraints(self, value):
+        return SearchConstraints(objections=OBJECTIONS)
+
+
+def once_shown(answer):
+    drawn = []
+
+    def objection(points):
+        if not drawn:  # the drawn curve, when it is loaded
+            return drawn.append(points) or ""
+        return answer(points)
+
+    return objection
+
+
+OBJECTION = Objects(name="clip_px", meaning="it", shape=FactShape.POINTS, example="1,2",
+                    option=FactOption(flag="--clip", help="it"), order=50)
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("answer", "said"),
+    [
+        ("lambda points: 1 / 0", "ZeroDivisionError: division by zero"),
+        ("lambda points: points @ points", "ValueError: matmul"),
+        ("lambda points: True", "its objection returned True, not a text"),
+    ],
+)
+def test_a_stated_fact_that_cannot_be_compared_with_the_curve_refuses_it(
+    install, photograph, capsys, answer, said
+):
+    code = OBJECTS.replace("OBJECTIONS", "(shown,)") + f"shown = once_shown({answer})"
+    install(FOREIGN + code, clip_px="OBJECTION")
+    assert run(["curves", str(photograph), "--json", "--clip", "3,4"]) == 0
+    curve = json.loads(capsys.readouterr().out)
+    assert not curve["ok"]
+    start = "check of what is known failed: clip_px: the strip fact 'clip_px' of labrig-strange 0.3"
+    assert curve["why"].startswith(start)
+    assert said in curve["why"]
+    assert "leave --clip out" in curve["why"]
+
+
+@pytest.mark.parametrize(
+    ("objections", "said"),
+    [
+        ("(lambda points: 1 / 0,)", "its objection failed with ZeroDivisionError"),
+        ("(lambda points: True,)", "its objection returned True, not a text"),
+        ("lambda points: ''", "its objections are a function, not a tuple of functions"),
+        ("('no',)", "its objections are not functions"),
+    ],
+)
+def test_an_objection_is_asked_about_a_drawn_curve_before_anybody_uses_it(
+    install, objections, said
+):
+    install(FOREIGN + OBJECTS.replace("OBJECTIONS", objections), clip_px="OBJECTION")
+    with pytest.warns(UserWarning, match="'clip_px' of labrig-strange .* is left out") as caught:
+        strip_facts()
+    assert said in str(caught[0].message)
+
+
+def test_what_an_objection_of_ours_raises_is_a_fault_of_ours():
     class Failing(StripFact):
         def constraints(self, value):
             return SearchConstraints(objections=(lambda points: {}[value],))
@@ -292,12 +357,20 @@ def test_a_fact_whose_objection_fails_is_named_and_the_curve_stays():
     tip = strip_facts()["tip_px"]
     ours = Failing(**{field: getattr(tip, field) for field in vars(tip)})
     (objects,) = stated._constraints(ours, (1.0, 2.0)).objections
-    with pytest.raises(KeyError):  # a fault of ours is none of the user's
+    with pytest.raises(KeyError):
         objects(np.zeros((2, 2)))
-    with pytest.MonkeyPatch.context() as patch:  # of another distribution it is a sentence
-        patch.setattr(stated, "origin_of", lambda name: " of labrig-strange 0.3")
-        with pytest.raises(BadInputError, match="'tip_px' of labrig-strange 0"):
-            objects(np.zeros((2, 2)))
+
+
+@pytest.mark.parametrize(
+    ("fact", "said"),
+    [
+        ({"example": "100;90"}, "its example '100;90' is not read: give a pixel's column and row"),
+        ({"option": FactOption(flag=3, help="it")}, "its code raised TypeError"),
+    ],
+)
+def test_the_conformance_of_a_fact_is_told_in_sentences(fact, said):
+    (fault,) = strip_fact_faults(replace(strip_facts()["tip_px"], **fact))
+    assert said in fault
 
 
 def test_places_follow_a_picture_that_is_reduced():

@@ -107,7 +107,7 @@ def test_an_effect_of_another_distribution_is_found(tmp_path, monkeypatch):
         ("gone = NAME:EFFECT", "1 / 0", "ZeroDivisionError"),
         ("gone = NAME:NUMBER", GOOD, "it is of type int, not a model.effects.Effect"),
         ("gone = NAME:WORDLESS", GOOD, "its meaning is empty"),
-        ("gone = NAME:PARAMETERLESS", GOOD, "raised TypeError"),
+        ("gone = NAME:PARAMETERLESS", GOOD, "must be a tuple of EffectParameter"),
         ("gone = NAME:OURS", GOOD, "there is an effect 'gravity' already"),
     ],
 )

@@ -69,11 +69,26 @@ class Narrow(Effect):
         return weighed.force_N
 
 
+@dataclass(frozen=True)
+class Broken(Effect):
+    """Its method fails."""
+
+    def force(self, weighed, p):
+        """Divide by zero."""
+        return weighed.force_N * (1 / 0)
+
+
 def test_what_the_code_of_an_effect_raises_is_one_of_its_faults() -> None:
-    good = EFFECTS["force_offset"]
-    narrow = Narrow(**{name: getattr(good, name) for name in Effect.__dataclass_fields__})
-    (fault,) = faults(narrow)
-    assert fault.startswith("its code raised TypeError: Narrow.force() takes 2 positional")
+    (fault,) = faults(made(Broken))
+    assert fault.startswith(
+        "its code raised ZeroDivisionError: division by zero (test_effects_conf"
+    )
+
+
+def test_a_method_that_cannot_be_called_is_named() -> None:
+    assert faults(made(Narrow)) == [
+        "its force cannot be called as force(weighed, p): too many positional arguments"
+    ]
 
 
 def test_the_catalogue_holds_these_effects():
@@ -151,6 +166,16 @@ def test_a_good_effect_of_somebody_else_conforms():
         ({"meaning": " "}, "its meaning is empty"),
         ({"location": "elsewhere"}, "is none of rest_curvature"),
         ({"form_error_along": ("mood",)}, "along mood, which is none of s, "),
+        ({"form_error_along": "voltage"}, 'its form_error_along must be a tuple, as ("voltage",)'),
+        ({"parameters": []}, "its parameters must be a tuple of EffectParameter"),
+        (
+            {"parameters": EffectParameter(name="a", meaning="", unit="", prior_scale=1.0)},
+            "its parameters must be a tuple of EffectParameter",
+        ),
+        (
+            {"parameters": (EffectParameter(name="a", meaning="", unit="", prior_scale="0.2"),)},
+            "a: ['0.2'] must be numbers",
+        ),
         ({"parameters": ()}, "it has no parameter"),
         (
             {
@@ -249,6 +274,55 @@ class AddsUp(Offset):
 
 
 @dataclass(frozen=True)
+class AnArray(Effect):
+    """Returns the EIBM, not the problem with it."""
+
+    def beam(self, beam, contact, p):
+        return beam.eibm * (1.0 + p["force_mN"])
+
+
+@dataclass(frozen=True)
+class AList(Offset):
+    def force(self, weighed, p):
+        return [p["force_mN"]] * len(weighed.force_N)
+
+
+@dataclass(frozen=True)
+class OneArray(Effect):
+    def course(self, clock, p):
+        return p["force_mN"] * clock.run_s
+
+
+@dataclass(frozen=True)
+class Flat(Effect):
+    """Loses an axis of the EIBM."""
+
+    def beam(self, beam, contact, p):
+        return replace(beam, eibm=beam.eibm[:, 0] * (1.0 + p["force_mN"]))
+
+
+@dataclass(frozen=True)
+class ThousandTimes(Effect):
+    """Takes its amplitude for another unit."""
+
+    def beam(self, beam, contact, p):
+        return replace(beam, eibm=beam.eibm * (1.0 + 2e3 * p["force_mN"]))
+
+
+@dataclass(frozen=True)
+class InNewtons(Offset):
+    def force(self, weighed, p):
+        return np.full_like(weighed.force_N, p["force_mN"])
+
+
+@dataclass(frozen=True)
+class FarInTheCourse(Effect):
+    def course(self, clock, p):
+        change = 1e3 * p["force_mN"] * np.ones_like(clock.run_s)
+        return change, 0.0 * change
+
+
+@dataclass(frozen=True)
 class Derives(Offset):
     def derived(self, p, sheet):
         return {"half": 0.5 * p["force_mN"]}
@@ -265,12 +339,20 @@ class Derives(Offset):
         (OneNumber, "has shape (), not (32,)"),
         (Remembers, "another answer"),
         (AddsUp, "changes the arrays"),
+        (AnArray, "its beam returned ndarray, not a BeamProblem"),
+        (AList, "its force returned list, not an array"),
+        (OneArray, "its course returned ndarray, not two arrays"),
+        (Flat, "the beam.eibm has shape (7,), not (7, 14) at {'force_mN': 0.1} (and 3 more cases)"),
+        (ThousandTimes, "at its plausible size it changes the EIBM by a factor of 201"),
+        (InNewtons, "at its plausible size it adds 0.1 N to the force: is it in mN?"),
+        (FarInTheCourse, "at its plausible size it changes the EIBM in a run by a factor of 101"),
         (Derives, "it derives ['half'], but names the units of []"),
     ],
 )
 def test_what_is_wrong_with_its_behaviour_is_said(kind: type[Effect], said: str):
     found = faults(made(kind))
     assert any(said in fault for fault in found), found
+    assert len(set(found)) == len(found) <= 2
 
 
 def test_neutral_and_plausible_values_name_every_parameter():
