@@ -180,7 +180,7 @@ def _returns_what_it_must(effect: Effect) -> Iterator[str]:
         "lagging": (beam, contact),
         "force": (_recorded(effect, example_weighed()),),
         "curve": (example_points(),),
-        "pictured": (replace(run, rise_s=RISE_S),),
+        "in_image": (replace(run, rise_s=RISE_S),),
     }
     for name in sorted(acts(effect)):
         made: object = getattr(effect, name)(*arguments[name], p)

@@ -15,7 +15,7 @@ _KINDS = {
     "lagging": "pairs of arrays",
     "force": "an array",
     "curve": "two arrays",
-    "pictured": "an array",
+    "in_image": "an array",
 }
 
 
@@ -42,7 +42,7 @@ def _is_of_kind(name: str, made: object) -> bool:
         return isinstance(made, Sequence) and all(map(_are_two_arrays, made))
     if made is None:
         return True
-    return isinstance(made, np.ndarray) if name in ("force", "pictured") else _are_two_arrays(made)
+    return isinstance(made, np.ndarray) if name in ("force", "in_image") else _are_two_arrays(made)
 
 
 def _are_two_arrays(made: object) -> bool:
