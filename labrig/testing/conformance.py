@@ -29,6 +29,7 @@ from labrig.cli.command import faults as command_faults
 from labrig.exports.conformance import faults as export_format_faults
 from labrig.extractors.conformance import faults as curve_extractor_faults
 from labrig.extractors.conformance import faults_of_curve as curve_faults
+from labrig.panel.pages.conformance import content_faults as page_content_faults
 from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
 from labrig.report.sections.conformance import faults as section_faults
@@ -66,6 +67,7 @@ __all__ = [
     "interlock_faults",
     "location_faults",
     "output_faults",
+    "page_content_faults",
     "page_faults",
     "positioner_faults",
     "positioner_kind_faults",
