@@ -77,7 +77,7 @@ PARTS = [
     Example("column_means", "labrig/extractors", "extractors", "EXTRACTOR",
             shown("howto/curve_extractor.md", "Add a curve extractor")),
     Example("wall_px", "labrig/vision/facts/kinds", "strip_facts", "FACT",
-            shown("howto/extending.md", "A fact of a strip")),
+            shown("howto/extending.md", "A strip fact")),
     Example("largest_force", "labrig/exports", "exports", "FORMAT",
             shown("howto/extending.md", "An export format")),
     Example("every_force", "labrig/report/sections", "report_sections", "SECTION",
