@@ -60,6 +60,8 @@ PARTS = [
             shown("howto/extending.md", "An effect")),
     Example("humidity_eibm", "model/effects", "effects", "EFFECT",
             shown("howto/extending.md", "An effect of a recorded channel")),
+    Example("electrode_cracks", "model/effects", "effects", "EFFECT",
+            shown("howto/extending.md", "An effect that depends on the solution")),
     Example("cell_scale", "model/locations", "locations", "LOCATION",
             shown("howto/extending.md", "A location of discrepancy")),
     Example("pico", "drivers/boards", "boards", "BOARDS", device("BOARDS", "PICO")),
