@@ -11,7 +11,8 @@ import warnings
 from collections.abc import Callable
 from enum import IntEnum
 
-_OURS = frozenset({"labrig", "model", "protocols", "drivers", "sim_hardware"})  # our packages
+# our packages, and what stands between them and who calls them
+_OURS = frozenset({"labrig", "model", "protocols", "drivers", "sim_hardware", "contextlib"})
 
 
 class ExitCode(IntEnum):
