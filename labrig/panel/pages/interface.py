@@ -84,7 +84,7 @@ def left_out() -> list[str]:
     pages = ordered()
     return [
         f"the page of the panel '{name}' of {part.distribution} is left out: "
-        f"{_why_left_out(name, part.part, pages)}"
+        f"{_why_left_out(name, part.part, pages)}."
         for name, part in PAGES.parts().items()
         if pages.get(address_of(name)) is not part
     ]

@@ -134,7 +134,7 @@ def test_a_page_cannot_take_what_another_has_nor_an_address_that_is_none(tmp_pat
         assert [sentence.split("'")[1] for sentence in left_out()] == ["a/b", "load-cell", "mine"]
         assert left_out()[-1] == (
             "the page of the panel 'mine' of labrig-twice is left out: there is a page with the "
-            "title 'Sessions' already ('library' of labrig)"
+            "title 'Sessions' already ('library' of labrig)."
         )
     finally:
         sys.modules.pop("labrig_twice", None)
