@@ -71,6 +71,8 @@ if TYPE_CHECKING:
     from labrig.vision import StripGeometry as StripGeometry
     from labrig.vision import Tracker as Tracker
     from labrig.vision import neutral_curve as neutral_curve
+    from labrig.vision.checks.contract import CurveCheck as CurveCheck
+    from labrig.vision.facts.contract import StripFact as StripFact
     from model import Fit as Fit
     from model import FitOptions as FitOptions
     from model import Measurements as Measurements
@@ -80,9 +82,12 @@ if TYPE_CHECKING:
     from model import SheetModel as SheetModel
     from model.discrepancy import DiagnoseOptions as DiagnoseOptions
     from model.discrepancy import Diagnosis as Diagnosis
+    from model.discrepancy.criticism.contract import VerdictCheck as VerdictCheck
+    from model.discrepancy.data_checks.contract import DataCheck as DataCheck
     from model.effects import Effect as Effect
     from model.effects import EffectParameter as EffectParameter
     from model.locations.contract import Location as Location
+    from protocols import Extra as Extra
     from protocols import ProtocolKind as ProtocolKind
     from sim_hardware.ni.boards import BoardModel as BoardModel
 
@@ -172,6 +177,8 @@ _HOMES = {
         "Tracker",
         "neutral_curve",
     ),
+    "labrig.vision.checks.contract": ("CurveCheck",),
+    "labrig.vision.facts.contract": ("StripFact",),
     "model": (
         "Fit",
         "FitOptions",
@@ -185,12 +192,17 @@ _HOMES = {
         "DiagnoseOptions",
         "Diagnosis",
     ),
+    "model.discrepancy.criticism.contract": ("VerdictCheck",),
+    "model.discrepancy.data_checks.contract": ("DataCheck",),
     "model.effects": (
         "Effect",
         "EffectParameter",
     ),
     "model.locations.contract": ("Location",),
-    "protocols": ("ProtocolKind",),
+    "protocols": (
+        "Extra",
+        "ProtocolKind",
+    ),
     "sim_hardware.ni.boards": ("BoardModel",),
 }
 __getattr__, __dir__, __all__ = lazily(

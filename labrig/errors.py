@@ -6,8 +6,13 @@ Every text is one sentence: what is wrong, where (file, key, channel), what to d
 from __future__ import annotations
 
 import re
+import sys
+import warnings
 from collections.abc import Callable
 from enum import IntEnum
+
+# our packages, and what stands between them and who calls them
+_OURS = frozenset({"labrig", "model", "protocols", "drivers", "sim_hardware", "contextlib"})
 
 
 class ExitCode(IntEnum):
@@ -39,6 +44,18 @@ class ArgumentWarning(LabrigWarning):
     def in_words(self, spelled: Callable[[str], str]) -> str:
         """Return the text with each argument as somebody else spells it, such as an option."""
         return _respelled(str(self), self.names, spelled)
+
+
+def warn_caller(warning: Warning) -> None:
+    """Warn at the line of the code that called labrig: one of labrig's own says nothing to it."""
+    frame, depth = sys._getframe(), 1
+    while frame.f_back is not None and _is_ours(frame.f_globals.get("__name__", "")):
+        frame, depth = frame.f_back, depth + 1
+    warnings.warn(warning, stacklevel=depth)
+
+
+def _is_ours(module: str) -> bool:
+    return module.partition(".")[0] in _OURS
 
 
 class LabrigError(Exception):

@@ -22,6 +22,11 @@ def is_left_out(category: type[Warning]) -> bool:
     return category.__name__ == _PART_LEFT_OUT
 
 
+def same_title(one: str, other: str) -> bool:
+    """Whether two titles read alike: of two parts that have them the later one is left out."""
+    return " ".join(one.split()).casefold() == " ".join(other.split()).casefold()
+
+
 def note(text: str) -> None:
     """Keep the sentence, and tell who listens; the same one again is no news."""
     with _lock:

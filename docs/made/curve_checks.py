@@ -1,4 +1,4 @@
-"""The checks of a curve: what each looks at and what it says."""
+"""The curve checks: what each looks at and what it says."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from labrig.vision.checks.catalogue import curve_checks
 from labrig.vision.checks.contract import CurveCheck
 
 HEAD = """\
-# Checks of a curve
+# Curve checks
 
 Each curve that `labrig curves` finds is checked. A refusal means that there is no curve; its
 sentence names the step that failed and the remedy. A warning is kept with the curve. Several checks
@@ -17,7 +17,7 @@ also widen the credible band. The checks run in this order; the first refusal is
 - `uncertainty`: runs on the chosen curve with its whole uncertainty
 - `outline`: runs on a curve that was found between two edges, in place of all of these
 
-[How to add a check](../../howto/extending.md#a-check-of-a-curve)
+[How to add a check](../../howto/extending.md#a-curve-check)
 
 | name | runs on | looks at | finding |
 |---|---|---|---|

@@ -39,9 +39,12 @@ class MeteredInput:
     samples arrive only when the meter has read the force after them.
     """
 
-    def __init__(self, board: SignalInput, sensor: ForceSensor, clock: Clock) -> None:
+    def __init__(
+        self, board: SignalInput, sensor: ForceSensor, clock: Clock, kind: str = ""
+    ) -> None:
         self.board = board  # what makes safe reads the drive voltage from it: it needs no meter
         self._sensor = sensor
+        self._name = f"the force meter '{kind}'" if kind else "the force meter"
         self.sensor_identities: tuple[DeviceIdentity, ...] = ()  # of the meter, once it is open
         self._clock = clock
         self._lock = threading.Lock()
@@ -130,7 +133,7 @@ class MeteredInput:
         finally:
             if thread is not None and not thread.join(_JOIN_S):
                 raise DeviceTimeoutError(
-                    f"the force meter did not end its last reading in {_JOIN_S:g} s; check its "
+                    f"{self._name} did not end its last reading in {_JOIN_S:g} s; check its "
                     "connection, and restart labrig before using it again"
                 )
             self._sensor.close()
@@ -177,7 +180,7 @@ class MeteredInput:
         silent_s = self._clock.now() - self._good_s
         if silent_s > SILENT_S:
             raise DeviceTimeoutError(
-                f"the force meter has given no reading for {silent_s:.1f} s: "
+                f"{self._name} has given no reading for {silent_s:.1f} s: "
                 f"{fault or 'it does not answer'}"
             ) from fault
 

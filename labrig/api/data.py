@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.errors import ArgumentWarning, BadInputError, LabrigWarning
+from labrig.errors import ArgumentWarning, BadInputError, LabrigWarning, warn_caller
 from labrig.progress import Progress, silent
 from model.measurements import Measurements
 
@@ -24,8 +23,7 @@ def tell(text: str, *arguments: str) -> None:
 
     arguments: those of a function that the text names; the command line names its options.
     """
-    warning = ArgumentWarning(text, *arguments) if arguments else LabrigWarning(text)
-    warnings.warn(warning, stacklevel=2)
+    warn_caller(ArgumentWarning(text, *arguments) if arguments else LabrigWarning(text))
 
 
 def path_of(path: AnyPath) -> Path:

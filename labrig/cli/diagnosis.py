@@ -34,6 +34,7 @@ def print_diagnosis(found: Diagnosis, session: Path | None) -> None:
     """Print the whole diagnosis in the order in which it was made; `session` keeps it."""
     from labrig.report.diagnosis import tables as made
     from labrig.report.diagnosis.checks import check_table
+    from labrig.report.diagnosis.limits import visibility
     from labrig.report.diagnosis.parameters import choice_table, parameter_table
 
     if not found.searched:
@@ -42,7 +43,7 @@ def print_diagnosis(found: Diagnosis, session: Path | None) -> None:
         return
     say(made.gap_sentence(found))
     print_noted_table(made.where_table(found))
-    for text in made.visibility(found):
+    for text in visibility(found):
         say(text)
     say()
     print_noted_table(made.invisible_table(found))

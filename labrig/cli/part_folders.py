@@ -48,6 +48,16 @@ def folder_of(kind: str) -> PluginFolder[Any]:
     return folder
 
 
+def nearest(kind: str) -> str:
+    """Return the kind that is meant by what is none; empty where nothing is like it.
+
+    A part of the name says more than letters that are alike: `sections` is no `locations`.
+    """
+    words = kind.strip("_")
+    within = [known for known in FOLDERS if words and (words in known or known in words)]
+    return next(iter([*get_close_matches(kind, within or FOLDERS, n=1), *within]), "")
+
+
 def groups_of_no_kind() -> Iterator[str]:
     """Yield a sentence for each entry-point group of labrig's name that nothing looks into."""
     every = entry_points()
@@ -55,7 +65,7 @@ def groups_of_no_kind() -> Iterator[str]:
         kind = group.removeprefix(PREFIX)
         if kind in FOLDERS:
             continue
-        (close, *_) = (*get_close_matches(kind, FOLDERS, n=1), "")
+        close = nearest(kind)
         hint = f"; did you mean {PREFIX}{close}" if close else ""
         owners = {point.dist.name for point in every.select(group=group) if point.dist}
         yield (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
@@ -42,7 +43,7 @@ from protocols.execution.states import Status
 from protocols.execution.stop import Pause, StopRequest
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Result:
     """How a session ended."""
 
@@ -68,6 +69,10 @@ class Result:
         if self.status.output is OutputState.SAFE:
             return f"{text}; the output is at 0 V, read back"
         return text if NOT_SAFE in text else f"{text}; {NOT_SAFE}: switch the amplifier off by hand"
+
+    def __repr__(self) -> str:
+        """Return the file and the whole text: what is known of the output is never cut."""
+        return "\n".join(textwrap.wrap(f"{self.path}: {self.text}", 100))
 
 
 def run_session(

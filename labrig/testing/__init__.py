@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import interlock_faults as interlock_faults
     from labrig.testing.conformance import location_faults as location_faults
     from labrig.testing.conformance import output_faults as output_faults
+    from labrig.testing.conformance import page_content_faults as page_content_faults
     from labrig.testing.conformance import page_faults as page_faults
     from labrig.testing.conformance import positioner_faults as positioner_faults
     from labrig.testing.conformance import positioner_kind_faults as positioner_kind_faults
@@ -76,6 +77,7 @@ _HOMES = {
         "interlock_faults",
         "location_faults",
         "output_faults",
+        "page_content_faults",
         "page_faults",
         "positioner_faults",
         "positioner_kind_faults",

@@ -35,6 +35,7 @@ from labrig.cli.command import faults as command_faults
 from labrig.exports.conformance import faults as export_format_faults
 from labrig.extractors.conformance import faults as curve_extractor_faults
 from labrig.extractors.conformance import faults_of_curve as curve_faults
+from labrig.panel.pages.conformance import content_faults as page_content_faults
 from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
 from labrig.report.sections.conformance import faults as section_faults
@@ -72,6 +73,7 @@ __all__ = [
     "interlock_faults",
     "location_faults",
     "output_faults",
+    "page_content_faults",
     "page_faults",
     "positioner_faults",
     "positioner_kind_faults",

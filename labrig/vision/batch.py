@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from labrig.errors import BadInputError, LabrigWarning
+from labrig.errors import BadInputError, LabrigWarning, warn_caller
 from labrig.vision.calibration.optics import (
     ColourChannel,
     Optics,
@@ -161,11 +160,11 @@ def _tell_of_subfolders(sources: Sequence[Path]) -> None:
         inner = [path.name for path in sorted(source.iterdir()) if path.is_dir()]
         held = [name for name in inner if files_in(source / name, videos=True)]
         if held:
-            warnings.warn(
-                f"{source}: images in its folders ({listed(held)}) are left out; measure each of "
-                "these folders by itself.",
-                LabrigWarning,
-                stacklevel=2,
+            warn_caller(
+                LabrigWarning(
+                    f"{source}: images in its folders ({listed(held)}) are left out; measure "
+                    "each of these folders by itself."
+                )
             )
 
 
@@ -213,10 +212,10 @@ def _refuse_common_faults(files: list[Path], options: BatchOptions) -> None:
             raise BadInputError(missing(files[0], kind))
         if given is not None and given not in found.values():
             own = own_file(files[0], kind).name
-            warnings.warn(
-                f"{given} is not used: each image has its own file beside it, such as {own}.",
-                LabrigWarning,
-                stacklevel=2,
+            warn_caller(
+                LabrigWarning(
+                    f"{given} is not used: each image has its own file beside it, such as {own}."
+                )
             )
         for common in {each for path, each in found.items() if each != own_file(path, kind)}:
             if common is not None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -85,3 +87,29 @@ def test_the_force_sensor_keeps_the_contract():
     kind = shown("FORCE_SENSOR")
     sensor = kind.make(kind.settings(port="COM1"), RealClock(), Line(lambda _command: "12.3"))
     assert force_sensor_faults(sensor, RealClock()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
+def test_the_stand_in_answers_stepper_and_balance(tmp_path):
+    (code,) = (one for one in re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL) if "pty" in one)
+    (tmp_path / "stand_in.py").write_text(code, encoding="utf-8")
+    with subprocess.Popen(
+        [sys.executable, "-u", "stand_in.py"], cwd=tmp_path, stdout=subprocess.PIPE, text=True
+    ) as served:
+        try:
+            assert served.stdout is not None
+            ports = dict(served.stdout.readline().split() for _ in range(2))
+            clock, (stage, sensor) = RealClock(), (shown("POSITIONER"), shown("FORCE_SENSOR"))
+            around = SimpleNamespace(transport=None, clock=clock)
+            stepper = stage.make(stage.settings(port=ports["stepper:"]), around)
+            balance = sensor.make(sensor.settings(port=ports["balance:"]), clock, None)
+            stepper.open()
+            assert stepper.move_to(0.0125)
+            assert stepper.position() == pytest.approx(0.0125)
+            balance.open()
+            assert balance.read_force() == pytest.approx(1.25e-3)
+            stepper.close()
+            balance.close()
+        finally:
+            served.kill()

@@ -64,6 +64,7 @@ class Meter:
         self.clock, self.is_open = clock, False
         self.fault: DeviceError | None = None
         self.spoilt = 0  # exchanges to come that fail
+        self.hangs_s = 0.0  # how long an exchange lasts beside its time
 
     def open(self) -> None:
         if self.fault:
@@ -71,6 +72,7 @@ class Meter:
         self.is_open = True
 
     def read_force(self) -> float:
+        self.clock.sleep_until(self.clock.now() + self.hangs_s)
         self.clock.sleep_until(self.clock.now() + EXCHANGE_S / 2)
         force_N = 1e-3 * self.clock.now()
         self.clock.sleep_until(self.clock.now() + EXCHANGE_S / 2)
@@ -91,7 +93,7 @@ class Bench:
     def __init__(self) -> None:
         self.clock = VirtualClock()
         self.board, self.meter = Board(self.clock), Meter(self.clock)
-        self.signals = MeteredInput(self.board, self.meter, self.clock)
+        self.signals = MeteredInput(self.board, self.meter, self.clock, "scale")
 
     def wait(self, seconds: float) -> None:
         self.clock.sleep_until(self.clock.now() + seconds)
@@ -152,7 +154,17 @@ def test_a_meter_that_falls_silent_ends_the_acquisition_with_its_reason(bench):
     bench.signals.start()
     bench.meter.spoilt = 1000
     bench.wait(SILENT_S + 0.2)
-    with pytest.raises(DeviceTimeoutError, match=r"no reading for 1\.\d s: garbage came"):
+    said = r"the force meter 'scale' has given no reading for 1\.\d s: garbage came"
+    with pytest.raises(DeviceTimeoutError, match=said):
+        bench.signals.read_available()
+
+
+def test_a_meter_whose_call_does_not_end_is_named(bench):
+    bench.signals.start()
+    bench.meter.hangs_s = 3.0
+    bench.wait(SILENT_S + 0.2)
+    said = r"^the force meter 'scale' has given no reading for 1\.\d s: it does not answer$"
+    with pytest.raises(DeviceTimeoutError, match=said):
         bench.signals.read_available()
 
 

@@ -86,7 +86,7 @@ def test_a_meter_that_falls_silent_ends_the_run_at_zero_volts(tmp_path: Path) ->
     assert labrig("run", *files, "-o", folder / "s.h5") == 5
     with open_session(folder / "s.h5") as session:
         assert session.output_state is OutputState.SAFE
-        assert "the force meter has given no reading" in session.reason
+        assert "the force meter 'dpm3' has given no reading" in session.reason
 
 
 def test_a_meter_that_is_not_there_is_found_before_the_first_voltage(

@@ -49,6 +49,8 @@ def test_ctrl_c_stops_after_the_pulse_and_leaves_the_output_safe(rig, tmp_path):
     assert result.outcome is Outcome.ABORTED
     assert result.code == ExitCode.STOPPED
     assert "0 V, read back" in result.text
+    assert repr(result).replace("\n", " ") == f"{result.path}: {result.text}"
+    assert max(map(len, repr(result).splitlines())) <= max(100, len(str(result.path)) + 1)
     assert signal.getsignal(signal.SIGINT) is before
 
 

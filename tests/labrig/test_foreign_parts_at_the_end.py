@@ -97,9 +97,13 @@ def test_a_device_that_never_closes_is_named_and_left_behind(
     devices = {name: Listed(name, closed) for name in names}
     devices[hung].close = lambda: never.wait(20.0)
     said = rf"warning: closing the {'inputs' if hung == 'signals' else hung} has not come to an end"
-    with pytest.warns(LabrigWarning, match=said), opened(rig_of(clock=RealClock(), **devices)):
+    with (
+        pytest.warns(LabrigWarning, match=said) as told,
+        opened(rig_of(clock=RealClock(), **devices)),
+    ):
         pass
     never.set()
+    assert [one.filename for one in told if one.category is LabrigWarning] == [__file__]
     assert sorted(closed) == sorted({*names} - {hung})
 
 

@@ -10,11 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from labrig import testing
 from labrig.cli.main import run
 from labrig.cli.part_folders import FOLDERS, PREFIX, folder_of
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "howto" / "extending.md"
+NO_PART = object()
 
 
 def groups_in_the_code() -> set[str]:
@@ -38,11 +40,15 @@ def test_every_plug_in_folder_is_listed() -> None:
 
 
 def test_the_page_about_extending_has_every_kind() -> None:
-    rows = re.findall(r"\| `([A-Z_]+)` \| `(\S+)` \| `(labrig\.\w+)` \|", PAGE.read_text("utf-8"))
-    assert {group for *_, group in rows} == groups_in_the_code()
-    for constant, place, group in rows:
+    pattern = r"\| ([^|`]+) \| `([A-Z_]+)` \| `(\S+)` \| `(labrig\.\w+)` \| `(\w+)` \|"
+    rows = re.findall(pattern, PAGE.read_text("utf-8"))
+    assert {group for *_, group, _ in rows} == groups_in_the_code()
+    for name, constant, place, group, function in rows:
         folder = folder_of(group.removeprefix(PREFIX))
-        assert (folder.constant, folder.package) == (constant, place.replace("/", "."))
+        named = (name, constant, place.replace("/", "."))
+        assert (folder.what, folder.constant, folder.package) == named
+        found = getattr(testing, function)(NO_PART)
+        assert found == folder.faults(NO_PART) != []
 
 
 def test_a_part_of_another_distribution_is_listed_and_a_misspelt_group_is_named(
@@ -57,6 +63,7 @@ def test_a_part_of_another_distribution_is_listed_and_a_misspelt_group_is_named(
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: writer\nVersion: 1.2\n")
     (info / "entry_points.txt").write_text(
         "[labrig.exports]\nfile = writer:FORMAT\n[labrig.export]\nfile = writer:FORMAT\n"
+        "[labrig.sections]\nfile = writer:FORMAT\n"
     )
     monkeypatch.syspath_prepend(str(tmp_path))
     assert run(["parts", "exports", "--json"]) == 0
@@ -68,11 +75,14 @@ def test_a_part_of_another_distribution_is_listed_and_a_misspelt_group_is_named(
         "the entry-point group labrig.export of writer is no kind of part; "
         "did you mean labrig.exports" in printed.err
     )
+    assert "did you mean labrig.report_sections" in " ".join(printed.err.split())
     monkeypatch.delitem(sys.modules, "writer")
 
 
 def test_an_unknown_kind_is_answered_with_the_one_spelt_alike(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    assert run(["parts", "camera"]) == 2
-    assert "there is no kind of part 'camera'; did you mean cameras?" in capsys.readouterr().err
+    for asked, meant in {"camera": "cameras", "sections": "report_sections"}.items():
+        assert run(["parts", asked]) == 2
+        said = f"there is no kind of part '{asked}'; did you mean {meant}?"
+        assert said in capsys.readouterr().err

@@ -115,7 +115,7 @@ def test_a_section_that_fails_is_left_out_with_a_sentence_and_the_others_are_wri
     assert [section.title for section in found.sections] == ["Words"]
     assert found.left_out == (
         (
-            "The section 'Climate' (part0) is left out: making it failed with KeyError: "
+            "The section 'Climate' (part0) is left out: its `make` failed with KeyError: "
             "'temperature_K'."
         ),
     )
@@ -138,7 +138,7 @@ def test_a_section_that_cannot_decide_whether_it_applies_is_left_out_too(finding
     odd = ReportSection(title="Odd", order=0, applies=fail, make=lambda *_: "never")
     found = content(findings, tmp_path, odd)
     assert found.sections == ()
-    assert "RuntimeError: no idea." in found.left_out[0]
+    assert "its `applies` failed with RuntimeError: no idea." in found.left_out[0]
 
 
 def test_a_section_that_ends_the_program_is_left_out_too(findings, tmp_path):
@@ -149,7 +149,7 @@ def test_a_section_that_ends_the_program_is_left_out_too(findings, tmp_path):
         findings, tmp_path, made("Climate", leave), made("Words", lambda *_: "All is well.")
     )
     assert [section.title for section in found.sections] == ["Words"]
-    assert found.left_out[0].endswith("is left out: making it failed with SystemExit: 3.")
+    assert found.left_out[0].endswith("is left out: its `make` failed with SystemExit: 3.")
 
 
 @pytest.mark.slow
@@ -238,6 +238,34 @@ def distribution(tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     yield
     sys.modules.pop("labrig_every_force", None)
+
+
+AGAIN = """
+from labrig import ReportSection
+SECTION = ReportSection(
+    title="quality  of the Data", order=0, applies=lambda found: True, make=lambda *_: "Well."
+)
+"""
+
+
+def test_a_section_whose_title_is_taken_is_left_out_though_it_would_stand_first(
+    tmp_path, monkeypatch
+):
+    (tmp_path / "labrig_again.py").write_text(AGAIN)
+    info = tmp_path / "labrig_again-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-again\nVersion: 1\n")
+    (info / "entry_points.txt").write_text("[labrig.report_sections]\nagain = labrig_again:SECTION")
+    monkeypatch.syspath_prepend(tmp_path)
+    with pytest.warns(PluginWarning) as told:
+        known = ordered()
+    assert "again" not in known
+    assert known["quality"].title == "Quality of the data"
+    (said,) = (str(one.message) for one in told if "'again'" in str(one.message))
+    assert said == (
+        "the report section 'again' of labrig-again is left out: there is a section with "
+        "the title 'Quality of the data' already ('quality' of labrig)."
+    )
 
 
 @pytest.mark.slow

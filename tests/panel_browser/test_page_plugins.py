@@ -50,6 +50,13 @@ def test_a_page_that_has_no_data_says_why(server, visit):
     assert text_of(page, "main .fault") == said
 
 
+def test_a_page_that_cannot_show_its_data_says_so(server, visit):
+    page = visit(server.address)
+    page.route("**/api/pages/plain-notes", lambda route: route.fulfill(json={"tables": {"a": 1}}))
+    page.click("#tabs >> text=Plain notes")
+    page.locator("main .fault").filter(has_text="tables.map").wait_for()
+
+
 def test_a_page_whose_module_does_not_load_says_so_and_the_others_work(fake, visit):
     status = fake.status()
     broken = {"name": "broken", "title": "Broken", "menu": True, "script": "/plugins/none.js"}

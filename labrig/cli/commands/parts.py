@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import Annotated
 
 import typer
@@ -24,12 +23,18 @@ def parts(
     add one. A part that cannot be used is left out with a sentence.
     """
     from drivers.plugins import OWN
-    from labrig.cli.part_folders import FOLDERS, PREFIX, folder_of, groups_of_no_kind
+    from labrig.cli.part_folders import (
+        FOLDERS,
+        PREFIX,
+        folder_of,
+        groups_of_no_kind,
+        nearest,
+    )
     from labrig.errors import BadInputError
 
     if kind and (kind := kind.removeprefix(PREFIX)) not in FOLDERS:
-        close = get_close_matches(kind, FOLDERS, n=1)
-        hint = f"did you mean {close[0]}?" if close else "labrig parts lists all kinds."
+        close = nearest(kind)
+        hint = f"did you mean {close}?" if close else "labrig parts lists all kinds."
         raise BadInputError(f"there is no kind of part '{kind}'; {hint}")
     folders = {name: folder_of(name) for name in ([kind] if kind else FOLDERS)}
     found = {name: list(folder.parts().values()) for name, folder in folders.items()}

@@ -1,4 +1,4 @@
-"""The options of `labrig curves` that state a fact of a strip: one for each fact that is found."""
+"""The options of `labrig curves` that state a strip fact: one for each that is found."""
 
 from __future__ import annotations
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -24,7 +23,7 @@ from drivers.interfaces import (
 from drivers.load_cell import LoadCell, LoadCellCalibration
 from drivers.safe_shutdown import in_time
 from labrig.config import RigConfig
-from labrig.errors import LabrigWarning, NotReadyError, OutputUnknownError
+from labrig.errors import LabrigWarning, NotReadyError, OutputUnknownError, warn_caller
 from labrig.experiment.rig.channels import channels_of
 from labrig.foreign_code import foreign_place
 from labrig.session import RecordedSession
@@ -150,7 +149,7 @@ def _release(rig: Rig, taken: list[_Device]) -> None:
                 unknown = fault
     try:
         for said in late:
-            warnings.warn(f"warning: {said}.", LabrigWarning, stacklevel=2)
+            warn_caller(LabrigWarning(f"warning: {said}."))
     finally:
         if unknown is not None:
             raise OutputUnknownError(f"{unknown}; switch the amplifier off") from unknown

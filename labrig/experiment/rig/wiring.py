@@ -159,7 +159,7 @@ def _signals(
         return read
     with _part(FORCE_SENSORS, sensor.kind):
         meter = make(sensor.settings(), clock, _line(stand_ins, "force_sensor", sensor.kind))
-    return MeteredInput(read, meter, clock)
+    return MeteredInput(read, meter, clock, sensor.kind)
 
 
 def _camera(plan: Plan, clock: Clock, stand_ins: StandIns | None) -> Camera | None:

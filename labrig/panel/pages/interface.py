@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from drivers.plugins import Part, PluginFolder
+from labrig.left_out import same_title
 from labrig.panel.pages.conformance import faults
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class PanelPage:
     "columns", "rows"}]}`, both optional. With one, that is for the script alone.
     """
 
-    title: str  # in the menu
+    title: str  # in the menu, unlike any other page's there
     order: float  # pages stand in ascending order; fractions leave room between two
     modes: frozenset[Mode] = EVERYWHERE  # panels whose menu has it; NOWHERE: reached by links
     opens: frozenset[Mode] = NOWHERE  # panels that begin with it
@@ -67,23 +68,41 @@ def address_of(name: str) -> str:
 
 
 def ordered() -> dict[str, Part[PanelPage]]:
-    """Return all pages by address, in the order of the menu. Of one address the first stays."""
+    """Return all pages by address, in the order of the menu.
+
+    Of one address, and of one title in one menu, the first stays; our own come first.
+    """
     found: dict[str, Part[PanelPage]] = {}
     for name, part in PAGES.parts().items():
-        if _ADDRESS.fullmatch(name):
-            found.setdefault(address_of(name), part)
+        if not _why_left_out(name, part.part, found):
+            found[address_of(name)] = part
     return dict(sorted(found.items(), key=lambda item: (item[1].part.order, item[0])))
 
 
 def left_out() -> list[str]:
-    """Return a sentence for each page whose name is no address of its own."""
+    """Return a sentence for each page that cannot stand beside the others."""
     pages = ordered()
     return [
-        f"the page of the panel '{name}' of {part.distribution} is left out: its name must be small"
-        " letters, digits, hyphens and underscores, and no other page's"
+        f"the page of the panel '{name}' of {part.distribution} is left out: "
+        f"{_why_left_out(name, part.part, pages)}."
         for name, part in PAGES.parts().items()
         if pages.get(address_of(name)) is not part
     ]
+
+
+def _why_left_out(name: str, page: PanelPage, known: Mapping[str, Part[PanelPage]]) -> str:
+    """Return what keeps a page from standing beside those that are known; empty: nothing."""
+    if not _ADDRESS.fullmatch(name) or address_of(name) in known:
+        return (
+            "its name must be small letters, digits, hyphens and underscores, and no other page's"
+        )
+    for other in known.values():
+        if same_title(other.part.title, page.title) and other.part.modes & page.modes:
+            return (
+                f"there is a page with the title '{other.part.title}' already "
+                f"('{other.name}' of {other.distribution})"
+            )
+    return ""
 
 
 def script_address(address: str, page: PanelPage) -> str:

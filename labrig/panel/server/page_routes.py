@@ -14,6 +14,7 @@ from drivers.plugins import OWN, Part, PluginWarning
 from labrig.errors import LabrigError
 from labrig.panel.core.requests import Here
 from labrig.panel.errors import MissingError
+from labrig.panel.pages.conformance import content_faults, json_faults
 from labrig.panel.pages.interface import STATIC, PanelPage, left_out, ordered
 
 # by ending: what a page may consist of; all else of its folder is not served
@@ -65,17 +66,20 @@ def _file(folders: dict[str, Path], address: str, path: str) -> Path:
 def _data_route(part: Part[PanelPage]) -> Callable[[Here], Any]:
     ask = part.part.data
     origin = "" if part.distribution == OWN else f" of {part.distribution} {part.version}"
+    name, has_script = f"the page '{part.name}'{origin}", part.part.script is not None
     assert ask is not None  # noqa: S101 - checked by the caller
 
     def data(panel: Here) -> Any:
         try:
-            return JSONResponse(ask(panel))
+            content = ask(panel)
+            faults = list(json_faults(content)) if has_script else content_faults(content)
+            if faults:
+                return JSONResponse({"error": f"{name} has nothing to show: {faults[0]}."}, 500)
+            return JSONResponse(content)
         except LabrigError:
             raise
         except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
             why = " ".join(f"{type(error).__name__}: {error}".split()).rstrip(".")
-            return JSONResponse(
-                {"error": f"the page '{part.name}'{origin} has no data: {why}."}, 500
-            )
+            return JSONResponse({"error": f"{name} has no data: {why}."}, 500)
 
     return data

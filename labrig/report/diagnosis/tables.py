@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from labrig.files import typed
+from labrig.report.diagnosis.limits import visibility
 from labrig.report.diagnosis.parameters import percent
 from labrig.report.parts.table import Table, fixed, number, volts
 from model.discrepancy.data_checks import Suspicion
@@ -99,20 +100,6 @@ def _where(one: Where) -> tuple[str, ...]:
 
 def _capital(text: str) -> str:
     return text[:1].upper() + text[1:]
-
-
-def visibility(found: Diagnosis) -> list[str]:
-    """Return what the data could have shown at all: a sentence or two."""
-    names = found.signatures.names
-    seen = len(names) - len([n for n in names if n in found.invisible])
-    said = []
-    if names:
-        said.append(f"{seen} of {len(names)} effects would be seen in these data if large.")
-    return said + [
-        "Indistinguishable in these data, at the size found or when just seen:"
-        f" {listed([title(n) for n in one])}."
-        for one in found.classes
-    ]
 
 
 def invisible_table(found: Diagnosis) -> Table | None:

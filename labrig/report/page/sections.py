@@ -32,14 +32,17 @@ def report_content(
     left_out = []
     for done, (name, part) in enumerate(known.items()):
         progress(done / len(known), part.title)
+        failing = "its `applies`"
         try:
-            made = _made(part, findings, figures)
+            applies = part.applies(findings)
+            failing = "its `make`"
+            made = _made(part, findings, figures) if applies else None
             if made is not None and made.anchor in sections:
                 raise ValueError(f"there is a section called {part.title} already")
         except (Exception, SystemExit) as error:
             if error is figures.failure:
                 raise
-            left_out.append(_why(name, part, error))
+            left_out.append(_why(name, part, failing, error))
             continue
         if made is not None:
             sections[made.anchor] = made
@@ -48,8 +51,6 @@ def report_content(
 
 
 def _made(part: ReportSection, findings: Findings, figures: FigureFolder) -> Section | None:
-    if not part.applies(findings):
-        return None
     made = part.make(findings, figures)
     faults = content_faults(made, part.figures)
     if faults:
@@ -58,10 +59,10 @@ def _made(part: ReportSection, findings: Findings, figures: FigureFolder) -> Sec
     return None if section.is_empty else replace(section, title=part.title)
 
 
-def _why(name: str, part: ReportSection, error: BaseException) -> str:
+def _why(name: str, part: ReportSection, failing: str, error: BaseException) -> str:
     text = " ".join(str(error).split()).rstrip(".")
     origin = SECTIONS.origins().get(name, "")
     return (
         f"The section '{part.title}' ({name}{origin and ' of '}{origin}) is left out: "
-        f"making it failed with {type(error).__name__}: {text}."
+        f"{failing} failed with {type(error).__name__}: {text}."
     )

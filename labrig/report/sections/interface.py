@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
-from drivers.plugins import PluginFolder
+from drivers.plugins import Part, PluginFolder, PluginWarning
+from labrig.left_out import same_title
 from labrig.report.data.findings import Findings
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.section import Section
@@ -39,6 +43,29 @@ SECTIONS: PluginFolder[ReportSection] = PluginFolder(
 
 
 def ordered() -> dict[str, ReportSection]:
-    """Return all sections by name, in the order in which a report shows them."""
-    parts = {name: part.part for name, part in SECTIONS.parts().items()}
-    return dict(sorted(parts.items(), key=lambda item: (item[1].order, item[0])))
+    """Return all sections by name, in the order in which a report shows them.
+
+    Of one title the first stays; our own come first.
+    """
+    found = _of_different_titles(tuple(sys.path))
+    return dict(sorted(found.items(), key=lambda item: (item[1].order, item[0])))
+
+
+@lru_cache(maxsize=8)  # so that a process tells of each that is left out once
+def _of_different_titles(path: tuple[str, ...]) -> dict[str, ReportSection]:
+    del path
+    found: dict[str, Part[ReportSection]] = {}
+    for name, part in SECTIONS.parts().items():
+        title = part.part.title
+        alike = [one for one in found.values() if same_title(one.part.title, title)]
+        if not alike:
+            found[name] = part
+            continue
+        warnings.warn(
+            f"the report section '{name}' of {part.distribution} is left out: there is a section "
+            f"with the title '{alike[0].part.title}' already ('{alike[0].name}' of "
+            f"{alike[0].distribution}).",
+            PluginWarning,
+            stacklevel=3,
+        )
+    return {name: part.part for name, part in found.items()}

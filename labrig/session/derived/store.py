@@ -52,14 +52,15 @@ def store_measurements(
 def load_measurements(path: Path | str) -> Measurements:
     """Return the measurements kept in a session file that was analysed or imported.
 
-    Raises BadInputError of one sentence when there are none.
+    A recorded session that was not analysed yet has none: call `labrig.analyze` first. `labrig.fit`
+    and `labrig.diagnose` do so by themselves. Raises BadInputError of one sentence.
     """
     path = Path(path)
     with open_file(path) as file:
         if layout.DERIVED not in file:
             raise BadInputError(
                 f"{path}: the session holds no measurements yet; run "
-                f"labrig analyze {typed(path)} first."
+                f"labrig analyze {typed(path)} first (in Python: labrig.analyze)."
             )
         group = file[layout.DERIVED]
         tables = {

@@ -119,7 +119,8 @@ def invisible(
             needs = "the readings in their order, and the series within a pulse: " + needs
         result[name] = f"{needs} {_seen_from(effect, float(length))}".rstrip()
     for name, effect in effects.items():
-        if name not in found.names:  # not even its form can be worked out
+        # not even its form can be worked out; one that failed was told of when it did
+        if name not in found.names and effect.needs_session:
             result[name] = "when in the session each reading was taken: " + effect.isolates
     return result
 

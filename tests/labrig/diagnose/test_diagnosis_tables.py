@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from labrig.report.diagnosis.limits import limits_table
+from labrig.report.diagnosis.limits import limits_table, visibility
 from labrig.report.diagnosis.tables import MOST_RANKED, ranking_table
 from model.discrepancy import CheckResult
 from model.discrepancy.verdict.result import DetectionLimit
+from model.effects import catalogue
 from tests.labrig.diagnose.made import found, unknown
 
 
@@ -54,6 +55,27 @@ def test_detection_limits_are_listed_the_tightest_first_without_what_is_invisibl
         ("gravity", "load_N_per_m", "0.01", "N/m", "2"),
     )
     assert limits_table(found()) is None
+
+
+def test_effects_of_other_distributions_that_were_tried_are_named_with_whose_they_are():
+    diagnosis = found()
+    names = (*diagnosis.signatures.names, "curvature_threshold")
+    diagnosis = replace(
+        diagnosis,
+        signatures=replace(diagnosis.signatures, names=names),
+        plugins={"curvature_threshold": "mylab 0.3", diagnosis.effects[0].name: "other 1"},
+    )
+    assert "Also tried: curvature threshold (mylab 0.3)." in visibility(diagnosis)
+    assert not any("Also tried" in text for text in visibility(found()))
+
+
+def test_effects_that_one_session_cannot_show_are_counted_apart():
+    said = visibility(found())[0]
+    several = [name for name, one in catalogue().items() if one.for_sessions(1) is None]
+    assert said == (
+        "5 of 5 effects would be seen in these data if large. "
+        f"{len(several)} more need several sessions, given together."
+    )
 
 
 def test_the_reported_set_is_all_that_may_be_there():

@@ -49,6 +49,9 @@ PLAIN = PanelPage(title="Plain notes", order=26, data=table)
 FAILING = PanelPage(title="Failing", order=27, data=fail)
 LEAVING = PanelPage(title="Leaving", order=29, data=leave)
 BAD = PanelPage(title="Bad", order=28, script=WEB / "missing.js")
+ODD = PanelPage(title="Odd", order=30, data=lambda panel: [1])
+HOLES = PanelPage(title="Holes", order=31, script=WEB / "page.js",
+    data=lambda panel: {"rooms": [{"humidity": [41.0, float("nan")]}]})
 """
 LIST = """
 from dataclasses import replace
@@ -70,6 +73,8 @@ plain_notes = labrig_notes:PLAIN
 failing = labrig_notes:FAILING
 leaving = labrig_notes:LEAVING
 bad = labrig_notes:BAD
+odd = labrig_notes:ODD
+holes = labrig_notes:HOLES
 list = labrig_list:PAGE
 """
 DOCS = Path(__file__).parents[3] / "docs" / "howto" / "panel.md"
@@ -88,7 +93,7 @@ def documented_points() -> dict[str, str]:
 
 
 def install(where: Path) -> None:
-    """`labrig-notes` 0.3, with the pages of the docs and five more, of which one is faulty."""
+    """`labrig-notes` 0.3, with the pages of the docs and seven more, of which one is faulty."""
     (where / "labrig_humidity.py").write_text(documented("python"))
     (where / "humidity_web").mkdir()
     (where / "humidity_web" / "page.js").write_text(documented("js"))

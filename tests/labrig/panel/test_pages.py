@@ -9,14 +9,16 @@ from pathlib import Path
 import pytest
 
 from drivers.plugins import PluginWarning
-from labrig.panel.pages.conformance import faults
+from labrig.panel.pages.conformance import content_faults, faults
 from labrig.panel.pages.interface import PAGES, PanelPage, left_out, listing
+from tests.cases import few
 from tests.labrig.panel.page import Page
 from tests.labrig.panel.plugin_pages import install, panel_with_plugins
 
 TWICE = """
 from labrig.panel.pages.interface import PanelPage
 PAGE = PanelPage(title="Another one", order=0, data=lambda panel: {})
+SESSIONS = PanelPage(title="sessions", order=0, data=lambda panel: {})
 """
 
 
@@ -38,6 +40,51 @@ def test_each_fault_of_a_page_is_named():
 
     assert len(faults(Odd())) == 7
     assert "neither a script nor data" in " ".join(faults("no page"))
+
+
+GOOD = {"title": "T", "columns": ["a", "b"], "rows": [[1, "x"], (2.5, None)]}
+
+
+@pytest.mark.parametrize(
+    "data", [{}, {"sentences": ["All is well."]}, {"tables": (GOOD, {"rows": [[1]]})}]
+)
+def test_what_a_page_can_show_has_no_fault(data):
+    assert content_faults(data) == []
+
+
+@pytest.mark.parametrize(
+    ("data", "says"),
+    few(
+        [
+            ([1], "data returned a list, not a dict with 'sentences' and 'tables'"),
+            ({"tables": {**GOOD}}, "tables is a dict, not a list"),
+            (
+                {"tables": [{"title": "x", "cols": ["a"], "rows": [[1]]}]},
+                "tables[0] has 'cols', which is none of title, columns, rows",
+            ),
+            ({"sentences": "All is well."}, "sentences is a str, not a list"),
+            ({"sentences": [1]}, "sentences[0] is an int, not a text"),
+            ({"text": []}, "data has 'text', which is none of sentences, tables"),
+            ({"tables": ["x"]}, "tables[0] is a str, not a dict"),
+            ({"tables": [{**GOOD, "title": 1}]}, "tables[0].title is an int, not a text"),
+            ({"tables": [{**GOOD, "columns": [1, 2]}]}, "tables[0].columns[0] is an int, not a"),
+            ({"tables": [{**GOOD, "rows": 3}]}, "tables[0].rows is an int, not a list"),
+            ({"tables": [{**GOOD, "rows": [3]}]}, "tables[0].rows[0] is an int, not a list"),
+            ({"tables": [{**GOOD, "rows": [[1]]}]}, "tables[0].rows[0] has 1 cell, not 2"),
+            (
+                {"tables": [{**GOOD, "rows": [[1, float("nan")]]}]},
+                "tables[0].rows[0][1] is nan: JSON has no such number; use None",
+            ),
+            (
+                {"tables": [{**GOOD, "rows": [[1, object()]]}]},
+                "tables[0].rows[0][1] is an object, not a text, a number, True, False or None",
+            ),
+        ]
+    ),
+)
+def test_what_a_page_cannot_show_is_one_sentence(data, says):
+    (found,) = content_faults(data)
+    assert found.startswith(says)
 
 
 def test_the_menu_is_that_of_the_mode_and_the_other_pages_are_reached_by_links():
@@ -71,19 +118,24 @@ def test_a_faulty_page_of_another_distribution_is_left_out(tmp_path, monkeypatch
         sys.modules.pop("labrig_notes", None)
 
 
-def test_a_page_cannot_take_the_address_of_another_nor_one_that_is_none(tmp_path, monkeypatch):
+def test_a_page_cannot_take_what_another_has_nor_an_address_that_is_none(tmp_path, monkeypatch):
     (tmp_path / "labrig_twice.py").write_text(TWICE)
     info = tmp_path / "labrig_twice-1.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-twice\nVersion: 1\n")
     points = "load-cell = labrig_twice:PAGE\na/b = labrig_twice:PAGE\n"
+    points += "mine = labrig_twice:SESSIONS\n"
     (info / "entry_points.txt").write_text("[labrig.page_panels]\n" + points)
     monkeypatch.syspath_prepend(tmp_path)
     try:
         titles = {page["name"]: page["title"] for page in listing("rig")["pages"]}
         assert titles["load-cell"] == "Load cell"
-        assert "a/b" not in titles
-        assert [sentence.split("'")[1] for sentence in left_out()] == ["a/b", "load-cell"]
+        assert not {"a/b", "mine"} & set(titles)
+        assert [sentence.split("'")[1] for sentence in left_out()] == ["a/b", "load-cell", "mine"]
+        assert left_out()[-1] == (
+            "the page of the panel 'mine' of labrig-twice is left out: there is a page with the "
+            "title 'Sessions' already ('library' of labrig)."
+        )
     finally:
         sys.modules.pop("labrig_twice", None)
 
@@ -154,6 +206,23 @@ def test_a_page_that_fails_answers_with_a_sentence(installed):
     status, answer = installed.ask("GET", "/api/pages/leaving")
     assert status == 500
     assert answer["error"].endswith("'leaving' of labrig-notes 0.3 has no data: SystemExit: 1.")
+
+
+@pytest.mark.slow
+def test_data_that_a_page_cannot_show_is_a_sentence_with_the_page_and_its_distribution(installed):
+    assert installed.ask("GET", "/api/pages/odd") == (
+        500,
+        {
+            "error": "the page 'odd' of labrig-notes 0.3 has nothing to show: data returned a "
+            "list, not a dict with 'sentences' and 'tables'."
+        },
+    )
+    status, answer = installed.ask("GET", "/api/pages/holes")  # a page with a script of its own
+    assert status == 500
+    assert answer["error"].startswith(
+        "the page 'holes' of labrig-notes 0.3 has nothing to show: "
+        "data.rooms[0].humidity[1] is nan: JSON has no such number"
+    )
 
 
 @pytest.mark.slow

@@ -197,6 +197,7 @@ def test_tables_with_other_names_are_read_as_the_command_reads_them(tmp_path):
             *files, columns=NAMES, values={"configuration": "long"}
         )
     assert "F (N) is force_mN" in " ".join(str(one.message) for one in told)
+    assert {one.filename for one in told} == {__file__}  # the caller's line, not one of labrig's
     assert len(found.conditions) == 12
     texts = [f"{ours}={theirs}" for ours, theirs in NAMES.items()]
     with pytest.warns(labrig.LabrigWarning):

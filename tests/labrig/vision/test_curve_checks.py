@@ -72,7 +72,7 @@ def test_orders_differ_so_that_the_first_refusal_is_always_the_same():
 
 @pytest.mark.slow
 def test_the_check_on_the_page_about_extending_conforms():
-    section = PAGE.read_text(encoding="utf-8").split("## A check of a curve")[1]
+    section = PAGE.read_text(encoding="utf-8").split("## A curve check")[1]
     there: dict[str, object] = {"__name__": "example"}
     exec(compile(section.split("```python")[1].split("```")[0], "extending.md", "exec"), there)
     assert curve_check_faults(there["CHECK"]) == []

@@ -63,7 +63,7 @@ SILENT = StripFact(name="silent", meaning="it", shape=FactShape.FLAG, order=1,
 
 
 def shown_on_the_page() -> str:
-    section = PAGE.read_text(encoding="utf-8").split("## A fact of a strip")[1]
+    section = PAGE.read_text(encoding="utf-8").split("## A strip fact")[1]
     return section.split("```python")[1].split("```")[0]
 
 

@@ -246,6 +246,18 @@ def test_an_effect_is_invisible_where_no_amplitude_of_a_laboratory_would_show_it
     assert told["force_offset"].endswith("Here it is not seen at any size that it can have.")
 
 
+@pytest.mark.slow
+def test_an_effect_that_failed_is_not_said_to_be_invisible(seen):
+    base, _, found = seen
+    without = [n not in ("gravity", "force_drift") for n in found.names]
+    left = tuple(n for n, kept in zip(found.names, without, strict=True) if kept)
+    told = invisible(
+        base, replace(found, names=left, detectability=found.detectability[without]), catalogue()
+    )
+    assert "gravity" not in told
+    assert told["force_drift"].startswith("when in the session each reading was taken")
+
+
 @pytest.mark.parametrize("name", catalogue())
 def test_no_effect_is_invisible_for_the_sign_of_its_prior_scale(name):
     assert largest_amplitude(effect(name)) > 0.0

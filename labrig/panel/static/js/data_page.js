@@ -7,15 +7,16 @@ import { get } from "./net.js";
 export function mount(place, app, asked, { name, title }) {
   const body = h("div", { role: "status" }, h("p", { class: "muted" }, "reading\u2026"));
   place.append(h("h1", {}, title), body);
-  get(`/api/pages/${encodeURIComponent(name)}`).then(
-    ({ sentences = [], tables = [] }) =>
+  get(`/api/pages/${encodeURIComponent(name)}`)
+    .then(({ sentences = [], tables = [] }) =>
       put(
         body,
         sentences.map((text) => h("p", { class: "data-sentence" }, String(text))),
         tables.map((one) => table(one)),
       ),
-    (error) => put(body, h("p", { class: "fault" }, error.message)),
-  );
+    )
+    // what cannot be shown is told as well as what cannot be read
+    .catch((error) => put(body, h("p", { class: "fault" }, error.message)));
   return {};
 }
 
