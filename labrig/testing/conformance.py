@@ -40,11 +40,11 @@ from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
 from labrig.report.sections.conformance import faults as section_faults
 from labrig.testing.drawn_curves import curve_check_faults
+from labrig.testing.settling import effect_faults
 from labrig.vision.facts.conformance import faults as strip_fact_faults
 from model.discrepancy.criticism.conformance import faults as verdict_check_faults
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
 from model.dynamics.models.conformance import faults as dynamic_model_faults
-from model.effects.conformance import faults as effect_faults
 from model.locations.conformance import faults as location_faults
 from protocols.extras.conformance import faults as extra_faults
 from protocols.kinds.conformance import faults as protocol_faults

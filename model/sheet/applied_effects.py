@@ -84,8 +84,18 @@ def with_effects(
 
     Friction and the like look at the other voltages of the same position among the setups.
     """
-    name = setups[0].sheet.configuration
-    named = acting(effects, name)
+    return with_acting(setups, positions_m, acting(effects, setups[0].sheet.configuration))
+
+
+def with_acting(
+    setups: Sequence[ConditionProblem],
+    positions_m: Sequence[float | None],
+    named: Sequence[Acting],
+) -> list[ConditionProblem]:
+    """Setups with effects, of which the numbers are known; raise `ModelError` without a solution.
+
+    The effects and the solution are worked out in turn until nothing moves.
+    """
     plain = beam_problem(setups, positions_m)
     course = mean_course(named, plain.clock, plain.reading_of, plain.share, len(setups))
 
@@ -100,10 +110,8 @@ def with_effects(
         in_course(plain, *course), change, solve, rounds=MOST_ROUNDS, accuracy=SETTLED
     )
     if not settled:
-        raise ModelError(
-            f"the model's effects ({', '.join(e.name for e in effects)}) do not settle with its"
-            " other parameters"
-        )
+        names = ", ".join(one.effect.name for one in named)
+        raise ModelError(f"the model's effects ({names}) do not settle with its other parameters")
     return _setups(setups, plain, beam)
 
 

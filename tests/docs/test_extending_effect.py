@@ -11,6 +11,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
+from labrig.testing import effect_faults
 from model import ModelError, Parameter, predict
 from model.effects.conformance import faults
 from model.locations.examples import example_beam
@@ -100,6 +101,10 @@ def test_the_example_conforms_and_settles_where_one_that_follows_a_narrow_thresh
         beyond = np.abs(contact.curvature) > p["threshold_per_m"]
         return replace(beam, eibm=beam.eibm * (1.0 + p["relative_change"] * beyond))
 
+    assert effect_faults(effect) == []
     monkeypatch.setattr(type(effect), "beam", follows)
     with pytest.raises(ModelError, match="do not settle"):
         forces()
+    (said,) = effect_faults(effect)
+    assert f"at {effect.amplitude.name} = " in said
+    assert "do not settle" in said
