@@ -104,7 +104,7 @@ def _searched(
     """Return the finished search of measurements that passed the data checks."""
     say(0.01, "fitting the base model")
     ready = prepare(measurements, options, varied)
-    effects = _effects(options, sessions(measurements))
+    effects = _effects(options, measurements)
 
     def searching(share: float, step: str) -> None:
         say(_SEARCH_FROM + (_SEARCH_TO - _SEARCH_FROM) * share, step)
@@ -143,13 +143,19 @@ def _in_sessions(name: str, count: int) -> Effect:
     return found
 
 
-def _effects(options: Options, count: int) -> list[Effect]:
-    """Return the effects to look for in so many sessions analysed together."""
+def _effects(options: Options, measurements: Measurements) -> list[Effect]:
+    """Return the effects to look for in the sessions and at the voltages that there are."""
+    count, signs = sessions(measurements), np.sign([c.voltage_V for c in measurements.conditions])
+    one_polarity = not (np.any(signs > 0.0) and np.any(signs < 0.0))
     every = catalogue()
     unknown = [name for name in options.exclude if name not in every]
     if unknown:
         raise ModelError(f"there is no effect called '{unknown[0]}'; `labrig effects` lists them")
     asked = (one for name, one in every.items() if name not in options.exclude)
     lacking = (one if options.symmetric else one.outside_base() for one in asked)
-    found = (one.for_sessions(count) for one in lacking if one is not None)
-    return [one for one in found if one is not None]
+    of_these = (one.for_sessions(count) for one in lacking if one is not None)
+    return [
+        one
+        for one in of_these
+        if one is not None and not (one_polarity and one.needs_both_polarities)
+    ]

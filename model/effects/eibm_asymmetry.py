@@ -53,6 +53,7 @@ EFFECT = EibmAsymmetry(
         " polarity alone"
     ),
     location="even_moment",
+    needs_both_polarities=True,
     signature=(
         "The mean of what +V and -V do differs from what 0 V does. The usual base model has an EIBM"
         " of each polarity, and lacks only what is not the same all along the sheet."

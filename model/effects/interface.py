@@ -128,6 +128,8 @@ class Effect:
     in_base_model: bool = False
     title: str = ""  # what readers are shown; empty: the name, in words
     channels: tuple[str, ...] = ()  # further channels it reads, by name and unit (humidity_percent)
+    # compares the polarities: nothing but the EIBM along the sheet where one alone was applied
+    needs_both_polarities: bool = False
     needs_session: bool = False  # says nothing of a single run, whose session has no course
     # part of what a model with dynamics says of charge, loss and swing: beside such a model it is
     # what the dynamics leave, never a second copy of them
