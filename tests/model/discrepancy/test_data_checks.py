@@ -236,9 +236,7 @@ def test_voltages_of_one_sign_with_an_eibm_along_the_sheet_are_no_wrong_data(dec
     assert check_data(data).suspicions == ()
     found = diagnose(data)
     assert [one.name for one in found.effects] == ["nonuniform_eibm"], found.sentence
-    assert (
-        found.effects[0].confusable_with == ()
-    )  # polarities that were not applied differ in nothing
+    assert found.effects[0].confusable_with == ()  # nothing is asked of the other polarity
     before, after = found.held_out.before, found.held_out.after
     assert after.force_rmse_mN < 0.3 * before.force_rmse_mN
 
