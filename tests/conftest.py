@@ -21,6 +21,9 @@ from tests.side_by_side import in_parts, in_turn, is_alone, step_back, watches
 for _threads in ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"):
     os.environ.setdefault(_threads, "1")
 
+# FFmpeg reads it when a process opens its first video, which may be one that a test opens.
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+
 # A shared, busy machine stalls any example now and then; and a test must not fail by chance alone.
 settings.register_profile("labrig", deadline=None, derandomize=True)
 settings.load_profile("labrig")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -158,7 +159,7 @@ def _tell_of_subfolders(sources: Sequence[Path]) -> None:
     """Warn of images in folders of a folder, which are left out."""
     for source in filter(Path.is_dir, sources):
         inner = [path.name for path in sorted(source.iterdir()) if path.is_dir()]
-        held = [name for name in inner if files_in(source / name, videos=True)]
+        held = [name for name in inner if _holds_images(source / name)]
         if held:
             warn_caller(
                 LabrigWarning(
@@ -166,6 +167,13 @@ def _tell_of_subfolders(sources: Sequence[Path]) -> None:
                     "each of these folders by itself."
                 )
             )
+
+
+def _holds_images(folder: Path) -> bool:
+    """Whether there are images in a folder; none is seen in one that cannot be read."""
+    with suppress(OSError):
+        return bool(files_in(folder, videos=True))
+    return False
 
 
 def _refuse_twins(files: list[Path]) -> None:

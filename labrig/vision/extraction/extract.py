@@ -61,8 +61,8 @@ def neutral_curve(
     `start`: the curve of an image shortly before; it is followed, which is several times faster,
     and given up for a search from the clamp where its curve fails the self-check. Where neither
     length, tip nor places are stated, a second look at what stands out in the picture may lead the
-    curve on, cut it or replace it; a curve that is followed is looked at again only where the one
-    before had been changed by that. What cannot be measured comes back with `ok` False and the
+    curve on or cut it; a curve that is followed is looked at again only where the one before had
+    been changed by that. What cannot be measured comes back with `ok` False and the
     reason, never raised.
     """
     found = unconfirmed_curve(image, optics, strip, start=start)

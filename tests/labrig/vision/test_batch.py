@@ -1,4 +1,5 @@
 import json
+from pathlib import Path
 
 import cv2
 import numpy as np
@@ -68,6 +69,19 @@ def test_images_in_folders_of_the_folder_are_left_out_and_that_is_told(folder, s
         result = extract_curves([folder], folder / "out", BatchOptions(overlays=False))
     assert "more" not in result.curves
     assert "good" in result.curves
+
+
+def test_a_folder_of_the_folder_that_cannot_be_read_costs_nothing(folder, monkeypatch):
+    (folder / "private").mkdir()
+    listed = Path.iterdir
+
+    def iterdir(path):
+        if path.name == "private":
+            raise PermissionError(13, "Permission denied", str(path))
+        return listed(path)
+
+    monkeypatch.setattr(Path, "iterdir", iterdir)
+    assert "good" in extract_curves([folder], folder / "out", BatchOptions(overlays=False)).curves
 
 
 def test_a_video_is_followed_frame_by_frame(tmp_path, plain):

@@ -10,6 +10,7 @@ import pytest
 
 from labrig.vision import NeutralCurve, Optics, StripGeometry
 from labrig.vision.checks.kinds.strip_goes_on import CHECK as STRIP_GOES_ON
+from labrig.vision.extraction import extract
 from labrig.vision.extraction.outline_report import ASSUMED
 from labrig.vision.extraction.salience import network, second_look
 from labrig.vision.extraction.salience.merging import GOES_ON
@@ -145,11 +146,22 @@ def test_nothing_is_looked_at_where_enough_is_stated_or_the_strip_is_thin(shows)
     assert shows.then(thin) is thin
 
 
-def test_a_curve_that_is_followed_is_looked_at_where_the_one_before_was_changed_by_that(shows):
+def test_a_curve_that_is_followed_is_looked_at_where_the_one_before_was_changed_by_that(
+    shows, monkeypatch
+):
     shows(strip_map(arc()))
     first = curve_along(arc()[:200])
-    assert not second_look.changed_by_it(first)
-    assert second_look.changed_by_it(shows.then(first))
+    led_on = shows.then(first)
+    monkeypatch.setattr(extract, "unconfirmed_curve", lambda *_, start: first)
+    monkeypatch.setattr(extract, "seen_again", lambda *_: led_on)
+
+    def found(start):
+        return extract.neutral_curve(PICTURE, OPTICS, STRIP, start=start)
+
+    assert found(None) == led_on.confirmed()
+    assert found(REFUSED) == led_on.confirmed()
+    assert found(led_on) == led_on.confirmed()
+    assert found(first) == first.confirmed()
 
 
 @pytest.mark.parametrize("shape", [SIZE, (*SIZE, 1), (*SIZE, 3), (*SIZE, 4)])

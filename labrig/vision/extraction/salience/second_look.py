@@ -45,9 +45,9 @@ LEAVES_PX = 10.0  # from there a curve's end: the same
 def seen_again(
     first: NeutralCurve, image: ImageArray, optics: Optics, strip: StripGeometry
 ) -> NeutralCurve:
-    """Return a curve, or the reason why there is none, after a second look at the picture.
+    """Return a curve after a second look at the picture.
 
-    It stays as it is where there is none, where length, tip or what confuses is stated, where the
+    It stays as it is where it was refused, where length, tip or what confuses is stated, where the
     strip leaves the image, and where it is too thin for the network.
     """
     if not first.ok or strip.length_known or optics.stated_places_px or optics.mask_px:
