@@ -10,6 +10,7 @@ from drivers.interfaces import FloatArray
 from labrig.session import RunRecord
 
 SEEN_FROM_V = 0.1  # a smaller step is not looked for; its time is that of its write
+LEAST_SAMPLES = 2  # nor one that is next to another, with fewer samples than these at either level
 SEARCH_S = 0.05  # to either side of the write
 LEVEL_S = 0.02  # over which the level before and after an edge is taken
 SETTLE_S = 0.003  # next to the edge, left out of that
@@ -43,8 +44,16 @@ def find_edges(run: RunRecord, drive_V: FloatArray) -> dict[int, VoltageEdge]:
         if abs(jump_V) < SEEN_FROM_V:
             found[int(write["step"])] = VoltageEdge(int(write["step"]), written, "")
             continue
-        end = float(writes["sample_index"][at + 1]) if at + 1 < len(writes) else np.inf
-        left = _last_before(drive_V, written, jump_V, rate_hz, end)
+        around = _Around(
+            begin=float(writes["sample_index"][at - 1]) if at else -np.inf,
+            written=written,
+            end=float(writes["sample_index"][at + 1]) if at + 1 < len(writes) else np.inf,
+            rate_hz=rate_hz,
+        )
+        if around.samples_between_writes < LEAST_SAMPLES:
+            found[int(write["step"])] = VoltageEdge(int(write["step"]), written, "")
+            continue
+        left = _last_before(drive_V, around, jump_V)
         found[int(write["step"])] = _edge(int(write["step"]), written, left)
     return found
 
@@ -60,20 +69,38 @@ def _edge(step: int, written: float, left: int | None) -> VoltageEdge:
     return VoltageEdge(step, nearest if agrees else left + 0.5, "")
 
 
-def _last_before(
-    drive_V: FloatArray, written: float, jump_V: float, rate_hz: float, end: float
-) -> int | None:
+@dataclass(frozen=True, kw_only=True)
+class _Around:
+    """A write and its neighbours, as sample indices with their fractions."""
+
+    begin: float  # of the write before
+    written: float
+    end: float  # of the next write
+    rate_hz: float
+
+    @property
+    def settle(self) -> int:
+        return max(1, round(SETTLE_S * self.rate_hz))
+
+    @property
+    def samples_between_writes(self) -> float:
+        """Fewest settled samples at the level before or after."""
+        return min(self.written - self.begin, self.end - self.written) - self.settle - 1
+
+
+def _last_before(drive_V: FloatArray, around: _Around, jump_V: float) -> int | None:
     """Return the index of the last sample at the old level before the edge.
 
     None when there is no edge.
     """
-    settle, level = max(1, round(SETTLE_S * rate_hz)), max(3, round(LEVEL_S * rate_hz))
-    search = max(2, round(SEARCH_S * rate_hz))
-    at = int(np.floor(written))
-    before = drive_V[max(0, at - settle - level) : max(0, at - settle)]
-    first = max(0, at - search)
-    last = int(min(at + search, end, len(drive_V)))
-    after = drive_V[last - level : last] if last - level > at else drive_V[last:last]
+    settle, level = around.settle, max(3, round(LEVEL_S * around.rate_hz))
+    search = max(2, round(SEARCH_S * around.rate_hz))
+    at = int(np.floor(around.written))
+    # the write before made a level of its own: it stands from a little later on
+    first = int(max(0, at - search, min(around.begin + settle, at - settle)))
+    last = int(min(at + search, around.end, len(drive_V)))
+    before = drive_V[max(first, at - settle - level) : max(0, at - settle)]
+    after = drive_V[max(last - level, at + 1) : last]
     if before.size == 0 or after.size == 0:
         return None
     old, new = float(np.median(before)), float(np.median(after))

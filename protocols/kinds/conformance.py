@@ -13,7 +13,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 from protocols.errors import ScheduleError
 from protocols.kinds.contract import ProtocolKind
 from protocols.kinds.fields import LARGEST_VOLTAGE_V
-from protocols.planning.builder import StepsAndReadings
+from protocols.planning.builder import DECIMALS, StepsAndReadings
 from protocols.planning.encoding import run_from_dict, run_to_dict
 from protocols.planning.limits import structure_faults
 from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind
@@ -133,8 +133,11 @@ def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
         yield "its run is another one after it was written as JSON and read again"
     if protocol.steps_and_readings() != (steps, readings, duration_s):
         yield "its steps differ from one call to the next"
-    halves = tuple(voltage_V / 2 for voltage_V in protocol.driven_V)
-    if protocol.scaled(0.5).driven_V != halves:
+    wholes, halves = protocol.driven_V, protocol.scaled(0.5).driven_V
+    if len(wholes) != len(halves) or any(
+        abs(whole - 2 * half) > 3 * 10.0**-DECIMALS
+        for whole, half in zip(wholes, halves, strict=False)
+    ):
         yield 'scaled(0.5) does not halve its voltages; state the unit "V" of each of them'
     protocol.pulses().steps_and_readings()
 

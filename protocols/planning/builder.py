@@ -5,7 +5,8 @@ from __future__ import annotations
 from protocols.errors import ScheduleError
 from protocols.planning.schedule import PlannedReading, ReadingKind, VoltageStep
 
-# Times are sums of decimal fractions; a nanosecond is far below what any board can do.
+# Times are sums of decimal fractions; a nanosecond is far below what any board can do, and so is a
+# nanovolt. What is the same at each period of a waveform would else be another voltage each time.
 DECIMALS = 9
 
 # Repeats of a reading shall not share samples of the filter's window with each other.
@@ -31,7 +32,8 @@ class Builder:
 
     def step(self, voltage_V: float, lasts_s: float) -> None:
         """Hold a voltage for a time, after all that has been added before."""
-        self._steps.append(VoltageStep(self._end_s, voltage_V))
+        # adding zero makes 0 V of -0 V
+        self._steps.append(VoltageStep(self._end_s, round(voltage_V, DECIMALS) + 0.0))
         self._end_s = round(self._end_s + lasts_s, DECIMALS)
         require_size(len(self._steps) + len(self._readings))
 

@@ -62,6 +62,14 @@ def test_a_sine_is_the_sine_in_the_middle_of_each_write():
     assert kinds.count(ReadingKind.DISCARDED) == pytest.approx(len(kinds) / 3, abs=1)
 
 
+@pytest.mark.parametrize("protocol", [Sine(periods=7), MultiSine(periods=4)], ids=["sine", "multi"])
+def test_each_period_is_read_at_the_same_voltages(protocol):
+    readings = protocol.steps_and_readings()[1][1:]
+    volts = [each.voltage_V for each in readings]
+    assert len(set(volts)) <= len(readings) / protocol.periods
+    assert not any(str(voltage_V) == "-0.0" for voltage_V in volts)
+
+
 def test_a_sweep_goes_from_one_frequency_to_the_other():
     sweep = Sweep(start_hz=0.5, end_hz=4.0, sweep_s=10.0, write_every_s=0.005)
     _, volts = written(sweep)

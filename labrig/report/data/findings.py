@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from model.discrepancy.verdict.result import Diagnosis
     from model.identification.baselines import BaselineRow
 
+FEW_WARNINGS = 5  # of an analysis that are told at once; the report has all
+
 
 @dataclass(frozen=True, kw_only=True)
 class Findings:
@@ -80,7 +82,8 @@ def measured(
 ) -> Measurements:
     """Return a session's measurements, analysed now where that was not done or is out of date.
 
-    `tell` reports it. Where the session cannot be changed the result is not kept in it.
+    `tell` reports it, and what the analysis warns of. Where the session cannot be changed the
+    result is not kept in it.
 
     `processes`: how many search for curves at a time. More than one need a script that is
     importable, so what a script may call takes one, and the command line `workers`.
@@ -99,9 +102,15 @@ def measured(
     except ReadOnlyError as error:
         tell(f"{path}: {why}; analysing it now. The result is not kept: {error}")
         with open_session(path) as session:
-            return measure(session, progress, workers=processes, extractor=chosen)
-    tell(f"{path}: {why}; analysing it now, and keeping the result in it.")
-    return analyze(path, progress, workers=processes, extractor=chosen)
+            found = measure(session, progress, workers=processes, extractor=chosen)
+    else:
+        tell(f"{path}: {why}; analysing it now, and keeping the result in it.")
+        found = analyze(path, progress, workers=processes, extractor=chosen)
+    for text in found.warnings[:FEW_WARNINGS]:
+        tell(f"{path}: {text}")
+    if len(found.warnings) > FEW_WARNINGS:
+        tell(f"{path}: `labrig report` shows all {len(found.warnings)} warnings of the analysis.")
+    return found
 
 
 def workers() -> int:

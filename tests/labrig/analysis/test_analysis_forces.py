@@ -7,12 +7,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from labrig.analysis import measure_forces, time_series
+from labrig.analysis import measure, measure_forces, time_series
 from labrig.analysis.edges import find_edges
 from labrig.session import open_session
 from protocols import Place, make_schedule
 from protocols.execution import events as ev
 from protocols.kinds.pulse_train import PulseTrain
+from protocols.kinds.sine import Sine
 from tests.cases import few
 from tests.labrig.analysis.analysed import CALIBRATION, EDGE, change, record_with
 from tests.labrig.session.session_recording import force_N, session_events, small_schedule
@@ -133,6 +134,41 @@ def test_a_slow_rise_begins_where_it_begins(tmp_path):
         edges = find_edges(run, run.signal_V("drive"))
         for step, planned in enumerate(run.planned.steps[1:], start=1):
             assert edges[step].index == pytest.approx(EDGE + planned.time_s * 1000, abs=1.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("write_every_s", few([0.02, 0.005]))
+def test_a_waveform_in_large_steps_shows_its_edges(tmp_path, write_every_s):
+    """Steps of up to 0.4 V, each shorter than the time over which levels are taken elsewhere."""
+    sine = Sine(amplitude_V=2.0, frequency_hz=1.5, periods=2, write_every_s=write_every_s)
+    schedule = make_schedule(sine, [Place("long", (0.005,))])
+    readings = measured(record_with(tmp_path / "s.h5", schedule))
+    assert len(readings) > 5
+    assert [reading.why for reading in readings if reading.why] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("protocol", "told"), [(Sine(frequency_hz=1.5, periods=2), True), (PulseTrain(), False)]
+)
+def test_a_session_whose_voltage_is_never_held_says_what_that_means(tmp_path, protocol, told):
+    schedule = make_schedule(protocol, [Place("long", (0.005,))])
+    with open_session(record_with(tmp_path / "s.h5", schedule)) as session:
+        warnings = measure(session, curves=False).warnings
+    said = [text for text in warnings if "less than 0.1 s" in text]
+    assert len(said) == int(told)
+    assert all("fit --dynamic" in text for text in said)
+
+
+@pytest.mark.slow
+def test_a_waveform_that_the_drive_does_not_follow_spoils_its_readings(tmp_path):
+    def dead(volts, index):
+        volts[2] = 0.0
+
+    sine = Sine(amplitude_V=2.0, frequency_hz=1.5, periods=2)
+    schedule = make_schedule(sine, [Place("long", (0.005,))])
+    readings = measured(record_with(tmp_path / "s.h5", schedule, samples(dead)))
+    assert not any(reading.valid for reading in readings if abs(reading.voltage_V) > 0.2)
 
 
 @pytest.mark.slow

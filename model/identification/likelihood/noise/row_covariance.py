@@ -15,7 +15,10 @@ Index = npt.NDArray[np.int64]
 PRIOR_WIDTH = 2.5  # standard deviation of ln sigma about its guess
 # of a row's variance its own noise's share, below which the cheaper way would lose digits
 LEAST_SHARE = 1e-7
-MANY = 5  # columns of a scatter that is rather a covariance of few rows, as a wander in time
+# of a scatter that is rather a covariance of few rows, as a wander in time: the least number of its
+# columns, and the most rows to each of them
+MANY = 5
+ROWS_A_COLUMN = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,8 +69,14 @@ class Stack:
         of = np.eye(len(widths))[belongs]
         D = np.stack(data.masks, axis=2) if data.masks else np.zeros((R, n, 0))
         variance = Z**2 @ of
-        many = [j for j, width in enumerate(widths) if width >= MANY]
-        touched = np.any(variance[:, :, many] != 0.0, axis=2)
+        touches = variance != 0.0
+        most = np.max(np.sum(touches, axis=1), axis=0)
+        many = [
+            j
+            for j, width in enumerate(widths)
+            if width >= MANY and most[j] <= ROWS_A_COLUMN * width
+        ]
+        touched = np.any(touches[:, :, many], axis=2)
         m = int(np.max(np.sum(touched, axis=1)))
         rows = np.argsort(~touched, axis=1, kind="stable")[:, :m]
         within = np.zeros((len(data.groups), R, m, m))
