@@ -18,6 +18,7 @@ from model.discrepancy.data_checks.catalogue import data_checks
 from model.discrepancy.data_checks.changed_data import Compared, Trial, compared, of_one
 from model.discrepancy.data_checks.content_digest import content_digest
 from model.discrepancy.data_checks.contract import Change, DataCheck, Suspicion
+from model.discrepancy.data_checks.few_voltages import with_few_voltages
 from model.discrepancy.data_checks.kinds._data import quoted
 from model.discrepancy.data_checks.quick_fit import (
     QuickFit,
@@ -46,7 +47,8 @@ KEPT = 4  # data of which the suspicions are kept in memory
 class CheckedData:
     """Measurements with what is suspicious about them."""
 
-    measurements: Measurements  # without readings far from the others, and what still swings
+    # without readings far from the others, what still swings, and more voltages than are needed
+    measurements: Measurements
     suspicions: tuple[Suspicion, ...] = ()
     notes: tuple[str, ...] = ()  # what was left out
 
@@ -79,10 +81,13 @@ def check_data(measurements: Measurements) -> CheckedData:
     found = [one for check in checks for one in check.suspicions(data)]
     stops = [one for one in found if one.severity == "stop"]
     # what else seems wrong follows from these, as a rule
-    at_rest, left_out = without_swinging(data)
-    found = stops or [*found, *_once(at_rest, checks)]
+    at_rest, swinging = without_swinging(data)
+    few, left_out = with_few_voltages(at_rest)
+    found = stops or [*found, *_once(few, checks)]
     return CheckedData(
-        measurements=at_rest, suspicions=tuple(found), notes=(*cleaned.sentences(), *left_out)
+        measurements=few,
+        suspicions=tuple(found),
+        notes=(*cleaned.sentences(), *swinging, *left_out),
     )
 
 
