@@ -123,6 +123,7 @@ def doubts(plan: Plan) -> list[Check]:
                 sheets=plan.sheets,
                 calibration=plan.calibration if by_board else None,
                 force_range_V=range_V,
+                sheet_voltage_limit_V=plan.rig.limits.sheet_voltage_V,
                 px_per_mm=None if optics is None or optics.homography else optics.px_per_mm,
                 image_size=None if optics is None else optics.image_size,
             )

@@ -54,6 +54,8 @@ NODES = Usual(0.5, 2.0, "of the free length")
 REACH = Usual(1.0, _ANY, "of the arc's radius")
 SPREAD = Usual(0.5, _ANY, "mm")
 VOLTAGE = Usual(0.02, _ANY, "V")
+# The water in a sheet decomposes from 1.2 V on; beyond some volts it is not water that is driven.
+LIMIT = Usual(0.02, 6.0, "V")
 CELL_SHARE = Usual(0.01, 5.0, "of the input's range")
 SHEET_PX = Usual(40.0, _ANY, "pixels")
 SHEET_IMAGES = Usual(0.0, 3.0, "images")
@@ -67,6 +69,7 @@ class SetUp:
     sheets: Mapping[str, SheetGeometry] | None = None
     calibration: LoadCellCalibration | None = None  # of a cell that the board reads
     force_range_V: float = _ANY
+    sheet_voltage_limit_V: float | None = None
     px_per_mm: float | None = None
     image_size: tuple[int, int] | None = None
 
@@ -82,6 +85,8 @@ def set_up_checks(set_up: SetUp) -> Iterator[Check]:
         yield from initial_curvature_checks(sheet)
     yield from _positions(set_up.schedule, sheets)
     yield from _voltages(set_up.schedule)
+    if set_up.sheet_voltage_limit_V is not None:
+        yield from LIMIT.checks("rig.toml [limits] sheet_voltage_V", set_up.sheet_voltage_limit_V)
     if set_up.calibration is not None:
         yield from _load_cell(set_up.calibration, set_up.force_range_V)
         yield from _dead_weights(set_up.schedule, set_up.calibration)

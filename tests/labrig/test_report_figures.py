@@ -10,7 +10,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.report.figures.shapes import curves_figure
-from labrig.report.parts.style import colour_of, figure, legend_below, save_all
+from labrig.report.parts.style import colour_of, figure, legend_below, letter, save_all
 from tests.labrig.report_data import measure, session
 
 pytestmark = pytest.mark.usefixtures("data_unchecked")
@@ -78,6 +78,19 @@ def test_figure_7_is_no_higher_than_its_curves_need():
     (panel,) = fig.axes
     assert panel.get_window_extent().height / fig.bbox.height > 0.3
     assert panel.get_tightbbox().y1 <= fig.bbox.y1 + 1
+
+
+def test_no_text_of_a_panel_with_equal_scales_is_cut(tmp_path):
+    with figure(5.4, 4.6) as fig:
+        axes = fig.subplots()
+        lines = [axes.plot([0, 62], [0, k], label=f"+{k} V")[0] for k in range(40, 45)]
+        axes.set_aspect("equal")
+        letter(axes, "a", "long sheet")
+        axes.set_xlabel("x (mm)")
+        legend_below(fig, lines)
+        save_all(fig, tmp_path, "one", ("png",))
+    fig.draw_without_rendering()
+    assert axes.get_tightbbox().y1 <= fig.bbox.y1
 
 
 def test_a_legend_of_two_rows_is_read_row_by_row():

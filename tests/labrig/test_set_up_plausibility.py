@@ -108,6 +108,14 @@ def test_what_is_unusual_is_a_warning(tmp_path: Path) -> None:
     assert [(check.ok, check.warning) for check in found] == [(True, True)] * 2
 
 
+def test_a_limit_that_no_sheet_in_water_stands_is_a_warning(tmp_path: Path) -> None:
+    write_templates(tmp_path, simulated=True)
+    edit("rig.toml", ("sheet_voltage_V = 2.5", "sheet_voltage_V = 25"))(tmp_path)
+    (found,) = doubts(plan_of(tmp_path / "rig.toml"))
+    assert (found.ok, found.warning) == (True, True)
+    assert found.in_words == "rig.toml [limits] sheet_voltage_V: 25 V, wanted 0.02 to 6 V"
+
+
 @pytest.mark.parametrize("simulated", [True, False])
 def test_the_shipped_files_are_taken_without_a_word(tmp_path: Path, *, simulated: bool) -> None:
     write_templates(tmp_path, simulated=simulated)

@@ -149,8 +149,11 @@ def lay_out(fig: Figure) -> None:
 
     engine = fig.get_layout_engine()
     if engine is not None:
+        # with equal scales the room that is left turns out smaller than was counted on
+        equal = any(axes.get_aspect() != "auto" for axes in fig.axes)
         with mpl.rc_context(_SETTINGS):
-            engine.execute(fig)
+            for _ in range(2 if equal else 1):
+                engine.execute(fig)
     with _laid_out():
         fig.set_layout_engine(None)
 
