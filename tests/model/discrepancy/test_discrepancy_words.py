@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from model import Parameter
 from model.discrepancy.answers.calibrated_answers import Judged
-from model.discrepancy.verdict.inferred_form import dependence
+from model.discrepancy.verdict.inferred_form import dependence, told_under
 from model.discrepancy.verdict.messages import (
     improbable,
     open_answers,
@@ -210,3 +211,14 @@ def test_what_acts_only_under_voltage_is_not_said_to_act_at_all_voltages():
     assert dependence("compliance", "curvature", "curvature", "voltage") == (
         "in proportion to the moment, by how far the sheet is bent, only under voltage"
     )
+
+
+@pytest.mark.parametrize(
+    ("volts", "told"), [((0.0, 2.0, -2.0), "polarity"), ((0.0, 2.0), "voltage")]
+)
+def test_of_one_polarity_alone_nothing_is_said_of_the_other(volts, told):
+    parts = [SimpleNamespace(voltage_V=np.array(volts))]
+    fitted = SimpleNamespace(
+        problem=SimpleNamespace(forward=SimpleNamespace(configuration_models=parts))
+    )
+    assert told_under(fitted, "polarity") == told
