@@ -10,7 +10,15 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.report.figures.shapes import curves_figure
-from labrig.report.parts.style import colour_of, figure, legend_below, letter, save_all
+from labrig.report.parts.style import (
+    MOST_VOLTAGES,
+    colour_of,
+    figure,
+    label_of,
+    legend_below,
+    letter,
+    save_all,
+)
 from tests.labrig.report_data import measure, session
 
 pytestmark = pytest.mark.usefixtures("data_unchecked")
@@ -113,6 +121,19 @@ def test_a_figure_is_laid_out_once_for_all_its_files(tmp_path):
     fig.draw_without_rendering()
     assert axes.yaxis.label.get_window_extent().x0 > 0
     assert fig.get_layout_engine() is None  # matplotlib would do so again for each file
+
+
+def test_a_legend_of_a_hundred_voltages_names_a_few_and_leaves_room_for_its_figure():
+    volts = [round(1.0 - 0.02 * k, 2) for k in range(101)]
+    with figure(5.4, 3.9) as fig:
+        axes = fig.subplots()
+        handles = [axes.plot([0, 1], [0, v], label=label_of(v))[0] for v in volts]
+        legend_below(fig, [*handles, axes.plot([0, 1], ls="--", label="constant EIBM")[0]])
+        fig.draw_without_rendering()  # it warns where no room is left
+    names = [text.get_text() for text in fig.legends[0].get_texts()]
+    assert {label_of(1.0), label_of(-1.0), "constant EIBM"} <= set(names)
+    assert len(names) == MOST_VOLTAGES + 1
+    assert axes.get_window_extent().height > 0.4 * fig.bbox.height
 
 
 def test_a_legend_with_long_names_stays_within_its_figure():

@@ -21,6 +21,7 @@ _PALEST = 0.3  # of a colour: what remains of it at the smallest voltages
 # Text, axes and neutral lines. A colour of its own, so that the page can turn it with its theme.
 INK = "#1b1f24"
 
+MOST_VOLTAGES = 12  # in a legend
 _LETTER_IN, _HANDLE_IN = 0.07, 0.63  # of a legend: a letter; a line with the room around it
 
 _SETTINGS = {
@@ -97,12 +98,25 @@ def panels_width_in(panels: int) -> float:
 
 
 def legend_below(fig: Figure, handles: list[Artist]) -> None:
-    """One legend for all panels, in as many columns as there is room for; read row by row."""
+    """One legend for all panels, in as many columns as there is room for; read row by row.
+
+    Of dozens of voltages, whose colours are in order, it names a few.
+    """
+    handles = _few_voltages(handles)
     most = min(len(handles), int(fig.get_figwidth() / 1.35))
     names = [len(str(handle.get_label())) for handle in handles]
     columns = next((n for n in range(most, 1, -1) if _width_in(names, n) <= fig.get_figwidth()), 1)
     by_column = [handle for i in range(columns) for handle in handles[i::columns]]
     fig.legend(handles=by_column, loc="outside lower center", ncols=columns)
+
+
+def _few_voltages(handles: list[Artist]) -> list[Artist]:
+    voltages = [i for i, one in enumerate(handles) if str(one.get_label()).endswith(" V")]
+    if len(voltages) <= MOST_VOLTAGES:
+        return handles
+    step = (len(voltages) - 1) / (MOST_VOLTAGES - 1)
+    kept = {voltages[round(k * step)] for k in range(MOST_VOLTAGES)}
+    return [one for i, one in enumerate(handles) if i in kept or i not in voltages]
 
 
 def _width_in(names: list[int], columns: int) -> float:
