@@ -19,7 +19,7 @@ from labrig.report.tables.measurements import measurements_as_dict, measurements
 from labrig.report.tables.observations import observations
 from labrig.report.tables.paper import compared_conditions, table_3, table_4, table_5, table_6
 from labrig.session.format.devices import CalibrationRecord, RecordedDevice
-from model import Condition, Measurements, Reading, predict
+from model import Condition, Measurements, Parameter, Reading, predict
 from protocols.planning.schedule import Purpose
 from tests.labrig.report_data import STIFFNESS, invalid, measure, truth
 
@@ -124,6 +124,17 @@ def test_a_fit_without_curves_says_what_it_rests_on_and_when_it_is_wrong():
     fit = fit_what_can_be(measure("long", curves=False)).fit
     (said,) = (text for text in trust(fit) if "no neutral curves" in text)
     assert "where it is not, B and the EIBM are off by more than their intervals" in said
+
+
+@pytest.mark.slow
+def test_of_dozens_of_voltages_the_best_and_the_worst_known_are_told():
+    fit = fit_what_can_be(measure("long", curves=False)).fit
+    one = fit.configurations["long"]
+    many = {v / 10: Parameter(value=1e-6 * v, sigma=1e-8, unit="N m") for v in range(1, 41)}
+    said = trust(replace(fit, configurations={"long": replace(one, eibm=many)}))[0]
+    assert said.count("constant EIBM") == 2
+    assert "(constant EIBM at +4 V) to ±" in said
+    assert said.endswith("(constant EIBM at +0.1 V).")
 
 
 def test_the_forces_where_the_sheets_rest_are_compared():

@@ -9,9 +9,10 @@ import numpy as np
 from labrig.report.data.models import ALONG, CONSTANT, HELD
 from labrig.report.data.selection import place
 from labrig.report.parts.table import Table, fixed, number, volts, with_sigma
-from model import ConfigurationFit, Fit
+from model import ConfigurationFit, Fit, Parameter
 from model.identification.residuals import ConditionResidual
 
+FEW_VOLTAGES = 6  # of which each is told
 # names of the fit's scatter -> what it is, and the factor to the unit named
 _SCATTER = {
     "stiffness": ("bending stiffness, %", 100.0),
@@ -120,20 +121,29 @@ def _signed(value: float) -> str:
     return f"{value:+.3f}" if np.isfinite(value) else "-"
 
 
+def _widths(one: ConfigurationFit) -> list[str]:
+    """Return how wide the intervals of B and EIBM are; of many voltages the best and the worst."""
+
+    def width(parameter: Parameter) -> float:
+        low, high = parameter.interval()
+        return 50 * (high - low) / abs(parameter.value)
+
+    moments = [(f"{CONSTANT} at {volts(v)}", p) for v, p in one.eibm.items() if p.value]
+    if len(moments) > FEW_VOLTAGES:
+        moments.sort(key=lambda moment: width(moment[1]))
+        moments = [moments[0], moments[-1]]
+    told = [("B", one.B)] if one.B_known else []
+    shares = [f"±{width(parameter):.1f} % ({what})" for what, parameter in (*told, *moments)]
+    if len(one.eibm) > FEW_VOLTAGES:
+        shares[-2:] = [" to ".join(shares[-2:])]
+    return shares
+
+
 def trust(fit: Fit) -> list[str]:
     """Sentences on how far the parameters are fixed."""
     said = []
     for name, one in fit.configurations.items():
-        widths = {
-            **({"B": one.B} if one.B_known else {}),
-            **{f"{CONSTANT} at {volts(v)}": p for v, p in one.eibm.items()},
-        }
-        shares = []
-        for what, parameter in widths.items():
-            low, high = parameter.interval()
-            if parameter.value:
-                shares.append(f"±{50 * (high - low) / abs(parameter.value):.1f} % ({what})")
-        said.append(f"{name}: 90 % intervals reach {', '.join(shares)}.")
+        said.append(f"{name}: 90 % intervals reach {', '.join(_widths(one))}.")
         if not _has_curves(fit, name):
             said.append(
                 f"{name}: no neutral curves were measured. These numbers rest on the forces alone "
