@@ -229,7 +229,8 @@ def test_a_session_in_an_archive_is_measured_and_nothing_is_kept_in_it(
         found = measured(path, lambda *_: None, told.append, processes=1)
         with pytest.raises(BadInputError, match=r"s\.h5 cannot be changed"):
             analyze(path)
-    (said,) = told
+    said, *warned = told
+    assert warned == [f"{path}: {text}" for text in found.warnings]
     assert "not analysed yet; analysing it now. The result is not kept: " in said
     assert "Read-only file system" in said
     assert path.read_bytes() == before
