@@ -113,8 +113,8 @@ def test_a_name_that_may_be_something_unknown_is_not_wrong_where_that_is_there()
 
 
 def test_what_is_not_ruled_out_is_in_the_reported_set_and_excuses_no_wrong_name() -> None:
-    sure = Name("gravity", 0.95, [], 0.0, {})
-    found = _record(named=[sure], not_ruled_out=["clamp_angle"])
+    sure = Name("clamp_angle", 0.95, [], 0.0, {})
+    found = _record(named=[sure], not_ruled_out=["gravity"])
     assert found.reported_set == {"gravity", "clamp_angle"}
     assert _value([found], "single, d >= 12: truth in the reported set") == "100.0%"
     assert _value([found], "the same, without what is not ruled out") == "0.0%"

@@ -67,7 +67,7 @@ def test_what_a_page_can_show_has_no_fault(data):
             ({"text": []}, "data has 'text', which is none of sentences, tables"),
             ({"tables": ["x"]}, "tables[0] is a str, not a dict"),
             ({"tables": [{**GOOD, "title": 1}]}, "tables[0].title is an int, not a text"),
-            ({"tables": [{**GOOD, "columns": [1, 2]}]}, "tables[0].columns[0] is an int, not a"),
+            ({"tables": [{**GOOD, "columns": [1, "b"]}]}, "tables[0].columns[0] is an int, not a"),
             ({"tables": [{**GOOD, "rows": 3}]}, "tables[0].rows is an int, not a list"),
             ({"tables": [{**GOOD, "rows": [3]}]}, "tables[0].rows[0] is an int, not a list"),
             ({"tables": [{**GOOD, "rows": [[1]]}]}, "tables[0].rows[0] has 1 cell, not 2"),

@@ -168,7 +168,7 @@ def test_what_no_catalogue_has_is_unknown_with_its_slot_and_place():
     assert 22.0 - 10.0 <= found.unknown.peak_mm <= 38.0 + 10.0
     assert len(found.unknown.s_mm) == len(found.unknown.profile) == len(found.unknown.band)
     assert [e.name for e in found.model.effects][-1] == "unknown"
-    assert "in neither the model nor the catalogue" in found.sentence
+    assert "something that is not in the catalogue" in found.sentence
 
 
 @pytest.mark.slow
