@@ -12,8 +12,8 @@ from labrig.analysis.contacts import contact_warnings
 from labrig.analysis.curves import ConditionCurves, measure_curves
 from labrig.analysis.dead_weights import dead_weight_warnings
 from labrig.analysis.forces import measure_forces
+from labrig.analysis.held_voltage import held_voltage_warnings
 from labrig.analysis.series import time_series
-from labrig.analysis.unheld import unheld_warnings
 from labrig.analysis.wetting import wetting_warnings
 from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
@@ -70,7 +70,7 @@ def measure(
         *wetting_warnings(session),
         *dead_weight_warnings(session, forces, given.calibration),
         *_controlled(session),
-        *unheld_warnings(session),
+        *held_voltage_warnings(session),
     ]
     warnings += [text for each in seen for text in each.warnings]
     return Measurements(

@@ -44,7 +44,7 @@ def find_edges(run: RunRecord, drive_V: FloatArray) -> dict[int, VoltageEdge]:
         if abs(jump_V) < SEEN_FROM_V:
             found[int(write["step"])] = VoltageEdge(int(write["step"]), written, "")
             continue
-        around = _Around(
+        around = _WriteAndNeighbours(
             begin=float(writes["sample_index"][at - 1]) if at else -np.inf,
             written=written,
             end=float(writes["sample_index"][at + 1]) if at + 1 < len(writes) else np.inf,
@@ -70,7 +70,7 @@ def _edge(step: int, written: float, left: int | None) -> VoltageEdge:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Around:
+class _WriteAndNeighbours:
     """A write and its neighbours, as sample indices with their fractions."""
 
     begin: float  # of the write before
@@ -88,7 +88,7 @@ class _Around:
         return min(self.written - self.begin, self.end - self.written) - self.settle - 1
 
 
-def _last_before(drive_V: FloatArray, around: _Around, jump_V: float) -> int | None:
+def _last_before(drive_V: FloatArray, around: _WriteAndNeighbours, jump_V: float) -> int | None:
     """Return the index of the last sample at the old level before the edge.
 
     None when there is no edge.

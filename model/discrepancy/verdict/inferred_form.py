@@ -68,12 +68,12 @@ def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     return Unknown(
         location=name, configuration=configuration, s_mm=start + t * (end - start),
         profile=by @ beta[use], band=band, unit=own[0].unit, along=along,
-        depends=dependence(name, part, along, told_under(fitted, under)), at_unit=at_unit,
-        under=cast("Under", under),
+        depends=dependence(name, part, along, under_applied_voltages(fitted, under)),
+        at_unit=at_unit, under=cast("Under", under),
     )  # fmt: skip
 
 
-def told_under(fitted: MixedModelFit, under: str) -> str:
+def under_applied_voltages(fitted: MixedModelFit, under: str) -> str:
     """Return under which voltages a term acts; of one polarity alone there is no other one."""
     volts = np.concatenate([one.voltage_V for one in fitted.problem.forward.configuration_models])
     both = bool(np.any(volts > 0.0) and np.any(volts < 0.0))

@@ -10,7 +10,7 @@ import pytest
 
 from model import Parameter
 from model.discrepancy.answers.calibrated_answers import Judged
-from model.discrepancy.verdict.inferred_form import dependence, told_under
+from model.discrepancy.verdict.inferred_form import dependence, under_applied_voltages
 from model.discrepancy.verdict.messages import (
     improbable,
     open_answers,
@@ -221,4 +221,4 @@ def test_of_one_polarity_alone_nothing_is_said_of_the_other(volts, told):
     fitted = SimpleNamespace(
         problem=SimpleNamespace(forward=SimpleNamespace(configuration_models=parts))
     )
-    assert told_under(fitted, "polarity") == told
+    assert under_applied_voltages(fitted, "polarity") == told

@@ -17,7 +17,7 @@ import numpy as np
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.verdict.written_model.left_out_gain import columns_asked_for, forms_asked_for
-from model.discrepancy.verdict.written_model.probable_forms import as_probable_forms
+from model.discrepancy.verdict.written_model.model_averaging import averaged_over_forms
 from model.identification.likelihood.form_error import formed
 from model.identification.likelihood.form_ways import sampled
 from model.identification.likelihood.forward_model import ForwardModel
@@ -81,7 +81,7 @@ def _rigid(
     some = (*(replace(one, given=one.given or ()) for one in known.found), *unnamed)
     with suppress(ModelError, np.linalg.LinAlgError):
         fitted = fit_mixed_model(known.problem, known.theta, some, final.solution.log_sigma)
-        found = _as_unsure(fitted, known) if unnamed else as_probable_forms(fitted, known)
+        found = _as_unsure(fitted, known) if unnamed else averaged_over_forms(fitted, known)
         yield replace(fitted, found=found)
 
 

@@ -18,7 +18,7 @@ from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import Found
 
 
-def as_probable_forms(exact: MixedModelFit, tolerant: MixedModelFit) -> tuple[Found, ...]:
+def averaged_over_forms(exact: MixedModelFit, tolerant: MixedModelFit) -> tuple[Found, ...]:
     """Return the effects of a fit with exact forms, as uncertain as the mean over both kinds.
 
     `tolerant` has the same effects, with forms that may differ, and uncertainties that hold their

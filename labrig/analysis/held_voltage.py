@@ -14,7 +14,7 @@ from protocols.planning.schedule import PlannedRun, ReadingKind
 HELD_S = 0.1
 
 
-def unheld_warnings(session: RecordedSession) -> list[str]:
+def held_voltage_warnings(session: RecordedSession) -> list[str]:
     """Return a sentence where most readings were taken while the voltage changed."""
     held = [
         held_s >= HELD_S
@@ -27,8 +27,8 @@ def unheld_warnings(session: RecordedSession) -> list[str]:
     text = (
         f"The voltage changed less than {HELD_S:g} s before most readings. fit and diagnose take"
         " the sheet as at rest, so that EIBM at a voltage includes the lag of its electrodes, and"
-        " this lag may be taken for another effect in time; `labrig fit --dynamic` identifies the"
-        " sheet in time."
+        " this lag may be taken for another effect in time. `labrig fit --dynamic` identifies the"
+        " sheet in time where a free release was recorded, too ([extras] release = true)."
     )
     return [text]
 

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from model.discrepancy.verdict.written_model.probable_forms import as_probable_forms
+from model.discrepancy.verdict.written_model.model_averaging import averaged_over_forms
 from model.effects import catalogue
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.identification.likelihood.model_state import Found
@@ -42,14 +42,16 @@ def test_a_form_that_the_data_ask_for_leaves_the_parameter_as_uncertain_as_it_ma
     exact, tolerant = fits()
     asked = replace(tolerant, deviance=exact.deviance - 80.0)
     wide = np.hypot(sigma(tolerant.found), value(tolerant) - value(exact))
-    assert sigma(as_probable_forms(exact, asked)) == pytest.approx(wide)
+    assert sigma(averaged_over_forms(exact, asked)) == pytest.approx(wide)
 
 
 @pytest.mark.slow
 def test_a_form_that_the_data_exclude_leaves_it_as_well_known_as_the_data_tell():
     exact, tolerant = fits()
     excluded = replace(tolerant, deviance=exact.deviance + 80.0)
-    assert sigma(as_probable_forms(exact, excluded)) == pytest.approx(sigma(exact.found), rel=1e-6)
+    assert sigma(averaged_over_forms(exact, excluded)) == pytest.approx(
+        sigma(exact.found), rel=1e-6
+    )
     assert sigma(exact.found) < 0.5 * sigma(tolerant.found)
 
 
@@ -59,4 +61,4 @@ def test_what_other_shapes_make_uncertain_stays():
     (one,) = tolerant.found
     shaped = {name: {**own, KEY: np.hypot(own[KEY], 0.3)} for name, own in one.sigma.items()}
     several = replace(tolerant, deviance=exact.deviance + 80.0, found=(replace(one, sigma=shaped),))
-    assert sigma(as_probable_forms(exact, several)) == pytest.approx(0.3, rel=0.01)
+    assert sigma(averaged_over_forms(exact, several)) == pytest.approx(0.3, rel=0.01)
