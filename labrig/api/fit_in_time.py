@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig.analysis.motion.dynamic_fit import DynamicFit, model_of
 from labrig.api.data import AnyPath, tell
-from labrig.api.motion_data import checksum_of, fits_of, off_the_curves, request_of
+from labrig.api.motion_data import checksum_of, fits_of, request_of
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress
 from model import SheetModel
@@ -112,4 +112,4 @@ def doubts(fit: DynamicFit) -> Iterator[str]:
             " misses)."
         )
     if fit.misses_curves:
-        yield f"{off_the_curves(fit)}, more than images explain; do not trust its mass and loss."
+        yield f"{fit.off_the_curves}, more than images explain; do not trust its mass and loss."

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from labrig.analysis.analyze import inputs_of, shunt_ohm
 from labrig.analysis.motion.beginning import ELONGATION_UNKNOWN, StatedValues
-from labrig.analysis.motion.dynamic_fit import DynamicFit, dynamic_fit
+from labrig.analysis.motion.dynamic_fit import DynamicFit, NoSheetInTimeError, dynamic_fit
 from labrig.analysis.motion.record import MotionRecord, motion_record, moving_configurations
 from labrig.api.arguments import elongation_kg_per_m, numbers, one_of, several
 from labrig.api.data import AnyPath, paths_of, tell
@@ -20,10 +20,6 @@ from labrig.session import RecordedSession, open_session
 READING_SHARE: Final = 0.4  # of the time of a fit, most of it for the images
 MOST_POSITIONS: Final = 3  # in contact, unless they are named: each adds seconds
 FLUIDS: Final = ("air", "water", "vacuum")
-NOT_FOUND: Final = (
-    "{}: no sheet in time explains the session: the search did not end, and {}. Record a free"
-    " release ([extras] release = true); labrig diagnose says what the sheet at rest lacks."
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,21 +74,15 @@ def fits_of(request: MotionRequest, progress: Progress | None) -> list[DynamicFi
         for text in dict.fromkeys(text for one in records for text in one.missing):
             tell(f"{name}: {text}" if len(names) > 1 else text)
         fitting = within(own, READING_SHARE, 1.0)
-        fit = dynamic_fit(records, stated, progress=fitting)
-        if fit.found.converged or not fit.misses_curves:
-            fits.append(fit)
-            continue
-        left_out.append(NOT_FOUND.format(fit.sheet.configuration, off_the_curves(fit)))
+        try:
+            fits.append(dynamic_fit(records, stated, progress=fitting))
+        except NoSheetInTimeError as error:
+            left_out.append(str(error))
     if left_out and (request.configurations or not fits):
         raise BadInputError(left_out[0])
     for text in left_out:
         tell(f"left out: {text}")
     return fits
-
-
-def off_the_curves(fit: DynamicFit) -> str:
-    """Return how far the curves are off the fitted sheet, as the beginning of a sentence."""
-    return f"the curves are {1e3 * fit.noise.curve_m:.2f} mm off the fitted sheet"
 
 
 def _determinable(request: MotionRequest, session: RecordedSession) -> tuple[str, ...]:

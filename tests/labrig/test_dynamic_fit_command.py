@@ -10,7 +10,10 @@ import pytest
 
 import labrig
 from labrig.analysis.comparison import compare_fitted
+from labrig.analysis.motion import dynamic_fit as fit_module
+from labrig.analysis.motion import motion_record
 from labrig.analysis.motion.beginning import StatedValues, beginning
+from labrig.analysis.motion.dynamic_fit import NoSheetInTimeError, dynamic_fit
 from labrig.api import fit_in_time as fitting
 from labrig.api import motion_data
 from labrig.api.fit_in_time import doubts
@@ -20,6 +23,8 @@ from labrig.errors import BadInputError, LabrigWarning
 from labrig.model_file import load_model
 from labrig.session import add_mark, open_session
 from labrig.session.marks.mark import Mark
+from model.dynamics.identification import fit as identify_module
+from model.dynamics.identification import search as search_module
 from model.dynamics.identification.parameters import LogParameters
 from tests.labrig.moving_session import TRUTH, moving_session
 from tests.labrig.report_data import measure, session
@@ -211,10 +216,6 @@ def test_a_sheet_whose_elongation_is_not_stated_is_left_out_before_anything_is_r
 
 
 def test_what_only_the_user_knows_is_asked_for(path):
-    from dataclasses import replace
-
-    from labrig.analysis.motion import motion_record
-
     with open_session(path) as opened:
         record = motion_record(opened, frames=False)
     longer = replace(record.sheet, elongation_m=0.04)
@@ -238,15 +239,16 @@ def test_a_fit_that_leaves_more_than_the_noise_explains_is_not_to_be_trusted(fit
 
 
 @pytest.mark.thorough
-def test_a_sheet_that_was_not_found_is_refused(path, fits, monkeypatch):
-    """Its curves are far off, and the search did not end: the numbers say nothing."""
-    noise = replace(fits[0].noise, curve_m=1.2e-3)
-    bad = replace(fits[0], noise=noise, found=replace(fits[0].found, converged=False))
+def test_a_sheet_that_was_not_found_is_left_out_or_refused(path, fits, monkeypatch):
+    bad = NoSheetInTimeError("long: no sheet in time explains the session.")
     request = request_of(path, (), (), "air", None)
     progress: list[tuple[float, str]] = []
 
     def fitted(*_records, **_options):
-        return next(some)
+        one = next(some)
+        if one is bad:
+            raise bad
+        return one
 
     monkeypatch.setattr(motion_data, "dynamic_fit", fitted)
     monkeypatch.setattr(motion_data, "motion_record", read_once(motion_data.motion_record))
@@ -259,10 +261,25 @@ def test_a_sheet_that_was_not_found_is_refused(path, fits, monkeypatch):
     assert min(shares) < 0.2
     assert 0.5 < max(shares) <= 1.0
     some = iter([bad, bad])
-    with pytest.raises(
-        BadInputError, match=r"1\.20 mm off the fitted sheet\. Record a free release"
-    ):
+    with pytest.raises(BadInputError, match="no sheet in time explains"):
         fits_of(request, None)
+
+
+def test_where_curves_are_far_off_and_the_search_does_not_end_other_electrodes_are_not_tried(
+    path, fits, monkeypatch
+):
+    """They took five minutes of a pseudo-random sequence, to say the same."""
+    with open_session(path) as opened:
+        record = motion_record(opened, frames=False)
+    poor = replace(fits[0].noise, curve_m=1.2e-3)
+    monkeypatch.setattr(fit_module, "_near", lambda beam, *_: (beam, None))
+    monkeypatch.setattr(fit_module, "noise_of_residuals", lambda *_: poor)
+    monkeypatch.setattr(search_module, "MOST_STEPS", 1)
+    monkeypatch.setattr(identify_module, "other_electrodes", pytest.fail)
+    with pytest.raises(
+        NoSheetInTimeError, match=r"1\.20 mm off the fitted sheet\. Record a free release"
+    ):
+        dynamic_fit([record], StatedValues(), fits[0].found.beam)
 
 
 def read_once(read):

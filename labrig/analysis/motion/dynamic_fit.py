@@ -19,6 +19,7 @@ from model.dynamics import DynamicBeam, DynamicSheet, LineModes, PronyTerm
 from model.dynamics.identification import (
     DynamicParameter,
     Identification,
+    NotConvergedError,
     RecordedRun,
     RecordingNoise,
     best_sheet,
@@ -32,6 +33,14 @@ POOR_CURVE_M = 1e-4  # the curves of pictures are ten times better
 NEAR_SHARE = 0.4  # of the time of a fit, that to come near
 THIN = 4  # samples, of which one is enough to come near
 LINE_TERMS, ALONG, REST_NODES = 12, 21, 41
+NO_SHEET = (
+    "{}: no sheet in time explains the session: the search did not end, and {}. Record a free"
+    " release ([extras] release = true); labrig diagnose says what the sheet at rest lacks."
+)
+
+
+class NoSheetInTimeError(BadInputError):
+    """A session that moves like no sheet of the model."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +59,12 @@ class DynamicFit:
     @property
     def misses_curves(self) -> bool:
         """Return whether the curves are farther off the fitted sheet than pictures explain."""
-        return self.noise.curve_m > POOR_CURVE_M
+        return _misses(self.noise)
+
+    @property
+    def off_the_curves(self) -> str:
+        """Return how far the curves are off the fitted sheet, as the beginning of a sentence."""
+        return _off(self.noise)
 
     @property
     def configured(self) -> ConfiguredSheet:
@@ -129,6 +143,14 @@ _KEYS = {
 }
 
 
+def _misses(noise: RecordingNoise) -> bool:
+    return noise.curve_m > POOR_CURVE_M
+
+
+def _off(noise: RecordingNoise) -> str:
+    return f"the curves are {1e3 * noise.curve_m:.2f} mm off the fitted sheet"
+
+
 def _by(parameter: DynamicParameter) -> str:
     return "data" if parameter.determined else "prior"
 
@@ -142,7 +164,8 @@ def dynamic_fit(
 ) -> DynamicFit:
     """Identify the sheet of some records; `begin`: a sheet known from before.
 
-    First with usual noise, then with that of the residuals. Raises BadInputError.
+    First with usual noise, then with that of the residuals. Raises BadInputError; if it is known
+    before the longest searches that no sheet explains the records: NoSheetInTimeError.
     """
     first = records[0]
     for one, other in pairwise(records):
@@ -162,7 +185,12 @@ def dynamic_fit(
         near, rest = _near(begun, runs, noise)
         progress(NEAR_SHARE, f"{first.sheet.configuration}, fit to all samples")
         noise = noise_of_residuals(near, runs, noise)
-        found = identify(near, runs, noise, tolerance=CLOSE, near=True)
+        found = identify(
+            near, runs, noise, tolerance=CLOSE, near=True, must_converge=_misses(noise)
+        )
+    except NotConvergedError:
+        off = _off(noise)
+        raise NoSheetInTimeError(NO_SHEET.format(first.sheet.configuration, off)) from None
     except ModelError as error:
         raise BadInputError(f"{source}: {error}.") from None
     return DynamicFit(

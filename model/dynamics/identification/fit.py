@@ -28,6 +28,10 @@ from model.measurements import FloatArray, ModelError
 BEGIN = 1.0  # a beginning is near enough when a step is this short, in standard deviations
 
 
+class NotConvergedError(ModelError):
+    """A search that must converge did not."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Identification:
     """What was found."""
@@ -63,6 +67,7 @@ def identify(
     resolution: Resolution | None = None,
     tolerance: float = 0.02,
     near: bool = False,
+    must_converge: bool = False,
 ) -> Identification:
     """Return the sheet that explains the runs.
 
@@ -71,7 +76,9 @@ def identify(
     the parameters (0.1 of them where no step makes the fit better). resolution: None: FINE. near:
     `start` is near the answer; else the electrodes are found from the current alone, then all
     parameters from the begin of each run, then from everything. Where other electrodes explain the
-    data as well, an interval covers both, or the parameter is not determined. Raises ModelError.
+    data as well, an interval covers both, or the parameter is not determined. must_converge: raise
+    NotConvergedError where the search does not converge, in place of minutes of searches for other
+    electrodes. Raises ModelError.
     """
     parameters = LogParameters(start)
     _refuse(runs)
@@ -79,6 +86,8 @@ def identify(
     begun = parameters.theta if near else _beginning(parameters, runs, noise, by)
     problem = SearchProblem(parameters, runs, noise, by)
     first = search(problem, begun, tolerance, finish=True)
+    if must_converge and not first.converged:
+        raise NotConvergedError("the search for the moving sheet did not converge")
     others = other_electrodes(parameters, runs, noise, by, first.at.theta)
     ended, rivals = best_and_rivals(problem, first, others, tolerance)
     at = ended.at
