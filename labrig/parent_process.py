@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import select
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -30,7 +31,7 @@ def end_with_input() -> None:
     For processes whose input is their parent's pipe, while they load what takes long. Windows has
     no such notice: there a process ends when it reads.
     """
-    if hasattr(select, "poll"):
+    if sys.platform != "win32":
         threading.Thread(target=_until_hang_up, name="input-watch", daemon=True).start()
 
 
@@ -41,10 +42,10 @@ def interrupts_blocked() -> Iterator[None]:
     It reaches all processes of a terminal. One that still loads would answer with a traceback; all
     end with their parent, who decides. Windows has no signal masks: there it is as before.
     """
-    if not hasattr(signal, "pthread_sigmask"):
+    if sys.platform == "win32":
         yield
         return
-    from multiprocessing import resource_tracker  # not on Windows
+    from multiprocessing import resource_tracker
 
     resource_tracker.ensure_running()  # would let signals through when it starts
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -54,11 +55,13 @@ def interrupts_blocked() -> Iterator[None]:
         signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
-def _until_hang_up() -> None:
-    notice = select.poll()
-    notice.register(0, 0)  # a hang-up is always told
-    notice.poll()
-    os._exit(1)
+if sys.platform != "win32":
+
+    def _until_hang_up() -> None:
+        notice = select.poll()
+        notice.register(0, 0)  # a hang-up is always told
+        notice.poll()
+        os._exit(1)
 
 
 def _wait(sentinel: int) -> None:
