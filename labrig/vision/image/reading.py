@@ -17,6 +17,7 @@ import numpy.typing as npt
 from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
 from labrig.errors import BadInputError
 from labrig.vision.calibration.drawing import is_drawing
+from labrig.vision.image.library_messages import without_lines_of_libraries
 
 IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
 TIFF_SUFFIXES = (".tif", ".tiff")
@@ -166,9 +167,10 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
     # what is wrong with a file is said below, in a sentence
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
-        image = cv2.imdecode(data, _flags()) if data.size else None
-        if image is not None and _may_be_transparent(data):
-            image = _on_white(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED)), image)
+        with without_lines_of_libraries():
+            image = cv2.imdecode(data, _flags()) if data.size else None
+            if image is not None and _may_be_transparent(data):
+                image = _on_white(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED)), image)
     except cv2.error:  # such as a header that states more pixels than OpenCV takes
         image = None
     if image is None:
@@ -247,7 +249,8 @@ def _tiff_directories(data: npt.NDArray[np.uint8]) -> list[bytes]:
 def _frames(path: Path, every: int) -> Iterator[Picture]:
     import cv2
 
-    video = cv2.VideoCapture(str(path))
+    with without_lines_of_libraries():
+        video = cv2.VideoCapture(str(path))
     number, last_s = 0, -1.0
     try:
         if not video.isOpened():

@@ -3,7 +3,10 @@
 import csv
 import json
 import math
+import os
 import struct
+import subprocess
+import sys
 from dataclasses import replace
 
 import cv2
@@ -23,6 +26,7 @@ from labrig.vision import (
     read_image,
 )
 from labrig.vision.batch import curves_of
+from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.reading import PictureLabel, pictures_in
 from labrig.vision.image.tables import (
     mean_curvature_per_m,
@@ -30,6 +34,7 @@ from labrig.vision.image.tables import (
     write_points,
     write_summary,
 )
+from tests.cases import few
 
 IMAGE_WIDTH = 256  # TIFF: the tag of the number of columns
 SIDEWAYS = 6  # EXIF: to be turned clockwise by a quarter
@@ -489,3 +494,31 @@ def test_of_an_image_that_was_cut_short_there_is_our_sentence_alone(tmp_path, ca
     with pytest.raises(BadInputError, match="not an image, or damaged"):
         read_image(tmp_path / "cut.png")
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("damage", few(["data", "end"]))
+def test_of_a_damaged_png_there_is_our_sentence_alone(tmp_path, capfd, damage):
+    whole = bytearray(cv2.imencode(".png", marked())[1].tobytes())
+    if damage == "data":
+        whole[len(whole) // 2] ^= 255
+    (tmp_path / "bad.png").write_bytes(whole if damage == "data" else whole[:-12])
+    with pytest.raises(BadInputError, match="not an image, or damaged"):
+        read_image(tmp_path / "bad.png")
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.slow
+def test_of_a_file_that_is_no_film_there_is_our_sentence_alone(folder):
+    (folder / "no.mp4").write_bytes(b"no film")
+    # the tests' own setting makes FFmpeg silent
+    told = {key: value for key, value in os.environ.items() if key != "OPENCV_FFMPEG_LOGLEVEL"}
+    asked = [sys.executable, "-m", "labrig", "curves", "no.mp4"]
+    done = subprocess.run(asked, cwd=folder, env=told, capture_output=True, text=True, check=True)
+    assert done.stdout == "no: no curve: no.mp4: not a video that OpenCV can open.\n"
+    assert done.stderr == ""
+
+
+def test_what_others_write_while_libraries_decode_is_kept(capfd):
+    with without_lines_of_libraries():
+        os.write(2, b"libpng error: IDAT: CRC error\na line of the log\nlibpng warning: iCCP\n")
+    assert capfd.readouterr().err == "a line of the log\n"
