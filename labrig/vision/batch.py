@@ -26,18 +26,21 @@ from labrig.vision.facts.stated import joined
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, missing, own_file
 from labrig.vision.image.files import load_strip, write_json
 from labrig.vision.image.image import in_levels
-from labrig.vision.image.overlay import write_overlay
-from labrig.vision.image.reading import (
+from labrig.vision.image.names import (
     IMAGE_SUFFIXES,
-    Picture,
-    PictureLabel,
-    Pixels,
     files_in,
     holds_several,
     is_video,
+    picture_name,
+    whole_stem,
+)
+from labrig.vision.image.overlay import write_overlay
+from labrig.vision.image.reading import (
+    Picture,
+    PictureLabel,
+    Pixels,
     pictures_in,
     whole_file,
-    whole_stem,
 )
 from labrig.vision.image.review import PictureDecision, load_review
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
@@ -94,7 +97,8 @@ def extract_curves(
 
     An image NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
     `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
-    for each image (NAME_000012 for a video's frame, NAME_page0012 for a TIFF's page), curves.csv
+    for each image (of NAME.png and NAME.jpg in one folder NAME.png.json and NAME.jpg.json, and so
+    on) (NAME_000012 for a video's frame, NAME_page0012 for a TIFF's page), curves.csv
     and summary.csv; these have what was measured, too, where the batch is stopped. An image that
     cannot be read, holds no sheet or has a faulty file of its own is a result (`ok` false), not an
     error.
@@ -179,18 +183,19 @@ def _holds_images(folder: Path) -> bool:
 def _refuse_twins(files: list[Path]) -> None:
     seen: dict[str, Path] = {}
     for path in files:
-        if path.stem in seen:
+        name = picture_name(path)
+        if name in seen:
             raise BadInputError(
-                f"{seen[path.stem]} and {path} would both be written to {path.stem}.json; "
+                f"{seen[name]} and {path} would both be written to {name}.json; "
                 "rename one, or run them into different folders."
             )
-        seen[path.stem] = path
-    for path in files:
-        many = seen.get(whole_stem(path.stem))
+        seen[name] = path
+    for name, path in seen.items():
+        many = seen.get(whole_stem(name))
         if many is not None and many != path and holds_several(many):
             raise BadInputError(
                 f"{path} is named as a frame or page of {many} is, and both would be written to "
-                f"{path.stem}.json; rename one, or run them into different folders."
+                f"{name}.json; rename one, or run them into different folders."
             )
 
 
@@ -199,7 +204,7 @@ def _keep_photographs(sources: Sequence[Path], output: Path) -> None:
     files = list(_files(sources))
     photographs = {path.resolve() for path in files}
     for path in files:
-        overlay = output / f"{path.stem}_curve.png"
+        overlay = output / f"{picture_name(path)}_curve.png"
         if overlay.resolve() in photographs:
             raise BadInputError(
                 f"the overlay of {path} would be written over {overlay}; choose another folder "

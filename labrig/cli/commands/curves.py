@@ -97,7 +97,8 @@ def curves(
     NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
     what --optics and --sheet name. An image without a curve is no error: its reason is printed,
     and it has a row in the tables. Photographs are turned as their EXIF states. Each page of a
-    TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image.
+    TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image. With
+    NAME.jpg in the same folder NAME.png goes by its whole name.
 
     With --to-end the length is measured. A thickness that sheet.toml does not state, and a
     direction that optics.json does not state, are measured as well; a clamp within 20 pixels is

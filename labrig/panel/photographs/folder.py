@@ -28,14 +28,8 @@ from labrig.vision.facts.contract import FactOf, FactShape
 from labrig.vision.facts.stated import Facts
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
 from labrig.vision.image.files import load_strip
-from labrig.vision.image.reading import (
-    Pixels,
-    files_in,
-    is_video,
-    labels_in,
-    pictures_in,
-    whole_file,
-)
+from labrig.vision.image.names import files_in, is_video
+from labrig.vision.image.reading import Pixels, labels_in, pictures_in, whole_file
 from labrig.vision.image.review import PictureDecision, load_review, save_review
 from labrig.vision.image.tables import write_points, write_summary
 
@@ -61,7 +55,7 @@ class PhotographFolder:
         self._busy: Path | None = None  # what is measured now
         self._states: dict[Path, FileState] = {}  # of the files when they were measured
         self._looked_at = file_state(folder)
-        self._files = {*files_in(folder, videos=False)}  # also of one name, of which one is shown
+        self._files = {*files_in(folder, videos=False)}
         self._arriving: dict[Path, FileState] = {}  # files that came since, at the look before
         self._closed = False
         self.thread = threading.Thread(target=self._work, name="photographs", daemon=True)
@@ -119,7 +113,7 @@ class PhotographFolder:
         """Return its image. Raises BadInputError, MissingError."""
         one = self._named(name)
         for picture in pictures_in(one.path):
-            if picture.label.name == name:
+            if picture.label.frame == one.label.frame:
                 if picture.image is None:
                     raise BadInputError(picture.why)
                 return picture.image
@@ -289,12 +283,12 @@ class PhotographFolder:
             if one.path != path:
                 continue
             one.own = own
-            image = measured.images.get(one.name)
+            image = measured.images.get(one.label.frame)
             if image is None:
                 one.state, one.why = "unreadable", measured.why or f"{path}: cannot be read."
                 one.curves = []
-            elif one.name in measured.curves:
-                one.show(image, measured.curves[one.name])
+            elif one.label.frame in measured.curves:
+                one.show(image, measured.curves[one.label.frame])
             else:
                 one.size, one.curves = (image.shape[1], image.shape[0]), []
                 one.state, one.why = "new", _what_is_missing(path) or measured.why

@@ -108,10 +108,11 @@ def test_what_is_missing_is_said(tmp_path, plain, scenes):
 
 
 def test_two_images_never_write_one_file(tmp_path, plain, scenes):
-    scenes.save(plain, tmp_path, "a")
-    cv2.imwrite(str(tmp_path / "a.bmp"), plain.image)
+    for folder in (tmp_path / "monday", tmp_path / "tuesday"):
+        folder.mkdir()
+        scenes.save(plain, folder, "a")
     with pytest.raises(BadInputError, match=r"both be written to a\.json"):
-        extract_curves([tmp_path], tmp_path / "out")
+        extract_curves([tmp_path / "monday", tmp_path / "tuesday"], tmp_path / "out")
 
 
 def test_a_sheet_file_may_be_small_or_whole(tmp_path):

@@ -26,6 +26,7 @@ from labrig.vision import (
     read_image,
 )
 from labrig.vision.batch import curves_of
+from labrig.vision.calibration.drawing import write_drawing
 from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.reading import PictureLabel, pictures_in
 from labrig.vision.image.tables import (
@@ -522,3 +523,45 @@ def test_what_others_write_while_libraries_decode_is_kept(capfd):
     with without_lines_of_libraries():
         os.write(2, b"libpng error: IDAT: CRC error\na line of the log\nlibpng warning: iCCP\n")
     assert capfd.readouterr().err == "a line of the log\n"
+
+
+def test_images_and_a_film_of_one_name_are_measured_and_named_by_their_whole_names(folder, capsys):
+    for name in ("same.png", "same.jpg", "other.bmp"):
+        cv2.imwrite(str(folder / name), marked() + 30)
+    film(folder / "same.y4m", frames=2)
+    cv2.imwritemulti(str(folder / "same.tif"), [marked() + 30] * 2)
+    out = folder / "out"
+    extract_curves([folder], out, BatchOptions(find=answer))
+    stems = ["other", "same.jpg", "same.png", "same.tif_page0001", "same.tif_page0002"]
+    stems += ["same.y4m_000000", "same.y4m_000001"]
+    assert sorted(path.stem for path in out.glob("*.json")) == stems
+    assert sorted(path.name for path in out.glob("*.png")) == [f"{n}_curve.png" for n in stems]
+    names = ["other", "same.jpg", "same.png", "same.tif:1", "same.tif:2"]
+    assert [row["image"] for row in table(out / "summary.csv")] == [*names, *stems[5:]]
+    (folder / "curves_review.json").write_text(
+        '{"pictures": {"same.png": {"decision": "refused", "note": "blurred"}}}'
+    )
+    assert run(["curves", str(folder / "same.png")]) == 0  # also where it is measured alone
+    assert capsys.readouterr().out.startswith("same.png: no curve: refused by hand")
+
+
+def test_of_images_of_one_name_each_has_a_file_of_its_own_or_both_have_one(folder):
+    scales = []
+
+    def find(image, optics, strip, *, start=None):
+        scales.append(optics.px_per_mm)
+        return arc()
+
+    for name in ("same.png", "same.jpg"):
+        cv2.imwrite(str(folder / name), marked() + 30)
+    (folder / "same.optics.json").write_text('{"px_per_mm": 3, "clamp_px": [5, 5]}')
+    (folder / "same.png.optics.json").write_text('{"px_per_mm": 4, "clamp_px": [5, 5]}')
+    extract_curves([folder], folder / "out", BatchOptions(find=find))
+    assert scales == [3, 4]  # of same.jpg, then of same.png
+
+
+def test_a_drawing_of_labrig_is_no_second_image_of_a_name(folder):
+    cv2.imwrite(str(folder / "strip.jpg"), marked() + 30)
+    write_drawing(folder / "strip.png", marked())
+    found = extract_curves([folder], folder / "out", BatchOptions(find=answer))
+    assert list(found.curves) == ["strip"]
