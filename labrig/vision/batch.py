@@ -24,6 +24,7 @@ from labrig.vision.facts.catalogue import strip_facts
 from labrig.vision.facts.contract import FactOf
 from labrig.vision.facts.stated import joined
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, missing, own_file
+from labrig.vision.image.colour_notes import ColourNotes
 from labrig.vision.image.files import load_strip, write_json
 from labrig.vision.image.image import in_levels
 from labrig.vision.image.names import (
@@ -272,6 +273,7 @@ def _curves_of(
             name: _finder(optics, strip, options.find, follow=is_video(path))
             for name, (optics, strip) in known.items()
         }
+        notes = ColourNotes()
         for picture in pictures_in(path, options.every):
             decision = decided.get(picture.label.name)
             for name, find in finders.items():
@@ -279,6 +281,8 @@ def _curves_of(
                     curve = NeutralCurve(ok=False, why=decision.why_refused)
                 else:
                     curve = _found(picture, find)
+                if picture.label.frame is not None:  # one of several
+                    curve = notes.once(curve)
                 yield picture.label.of_strip(name), picture.image, curve
     except BadInputError as error:
         yield whole_file(path), None, NeutralCurve(ok=False, why=str(error))
