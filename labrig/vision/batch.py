@@ -45,6 +45,7 @@ from labrig.vision.image.reading import (
 )
 from labrig.vision.image.review import PictureDecision, load_review
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
+from labrig.vision.image.unused import unused_corrections
 from labrig.vision.tracking.tracker import Tracker
 
 Progress = Callable[[str, NeutralCurve], None]
@@ -145,6 +146,7 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[Pictur
         )
     _refuse_twins(files)
     _tell_of_subfolders(sources)
+    _tell_of_unused_corrections(sources, options)
     _refuse_common_faults(files, options)
     decided = {folder: load_review(folder) for folder in {path.parent for path in files}}
     return (named for path in files for named in _curves_of(path, options, decided[path.parent]))
@@ -172,6 +174,13 @@ def _tell_of_subfolders(sources: Sequence[Path]) -> None:
                     "each of these folders by itself."
                 )
             )
+
+
+def _tell_of_unused_corrections(sources: Sequence[Path], options: BatchOptions) -> None:
+    for source in filter(Path.is_dir, sources):
+        told = unused_corrections(source, options.optics, options.sheet)
+        if told:
+            warn_caller(LabrigWarning(told))
 
 
 def _holds_images(folder: Path) -> bool:

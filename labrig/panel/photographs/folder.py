@@ -32,6 +32,7 @@ from labrig.vision.image.names import files_in, is_video
 from labrig.vision.image.reading import Pixels, labels_in, pictures_in, whole_file
 from labrig.vision.image.review import PictureDecision, load_review, save_review
 from labrig.vision.image.tables import write_points, write_summary
+from labrig.vision.image.unused import unused_corrections
 
 Choice = Literal["accepted", "refused", "none"]
 RESULTS = "curves"  # folder of the tables
@@ -47,6 +48,7 @@ class PhotographFolder:
         self._wake = threading.Condition(self._lock)
         self._photographs = {one.name: one for one in _listed(folder)}
         self._decided = load_review(folder)
+        self._unused = unused_corrections(folder)
         self.videos = sum(is_video(path) for path in folder.iterdir())
         self._revision = 0
         self._queue: deque[Path] = deque(
@@ -84,6 +86,7 @@ class PhotographFolder:
                 "total": len(every),
                 "waiting": sum(one.path in waiting for one in every),
                 "videos": self.videos,
+                "unused": self._unused,
                 "photographs": [one.message() for one in every if one.revision >= since],
             }
 
@@ -210,6 +213,8 @@ class PhotographFolder:
         changed = file_state(self.folder)
         if changed is None or (changed == self._looked_at and not self._arriving):
             return
+        with suppress(BadInputError):  # curves_review.json is written by others now
+            self._unused = unused_corrections(self.folder)
         before, now = self._arriving, files_in(self.folder, videos=False)
         new = [path for path in now if path not in self._files]
         self._looked_at, self._arriving = changed, {path: file_state(path) for path in new}

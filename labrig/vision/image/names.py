@@ -42,12 +42,19 @@ def files_in(folder: Path, *, videos: bool) -> list[Path]:
 
     What labrig drew itself is left out.
     """
+    every = every_file_in(folder)
+    stems = {path.stem for path in every if path.suffix.lower() not in HEIC_SUFFIXES}
+    heic = [path for path in every if path.suffix.lower() in HEIC_SUFFIXES]
     suffixes = IMAGE_SUFFIXES + (VIDEO_SUFFIXES if videos else ())
-    every = sorted(path for path in folder.iterdir() if path.is_file() and not is_drawing(path))
     known = [path for path in every if path.suffix.lower() in suffixes]
-    stems = {path.stem for path in known}
-    heic = [p for p in every if p.suffix.lower() in HEIC_SUFFIXES and p.stem not in stems]
-    return sorted(known + heic)
+    return sorted(known + [path for path in heic if path.stem not in stems])
+
+
+def every_file_in(folder: Path) -> list[Path]:
+    """Return all images and videos of a folder but what labrig drew itself."""
+    suffixes = IMAGE_SUFFIXES + VIDEO_SUFFIXES + HEIC_SUFFIXES
+    known = (path for path in folder.iterdir() if path.suffix.lower() in suffixes)
+    return sorted(path for path in known if path.is_file() and not is_drawing(path))
 
 
 def holds_several(path: Path) -> bool:

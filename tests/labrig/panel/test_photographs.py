@@ -382,3 +382,12 @@ def test_a_photograph_keeps_its_place_when_another_of_its_name_comes(tmp_path):
     opened.set_known("same", clicked(), for_all=True)
     assert [one["state"] for one in measured(opened).values()] == ["found", "found"]
     opened.close()
+
+
+def test_a_correction_of_a_photograph_that_was_renamed_is_told(photographs):
+    photographs.set_known("a", clicked(), for_all=False)
+    measured(photographs)
+    assert photographs.listing(0)["unused"] == ""
+    (photographs.folder / "a.png").rename(photographs.folder / "c.png")
+    said = photographs.listing(0)["unused"]
+    assert "a.optics.json and a.sheet.toml belong to no image there and are not used" in said

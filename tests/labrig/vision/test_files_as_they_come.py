@@ -565,3 +565,23 @@ def test_a_drawing_of_labrig_is_no_second_image_of_a_name(folder):
     write_drawing(folder / "strip.png", marked())
     found = extract_curves([folder], folder / "out", BatchOptions(find=answer))
     assert list(found.curves) == ["strip"]
+
+
+def test_corrections_that_belong_to_no_image_of_a_folder_are_named(folder, capsys):
+    cv2.imwrite(str(folder / "new.png"), marked() + 30)
+    cv2.imwritemulti(str(folder / "stack.tif"), [marked() + 30] * 2)
+    film(folder / "film.y4m")
+    known = '{"px_per_mm": 8, "clamp_px": [5, 5]}'
+    for name in ("new", "new.png", "old", "camera"):
+        (folder / f"{name}.optics.json").write_text(known)
+    (folder / "old.sheet.toml").write_text("free_length_mm = 50\n")
+    decided = {name: {"decision": "accepted"} for name in ("old", "new", "stack:2", "film_000003")}
+    (folder / "curves_review.json").write_text(json.dumps({"pictures": decided}))
+    camera = ["--optics", str(folder / "camera.optics.json")]
+    assert run(["curves", "--batch", str(folder), "-o", str(folder / "out"), *camera]) == 0
+    said = [line for line in capsys.readouterr().err.splitlines() if "belong" in line]
+    assert len(said) == 1
+    assert said[0].endswith(
+        "old.optics.json, old.sheet.toml and 'old' of curves_review.json belong to no image there "
+        "and are not used; name them as the image is named."
+    )
