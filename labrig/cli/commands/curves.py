@@ -100,6 +100,10 @@ def curves(
     TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image. With
     NAME.jpg in the same folder NAME.png goes by its whole name.
 
+    A --batch that was stopped continues with the same command: an image with a result in -o is
+    measured again only where its file, optics, sheet, options or labrig have changed. To measure
+    all again, give another folder or remove `resume` in it.
+
     With --to-end the length is measured. A thickness that sheet.toml does not state, and a
     direction that optics.json does not state, are measured as well; a clamp within 20 pixels is
     enough. The curve's warnings name the measured quantities, and say where a second look at what
@@ -125,12 +129,14 @@ def curves(
     from labrig.vision.calibration.optics import ColourChannel
 
     name = extractor or BUILT_IN
+    chosen = chosen_extractor(name)
     options = BatchOptions(
         optics=optics,
         sheet=sheet,
         configuration=configuration,
         look=None if look is None else SheetAppearance(look),
-        find=chosen_extractor(name).curve,
+        find=chosen.curve,
+        is_built_in=chosen.is_built_in,
         strips=strips_of(strip),
         facts=stated_facts(facts),
         channel=None if channel is None else ColourChannel(channel),
@@ -297,7 +303,8 @@ def _batch(
         warn(f"{count}: {name}: {_summary(curve)}")
 
     result = extract_curves([folder], output, options, progress=progress)
-    say(f"{len(result.curves)} images, {len(result.failed)} without a curve; wrote {output}")
+    kept = f", {result.kept} as measured before" if result.kept else ""
+    say(f"{len(result.curves)} images, {len(result.failed)} without a curve{kept}; wrote {output}")
 
 
 COMMAND = Command(
