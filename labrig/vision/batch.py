@@ -17,10 +17,11 @@ from labrig.vision.calibration.optics import (
     listed,
     load_optics,
 )
+from labrig.vision.checks.catalogue import origins
 from labrig.vision.checks.objections import heeding
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extraction.extract import neutral_curve
-from labrig.vision.facts.catalogue import strip_facts
+from labrig.vision.facts.catalogue import origin_of, strip_facts
 from labrig.vision.facts.contract import FactOf
 from labrig.vision.facts.stated import joined
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, missing, own_file
@@ -307,7 +308,7 @@ def _curves_of(
             for name, finder in finders.items():
                 label = picture.label.of_strip(name)
                 measured = "" if decision is not None or picture.image is None else digest
-                before = kept.curve(label, measured) if kept is not None else None
+                before = kept.curve(label.file_stem, measured) if kept is not None else None
                 if decision is not None:
                     curve = NeutralCurve(ok=False, why=decision.why_refused)
                 elif before is not None:
@@ -318,11 +319,11 @@ def _curves_of(
                 told = curve if picture.label.frame is None else notes.once(curve)
                 yield label, picture.image, told
                 if kept is not None:
-                    kept.keep(label, curve, measured)
+                    kept.keep(label.file_stem, curve, measured)
     except BadInputError as error:
         label = whole_file(path)
         if kept is not None:
-            kept.curve(label, "")
+            kept.curve(label.file_stem, "")
         yield label, None, NeutralCurve(ok=False, why=str(error))
 
 
@@ -333,8 +334,10 @@ def _digest(
     refused: Mapping[str, PictureDecision],
 ) -> str:
     """Return what stands for all that makes the curves and overlays of a file; empty: unknown."""
-    if not (options.is_built_in or options.find is neutral_curve):
-        return ""
+    facts = {name for optics, _ in known.values() for name in optics.facts}
+    own = options.is_built_in or options.find is neutral_curve
+    if not own or origins() or any(map(origin_of, facts)):
+        return ""  # what the code of other distributions does is not known
     # a frame that is refused by hand is not followed to the next one
     left_out = sorted(refused) if is_video(path) else []
     return digest_of(path, known, picture_name(path), options.every, options.overlays, left_out)

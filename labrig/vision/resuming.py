@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-from collections.abc import Mapping
+import zlib
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
@@ -19,64 +19,64 @@ from zipfile import BadZipFile
 import numpy as np
 
 from labrig.files import discard, write_bytes
-from labrig.vision.calibration.optics import Optics
-from labrig.vision.checks.catalogue import origins
-from labrig.vision.curve import NeutralCurve, StripGeometry
+from labrig.vision.curve import NeutralCurve
 from labrig.vision.curve.background_lines import BackgroundLine
-from labrig.vision.facts.catalogue import origin_of
-from labrig.vision.image.reading import PictureLabel
 
 FOLDER = "resume"  # in that of the results
 _ABOUT = "about"  # the array that holds all that is no array, as JSON
-_UNREADABLE = (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile)
+_UNREADABLE = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    EOFError,
+    BadZipFile,
+    RuntimeError,
+    zlib.error,
+)
 
 
 class KeptCurves:
-    """The curves of a folder of results."""
+    """The curves of a folder of results, each under the stem of its files."""
 
     def __init__(self, results: Path) -> None:
         self._folder = results / FOLDER
-        self.used: set[str] = set()  # files' stems of what was measured before
+        self.used: set[str] = set()  # stems of what was measured before
 
-    def curve(self, label: PictureLabel, digest: str) -> NeutralCurve | None:
+    def curve(self, file_stem: str, digest: str) -> NeutralCurve | None:
         """Return the curve that was made of the same; None: there is none, and no longer another.
 
         Its results are about to be written anew, which those of another batch must not outlast.
         """
-        path = self._path(label)
+        path = self._path(file_stem)
         found = _read(path, digest) if digest else None
         if found is None:
             discard(path)
         else:
-            self.used.add(label.file_stem)
+            self.used.add(file_stem)
         return found
 
-    def keep(self, label: PictureLabel, curve: NeutralCurve, digest: str) -> None:
+    def keep(self, file_stem: str, curve: NeutralCurve, digest: str) -> None:
         """Keep a curve whose results are written."""
-        if digest and label.file_stem not in self.used:
+        if digest and file_stem not in self.used:
             self._folder.mkdir(exist_ok=True)
-            write_bytes(self._path(label), _written(curve, digest))
+            write_bytes(self._path(file_stem), _written(curve, digest))
 
-    def _path(self, label: PictureLabel) -> Path:
-        return self._folder / f"{label.file_stem}.npz"
+    def _path(self, file_stem: str) -> Path:
+        return self._folder / f"{file_stem}.npz"
 
 
-def digest_of(
-    path: Path, known: Mapping[str, tuple[Optics, StripGeometry]], *others: object
-) -> str:
-    """Return what stands for all that makes the curves of a file; empty: that is not known.
+def digest_of(path: Path, *others: object) -> str:
+    """Return what stands for a file and labrig; empty where it cannot be read.
 
-    `others`: what else decides. It is not known what the code of other distributions does.
+    `others`: what else decides on its curves, each told whole by its `repr`.
     """
-    facts = {name for optics, _ in known.values() for name in optics.facts}
-    if origins() or any(map(origin_of, facts)):
-        return ""
     try:
         with path.open("rb") as file:
             content = hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:
         return ""
-    stated = repr((path.name, content, known, others, _labrig()))
+    stated = repr((path.name, content, others, _labrig()))
     return hashlib.sha256(stated.encode("utf-8", "surrogateescape")).hexdigest()
 
 

@@ -12,7 +12,6 @@ import pytest
 from labrig.cli.main import run
 from labrig.vision import BatchOptions, NeutralCurve, extract_curves, neutral_curve
 from labrig.vision.curve.background_lines import BackgroundLine
-from labrig.vision.image.reading import PictureLabel
 from labrig.vision.image.review import REVIEW_FILE
 from labrig.vision.resuming import KeptCurves
 from tests.cases import few
@@ -92,11 +91,10 @@ def test_a_curve_with_wires_and_a_refusal_with_its_place_are_kept_whole(tmp_path
         ("found", NeutralCurve(ok=True, wires=(wire, wire), warnings=("one", "two"))),
         ("refused", NeutralCurve(ok=False, why="no.", refused_at_px=(3.5, 4.5))),
     ):
-        label = PictureLabel(name=name, file_stem=name)
-        kept.keep(label, curve, "1f")
-        assert kept.curve(label, "2e") is None
-        kept.keep(label, curve, "1f")
-        read = KeptCurves(tmp_path).curve(label, "1f")
+        kept.keep(name, curve, "1f")
+        assert kept.curve(name, "2e") is None
+        kept.keep(name, curve, "1f")
+        read = KeptCurves(tmp_path).curve(name, "1f")
         assert read is not None
         assert (read.ok, read.warnings) == (curve.ok, curve.warnings)
         assert (read.why, read.refused_at_px) == (curve.why, curve.refused_at_px)
@@ -156,7 +154,7 @@ def test_an_extractor_that_is_not_labrigs_own_measures_all_again(folder, tmp_pat
 
 def test_where_checks_of_others_look_at_curves_all_is_measured_again(folder, tmp_path, monkeypatch):
     batch(folder, tmp_path / "out")
-    monkeypatch.setattr("labrig.vision.resuming.origins", lambda: {"check": "mylab 0.3"})
+    monkeypatch.setattr("labrig.vision.batch.origins", lambda: {"check": "mylab 0.3"})
     assert batch(folder, tmp_path / "out")[1] == 5
 
 
@@ -180,7 +178,8 @@ def test_results_that_were_removed_or_damaged_are_there_again(folder, tmp_path):
     before = results(out)
     (out / "a.json").unlink()
     (out / "a_curve.png").unlink()
-    (out / "resume" / "z.npz").write_bytes(b"PK cut short")
+    kept = out / "resume" / "z.npz"
+    kept.write_bytes(kept.read_bytes()[:-1000])
     (out / "resume" / "film_000001.npz").unlink()
     assert batch(folder, out)[1] == 2
     assert results(out) == before
