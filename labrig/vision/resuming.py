@@ -89,7 +89,7 @@ def _labrig() -> str:
 
     total = hashlib.sha256(repr([m.__version__ for m in (cv2, np, numba, scipy)]).encode())
     for path in sorted(Path(__file__).parent.rglob("*")):
-        if path.suffix != ".pyc" and path.is_file():
+        if "__pycache__" not in path.parts and path.is_file():
             total.update(path.read_bytes())
     return total.hexdigest()
 
@@ -117,7 +117,7 @@ def _as_number(value: Any) -> Any:
 def _read(path: Path, digest: str) -> NeutralCurve | None:
     """Return a curve that is kept with this digest; None where it cannot be read, too."""
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with np.load(io.BytesIO(path.read_bytes()), allow_pickle=False) as file:
             arrays = dict(file)
         about = json.loads(str(arrays.pop(_ABOUT)))
         if about.pop("digest") != digest:

@@ -40,10 +40,10 @@ def folder(tmp_path, plain):
     pictures.mkdir()
     header = b"YUV4MPEG2 W640 H480 F25:1 Ip A1:1 Cmono\n"
     noise = np.random.default_rng(0)
-    frames = [np.clip(plain.image + noise.normal(0, 2, (480, 640)), 0, 255) for _ in range(3)]
-    film = b"".join(b"FRAME\n" + frame.astype(np.uint8).tobytes() for frame in frames)
+    noisy = (plain.image + noise.normal(0, 2, (3, 480, 640))).clip(0, 255).astype(np.uint8)
+    film = b"".join(b"FRAME\n" + frame.tobytes() for frame in noisy)
     (pictures / "film.y4m").write_bytes(header + film)
-    for name, image in (("a", plain.image), ("z", np.dstack([plain.image // 2] * 2 + [frames[0]]))):
+    for name, image in (("a", plain.image), ("z", np.dstack([plain.image // 2] * 2 + [noisy[0]]))):
         cv2.imwrite(str(pictures / f"{name}.png"), image)
     (pictures / "m.png").write_bytes(b"not a picture")
     (pictures / "optics.json").write_text(json.dumps(plain.optics))
