@@ -17,30 +17,37 @@ from labrig.vision.calibration.optics import (
     listed,
     load_optics,
 )
+from labrig.vision.checks.catalogue import origins
 from labrig.vision.checks.objections import heeding
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extraction.extract import neutral_curve
-from labrig.vision.facts.catalogue import strip_facts
+from labrig.vision.facts.catalogue import origin_of, strip_facts
 from labrig.vision.facts.contract import FactOf
 from labrig.vision.facts.stated import joined
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, missing, own_file
+from labrig.vision.image.colour_notes import ColourNotes
 from labrig.vision.image.files import load_strip, write_json
 from labrig.vision.image.image import in_levels
-from labrig.vision.image.overlay import write_overlay
-from labrig.vision.image.reading import (
+from labrig.vision.image.names import (
     IMAGE_SUFFIXES,
-    Picture,
-    PictureLabel,
-    Pixels,
     files_in,
     holds_several,
     is_video,
+    picture_name,
+    whole_stem,
+)
+from labrig.vision.image.overlay import write_overlay
+from labrig.vision.image.reading import (
+    Picture,
+    PictureLabel,
+    Pixels,
     pictures_in,
     whole_file,
-    whole_stem,
 )
 from labrig.vision.image.review import PictureDecision, load_review
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
+from labrig.vision.image.unused import unused_corrections
+from labrig.vision.resuming import KeptCurves, digest_of
 from labrig.vision.tracking.tracker import Tracker
 
 Progress = Callable[[str, NeutralCurve], None]
@@ -60,6 +67,7 @@ class BatchOptions:
     overlays: bool = True
     look: SheetAppearance | None = None  # in place of that in optics.json
     find: FindCurve = neutral_curve
+    is_built_in: bool = False  # whether `find` is labrig's own; `neutral_curve` is
     strips: Mapping[str, StripPlace] | None = None  # in place of those in optics.json
     facts: Mapping[str, Any] = field(default_factory=dict)  # by name, beside those in optics.json
     channel: ColourChannel | None = None  # of colour images, in place of that in optics.json
@@ -71,6 +79,7 @@ class BatchResult:
     """What came of a batch: each picture's curve, in the order of the pictures."""
 
     found: list[LabelledCurve] = field(default_factory=list)
+    kept: int = 0  # how many of them an earlier batch measured
 
     @property
     def curves(self) -> dict[str, NeutralCurve]:
@@ -94,13 +103,17 @@ def extract_curves(
 
     An image NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it, else those of
     `options`, else optics.json and sheet.toml from beside it. Writes NAME.json and NAME_curve.png
-    for each image (NAME_000012 for a video's frame, NAME_page0012 for a TIFF's page), curves.csv
-    and summary.csv; these have what was measured, too, where the batch is stopped. An image that
+    for each image (NAME_000012 for a video's frame, NAME_page0012 for a TIFF's page; of NAME.png
+    and NAME.jpg in one folder NAME.png.json and NAME.jpg.json, and so on), curves.csv and
+    summary.csv; these have what was measured, too, where the batch is stopped. The next batch into
+    the same folder uses the curves again of which neither image nor optics, sheet, options or
+    labrig have changed, where labrig's own extractor, checks and facts found them. An image that
     cannot be read, holds no sheet or has a faulty file of its own is a result (`ok` false), not an
     error.
     """
     options = options or BatchOptions()
-    found = curves_of(sources, options)
+    kept = KeptCurves(output)
+    found = curves_of(sources, options, kept)
     if options.overlays:
         _keep_photographs(sources, output)
     output.mkdir(parents=True, exist_ok=True)
@@ -115,9 +128,12 @@ def extract_curves(
                 )
             written.add(label.file_stem)
             write_json(output / f"{label.file_stem}.json", label, curve)
-            if options.overlays and image is not None:
-                write_overlay(output / f"{label.file_stem}_curve.png", image, curve)
+            overlay = output / f"{label.file_stem}_curve.png"
+            there = label.file_stem in kept.used and overlay.exists()
+            if options.overlays and image is not None and not there:
+                write_overlay(overlay, image, curve)
             result.found.append((label, curve))
+            result.kept = len(kept.used)
             if progress is not None:
                 progress(label.name, curve)
     finally:  # also where the batch is stopped: what was measured is kept
@@ -126,9 +142,12 @@ def extract_curves(
     return result
 
 
-def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[PictureCurve]:
+def curves_of(
+    sources: Sequence[Path], options: BatchOptions, kept: KeptCurves | None = None
+) -> Iterator[PictureCurve]:
     """Return label, image (None: unreadable) and curve of each picture, one after the other.
 
+    What is `kept` is not measured again; each curve is kept once the next one is asked for.
     Raises BadInputError at once when there is none, or two of the same name, or where a file that
     serves several is at fault.
     """
@@ -140,9 +159,12 @@ def curves_of(sources: Sequence[Path], options: BatchOptions) -> Iterator[Pictur
         )
     _refuse_twins(files)
     _tell_of_subfolders(sources)
+    _tell_of_unused_corrections(sources, options)
     _refuse_common_faults(files, options)
     decided = {folder: load_review(folder) for folder in {path.parent for path in files}}
-    return (named for path in files for named in _curves_of(path, options, decided[path.parent]))
+    return (
+        named for path in files for named in _curves_of(path, options, decided[path.parent], kept)
+    )
 
 
 def _files(sources: Sequence[Path]) -> Iterator[Path]:
@@ -169,6 +191,13 @@ def _tell_of_subfolders(sources: Sequence[Path]) -> None:
             )
 
 
+def _tell_of_unused_corrections(sources: Sequence[Path], options: BatchOptions) -> None:
+    for source in filter(Path.is_dir, sources):
+        told = unused_corrections(source, options.optics, options.sheet)
+        if told:
+            warn_caller(LabrigWarning(told))
+
+
 def _holds_images(folder: Path) -> bool:
     """Whether there are images in a folder; none is seen in one that cannot be read."""
     with suppress(OSError):
@@ -179,18 +208,19 @@ def _holds_images(folder: Path) -> bool:
 def _refuse_twins(files: list[Path]) -> None:
     seen: dict[str, Path] = {}
     for path in files:
-        if path.stem in seen:
+        name = picture_name(path)
+        if name in seen:
             raise BadInputError(
-                f"{seen[path.stem]} and {path} would both be written to {path.stem}.json; "
+                f"{seen[name]} and {path} would both be written to {name}.json; "
                 "rename one, or run them into different folders."
             )
-        seen[path.stem] = path
-    for path in files:
-        many = seen.get(whole_stem(path.stem))
+        seen[name] = path
+    for name, path in seen.items():
+        many = seen.get(whole_stem(name))
         if many is not None and many != path and holds_several(many):
             raise BadInputError(
                 f"{path} is named as a frame or page of {many} is, and both would be written to "
-                f"{path.stem}.json; rename one, or run them into different folders."
+                f"{name}.json; rename one, or run them into different folders."
             )
 
 
@@ -199,7 +229,7 @@ def _keep_photographs(sources: Sequence[Path], output: Path) -> None:
     files = list(_files(sources))
     photographs = {path.resolve() for path in files}
     for path in files:
-        overlay = output / f"{path.stem}_curve.png"
+        overlay = output / f"{picture_name(path)}_curve.png"
         if overlay.resolve() in photographs:
             raise BadInputError(
                 f"the overlay of {path} would be written over {overlay}; choose another folder "
@@ -259,34 +289,80 @@ def _check_sheet(sheet: Path, files: list[Path], options: BatchOptions) -> None:
 
 
 def _curves_of(
-    path: Path, options: BatchOptions, decided: Mapping[str, PictureDecision]
+    path: Path,
+    options: BatchOptions,
+    decided: Mapping[str, PictureDecision],
+    kept: KeptCurves | None,
 ) -> Iterator[PictureCurve]:
     try:
         known = _known(path, options)
         finders = {
-            name: _finder(optics, strip, options.find, follow=is_video(path))
+            name: _Finder(optics, strip, options.find, follow=is_video(path))
             for name, (optics, strip) in known.items()
         }
+        refused = {name: one for name, one in decided.items() if one.decision == "refused"}
+        digest = _digest(path, known, options, refused) if kept is not None else ""
+        notes = ColourNotes()
         for picture in pictures_in(path, options.every):
-            decision = decided.get(picture.label.name)
-            for name, find in finders.items():
-                if decision is not None and decision.decision == "refused":
+            decision = refused.get(picture.label.name)
+            for name, finder in finders.items():
+                label = picture.label.of_strip(name)
+                measured = "" if decision is not None or picture.image is None else digest
+                before = kept.curve(label.file_stem, measured) if kept is not None else None
+                if decision is not None:
                     curve = NeutralCurve(ok=False, why=decision.why_refused)
+                elif before is not None:
+                    curve = finder.taken(before)
                 else:
-                    curve = _found(picture, find)
-                yield picture.label.of_strip(name), picture.image, curve
+                    curve = _found(picture, finder.curve)
+                # of the images of one file it is told once
+                told = curve if picture.label.frame is None else notes.once(curve)
+                yield label, picture.image, told
+                if kept is not None:
+                    kept.keep(label.file_stem, curve, measured)
     except BadInputError as error:
-        yield whole_file(path), None, NeutralCurve(ok=False, why=str(error))
+        label = whole_file(path)
+        if kept is not None:
+            kept.curve(label.file_stem, "")
+        yield label, None, NeutralCurve(ok=False, why=str(error))
 
 
-def _finder(optics: Optics, strip: StripGeometry, find: FindCurve, *, follow: bool) -> Find:
-    """Return what finds the curve of one picture; with `follow` from that of the one before."""
-    if optics.constraints.objections:
-        find = heeding(find)
-    if follow:
-        tracker = Tracker(optics, strip, find)
-        return lambda image: tracker.curve(in_levels(image, optics))
-    return lambda image: find(in_levels(image, optics), optics, strip)
+def _digest(
+    path: Path,
+    known: Mapping[str, tuple[Optics, StripGeometry]],
+    options: BatchOptions,
+    refused: Mapping[str, PictureDecision],
+) -> str:
+    """Return what stands for all that makes the curves and overlays of a file; empty: unknown."""
+    facts = {name for optics, _ in known.values() for name in optics.facts}
+    own = options.is_built_in or options.find is neutral_curve
+    if not own or origins() or any(map(origin_of, facts)):
+        return ""  # what the code of other distributions does is not known
+    # a frame that is refused by hand is not followed to the next one
+    left_out = sorted(refused) if is_video(path) else []
+    return digest_of(path, known, picture_name(path), options.every, options.overlays, left_out)
+
+
+class _Finder:
+    """Finds the curves of one strip; with `follow` each from that of the picture before."""
+
+    def __init__(
+        self, optics: Optics, strip: StripGeometry, find: FindCurve, *, follow: bool
+    ) -> None:
+        self._optics, self._strip = optics, strip
+        self._find = heeding(find) if optics.constraints.objections else find
+        self._tracker = Tracker(optics, strip, self._find) if follow else None
+
+    def curve(self, image: Pixels) -> NeutralCurve:
+        """Return the curve of the next picture."""
+        image = in_levels(image, self._optics)
+        if self._tracker is not None:
+            return self._tracker.curve(image)
+        return self._find(image, self._optics, self._strip)
+
+    def taken(self, curve: NeutralCurve) -> NeutralCurve:
+        """Return the curve of the next picture, which is known."""
+        return curve if self._tracker is None else self._tracker.taken(curve)
 
 
 def _found(picture: Picture, find: Find) -> NeutralCurve:

@@ -97,7 +97,12 @@ def curves(
     NAME.png takes NAME.optics.json and NAME.sheet.toml from beside it when they are there, else
     what --optics and --sheet name. An image without a curve is no error: its reason is printed,
     and it has a row in the tables. Photographs are turned as their EXIF states. Each page of a
-    TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image.
+    TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image. With
+    NAME.jpg in the same folder NAME.png goes by its whole name.
+
+    A --batch that was stopped continues with the same command: an image with a result in -o is
+    measured again only where its file, optics, sheet, options or labrig have changed. To measure
+    all again, give another folder or remove `resume` in it.
 
     With --to-end the length is measured. A thickness that sheet.toml does not state, and a
     direction that optics.json does not state, are measured as well; a clamp within 20 pixels is
@@ -124,12 +129,14 @@ def curves(
     from labrig.vision.calibration.optics import ColourChannel
 
     name = extractor or BUILT_IN
+    chosen = chosen_extractor(name)
     options = BatchOptions(
         optics=optics,
         sheet=sheet,
         configuration=configuration,
         look=None if look is None else SheetAppearance(look),
-        find=chosen_extractor(name).curve,
+        find=chosen.curve,
+        is_built_in=chosen.is_built_in,
         strips=strips_of(strip),
         facts=stated_facts(facts),
         channel=None if channel is None else ColourChannel(channel),
@@ -296,7 +303,8 @@ def _batch(
         warn(f"{count}: {name}: {_summary(curve)}")
 
     result = extract_curves([folder], output, options, progress=progress)
-    say(f"{len(result.curves)} images, {len(result.failed)} without a curve; wrote {output}")
+    kept = f", {result.kept} as measured before" if result.kept else ""
+    say(f"{len(result.curves)} images, {len(result.failed)} without a curve{kept}; wrote {output}")
 
 
 COMMAND = Command(

@@ -28,16 +28,11 @@ from labrig.vision.facts.contract import FactOf, FactShape
 from labrig.vision.facts.stated import Facts
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
 from labrig.vision.image.files import load_strip
-from labrig.vision.image.reading import (
-    Pixels,
-    files_in,
-    is_video,
-    labels_in,
-    pictures_in,
-    whole_file,
-)
+from labrig.vision.image.names import files_in, is_video
+from labrig.vision.image.reading import Pixels, labels_in, pictures_in, whole_file
 from labrig.vision.image.review import PictureDecision, load_review, save_review
 from labrig.vision.image.tables import write_points, write_summary
+from labrig.vision.image.unused import unused_corrections
 
 Choice = Literal["accepted", "refused", "none"]
 RESULTS = "curves"  # folder of the tables
@@ -53,6 +48,7 @@ class PhotographFolder:
         self._wake = threading.Condition(self._lock)
         self._photographs = {one.name: one for one in _listed(folder)}
         self._decided = load_review(folder)
+        self._unused = unused_corrections(folder)
         self.videos = sum(is_video(path) for path in folder.iterdir())
         self._revision = 0
         self._queue: deque[Path] = deque(
@@ -61,7 +57,7 @@ class PhotographFolder:
         self._busy: Path | None = None  # what is measured now
         self._states: dict[Path, FileState] = {}  # of the files when they were measured
         self._looked_at = file_state(folder)
-        self._files = {*files_in(folder, videos=False)}  # also of one name, of which one is shown
+        self._files = {*files_in(folder, videos=False)}
         self._arriving: dict[Path, FileState] = {}  # files that came since, at the look before
         self._closed = False
         self.thread = threading.Thread(target=self._work, name="photographs", daemon=True)
@@ -90,6 +86,7 @@ class PhotographFolder:
                 "total": len(every),
                 "waiting": sum(one.path in waiting for one in every),
                 "videos": self.videos,
+                "unused": self._unused,
                 "photographs": [one.message() for one in every if one.revision >= since],
             }
 
@@ -119,7 +116,7 @@ class PhotographFolder:
         """Return its image. Raises BadInputError, MissingError."""
         one = self._named(name)
         for picture in pictures_in(one.path):
-            if picture.label.name == name:
+            if picture.label.frame == one.label.frame:
                 if picture.image is None:
                     raise BadInputError(picture.why)
                 return picture.image
@@ -216,6 +213,8 @@ class PhotographFolder:
         changed = file_state(self.folder)
         if changed is None or (changed == self._looked_at and not self._arriving):
             return
+        with suppress(BadInputError):  # curves_review.json is written by others now
+            self._unused = unused_corrections(self.folder)
         before, now = self._arriving, files_in(self.folder, videos=False)
         new = [path for path in now if path not in self._files]
         self._looked_at, self._arriving = changed, {path: file_state(path) for path in new}
@@ -289,12 +288,12 @@ class PhotographFolder:
             if one.path != path:
                 continue
             one.own = own
-            image = measured.images.get(one.name)
+            image = measured.images.get(one.label.frame)
             if image is None:
                 one.state, one.why = "unreadable", measured.why or f"{path}: cannot be read."
                 one.curves = []
-            elif one.name in measured.curves:
-                one.show(image, measured.curves[one.name])
+            elif one.label.frame in measured.curves:
+                one.show(image, measured.curves[one.label.frame])
             else:
                 one.size, one.curves = (image.shape[1], image.shape[0]), []
                 one.state, one.why = "new", _what_is_missing(path) or measured.why

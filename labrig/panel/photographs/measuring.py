@@ -24,8 +24,8 @@ class Measured:
     """What came of one file."""
 
     def __init__(self) -> None:
-        self.images: dict[str, Pixels] = {}
-        self.curves: dict[str, Found] = {}
+        self.images: dict[int | None, Pixels] = {}  # by the page of a TIFF, as in `PictureLabel`
+        self.curves: dict[int | None, Found] = {}
         self.why = ""
 
 
@@ -36,10 +36,9 @@ def measured_file(path: Path) -> Measured:
     out = Measured()
     try:
         for label, image, curve in curves_of([path], BatchOptions()):
-            whole = label.name.removesuffix(f":{label.strip}") if label.strip else label.name
             if image is not None:
-                out.images[whole] = image
-                out.curves.setdefault(whole, []).append((label.strip, curve))
+                out.images[label.frame] = image
+                out.curves.setdefault(label.frame, []).append((label.strip, curve))
             else:
                 out.why = curve.why
     except LabrigError as error:
@@ -50,7 +49,7 @@ def measured_file(path: Path) -> Measured:
         try:
             for picture in pictures_in(path):
                 if picture.image is not None:
-                    out.images[picture.label.name] = picture.image
+                    out.images[picture.label.frame] = picture.image
         except BadInputError as error:
             out.why = str(error)
     return out

@@ -22,6 +22,7 @@ from labrig.vision.extraction.second_size import outline_curve
 from labrig.vision.fit.context import roll_mask
 from labrig.vision.fit.curve_fit import fit_intensities
 from labrig.vision.fit.thickness import visible_thickness_m
+from labrig.vision.image.colour_notes import DIFFERENCES_USED, GREY_USED
 from labrig.vision.image.downscaling import (
     downscaled_image,
     downscaled_optics,
@@ -215,8 +216,7 @@ def _by_edges(
                 images.append(read_grey_image(image, chosen))
             except ImageError:  # such as a uniform one: no edge shows in it
                 continue
-        note = "the image is in colour; its grey values and differences of colours were used"
-        images[0] = replace(grey_image, warnings=(note,))
+        images[0] = replace(grey_image, warnings=(DIFFERENCES_USED,))
     return outline_curve(
         images, optics, strip, start=start if start is not None and start.ok else None
     )
@@ -253,7 +253,9 @@ def _finer(
     if _aside_px(finer, found) > max(1.0, 0.25 * found.thickness_m * ppm):
         return found
     said = tuple(text for text in found.warnings if text not in finer.warnings)
-    return replace(finer, warnings=finer.warnings + said)
+    # the grey values that it used are named by that, too
+    own = tuple(t for t in finer.warnings if t != GREY_USED or DIFFERENCES_USED not in said)
+    return replace(finer, warnings=own + said)
 
 
 def _by_intensities(

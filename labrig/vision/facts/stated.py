@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import partial
@@ -166,32 +167,32 @@ def _constraints(fact: StripFact, value: Any) -> SearchConstraints:
 
 def _objection(fact: StripFact, objects: Callable[[FloatArray], str], points_px: FloatArray) -> str:
     """Return why a curve cannot be the strip. Raises BadInputError where the fact cannot say it."""
-    try:
+    what, then = "was not compared with the curve:", f"; mend it, or leave {fact.option.flag} out"
+    with _blaming(fact, fact.name, what, then):
         return objection(objects, points_px)
-    except (Exception, SystemExit) as error:
-        origin = origin_of(fact.name)
-        if not origin:  # a fault of ours is none of the user's
-            raise
-        raise BadInputError(
-            f"{fact.name}: the strip fact '{fact.name}'{origin} was not compared with the curve: "
-            f"{type(error).__name__}: {str(error).rstrip('.')}; mend it, or leave "
-            f"{fact.option.flag} out."
-        ) from None
 
 
 def _of_fact(fact: StripFact, where: str, ask: Callable[[], T]) -> T:
     """Return what a fact answers. Raises BadInputError, also for what other people's raises."""
+    with _blaming(fact, where, "failed with"):
+        try:
+            return ask()
+        except ValueError as error:
+            raise BadInputError(f"{where}: {str(error).rstrip('.')}.") from None
+
+
+@contextmanager
+def _blaming(fact: StripFact, where: str, what: str, then: str = "") -> Iterator[None]:
+    """Turn what other people's fact raises into a sentence that names it."""
     try:
-        return ask()
+        yield
     except LabrigError:
         raise
-    except ValueError as error:
-        raise BadInputError(f"{where}: {str(error).rstrip('.')}.") from None
     except (Exception, SystemExit) as error:
         origin = origin_of(fact.name)
         if not origin:  # a fault of ours is none of the user's
             raise
+        said = f"{type(error).__name__}: {str(error).rstrip('.')}"
         raise BadInputError(
-            f"{where}: the strip fact '{fact.name}'{origin} failed with "
-            f"{type(error).__name__}: {error}."
+            f"{where}: the strip fact '{fact.name}'{origin} {what} {said}{then}."
         ) from None

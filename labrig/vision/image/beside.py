@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from labrig.vision.image.names import picture_name
+
 OPTICS_FILE = "optics.json"
 SHEET_FILE = "sheet.toml"
 
@@ -17,15 +19,20 @@ _INSTEAD = {
 
 def beside(path: Path, kind: str, given: Path | None) -> Path | None:
     """Return the file of a kind that an image uses; None where there is none."""
-    for candidate in (own_file(path, kind), given, path.with_name(kind)):
+    of_its_name = path.with_name(f"{path.stem}.{kind}")
+    for candidate in (own_file(path, kind), of_its_name, given, path.with_name(kind)):
         if candidate is not None and (candidate.exists() or candidate is given):
             return candidate
     return None
 
 
 def own_file(path: Path, kind: str) -> Path:
-    """Return where a file of this image alone would be: NAME.optics.json beside NAME.png."""
-    return path.with_name(f"{path.stem}.{kind}")
+    """Return where a file of this image alone is or would be: NAME.optics.json beside NAME.png.
+
+    With NAME.jpg beside that it is NAME.png.optics.json; NAME.optics.json then serves both.
+    """
+    whole = path.with_name(f"{path.name}.{kind}")
+    return whole if whole.exists() else path.with_name(f"{picture_name(path)}.{kind}")
 
 
 def missing(path: Path, kind: str) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.vision.calibration.optics import ColourChannel, Optics
+from labrig.vision.image.colour_notes import GREY_USED
 from labrig.vision.thresholds import (
     IMAGE_SIDE_MIN_PX,
     LEVEL_RANGE_MAX_SIGMAS,
@@ -157,7 +158,7 @@ def _of_channel(image: npt.NDArray[Any], channel: ColourChannel) -> tuple[MapArr
     weights = np.array(_CHANNEL_WEIGHTS[channel], np.float32)
     values = image[:, :, :3].astype(np.float32) @ weights
     if channel in (ColourChannel.AUTO, ColourChannel.GREY):
-        return np.ascontiguousarray(values), ["the image is in colour; its grey values were used"]
+        return np.ascontiguousarray(values), [GREY_USED]
     if weights.sum() == 0:  # a difference may be negative: half of it, around the middle
         top = float(np.iinfo(image.dtype).max) if image.dtype.kind == "u" else 0.0
         values = 0.5 * (values + top)

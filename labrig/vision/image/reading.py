@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import re
 import struct
 import warnings
 from collections.abc import Iterator
@@ -16,12 +15,9 @@ import numpy.typing as npt
 
 from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
 from labrig.errors import BadInputError
-from labrig.vision.calibration.drawing import is_drawing
+from labrig.vision.image.library_messages import without_lines_of_libraries
+from labrig.vision.image.names import TIFF_SUFFIXES, is_video, picture_name
 
-IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
-TIFF_SUFFIXES = (".tif", ".tiff")
-HEIC_SUFFIXES = (".heic", ".heif")  # of many telephones; refused with a reason
-VIDEO_SUFFIXES = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg", ".gif")
 _HEIC = frozenset(b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"mif1", b"msf1"))
 
 Pixels = npt.NDArray[Any]
@@ -29,7 +25,10 @@ Pixels = npt.NDArray[Any]
 
 @dataclass(frozen=True, kw_only=True)
 class PictureLabel:
-    """What a picture is called: FILE, FILE:PAGE or FILE_FRAME; with several strips also :STRIP."""
+    """What a picture is called: FILE, FILE:PAGE or FILE_FRAME; with several strips also :STRIP.
+
+    FILE is as `picture_name` returns it.
+    """
 
     name: str
     file_stem: str  # of the files that are written for it
@@ -56,35 +55,8 @@ class Picture:
 
 def whole_file(path: Path) -> PictureLabel:
     """Return the label of a file with one picture, or with none that can be read."""
-    return PictureLabel(name=path.stem, file_stem=path.stem)
-
-
-def is_video(path: Path) -> bool:
-    """Return whether a file is read as a video."""
-    return path.suffix.lower() in VIDEO_SUFFIXES
-
-
-def files_in(folder: Path, *, videos: bool) -> list[Path]:
-    """Return the images, and videos, of a folder; HEIC ones that are not there in another form.
-
-    What labrig drew itself is left out.
-    """
-    suffixes = IMAGE_SUFFIXES + (VIDEO_SUFFIXES if videos else ())
-    every = sorted(path for path in folder.iterdir() if path.is_file() and not is_drawing(path))
-    known = [path for path in every if path.suffix.lower() in suffixes]
-    stems = {path.stem for path in known}
-    heic = [p for p in every if p.suffix.lower() in HEIC_SUFFIXES and p.stem not in stems]
-    return sorted(known + heic)
-
-
-def holds_several(path: Path) -> bool:
-    """Return whether a file is of a kind that may hold several pictures."""
-    return path.suffix.lower() in (*VIDEO_SUFFIXES, *TIFF_SUFFIXES)
-
-
-def whole_stem(file_stem: str) -> str:
-    """Return the stem of the file that a frame or page of such a name belongs to."""
-    return re.sub(r"_(\d{6,}|page\d{4,})$", "", file_stem)
+    name = picture_name(path)
+    return PictureLabel(name=name, file_stem=name)
 
 
 def labels_in(path: Path) -> list[PictureLabel]:
@@ -101,9 +73,8 @@ def labels_in(path: Path) -> list[PictureLabel]:
 
 
 def _page_label(path: Path, page: int) -> PictureLabel:
-    return PictureLabel(
-        name=f"{path.stem}:{page}", file_stem=f"{path.stem}_page{page:04d}", frame=page
-    )
+    name = picture_name(path)
+    return PictureLabel(name=f"{name}:{page}", file_stem=f"{name}_page{page:04d}", frame=page)
 
 
 def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
@@ -166,9 +137,10 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
     # what is wrong with a file is said below, in a sentence
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
-        image = cv2.imdecode(data, _flags()) if data.size else None
-        if image is not None and _may_be_transparent(data):
-            image = _on_white(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED)), image)
+        with without_lines_of_libraries():
+            image = cv2.imdecode(data, _flags()) if data.size else None
+            if image is not None and _may_be_transparent(data):
+                image = _on_white(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED)), image)
     except cv2.error:  # such as a header that states more pixels than OpenCV takes
         image = None
     if image is None:
@@ -247,8 +219,9 @@ def _tiff_directories(data: npt.NDArray[np.uint8]) -> list[bytes]:
 def _frames(path: Path, every: int) -> Iterator[Picture]:
     import cv2
 
-    video = cv2.VideoCapture(str(path))
-    number, last_s = 0, -1.0
+    with without_lines_of_libraries():
+        video = cv2.VideoCapture(str(path))
+    name, number, last_s = picture_name(path), 0, -1.0
     try:
         if not video.isOpened():
             raise BadInputError(f"{path}: not a video that OpenCV can open.")
@@ -260,8 +233,8 @@ def _frames(path: Path, every: int) -> Iterator[Picture]:
                 if not good:
                     break
                 label = PictureLabel(
-                    name=f"{path.stem}_{number:06d}",
-                    file_stem=f"{path.stem}_{number:06d}",
+                    name=f"{name}_{number:06d}",
+                    file_stem=f"{name}_{number:06d}",
                     frame=number,
                     # a stream without time stamps gives 0 for each frame
                     time_s=round(time_s, 6) if time_s > last_s else None,

@@ -25,7 +25,10 @@ class Tracker:
 
     def curve(self, image: npt.NDArray[Any]) -> NeutralCurve:
         """Return the curve in the next image. An image without one does not end the tracking."""
-        found = self.find(image, self.optics, self.strip, start=self.last)
+        return self.taken(self.find(image, self.optics, self.strip, start=self.last))
+
+    def taken(self, found: NeutralCurve) -> NeutralCurve:
+        """Return the curve of the next image, which is known, and follow it."""
         if found.ok:
             self.last = found
         return found

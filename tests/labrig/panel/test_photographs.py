@@ -353,3 +353,41 @@ def test_sentences_name_the_tools_of_the_page_and_the_strips():
         message["why"], "it is dark; check Direction.",
     ]  # fmt: skip
     assert one.rows()[0][1].why == why  # a table is for the command's users, too
+
+
+def test_photographs_of_one_name_are_both_shown_and_each_keeps_its_clicks(tmp_path):
+    for name in ("same.png", "same.bmp"):
+        cv2.imwrite(str(tmp_path / name), BENT_UP.image)
+    opened = PhotographFolder(tmp_path)
+    assert list(measured(opened)) == ["same.bmp", "same.png"]
+    opened.set_known("same.bmp", clicked(), for_all=True)
+    only = Clicked(strips={"": PLACE}, facts={"mask_px": (((1.0, 1.0), (9.0, 1.0), (9.0, 9.0)),)})
+    done = opened.set_known("same.png", only, for_all=False)
+    assert done["written"] == ["same.png.optics.json"]
+    shown = measured(opened)
+    assert [(one["state"], one["own"]) for one in shown.values()] == [
+        ("found", False),
+        ("found", True),
+    ]
+    opened.close()
+
+
+def test_a_photograph_keeps_its_place_when_another_of_its_name_comes(tmp_path):
+    cv2.imwrite(str(tmp_path / "same.png"), BENT_UP.image)
+    opened = PhotographFolder(tmp_path)
+    measured(opened)
+    cv2.imwrite(str(tmp_path / "same.bmp"), BENT_UP.image)
+    opened.listing(0)
+    assert list(measured(opened)) == ["same", "same.bmp"]
+    opened.set_known("same", clicked(), for_all=True)
+    assert [one["state"] for one in measured(opened).values()] == ["found", "found"]
+    opened.close()
+
+
+def test_a_correction_of_a_photograph_that_was_renamed_is_told(photographs):
+    photographs.set_known("a", clicked(), for_all=False)
+    measured(photographs)
+    assert photographs.listing(0)["unused"] == ""
+    (photographs.folder / "a.png").rename(photographs.folder / "c.png")
+    said = photographs.listing(0)["unused"]
+    assert "a.optics.json and a.sheet.toml belong to no image there and are not used" in said

@@ -108,10 +108,11 @@ def test_what_is_missing_is_said(tmp_path, plain, scenes):
 
 
 def test_two_images_never_write_one_file(tmp_path, plain, scenes):
-    scenes.save(plain, tmp_path, "a")
-    cv2.imwrite(str(tmp_path / "a.bmp"), plain.image)
+    for folder in (tmp_path / "monday", tmp_path / "tuesday"):
+        folder.mkdir()
+        scenes.save(plain, folder, "a")
     with pytest.raises(BadInputError, match=r"both be written to a\.json"):
-        extract_curves([tmp_path], tmp_path / "out")
+        extract_curves([tmp_path / "monday", tmp_path / "tuesday"], tmp_path / "out")
 
 
 def test_a_sheet_file_may_be_small_or_whole(tmp_path):
@@ -172,3 +173,39 @@ def test_a_fault_in_what_serves_all_images_is_found_before_the_first(folder):
     with pytest.raises(BadInputError, match="free_length_mm"):
         extract_curves([folder], folder / "out")
     assert not (folder / "out").exists()
+
+
+def saved_stack(path, images, plain):
+    cv2.imwritemulti(str(path), images)
+    path.with_suffix(".optics.json").write_text(json.dumps(plain.optics))
+    path.with_suffix(".sheet.toml").write_text("free_length_mm = 50\nthickness_mm = 0.21\n")
+
+
+def tinted(image):
+    return np.dstack([image // 2, image, image])
+
+
+@pytest.mark.slow
+def test_that_a_file_of_several_images_is_in_colour_is_told_once(tmp_path, plain):
+    grey = np.dstack([plain.image] * 3)
+    dark = np.zeros_like(grey)
+    dark[..., 0] = 9  # refused, which is no place for a note
+    images = [dark, grey, tinted(plain.image), tinted(plain.image)]
+    saved_stack(tmp_path / "film.tif", images, plain)
+    result = extract_curves([tmp_path], tmp_path / "out", BatchOptions(overlays=False))
+    assert [curve.ok for curve in result.curves.values()] == [False, True, True, True]
+    assert [curve.warnings for curve in result.curves.values()][1:] == [
+        (),
+        ("images of this file are in colour; their grey values were used",),
+        (),
+    ]
+
+
+@pytest.mark.slow
+def test_of_the_colours_of_one_image_one_thing_is_told(tmp_path, plain, scenes):
+    scenes.save(plain, tmp_path, "a")
+    cv2.imwrite(str(tmp_path / "a.png"), tinted(plain.image))
+    (tmp_path / "a.sheet.toml").write_text("free_length_mm = 50\n")
+    result = extract_curves([tmp_path], tmp_path / "out", BatchOptions(overlays=False))
+    told = [text for text in result.curves["a"].warnings if "in colour" in text]
+    assert told == ["the image is in colour; its grey values and differences of colours were used"]

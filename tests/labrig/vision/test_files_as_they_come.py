@@ -3,7 +3,10 @@
 import csv
 import json
 import math
+import os
 import struct
+import subprocess
+import sys
 from dataclasses import replace
 
 import cv2
@@ -23,6 +26,8 @@ from labrig.vision import (
     read_image,
 )
 from labrig.vision.batch import curves_of
+from labrig.vision.calibration.drawing import write_drawing
+from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.reading import PictureLabel, pictures_in
 from labrig.vision.image.tables import (
     mean_curvature_per_m,
@@ -30,6 +35,7 @@ from labrig.vision.image.tables import (
     write_points,
     write_summary,
 )
+from tests.cases import few
 
 IMAGE_WIDTH = 256  # TIFF: the tag of the number of columns
 SIDEWAYS = 6  # EXIF: to be turned clockwise by a quarter
@@ -489,3 +495,93 @@ def test_of_an_image_that_was_cut_short_there_is_our_sentence_alone(tmp_path, ca
     with pytest.raises(BadInputError, match="not an image, or damaged"):
         read_image(tmp_path / "cut.png")
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize("damage", few(["data", "end"]))
+def test_of_a_damaged_png_there_is_our_sentence_alone(tmp_path, capfd, damage):
+    whole = bytearray(cv2.imencode(".png", marked())[1].tobytes())
+    if damage == "data":
+        whole[len(whole) // 2] ^= 255
+    (tmp_path / "bad.png").write_bytes(whole if damage == "data" else whole[:-12])
+    with pytest.raises(BadInputError, match="not an image, or damaged"):
+        read_image(tmp_path / "bad.png")
+    assert capfd.readouterr().err == ""
+
+
+@pytest.mark.slow
+def test_of_a_file_that_is_no_film_there_is_our_sentence_alone(folder):
+    (folder / "no.mp4").write_bytes(b"no film")
+    # the tests' own setting makes FFmpeg silent
+    told = {key: value for key, value in os.environ.items() if key != "OPENCV_FFMPEG_LOGLEVEL"}
+    asked = [sys.executable, "-m", "labrig", "curves", "no.mp4"]
+    done = subprocess.run(asked, cwd=folder, env=told, capture_output=True, text=True, check=True)
+    assert done.stdout == "no: no curve: no.mp4: not a video that OpenCV can open.\n"
+    assert done.stderr == ""
+
+
+def test_what_others_write_while_libraries_decode_is_kept(capfd):
+    with without_lines_of_libraries():
+        os.write(2, b"libpng error: IDAT: CRC error\na line of the log\nlibpng warning: iCCP\n")
+    assert capfd.readouterr().err == "a line of the log\n"
+
+
+def test_images_and_a_film_of_one_name_are_measured_and_named_by_their_whole_names(folder, capsys):
+    for name in ("same.png", "same.jpg", "other.bmp"):
+        cv2.imwrite(str(folder / name), marked() + 30)
+    film(folder / "same.y4m", frames=2)
+    cv2.imwritemulti(str(folder / "same.tif"), [marked() + 30] * 2)
+    out = folder / "out"
+    extract_curves([folder], out, BatchOptions(find=answer))
+    stems = ["other", "same.jpg", "same.png", "same.tif_page0001", "same.tif_page0002"]
+    stems += ["same.y4m_000000", "same.y4m_000001"]
+    assert sorted(path.stem for path in out.glob("*.json")) == stems
+    assert sorted(path.name for path in out.glob("*.png")) == [f"{n}_curve.png" for n in stems]
+    names = ["other", "same.jpg", "same.png", "same.tif:1", "same.tif:2"]
+    assert [row["image"] for row in table(out / "summary.csv")] == [*names, *stems[5:]]
+    (folder / "curves_review.json").write_text(
+        '{"pictures": {"same.png": {"decision": "refused", "note": "blurred"}}}'
+    )
+    assert run(["curves", str(folder / "same.png")]) == 0  # also where it is measured alone
+    assert capsys.readouterr().out.startswith("same.png: no curve: refused by hand")
+
+
+def test_of_images_of_one_name_each_has_a_file_of_its_own_or_both_have_one(folder):
+    scales = []
+
+    def find(image, optics, strip, *, start=None):
+        scales.append(optics.px_per_mm)
+        return arc()
+
+    for name in ("same.png", "same.jpg"):
+        cv2.imwrite(str(folder / name), marked() + 30)
+    (folder / "same.optics.json").write_text('{"px_per_mm": 3, "clamp_px": [5, 5]}')
+    (folder / "same.png.optics.json").write_text('{"px_per_mm": 4, "clamp_px": [5, 5]}')
+    extract_curves([folder], folder / "out", BatchOptions(find=find))
+    assert scales == [3, 4]  # of same.jpg, then of same.png
+
+
+def test_a_drawing_of_labrig_is_no_second_image_of_a_name(folder):
+    cv2.imwrite(str(folder / "strip.jpg"), marked() + 30)
+    write_drawing(folder / "strip.png", marked())
+    found = extract_curves([folder], folder / "out", BatchOptions(find=answer))
+    assert list(found.curves) == ["strip"]
+
+
+def test_corrections_that_belong_to_no_image_of_a_folder_are_named(folder, capsys):
+    cv2.imwrite(str(folder / "new.png"), marked() + 30)
+    cv2.imwritemulti(str(folder / "stack.tif"), [marked() + 30] * 2)
+    film(folder / "film.y4m")
+    known = '{"px_per_mm": 8, "clamp_px": [5, 5]}'
+    for name in ("new", "new.png", "old", "camera"):
+        (folder / f"{name}.optics.json").write_text(known)
+    (folder / "old.sheet.toml").write_text("free_length_mm = 50\n")
+    decided = {name: {"decision": "accepted"} for name in ("old", "new", "stack:2", "film_000003")}
+    (folder / "curves_review.json").write_text(json.dumps({"pictures": decided}))
+    camera = ["--optics", str(folder / "camera.optics.json")]
+    assert run(["curves", "--batch", str(folder), "-o", str(folder / "out"), *camera]) == 0
+    said = [line for line in capsys.readouterr().err.splitlines() if "belong" in line]
+    assert len(said) == 1
+    assert said[0].endswith(
+        "old.optics.json, old.sheet.toml and 'old' of curves_review.json belong to no image there "
+        "and are not used; name them as the image is named."
+    )

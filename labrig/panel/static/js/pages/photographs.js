@@ -91,7 +91,7 @@ class Photographs {
       `${count((one) => one.decision === "refused")} refused by hand`];
     if (found.waiting) parts.push(`${found.waiting} still to be measured`);
     if (found.videos) parts.push(`${found.videos} videos, which labrig curves --batch measures`);
-    setText(this.said, found.total ? `${parts.join(", ")}.` : "There is no photograph in this folder.");
+    setText(this.said, found.total ? `${parts.join(", ")}. ${found.unused}` : "There is no photograph in this folder.");
     this.arrange();
     if (!this.current && this.list.size) this.open([...this.list.keys()][0]);
   }
