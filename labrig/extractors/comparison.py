@@ -16,7 +16,7 @@ import numpy.typing as npt
 from labrig.extractors.choice import ChosenExtractor
 from labrig.files import write_bytes
 from labrig.vision import BatchOptions, NeutralCurve, Optics, StripGeometry
-from labrig.vision.batch import curves_of
+from labrig.vision.batch.curves import curves_of
 from labrig.vision.image.reading import PictureLabel
 
 FloatArray = npt.NDArray[np.float64]

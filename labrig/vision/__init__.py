@@ -11,9 +11,9 @@ from labrig.lazy_imports import lazily
 from labrig.own_packages import require_own_packages
 
 if TYPE_CHECKING:
-    from labrig.vision.batch import BatchOptions as BatchOptions
-    from labrig.vision.batch import BatchResult as BatchResult
-    from labrig.vision.batch import extract_curves as extract_curves
+    from labrig.vision.batch.curves import BatchResult as BatchResult
+    from labrig.vision.batch.curves import extract_curves as extract_curves
+    from labrig.vision.batch.options import BatchOptions as BatchOptions
     from labrig.vision.calibration.board import CalibrationBoard as CalibrationBoard
     from labrig.vision.calibration.board import write_board_pdf as write_board_pdf
     from labrig.vision.calibration.camera import Calibration as Calibration
@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from labrig.vision.tracking.tracker import Tracker as Tracker
 
 _HOMES = {
-    "labrig.vision.batch": ("BatchOptions", "BatchResult", "extract_curves"),
+    "labrig.vision.batch.curves": ("BatchResult", "extract_curves"),
+    "labrig.vision.batch.options": ("BatchOptions",),
     "labrig.vision.calibration.board": ("CalibrationBoard", "write_board_pdf"),
     "labrig.vision.calibration.camera": ("Calibration", "calibrate_camera", "calibrate_ruler"),
     "labrig.vision.tracking.frame_average": (

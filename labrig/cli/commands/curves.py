@@ -242,7 +242,7 @@ class _Overlay:
 def _of_images(
     sources: list[Path], options: BatchOptions, overlay: Path | None, *, as_json: bool
 ) -> tuple[list[LabelledCurve], _Overlay | None]:
-    from labrig.vision.batch import curves_of
+    from labrig.vision.batch.curves import curves_of
     from labrig.vision.image.files import labelled_json
 
     found: list[LabelledCurve] = []

@@ -31,7 +31,8 @@ class Measured:
 
 def measured_file(path: Path) -> Measured:
     """Measure all pictures of a file; what is at fault is told in the sentence."""
-    from labrig.vision.batch import BatchOptions, curves_of  # slow to import: numba
+    from labrig.vision.batch.curves import curves_of  # slow to import: numba
+    from labrig.vision.batch.options import BatchOptions
 
     out = Measured()
     try:

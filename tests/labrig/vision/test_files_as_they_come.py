@@ -25,7 +25,7 @@ from labrig.vision import (
     neutral_curve,
     read_image,
 )
-from labrig.vision.batch import curves_of
+from labrig.vision.batch.curves import curves_of
 from labrig.vision.calibration.drawing import write_drawing
 from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.reading import PictureLabel, pictures_in

@@ -11,9 +11,9 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.vision import BatchOptions, NeutralCurve, extract_curves, neutral_curve
+from labrig.vision.batch.resuming import KeptCurves
 from labrig.vision.curve.background_lines import BackgroundLine
 from labrig.vision.image.review import REVIEW_FILE
-from labrig.vision.resuming import KeptCurves
 from tests.cases import few
 
 pytestmark = pytest.mark.slow  # images are measured
@@ -140,7 +140,7 @@ def test_with_another_option_all_is_measured_again(folder, tmp_path, option):
 
 def test_with_another_version_of_labrig_all_is_measured_again(folder, tmp_path, monkeypatch):
     batch(folder, tmp_path / "out")
-    monkeypatch.setattr("labrig.vision.resuming._labrig", lambda: "another")
+    monkeypatch.setattr("labrig.vision.batch.resuming._labrig", lambda: "another")
     assert batch(folder, tmp_path / "out")[1] == 5
 
 
@@ -154,7 +154,7 @@ def test_an_extractor_that_is_not_labrigs_own_measures_all_again(folder, tmp_pat
 
 def test_where_checks_of_others_look_at_curves_all_is_measured_again(folder, tmp_path, monkeypatch):
     batch(folder, tmp_path / "out")
-    monkeypatch.setattr("labrig.vision.batch.origins", lambda: {"check": "mylab 0.3"})
+    monkeypatch.setattr("labrig.vision.batch.curves.origins", lambda: {"check": "mylab 0.3"})
     assert batch(folder, tmp_path / "out")[1] == 5
 
 

@@ -88,7 +88,7 @@ def _labrig() -> str:
     import scipy
 
     total = hashlib.sha256(repr([m.__version__ for m in (cv2, np, numba, scipy)]).encode())
-    for path in sorted(Path(__file__).parent.rglob("*")):
+    for path in sorted(Path(__file__).parents[1].rglob("*")):
         if "__pycache__" not in path.parts and path.is_file():
             total.update(path.read_bytes())
     return total.hexdigest()
