@@ -11,13 +11,22 @@ from protocols.execution.devices import Devices
 from protocols.execution.events import Event, Warned
 from protocols.execution.output import GuardedOutput
 from protocols.execution.rules import Rules
-from protocols.execution.states import RunState
+from protocols.execution.states import FinishReason, RunState
 from protocols.execution.stop import StopRequest
 from protocols.planning.loop_timing import LoopTiming
 
 
 class Stopped(Exception):  # noqa: N818 - not an error: a request is followed
     """The session is to end; the text is the reason that was given."""
+
+    def __init__(self, why: str, finish: FinishReason = FinishReason.STOP_REQUESTED) -> None:
+        super().__init__(why)
+        self.finish = finish
+
+    @classmethod
+    def by(cls, request: StopRequest) -> Stopped:
+        """As it was asked for."""
+        return cls(request.why, request.finish)
 
 
 @dataclass(frozen=True, kw_only=True)
