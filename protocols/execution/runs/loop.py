@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from drivers.interfaces import Clock
 from protocols.execution.devices import Devices
+from protocols.execution.event_bus import SubscriberError
 from protocols.execution.events import Event, Warned
 from protocols.execution.output import GuardedOutput
 from protocols.execution.rules import Rules
@@ -47,9 +48,15 @@ class Loop:
     longest_timed_s: float = 0.0  # a run that its board may put out by itself
 
     def guarded(self, what: str, act: Callable[[], object]) -> BaseException | None:
-        """Do something while cleaning up: a failure is reported and does not stop the rest."""
+        """Do something while cleaning up: a failure is reported and does not stop the rest.
+
+        Unless it is one of a required subscriber, such as a full disk: it fails with each event,
+        and the session ends with its sentence.
+        """
         try:
             act()
+        except SubscriberError as error:
+            return error
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it is, the clean-up continues
             with suppress(Exception):
                 self.emit(Warned(self.clock.now(), f"{what}: {error or type(error).__name__}"))
