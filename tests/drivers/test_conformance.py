@@ -517,6 +517,7 @@ def test_boards_with_a_meter_keep_the_contract_of_inputs(simulated_ni):
     clock = simulated_ni.clock
     signals = MeteredInput(simulated_ni.signals(), meter_on(clock, Load()), clock)
     signals.board._inputs = signals.board._inputs[1:]  # all but the force
+    signals.board._physical = signals.board._physical[1:]
     signals.board._ranges = signals.board._ranges[1:]
     assert signal_faults(signals, clock) == []
 
