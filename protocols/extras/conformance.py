@@ -7,7 +7,12 @@ from itertools import islice
 
 from protocols.errors import ScheduleError
 from protocols.extras.contract import Extra
-from protocols.kinds.conformance import accepted_out_of_bounds, declared_faults, planned
+from protocols.kinds.conformance import (
+    accepted_out_of_bounds,
+    declared_faults,
+    planned,
+    times_in_ms,
+)
 from protocols.kinds.pulse_train import PulseTrain
 from protocols.planning.limits import structure_faults
 from protocols.planning.schedule import Purpose
@@ -40,14 +45,14 @@ def _run_faults(extra: Extra) -> Iterator[str]:
         yield "by default it adds no run to two positions"
     for run in runs:
         free = run.position_m is None
-        yield from structure_faults(
-            planned(
-                run.parts,
-                position_m=run.position_m,
-                purpose=Purpose.FREE_SHAPE if free else Purpose.MEASUREMENT,
-                move=run.move,
-            )
+        made = planned(
+            run.parts,
+            position_m=run.position_m,
+            purpose=Purpose.FREE_SHAPE if free else Purpose.MEASUREMENT,
+            move=run.move,
         )
+        yield from structure_faults(made)
+        yield from times_in_ms(made)
     if runs != list(extra.runs(PulseTrain(), (0.0, 0.01))):
         yield "its runs differ from one call to the next"
     if any(run.position_m is not None for run in extra.runs(PulseTrain(), ())):

@@ -15,11 +15,13 @@ from protocols.kinds.contract import ProtocolKind
 from protocols.kinds.fields import LARGEST_VOLTAGE_V
 from protocols.planning.builder import DECIMALS, StepsAndReadings
 from protocols.planning.encoding import run_from_dict, run_to_dict
-from protocols.planning.limits import structure_faults
+from protocols.planning.limits import structure_faults, time_under_voltage_s
 from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind
 
 _TYPES = (float, int, bool, str)
 _MAX_FAULTS = 5  # that are worth reporting at once
+# By default, in one run: ten times what a rig allows that states nothing else.
+_LONGEST_UNDER_VOLTAGE_S = 300.0
 _BEYOND = {"gt": 0.0, "ge": -1.0, "lt": 0.0, "le": 1.0}  # added to a bound, is out of bounds
 
 
@@ -129,6 +131,7 @@ def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
     if largest_V > LARGEST_VOLTAGE_V:
         yield f"by default it drives {largest_V:g} V; at most {LARGEST_VOLTAGE_V:g} V are allowed"
         return
+    yield from times_in_ms(run)
     if run_from_dict(json.loads(json.dumps(run_to_dict(run)))) != run:
         yield "its run is another one after it was written as JSON and read again"
     if protocol.steps_and_readings() != (steps, readings, duration_s):
@@ -140,6 +143,13 @@ def _run_faults(protocol: ProtocolKind) -> Iterator[str]:
     ):
         yield 'scaled(0.5) does not halve its voltages; state the unit "V" of each of them'
     protocol.pulses().steps_and_readings()
+
+
+def times_in_ms(run: PlannedRun) -> Iterator[str]:
+    """Yield that a run is so long under voltage that its times are probably not in seconds."""
+    under_s = time_under_voltage_s(run) if run.steps else 0.0
+    if under_s > _LONGEST_UNDER_VOLTAGE_S:
+        yield f"by default a run is {under_s:g} s under voltage: are its times in ms, not in s?"
 
 
 def accepted_out_of_bounds(protocol: Any) -> Iterator[str]:
