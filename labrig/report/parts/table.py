@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-from model.measurements import in_digits
-
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
@@ -24,6 +22,8 @@ def number(value: float | None, digits: int = 3) -> str:
     """Return a number to so many significant digits; a dash for what is not known."""
     if value is None or value != value:
         return "-"
+    from model.measurements import in_digits  # which imports NumPy
+
     return in_digits(value, digits)
 
 
