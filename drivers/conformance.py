@@ -24,6 +24,12 @@ from drivers.interfaces import (
 T = TypeVar("T")
 IDENTITY_S = 1.0
 PROMPT_S = 0.3  # a call that must not wait may take so long: the computer is busy at times
+CALLING = "a call that is tried out"  # the name of its thread
+BLOCKED_S = 5.0  # a call that takes so much longer than it may is not waited for any more
+
+
+class _BlockedError(Exception):
+    """A call has not returned; the text says which."""
 
 
 class Checks:
@@ -44,7 +50,7 @@ class Checks:
         ]
 
     def is_silent(self) -> bool:
-        """Whether a call ended with a time-out: each further one would wait as long for nothing."""
+        """Whether a call hung or ended with a time-out: each further one would wait as long."""
         return self._silent
 
     def note(self, sentence: str) -> None:
@@ -67,7 +73,10 @@ class Checks:
         began_s = self.clock.now()
         self.answered = False
         try:
-            result = act()
+            result = self._returned(name, act, within_s)
+        except _BlockedError as error:
+            self._block(error)
+            return None
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the finding
             self._raised(f"{name} raised {_described(error)}", error)
             return None
@@ -85,7 +94,10 @@ class Checks:
         """Require that the call raises this error, or one derived from it."""
         began_s = self.clock.now()
         try:
-            act()
+            self._returned(name, act, within_s)
+        except _BlockedError as error:
+            self._block(error)
+            return
         except wanted as error:
             self.require(str(error), f"{name} raised {type(error).__name__} without a sentence")
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the finding
@@ -113,6 +125,28 @@ class Checks:
     def wait(self, seconds: float) -> None:
         """Let time pass."""
         self.clock.sleep_until(self.clock.now() + seconds)
+
+    def _returned(self, name: str, act: Callable[[], T], within_s: float) -> T:
+        """Return what the call returns, from a thread that is left behind when it hangs."""
+        results: list[T] = []
+        raised: list[BaseException] = []
+
+        def work() -> None:
+            try:
+                results.append(act())
+            except BaseException as error:  # noqa: BLE001 - raised again, where it is waited for
+                raised.append(error)
+
+        limit_s = within_s + BLOCKED_S
+        if not self.clock.start_thread(work, CALLING).join(limit_s):
+            raise _BlockedError(f"{name} has not returned in {limit_s:g} s: it blocks")
+        if raised:
+            raise raised[0]
+        return results[0]
+
+    def _block(self, error: _BlockedError) -> None:
+        self.note(str(error))
+        self._silent = True
 
     def _raised(self, sentence: str, error: BaseException) -> None:
         self.note(sentence)

@@ -49,12 +49,13 @@ class ArgumentWarning(LabrigWarning):
 def warn_caller(warning: Warning) -> None:
     """Warn at the line of the code that called labrig: one of labrig's own says nothing to it."""
     frame, depth = sys._getframe(), 1
-    while frame.f_back is not None and _is_ours(frame.f_globals.get("__name__", "")):
+    while frame.f_back is not None and is_ours(frame.f_globals.get("__name__", "")):
         frame, depth = frame.f_back, depth + 1
     warnings.warn(warning, stacklevel=depth)
 
 
-def _is_ours(module: str) -> bool:
+def is_ours(module: str) -> bool:
+    """Whether a module is one of labrig's packages."""
     return module.partition(".")[0] in _OURS
 
 

@@ -14,6 +14,7 @@ import threading
 from collections.abc import Callable
 
 INTERRUPTED_S = 5.0  # of the real clock
+STUCK_S = 30.0  # of the real clock: no code that computes, such as a compilation, takes so long
 
 
 class _Waiter:
@@ -27,6 +28,7 @@ class _Waiter:
         self.ended = False
         self.joiners: list[tuple[_Waiter, int]] = []
         self.joins: _Waiter | None = None  # whose end it waits for, without a time-out
+        self.left_behind = False  # it has kept its turn for too long, and gets no other
 
 
 class VirtualThread:
@@ -46,7 +48,8 @@ class VirtualClock:
 
     Threads that it does not know (a gRPC server's, a library's) may ask the time; whoever of them
     waits gets a RuntimeError. A thread of the clock that waits by anything else (a queue, an event)
-    holds up all others, and for ever if it waits for one of them.
+    holds up all others, and for ever if it waits for one of them. Only a `join` with a time-out
+    ends: a thread that keeps its turn for `STUCK_S` meanwhile is left behind.
     """
 
     def __init__(self, start_s: float = 0.0) -> None:
@@ -55,7 +58,8 @@ class VirtualClock:
         self._order = itertools.count()
         self._guard = threading.Lock()  # of the heap, for a wait that Ctrl-C cuts short
         self._here = threading.local()
-        self._here.seat = _Waiter("first")
+        self._here.seat = self._holder = _Waiter("first")  # of the turn
+        self._turns = 0
 
     def now(self) -> float:
         """See `Clock.now`."""
@@ -98,7 +102,7 @@ class VirtualClock:
             seat.ended = True
             for joiner, wait in seat.joiners:
                 self._set_alarm(self._now, joiner, wait)
-            successor = self._next()
+            successor = self._next(seat)
             if successor is not None:
                 successor.turn.release()
 
@@ -112,7 +116,7 @@ class VirtualClock:
             else:
                 self._set_alarm(self._now + timeout, me, me.waits)
             try:
-                self._wait(me)
+                self._wait(me, -1.0 if timeout is None else STUCK_S)
             finally:
                 me.joins = None
         return other.ended
@@ -124,26 +128,32 @@ class VirtualClock:
                 f"the thread {threading.current_thread().name} waits by a virtual clock that has "
                 "not started it; start it with the clock's start_thread, or use the real clock"
             )
+        if seat.left_behind:
+            raise RuntimeError(f"the thread {seat.name} was left behind: it kept its turn too long")
         return seat
 
     def _set_alarm(self, when: float, seat: _Waiter, wait: int) -> None:
         with self._guard:
             heapq.heappush(self._alarms, (when, next(self._order), seat, wait))
 
-    def _next(self) -> _Waiter | None:
-        """Move time on to the next alarm and return whose it is."""
+    def _next(self, me: _Waiter) -> _Waiter | None:
+        """Move time on to the next alarm and return whose it is; `me` has the turn."""
         with self._guard:
-            while self._alarms:
+            while self._alarms and not me.left_behind:
                 when, _, seat, wait = heapq.heappop(self._alarms)
                 if wait == seat.waits:
                     seat.waits += 1
                     self._now = max(self._now, when)
+                    self._turns, self._holder = self._turns + 1, seat
                     return seat
         return None
 
-    def _wait(self, me: _Waiter) -> None:
-        """Hand the turn on; return when it is ours again."""
-        successor = self._next()
+    def _wait(self, me: _Waiter, stuck_s: float = -1.0) -> None:
+        """Hand the turn on; return when it is ours again.
+
+        It is taken from a thread that keeps it for `stuck_s` of the real clock (-1: never).
+        """
+        successor = self._next(me)
         if successor is me:
             return
         if successor is None:
@@ -153,11 +163,25 @@ class VirtualClock:
         wait = me.waits
         successor.turn.release()
         try:
-            me.turn.acquire()
+            turns = self._turns
+            while not me.turn.acquire(timeout=stuck_s):
+                if self._turns == turns and self._took_turn(me, wait):
+                    break
+                turns = self._turns
         except BaseException:  # Ctrl-C: it is not our turn, so ask for it, and then raise
             self._set_alarm(self._now, me, wait)
             me.turn.acquire(timeout=INTERRUPTED_S)  # who has the turn may keep it for ever
             raise
+
+    def _took_turn(self, me: _Waiter, wait: int) -> bool:
+        """Leave the thread behind that has the turn, unless it has handed it on to us just now."""
+        with self._guard:
+            if me.waits != wait:
+                return False
+            self._holder.left_behind = True
+            self._turns, self._holder = self._turns + 1, me
+            me.waits += 1
+            return True
 
 
 def _refuse_circle(me: _Waiter) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from functools import partial
 
 from drivers.interfaces import Clock
 from sim_hardware.camera import CameraFaults
@@ -41,6 +42,8 @@ class FaultyRig:
     boards: SimulatedBoards
     camera: CameraFaults = field(default_factory=CameraFaults)
     serial: SerialFaults = field(default_factory=SerialFaults)
+    # Those that act now. No lock: the world may call `_arm` under its own.
+    _acting: list[FaultSettings] = field(default_factory=list, init=False)
 
     def begin(self) -> None:
         """From now on the world's faults come about at their times."""
@@ -62,10 +65,10 @@ class FaultyRig:
                     FaultSpan(what=what, from_s=from_s, until_s=until_s, late_s=late_s)
                 )
                 continue
-            begin, end = self._switch(fault)
-            moments.append((from_s, begin))
+            self._switch(fault)  # raises now where the boards do not have this fault
+            moments.append((from_s, partial(self._begin, fault)))
             if fault.until_s is not None:
-                moments.append((until_s, end))
+                moments.append((until_s, partial(self._end, fault)))
         moments.sort(key=lambda moment: moment[0])
         while moments and moments[0][0] <= self.clock.now():
             moments.pop(0)[1]()
@@ -76,6 +79,19 @@ class FaultyRig:
         for when, act in moments:
             self.clock.sleep_until(when)
             act()
+
+    def _begin(self, fault: FaultSettings) -> None:
+        self._acting.append(fault)
+        self._switch(fault)[0]()
+
+    def _end(self, fault: FaultSettings) -> None:
+        """End a fault, and not what others of its kind, or of the same device, do meanwhile."""
+        self._acting.remove(fault)
+        if all(other.what != fault.what for other in self._acting):
+            self._switch(fault)[1]()
+        for other in list(self._acting):
+            if other.what != "clock_jump" and _device_of(other) == _device_of(fault):
+                self._switch(other)[0]()
 
     def _switch(self, fault: FaultSettings) -> tuple[Callable[[], None], Callable[[], None]]:
         """Return how it begins, and how it ends."""
@@ -108,6 +124,10 @@ class FaultyRig:
     def _jump(self, seconds: float) -> None:
         if isinstance(self.clock, VirtualClock):  # the computer's clock cannot be made to
             self.clock.jump(seconds)
+
+
+def _device_of(fault: FaultSettings) -> str:
+    return fault.what.partition("_")[0]
 
 
 def _nothing() -> None:

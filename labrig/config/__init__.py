@@ -5,6 +5,7 @@ from labrig.config.base import parse_json, parse_toml, read_bytes, read_text
 from labrig.config.load_cell import load_load_cell, parse_load_cell, recorded_calibration
 from labrig.config.protocol import EXTRAS, PROTOCOLS, ProtocolConfig, parse_protocol
 from labrig.config.rig import (
+    OutputConfig,
     ReplayConfig,
     RigConfig,
     load_output,
@@ -18,6 +19,7 @@ __all__ = [
     "EXTRAS",
     "PROTOCOLS",
     "About",
+    "OutputConfig",
     "ProtocolConfig",
     "ReplayConfig",
     "RigConfig",

@@ -103,14 +103,53 @@ class Simulated(ClosedModel):
     world: Path | None = Field(None, description="world.toml; the built-in one when absent")
 
 
-class RigConfig(ClosedModel):
-    """The whole of rig.toml but its boards; `rig_model` adds a table for each family of them."""
+class OutputConfig(ClosedModel):
+    """What of rig.toml 0 V depends on, besides the boards' own table: all that `labrig safe` reads.
+
+    A table that making safe needs is a field of this class and not of `RigConfig`.
+    """
 
     families: ClassVar[tuple[str, ...]] = ()
 
     amplifier: AmplifierConfig = AmplifierConfig()
-    current_sense: CurrentSense = CurrentSense()
     limits: Limits = Limits()
+    interlock: InterlockConfig | None = None
+
+    @property
+    def boards_kind(self) -> str:
+        """The family of the boards: the name of their table."""
+        return next(name for name in self.families if getattr(self, name) is not None)
+
+    @property
+    def family(self) -> BoardFamily:
+        """The same as the driver has it."""
+        return BOARD_FAMILIES.get(self.boards_kind)
+
+    @property
+    def boards(self) -> BoardsConfig:
+        """The table of the boards."""
+        return cast("BoardsConfig", getattr(self, self.boards_kind))
+
+    @property
+    def interlock_line(self) -> str | None:
+        """The line of the interlock; None: the rig has none."""
+        return None if self.interlock is None else self.interlock.line
+
+    @property
+    def own_watchdog(self) -> str:
+        """What a watchdog in the boards does when labrig is silent; empty: there is none."""
+        return self.family.own_watchdog(self.boards.settings(), self.interlock_line)
+
+    @property
+    def is_simulated(self) -> bool:
+        """Whether the boards are the ones simulated in this process, on the virtual clock."""
+        return self.boards.address == SIMULATED
+
+
+class RigConfig(OutputConfig):
+    """The whole of rig.toml but its boards; `rig_model` adds a table for each family of them."""
+
+    current_sense: CurrentSense = CurrentSense()
     load_cell: LoadCellFile
     force_sensor: Annotated[PartConfig, FORCE_SENSOR] = Field(
         default_factory=lambda: cast("PartConfig", FORCE_SENSOR.read({})),
@@ -124,7 +163,6 @@ class RigConfig(ClosedModel):
         description="what moves the load cell along the arc",
     )
     channels: Channels = Field({}, description="further inputs that are recorded, by name")
-    interlock: InterlockConfig | None = None
     watch: WatchConfig | None = Field(
         None, description="who writes 0 V at the boards when this computer is gone"
     )
@@ -186,41 +224,11 @@ class RigConfig(ClosedModel):
             raise ValidationError.from_exception_data("line", [details]) from None
 
     @property
-    def boards_kind(self) -> str:
-        """The family of the boards: the name of their table."""
-        return next(name for name in self.families if getattr(self, name) is not None)
-
-    @property
-    def family(self) -> BoardFamily:
-        """The same as the driver has it."""
-        return BOARD_FAMILIES.get(self.boards_kind)
-
-    @property
-    def boards(self) -> BoardsConfig:
-        """The table of the boards."""
-        return cast("BoardsConfig", getattr(self, self.boards_kind))
-
-    @property
-    def interlock_line(self) -> str | None:
-        """The line of the interlock; None: the rig has none."""
-        return None if self.interlock is None else self.interlock.line
-
-    @property
     def trigger_line(self) -> str | None:
         """The line of the boards that triggers the camera; None: it is not triggered by them."""
         camera = self.camera
         hardware = camera is not None and getattr(camera, "trigger", FREE) == HARDWARE
         return camera.trigger_line if camera is not None and hardware else None
-
-    @property
-    def own_watchdog(self) -> str:
-        """What a watchdog in the boards does when labrig is silent; empty: there is none."""
-        return self.family.own_watchdog(self.boards.settings(), self.interlock_line)
-
-    @property
-    def is_simulated(self) -> bool:
-        """Whether the boards are the ones simulated in this process, on the virtual clock."""
-        return self.boards.address == SIMULATED
 
     @property
     def raw_force_unit(self) -> str:
@@ -284,12 +292,12 @@ def _model_for(data: Mapping[str, Any]) -> type[RigConfig]:
     return _rig_model(tuple(families.items())) if all_known else rig_model()
 
 
-# Tables that 0 V does not depend on: all but the boards' own, the amplifier's, the limits' and the
-# interlock's. A table that is not known at all may be that of the boards, and is an error.
-NOT_THE_OUTPUT = RigConfig.model_fields.keys() - {"amplifier", "limits", "interlock"}
+# Tables that 0 V does not depend on. One that is not known at all may be that of the boards, and is
+# an error.
+NOT_THE_OUTPUT = RigConfig.model_fields.keys() - OutputConfig.model_fields.keys()
 
 
-def load_output(path: Path) -> RigConfig | ReplayConfig:
+def load_output(path: Path) -> OutputConfig | ReplayConfig:
     """Read what rig.toml says of the boards and their output, whatever is wrong with the rest.
 
     A camera whose plug-in is gone must not keep anybody from making the output safe.

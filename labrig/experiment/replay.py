@@ -32,6 +32,7 @@ from labrig.session import RecordedSession, RunRecord
 from labrig.session.reading.moves import moves_of
 from protocols.execution.events import Event, Outcome, ReadingTaken, RunStarted, RunStopped
 from protocols.execution.operator import REPEAT
+from protocols.execution.states import FinishReason
 from protocols.execution.stop import StopLevel, StopRequest
 
 FloatArray = npt.NDArray[np.float64]
@@ -197,9 +198,17 @@ class Director:
             self._end()
 
     def _end(self) -> None:
-        ended = _ENDED.get(self.session.outcome, "did not end")
-        why = f": {reason}" if (reason := self.session.reason) else ""
-        self._stop.request(StopLevel.NOW, f"the recording ends here; the session {ended}{why}")
+        """End as the session did: the same outcome, so that the exit code is the same, too."""
+        session = self.session
+        ended = _ENDED.get(session.outcome, "did not end")
+        why = f": {reason}" if (reason := session.reason) else ""
+        self._stop.request(
+            StopLevel.NOW,
+            f"the recording of {session.path.name} ends here; that session {ended}{why}",
+            FinishReason.STOP_REQUESTED
+            if session.outcome is Outcome.ABORTED
+            else FinishReason.RECORDING_ENDED,
+        )
 
     def move_s(self) -> float:
         """Return how long the load cell was moved during the run that is on, s; 0: not known."""

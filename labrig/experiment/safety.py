@@ -10,7 +10,7 @@ from drivers.amplifier import Amplifier
 from drivers.boards import OutputRescue
 from drivers.interfaces import RealClock
 from drivers.safe_shutdown import Safety, SafetyReport, attempt, report_of
-from labrig.config import ReplayConfig, RigConfig, load_output
+from labrig.config import OutputConfig, ReplayConfig, load_output
 
 _PATIENCE_S = 5.0  # with a device that another program still holds
 
@@ -23,7 +23,7 @@ class SafeReport:
     text: str
 
 
-def output_place(config: RigConfig) -> dict[str, Any]:
+def output_place(config: OutputConfig) -> dict[str, Any]:
     """Return where the output is, as plain data for another process."""
     limits = config.limits
     amplifier = Amplifier(config.amplifier.gain, limits.sheet_voltage_V)
@@ -44,7 +44,7 @@ def make_rig_safe(rig: Path) -> SafeReport:
     return SafeReport(report.is_safe, report.text)
 
 
-def _made_safe(config: RigConfig) -> SafetyReport:
+def _made_safe(config: OutputConfig) -> SafetyReport:
     make = config.family.rescue
     if make is None:
         why = f"boards of [{config.boards_kind}] cannot be made safe by another process"

@@ -2,13 +2,15 @@
 
 Those of a kind of part take the part alone: the loader runs them, too, but for what takes long.
 Those of a device or of an answer (`camera_faults`, `signal_faults`, `curve_faults` ...) take a
-device, or an answer. None of them raises what the part's own code raises: it is one of its faults.
+device, or an answer. None of them raises what the part's own code raises, or waits for a call that
+does not return: these are faults.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
+from inspect import signature
 from typing import ParamSpec
 
 from drivers.boards.conformance import (
@@ -39,15 +41,15 @@ from labrig.panel.pages.conformance import content_faults as page_content_faults
 from labrig.panel.pages.conformance import faults as page_faults
 from labrig.report.sections.conformance import content_faults as section_content_faults
 from labrig.report.sections.conformance import faults as section_faults
+from labrig.testing.blocking import returned
 from labrig.testing.drawn_curves import curve_check_faults
 from labrig.testing.settling import effect_faults
+from labrig.testing.times_in_ms import extra_faults, protocol_faults
 from labrig.vision.facts.conformance import faults as strip_fact_faults
 from model.discrepancy.criticism.conformance import faults as verdict_check_faults
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
 from model.dynamics.models.conformance import faults as dynamic_model_faults
 from model.locations.conformance import faults as location_faults
-from protocols.extras.conformance import faults as extra_faults
-from protocols.kinds.conformance import faults as protocol_faults
 from sim_hardware.families.contract import faults as simulated_family_faults
 from sim_hardware.ni.boards import faults as simulated_board_faults
 from sim_hardware.serial_devices.contract import faults as simulated_serial_device_faults
@@ -96,11 +98,18 @@ _P = ParamSpec("_P")
 
 
 def _never_raising(faults: Callable[_P, list[str]]) -> Callable[_P, list[str]]:
-    """Return a conformance function of which what a part raises is one of the faults."""
+    """Return a conformance function of which what a part raises is one of the faults.
+
+    And a call that does not return. Those of a device wait by a clock, and watch each call.
+    """
+    has_clock = "clock" in signature(faults).parameters
 
     @wraps(faults)
     def found(*args: _P.args, **kwargs: _P.kwargs) -> list[str]:
-        return first_faults([lambda: faults(*args, **kwargs)])
+        def judged() -> list[str]:
+            return first_faults([lambda: faults(*args, **kwargs)])
+
+        return judged() if has_clock else returned(judged)
 
     return found
 

@@ -26,6 +26,7 @@ SOFTEST_MODULUS_PA, STIFFEST_MODULUS_PA = 1e6, 1e11
 # odd, too: too soft for any sheet, or stiffer than a polymer's times a hundred.
 SMALLEST_FORCE_N, LARGEST_FORCE_N = 2e-5, 1.0
 STIFFEST_BY_CURVES_PA = 3e10
+STIFFEST_METAL_PA = 3e11  # steel has 2e11 Pa
 # Standard errors by which 1/B by the curves alone must differ from 0 for its sign and size to
 # count. Of good sessions it is 20 and more; where the curves are mirrored or not tared, 6 or less.
 SURE_COMPLIANCE_SIGMA = 7.0

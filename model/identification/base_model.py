@@ -17,7 +17,7 @@ from model.identification.likelihood.drive_rise import RISE
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import BaseParameters, Bases
 from model.identification.priors.shared_widths import SharedWidth
-from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.measurements import FloatArray, ModelError, SheetGeometry, in_digits
 from model.mechanics.field import legendre_field
 
 FREE_REST_PER_M = 60.0  # prior width of k0's terms where sheet.toml does not state k0
@@ -136,7 +136,7 @@ def not_weighed(name: str, B_Nm2: float) -> str:
     """Return the sentence on what a configuration without forces leaves open."""
     return (
         f"'{name}' has no forces: B is not determined by these data, only EIBM/B is; forces and"
-        f" EIBM are stated for B = {1e6 * B_Nm2:.3g} µN·m²"
+        f" EIBM are stated for B = {in_digits(1e6 * B_Nm2, 3)} µN·m²"
     )
 
 

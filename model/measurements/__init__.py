@@ -13,7 +13,7 @@ from model.measurements.data import (
     SheetGeometry,
     TimeSeries,
 )
-from model.measurements.display import Displayed, Summary
+from model.measurements.display import Displayed, Summary, in_digits
 from model.measurements.progress import Progress, silent
 from model.measurements.rms import rms
 
@@ -34,6 +34,7 @@ __all__ = [
     "Summary",
     "TimeSeries",
     "dataframe",
+    "in_digits",
     "rms",
     "silent",
 ]

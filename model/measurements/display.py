@@ -10,7 +10,14 @@ from html import escape
 MOST_ROWS = 16  # of a table; with title, columns and notes it fits a screen of 24 lines
 MOST_NOTES = 4
 MOST_LETTERS = 100  # of a line
+_PLAIN = 1e7  # up to here without an exponent
 _CELL = 'style="text-align: {}; padding: 0 0.7em"'
+
+
+def in_digits(value: float, digits: int) -> str:
+    """Return a number to so many significant digits, as people read it: 1230, not 1.23e+03."""
+    text = f"{value:.{digits}g}"
+    return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
 
 
 @dataclass(frozen=True)

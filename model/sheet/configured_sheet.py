@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from model.measurements import Displayed, FloatArray, ModelError, SheetGeometry, Summary
+from model.measurements import Displayed, FloatArray, ModelError, SheetGeometry, Summary, in_digits
 from model.mechanics.field import Field
 from model.parameter import Parameter, finite
 
@@ -175,8 +175,8 @@ class ConfiguredSheet(Displayed):
 
 def _said(parameter: Parameter, factor: float) -> tuple[str, str]:
     """Return value and standard uncertainty in another unit."""
-    sigma = f"{factor * parameter.sigma:.2g}" if parameter.sigma else "-"
-    return f"{factor * parameter.value:.4g}", sigma
+    sigma = in_digits(factor * parameter.sigma, 2) if parameter.sigma else "-"
+    return in_digits(factor * parameter.value, 4), sigma
 
 
 def _form(along: Along) -> str:

@@ -50,7 +50,7 @@ def _behind(error: BaseException) -> BaseException:
 def _reason_of(error: BaseException) -> tuple[FinishReason, str]:
     text = str(error) or type(error).__name__
     if isinstance(error, Stopped):
-        return FinishReason.STOP_REQUESTED, text
+        return error.finish, text
     if isinstance(error, KeyboardInterrupt):
         return FinishReason.STOP_REQUESTED, "interrupted from the keyboard"
     if isinstance(error, DeclinedError):

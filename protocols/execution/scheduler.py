@@ -332,7 +332,7 @@ class Scheduler:
 
     def _obey_stop(self) -> None:
         if self._stop.level is not StopLevel.NONE:
-            raise Stopped(self._stop.why)
+            raise Stopped.by(self._stop)
 
     def _enter(self, state: RunState, run: int | None = None) -> None:
         self._status = replace(

@@ -33,6 +33,7 @@ class FinishReason(StrEnum):
     DEVICE_FAULT = "device_fault"
     CONTROL_FAULT = "control_fault"  # the feedback loop was late, saturated, or without a number
     RECORDING_FAULT = "recording_fault"  # a subscriber that the session depends on failed
+    RECORDING_ENDED = "recording_ended"  # a replay, of a session that a fault has ended
     INTERNAL_ERROR = "internal_error"  # a mistake in the program
     UNKNOWN = "unknown"  # not finished yet
 

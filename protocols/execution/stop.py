@@ -10,6 +10,7 @@ from enum import IntEnum
 from typing import Protocol
 
 from protocols.execution.output import MadeSafe
+from protocols.execution.states import FinishReason
 
 _POLL_S = 0.1
 
@@ -26,16 +27,21 @@ class StopRequest:
     """A request that can be made more urgent but not taken back.
 
     It holds no lock: signal handlers may call `request` at any moment, also while another call is
-    under way. Both facts are set by one assignment.
+    under way. All facts are set by one assignment.
     """
 
     def __init__(self) -> None:
-        self._asked: tuple[StopLevel, str] = (StopLevel.NONE, "")
+        self._asked = (StopLevel.NONE, "", FinishReason.STOP_REQUESTED)
 
-    def request(self, level: StopLevel, why: str) -> None:
-        """Ask for a stop; `why` goes into the session's reason."""
+    def request(
+        self, level: StopLevel, why: str, finish: FinishReason = FinishReason.STOP_REQUESTED
+    ) -> None:
+        """Ask for a stop; `why` goes into the session's reason.
+
+        `finish`: what the session is recorded to have ended by, where nobody has stopped it.
+        """
         if level > self._asked[0]:
-            self._asked = (level, why)
+            self._asked = (level, why, finish)
 
     @property
     def level(self) -> StopLevel:
@@ -46,6 +52,11 @@ class StopRequest:
     def why(self) -> str:
         """The reason given with it."""
         return self._asked[1]
+
+    @property
+    def finish(self) -> FinishReason:
+        """What the session ends by."""
+        return self._asked[2]
 
 
 class PauseRequest(Protocol):

@@ -54,8 +54,22 @@ class SimulatedFamily:
 
 
 def switch_of(of: object, name: str, *, on: object, off: object) -> Switch:
-    """Return the switch that sets an attribute."""
+    """Return the switch that sets an attribute; of a set or a dict, only what `on` holds."""
+    if isinstance(on, set):
+        return (
+            lambda: setattr(of, name, getattr(of, name) | on),
+            lambda: setattr(of, name, getattr(of, name) - on),
+        )
+    if isinstance(on, dict):
+        return (
+            lambda: setattr(of, name, getattr(of, name) | on),
+            lambda: setattr(of, name, _without(getattr(of, name), on)),
+        )
     return lambda: setattr(of, name, on), lambda: setattr(of, name, off)
+
+
+def _without(these: dict[str, object], those: dict[str, object]) -> dict[str, object]:
+    return {name: value for name, value in these.items() if name not in those}
 
 
 def faults(part: object) -> list[str]:

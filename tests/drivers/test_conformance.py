@@ -6,6 +6,7 @@ import ctypes
 import shutil
 import subprocess
 import sys
+import threading
 from dataclasses import replace
 from pathlib import Path
 
@@ -376,6 +377,34 @@ class Stuck(Dpm3Meter):
         return force_N
 
 
+class Hung:
+    """A sensor that answers nothing while it is open, and waits for ever."""
+
+    range_N = 1.0
+    is_open = False
+
+    def open(self):
+        self.is_open = True
+
+    def read_force(self):
+        if not self.is_open:
+            raise DeviceError("it is not open")
+        threading.Event().wait(20.0)
+
+    def tare(self):
+        pass
+
+    def close(self):
+        self.is_open = False
+
+
+def test_a_sensor_whose_call_never_returns_is_told_and_asked_once(monkeypatch):
+    monkeypatch.setattr("drivers.conformance.BLOCKED_S", 0.2)
+    monkeypatch.setattr("drivers.force_sensors.conformance.READ_S", 0.2)
+    found = force_sensor_faults(Hung(), RealClock())
+    assert found == ["read_force has not returned in 0.4 s: it blocks"]
+
+
 class Mute(Stuck):
     """It is silent after it was opened."""
 
@@ -517,6 +546,7 @@ def test_boards_with_a_meter_keep_the_contract_of_inputs(simulated_ni):
     clock = simulated_ni.clock
     signals = MeteredInput(simulated_ni.signals(), meter_on(clock, Load()), clock)
     signals.board._inputs = signals.board._inputs[1:]  # all but the force
+    signals.board._physical = signals.board._physical[1:]
     signals.board._ranges = signals.board._ranges[1:]
     assert signal_faults(signals, clock) == []
 

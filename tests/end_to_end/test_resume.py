@@ -91,7 +91,7 @@ def test_files_that_the_session_names_are_beside_it_and_none_is_written(
     published = (failed / "documents.jsonl").read_bytes()
     monkeypatch.chdir(tmp_path)
     assert labrig("run", "--resume", failed / "s.h5", "-o", "whole.h5") == 0
-    assert labrig("replay", failed / "s.h5", "-o", "again.h5") == 4  # as it ended then
+    assert labrig("replay", failed / "s.h5", "-o", "again.h5") == 5  # as it ended then
     assert {path.name for path in tmp_path.iterdir()} == {"whole.h5", "again.h5"}
     assert (failed / "documents.jsonl").read_bytes() == published
 

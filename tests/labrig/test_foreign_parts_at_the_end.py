@@ -85,12 +85,14 @@ def test_the_boards_are_released_before_every_other_device() -> None:
     assert closed == ["trigger", "signals", "output", "boards", "stage", "camera"]
 
 
+@pytest.mark.parametrize("clock", [RealClock, VirtualClock])
 @pytest.mark.parametrize("hung", ["camera", "stage", "signals"])
 def test_a_device_that_never_closes_is_named_and_left_behind(
-    hung: str, monkeypatch: pytest.MonkeyPatch
+    hung: str, clock: type[RealClock | VirtualClock], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     never = threading.Event()
     monkeypatch.setattr("labrig.experiment.rig.rig.CLOSE_S", 0.05)
+    monkeypatch.setattr("sim_hardware.clock.STUCK_S", 0.05)
     monkeypatch.setattr(disk, "_left_behind", False)  # else the tests' own process ends early
     closed: list[str] = []
     names = ("boards", "output", "signals", "camera", "stage")
@@ -99,7 +101,7 @@ def test_a_device_that_never_closes_is_named_and_left_behind(
     said = rf"warning: closing the {'inputs' if hung == 'signals' else hung} has not come to an end"
     with (
         pytest.warns(LabrigWarning, match=said) as told,
-        opened(rig_of(clock=RealClock(), **devices)),
+        opened(rig_of(clock=clock(), **devices)),
     ):
         pass
     never.set()

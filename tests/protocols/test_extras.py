@@ -1,6 +1,7 @@
 """Extras with runs of their own: what they plan, and how they are executed."""
 
 import math
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 from drivers.interfaces import DeviceError
 from labrig.config import EXTRAS
-from labrig.testing import FakeRig, short_schedule
+from labrig.testing import FakeRig, extra_faults, short_schedule
 from labrig.testing.fake_rig import SHORT_TRAIN
 from protocols import (
     Extras,
@@ -30,13 +31,14 @@ from protocols.execution import events as ev
 from protocols.execution.events import Outcome
 from protocols.extras.chirp import Chirp
 from protocols.extras.conformance import faults
-from protocols.extras.contract import Extra
+from protocols.extras.contract import Extra, ExtraRun
 from protocols.extras.free_shapes import FreeShapes
 from protocols.extras.load_cell_step import LoadCellStep
 from protocols.extras.release import Release
 from protocols.kinds.hold import Hold
 from protocols.kinds.pulse_train import PulseTrain
 from protocols.kinds.staircase import Staircase
+from protocols.planning.builder import Builder
 
 LONG = Place("long", (0.0, 0.005, 0.010, 0.015, 0.020))
 LIMITS = SafetyLimits(2.0, 30.0)
@@ -63,7 +65,22 @@ def test_a_faulty_extra_is_told_what_is_wrong():
         def runs(self, protocol, positions_m):
             return iter(())
 
+    @dataclass(frozen=True)
+    class InMilliseconds(Extra):
+        """One long pulse."""
+
+        name = "in_milliseconds"
+
+        def runs(self, protocol, positions_m):
+            run = Builder()
+            run.step(1.0, 600.0)
+            run.reading(300.0, 0.01, ReadingKind.KEPT)
+            yield ExtraRun(parts=run.finish())
+
     assert faults(Nothing) == ["it is no dataclass"]
+    assert faults(InMilliseconds) == []  # the loader takes it: a rig may allow it
+    (said,) = extra_faults(InMilliseconds)
+    assert said.endswith("is 600 s under voltage: are its times in ms, not in s?")
     assert faults(int) == ["it is no subclass of protocols.extras.contract.Extra"]
 
 

@@ -1,6 +1,8 @@
 """Kinds of protocol: their runs, what each refuses, and the conformance test of all of them."""
 
 import math
+import threading
+import time
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -165,6 +167,13 @@ def in_millivolts(self):
     return run.finish()
 
 
+def in_milliseconds(self):
+    run = Builder()
+    run.step(self.voltage_V, 600.0)
+    run.reading(300.0, 0.01, KEPT)
+    return run.finish()
+
+
 def other_kind(**members):
     return dataclass(frozen=True, kw_only=True)(
         type("Other", (Flash,), {"__doc__": "x", **members})
@@ -216,7 +225,41 @@ def test_a_bad_kind_is_told_what_is_wrong(kind, says):
     assert says in "; ".join(faults(kind))
 
 
+def test_times_in_ms_are_asked_about_but_a_rig_may_allow_a_long_run():
+    kind = other_kind(steps_and_readings=in_milliseconds)
+    assert faults(kind) == []  # of the loader
+    assert protocol_faults(kind) == [
+        "by default a run is 600 s under voltage: are its times in ms, not in s?"
+    ]
+
+
 def test_what_a_kind_raises_is_one_of_its_faults():
     kind = other_kind(steps_and_readings=lambda _: 1 / 0)
     (fault,) = protocol_faults(kind)
     assert fault.startswith("its code raised ZeroDivisionError: division by zero (test_kinds.py, ")
+
+
+def test_a_kind_that_waits_for_ever_is_not_waited_for(monkeypatch):
+    monkeypatch.setattr("labrig.testing.blocking.BLOCKS_S", 0.3)
+    never = threading.Event()
+
+    def asks_a_server(self):
+        never.wait(20.0)
+        return Flash.steps_and_readings(self)
+
+    (fault,) = protocol_faults(other_kind(steps_and_readings=asks_a_server))
+    never.set()
+    said = "its asks_a_server has not returned in 0.3 s: it blocks (test_kinds.py, line "
+    assert fault.startswith(said)
+
+
+def test_a_kind_that_computes_for_a_while_is_waited_for(monkeypatch):
+    monkeypatch.setattr("labrig.testing.blocking.BLOCKS_S", 0.2)
+
+    def computes(self):
+        until_s = time.process_time() + 0.5
+        while time.process_time() < until_s:
+            pass
+        return Flash.steps_and_readings(self)
+
+    assert protocol_faults(other_kind(steps_and_readings=computes)) == []

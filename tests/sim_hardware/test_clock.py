@@ -270,3 +270,49 @@ def test_a_change_of_threads_takes_less_than_50_microseconds() -> None:
         return time.perf_counter() - before
 
     assert min(seconds() for _ in range(5)) / changes < 50e-6
+
+
+def test_a_thread_that_keeps_its_turn_is_left_behind_by_a_join_with_a_time_out(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Such as a device of somebody else that hangs: the others take their turns as before."""
+    monkeypatch.setattr("sim_hardware.clock.STUCK_S", 0.1)
+    clock, later = VirtualClock(), list[str]()
+    goes_on, ended = threading.Event(), threading.Event()
+
+    def hang() -> None:
+        goes_on.wait(20.0)
+        try:
+            clock.sleep_until(50.0)
+        except RuntimeError as error:
+            later.append(str(error))
+            ended.set()
+
+    def tick() -> None:
+        clock.sleep_until(3.0)
+        later.append("tick")
+
+    hung = clock.start_thread(hang, "hung")
+    ticking = clock.start_thread(tick, "ticking")
+    assert not hung.join(8.0)
+    assert ticking.join(8.0)
+    goes_on.set()
+    assert ended.wait(20.0)
+    assert later == ["tick", "the thread hung was left behind: it kept its turn too long"]
+    clock.sleep_until(60.0)
+    assert clock.now() == 60.0
+
+
+def test_a_thread_that_only_computes_for_long_is_not_left_behind(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("sim_hardware.clock.STUCK_S", 0.2)
+    clock = VirtualClock()
+
+    def compute() -> None:
+        for k in range(5):
+            threading.Event().wait(0.1)
+            clock.sleep_until(k + 1.0)
+
+    assert clock.start_thread(compute, "computing").join(8.0)
+    assert clock.now() == 5.0

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import struct
 from collections.abc import Sequence
-from contextlib import suppress
 
 import numpy as np
 
+from drivers.boards.acquisition import Acquisition
 from drivers.boards.contract import BoardInput
 from drivers.boards.labjack.calibration import Conversion, conversions
 from drivers.boards.labjack.device import LabJackDevice
@@ -32,7 +31,6 @@ from drivers.boards.labjack.wire import MOST_REGISTERS, Write
 from drivers.interfaces import (
     Clock,
     DeviceError,
-    DeviceTimeoutError,
     FloatArray,
     LostSamplesError,
     SampleClock,
@@ -41,42 +39,20 @@ from drivers.interfaces import (
 
 _HEAD = struct.Struct(">4H")  # samples, backlog in bytes, status, what belongs to the status
 _BUFFER_BYTES = 32768  # the largest that every model has: 4 s of four inputs at 1 kHz
-_MARGIN_S = 2.0  # samples may come this much later than they are due
 _RECOVERING, _RECOVERED, _TOO_FAST, _OVERFLOW, _DONE, _FULL = range(2940, 2946)
 _GOOD = (0, _DONE)
 
 
-class LabJackSignalInput:
+class LabJackSignalInput(Acquisition):
     """Several inputs of one device, hardware-timed and continuous. A `SignalInput`."""
 
     def __init__(
         self, device: LabJackDevice, clock: Clock, inputs: Sequence[BoardInput], rate_hz: float
     ) -> None:
+        super().__init__(clock, inputs, rate_hz, "the network and the device")
         self._device = device
-        self._clock = clock
-        self._inputs = tuple(inputs)
-        self._asked_hz = rate_hz
-        self._rate_hz = rate_hz
-        self._ranges = tuple(each.range_V for each in inputs)
         self._conversions: list[Conversion] = []  # empty: not open
-        self._running = False
-        self._next_index = 0
         self._left = b""  # samples of a scan that has not come as a whole
-
-    @property
-    def channels(self) -> Sequence[str]:
-        """See `SignalInput.channels`."""
-        return tuple(each.name for each in self._inputs)
-
-    @property
-    def ranges_V(self) -> Sequence[float]:
-        """See `SignalInput.ranges_V`; before `open`, what was asked for."""
-        return self._ranges
-
-    @property
-    def rate_hz(self) -> float:
-        """See `SignalInput.rate_hz`."""
-        return self._rate_hz
 
     def open(self) -> None:
         """Set ranges and pairs, read the calibration, learn the true rate."""
@@ -106,8 +82,7 @@ class LabJackSignalInput:
     def start(self) -> SampleClock:
         """See `SignalInput.start`. The device takes the first scan a period after the request."""
         self._require_open()
-        if self._running:
-            raise DeviceError(f"the inputs {self._wiring} are acquiring already")
+        self._require_stopped()
         wire, doing = self._device.wire, f"starting the inputs {self._wiring}"
         numbers = [input_number(each.terminal) for each in self._inputs]
         settings = (
@@ -135,12 +110,8 @@ class LabJackSignalInput:
     def read_available(self) -> SignalBlock:
         """See `SignalInput.read_available`."""
         self._require_open()
-        if not self._running:
-            raise DeviceError(f"the inputs {self._wiring} are not acquiring: start them first")
-        volts = self._read_all()
-        block = SignalBlock(self._next_index, volts, self._clock.now())
-        self._next_index += volts.shape[1]
-        return block
+        self._require_running()
+        return self._block(self._read_all())
 
     def stop(self) -> None:
         """See `SignalInput.stop`."""
@@ -151,18 +122,6 @@ class LabJackSignalInput:
             self._device.wire.write(doing, Write(STREAM_ENABLE, 0))
         self._running = False  # not before: whoever failed to stop it may try again
 
-    def measure(self, duration_s: float) -> FloatArray:
-        """See `SignalInput.measure`."""
-        sample_clock = self.start()
-        try:
-            volts = self._wait_for(max(1, math.ceil(duration_s * self._rate_hz)), sample_clock)
-        except BaseException:
-            with suppress(DeviceError):  # the failure to read is the one to report
-                self.stop()
-            raise
-        self.stop()
-        return volts
-
     def close(self) -> None:
         """See `SignalInput.close`."""
         if not self._conversions:
@@ -170,30 +129,9 @@ class LabJackSignalInput:
         self.stop()
         self._conversions = []
 
-    @property
-    def _wiring(self) -> str:
-        return ", ".join(f"{each.terminal} ({each.name})" for each in self._inputs)
-
     def _require_open(self) -> None:
         if not self._conversions:
             raise DeviceError(f"the inputs {self._wiring} are not open")
-
-    def _wait_for(self, wanted: int, sample_clock: SampleClock) -> FloatArray:
-        """Return so many samples of each channel, once they have come."""
-        parts: list[FloatArray] = []
-        have = 0
-        due_s = sample_clock.time_of(wanted)
-        while have < wanted:
-            if self._clock.now() > due_s + _MARGIN_S:
-                raise DeviceTimeoutError(
-                    f"{self._wiring}: {wanted} samples were asked for, {have} came in time; check "
-                    "the network and the device"
-                )
-            next_s = max(sample_clock.time_of(wanted), self._clock.now() + 1e-3)
-            self._clock.sleep_until(next_s)
-            parts.append(self._read_all())
-            have += parts[-1].shape[1]
-        return np.concatenate(parts, axis=1)[:, :wanted]
 
     def _read_all(self) -> FloatArray:
         """Return all whole scans that wait in the device."""

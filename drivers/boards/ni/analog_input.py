@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from drivers.boards.acquisition import Acquisition
+from drivers.boards.contract import BoardInput
 from drivers.boards.ni.connection import NiConnection
 from drivers.boards.ni.errors import TaskGoneError
 from drivers.interfaces import (
@@ -43,7 +45,7 @@ class InputChannel:
     terminals: str = "rse"  # differential | rse | nrse | default
 
 
-class NiSignalInput:
+class NiSignalInput(Acquisition):
     """Several inputs of one board, hardware-timed and continuous. A `SignalInput`."""
 
     def __init__(
@@ -54,32 +56,13 @@ class NiSignalInput:
         rate_hz: float,
         task_name: str = INPUT_TASK,
     ) -> None:
+        wired = [BoardInput(each.name, each.physical, each.range_V) for each in channels]
+        super().__init__(clock, wired, rate_hz, "the server")
         self._connection = connection
-        self._clock = clock
-        self._inputs = tuple(channels)
-        self._asked_hz = rate_hz
+        self._physical = tuple(channels)
         self._task_name = task_name
         self._task: Any = None
         self._reader: Any = None
-        self._running = False
-        self._next_index = 0
-        self._rate_hz = rate_hz
-        self._ranges: tuple[float, ...] = tuple(channel.range_V for channel in channels)
-
-    @property
-    def channels(self) -> Sequence[str]:
-        """See `SignalInput.channels`."""
-        return tuple(channel.name for channel in self._inputs)
-
-    @property
-    def ranges_V(self) -> Sequence[float]:
-        """See `SignalInput.ranges_V`; before `open`, what was asked for."""
-        return self._ranges
-
-    @property
-    def rate_hz(self) -> float:
-        """Samples per second and channel that the board achieves (after `open`)."""
-        return self._rate_hz
 
     def open(self) -> None:
         """Take the board; an input that is open already is left as it is."""
@@ -97,8 +80,7 @@ class NiSignalInput:
     def start(self) -> SampleClock:
         """See `SignalInput.start`."""
         task = self._taken()
-        if self._running:
-            raise DeviceError(f"the inputs {self._wiring} are acquiring already")
+        self._require_stopped()
         with self._errors(f"starting the inputs {self._wiring}"):
             before_s = self._clock.now()
             task.start()
@@ -111,17 +93,14 @@ class NiSignalInput:
     def read_available(self) -> SignalBlock:
         """See `SignalInput.read_available`."""
         task = self._taken()
-        if not self._running:
-            raise DeviceError(f"the inputs {self._wiring} are not acquiring: start them first")
+        self._require_running()
         try:
             with self._errors(f"reading the inputs {self._wiring}"):
                 waiting = int(task.in_stream.avail_samp_per_chan)
             volts = self._read(waiting, _THERE_S)
         except LostSamplesError as fault:
             raise LostSamplesError(f"{fault}; {self._how_many_lost(task)}") from fault
-        block = SignalBlock(self._next_index, volts, self._clock.now())
-        self._next_index += volts.shape[1]
-        return block
+        return self._block(volts)
 
     def stop(self) -> None:
         """See `SignalInput.stop`."""
@@ -131,19 +110,6 @@ class NiSignalInput:
             self._task.stop()
         self._running = False  # not before: whoever failed to stop it may try again
 
-    def measure(self, duration_s: float) -> FloatArray:
-        """See `SignalInput.measure`."""
-        self.start()
-        try:
-            samples = max(1, math.ceil(duration_s * self._rate_hz))
-            volts = self._read(samples, samples / self._rate_hz + MARGIN_S)
-        except BaseException:
-            with suppress(DeviceError):  # the failure to read is the one to report
-                self.stop()
-            raise
-        self.stop()
-        return volts
-
     def close(self) -> None:
         """See `SignalInput.close`."""
         if self._task is None:
@@ -152,10 +118,6 @@ class NiSignalInput:
         self._running = False
         with self._connection.errors(f"closing the inputs {self._wiring}"):
             task.close()  # stops it too
-
-    @property
-    def _wiring(self) -> str:
-        return ", ".join(f"{channel.physical} ({channel.name})" for channel in self._inputs)
 
     def _taken(self) -> Any:
         if self._task is None:
@@ -176,7 +138,7 @@ class NiSignalInput:
         from nidaqmx.constants import AcquisitionType, TaskMode
         from nidaqmx.stream_readers import AnalogMultiChannelReader
 
-        for channel in self._inputs:
+        for channel in self._physical:
             add_channel(task, channel)
         task.timing.cfg_samp_clk_timing(
             self._asked_hz,
@@ -201,6 +163,10 @@ class NiSignalInput:
                 f"ranges of {', '.join(f'{volts:g}' for volts in self._ranges)} V, which makes no "
                 f"sense where {self._asked_hz:g} Hz were asked for; restart the server or driver"
             )
+
+    def _wait_for(self, wanted: int, sample_clock: SampleClock) -> FloatArray:
+        """See `Acquisition`; the driver waits."""
+        return self._read(wanted, wanted / sample_clock.rate_hz + MARGIN_S)
 
     def _read(self, samples: int, wait_s: float) -> FloatArray:
         """Exactly this many samples of each channel; waits so long until they have come."""

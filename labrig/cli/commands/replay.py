@@ -20,7 +20,8 @@ def replay(
     """Play a session through the drivers that recorded it.
 
     Its configuration comes from the session itself. The measurements are those of the original. A
-    session that was not completed is played as far as it was recorded; that ends with code 4.
+    session that was not completed is played as far as it was recorded; the replay ends as that
+    session did, with its code: 4 where somebody stopped it, 5 where it failed or crashed.
     """
     from labrig.cli.follow import finish, replay_and_follow
 

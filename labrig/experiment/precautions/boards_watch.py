@@ -11,7 +11,7 @@ from pathlib import Path
 from drivers.guard import GuardSettings
 from drivers.interfaces import DeviceError, RealClock
 from drivers.watch import BoardsWatch, read_token
-from labrig.config import ReplayConfig, RigConfig, load_output
+from labrig.config import OutputConfig, ReplayConfig, load_output
 from labrig.errors import BadInputError, NotReadyError
 from labrig.experiment.safety import output_place
 from labrig.files import not_written
@@ -34,7 +34,7 @@ def made_token(path: Path) -> bool:
     return True
 
 
-def watched_rig(rig: Path) -> RigConfig:
+def watched_rig(rig: Path) -> OutputConfig:
     """Return what rig.toml says of the output; BadInputError where there is nothing to watch."""
     config = load_output(rig)
     if isinstance(config, ReplayConfig) or config.is_simulated:
@@ -46,7 +46,7 @@ def watched_rig(rig: Path) -> RigConfig:
     return config
 
 
-def boards_watch(config: RigConfig, token: Path, tell: Callable[[str], None]) -> BoardsWatch:
+def boards_watch(config: OutputConfig, token: Path, tell: Callable[[str], None]) -> BoardsWatch:
     """Return the watch over the output of a rig, which does not listen yet."""
     make = config.family.rescue
     if make is None:

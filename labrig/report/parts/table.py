@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 
-_PLAIN = 1e7  # up to here without an exponent
-
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
@@ -24,8 +22,9 @@ def number(value: float | None, digits: int = 3) -> str:
     """Return a number to so many significant digits; a dash for what is not known."""
     if value is None or value != value:
         return "-"
-    text = f"{value:.{digits}g}"
-    return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
+    from model.measurements import in_digits  # which imports NumPy
+
+    return in_digits(value, digits)
 
 
 def fixed(value: float | None, decimals: int) -> str:

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from model.measurements import in_digits
+
 
 @dataclass(frozen=True, kw_only=True)
 class DynamicsTaken:
@@ -31,7 +33,7 @@ class DynamicsTaken:
     def sentence(self) -> str:
         """Return how much it is, without a full stop."""
         parts = [
-            f"{size:.2g} {unit} of {what}"
+            f"{in_digits(size, 2)} {unit} of {what}"
             for what, size, unit in (
                 ("forces", 1e3 * self.force_N, "mN"),
                 ("the end of curves", 1e3 * self.curve_m, "mm"),

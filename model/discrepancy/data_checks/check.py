@@ -35,7 +35,7 @@ from model.discrepancy.thresholds import (
 )
 from model.identification.data.outlier_readings import without_outliers
 from model.identification.data.swinging_shapes import without_swinging
-from model.measurements import Measurements
+from model.measurements import Measurements, in_digits
 
 SAME_SIGMA, SAME_SHARE = 5.0, 0.02  # within which two configurations ask for the same value
 # beyond which one of them contradicts a value that the others ask for
@@ -230,7 +230,7 @@ def _gap(alike: Sequence[Compared]) -> str:
 def _errors(fit: QuickFit) -> str:
     parts = []
     if np.isfinite(fit.force_rms_N):
-        parts.append(f"force error {1e3 * fit.force_rms_N:.2g} mN")
+        parts.append(f"force error {in_digits(1e3 * fit.force_rms_N, 2)} mN")
     if np.isfinite(fit.curve_rms_m):
         parts.append(f"curve error {1e3 * fit.curve_rms_m:.2g} mm")
     return ", ".join(parts)
@@ -272,7 +272,8 @@ def _failed(one: Compared) -> Suspicion:
         check="base_fit", severity="stop", where="forces and curves", configurations=(one.name,),
         sentence=(
             f"the base model does not fit '{one.name}': {errors}, where the forces spread by"
-            f" {1e3 * spread:.2g} mN, more than any effect could explain; none of those that were"
-            " tried (unit, sign, order, length) mends it, so check the tables against each other"
+            f" {in_digits(1e3 * spread, 2)} mN, more than any effect could explain; none of those"
+            " that were tried (unit, sign, order, length) mends it, so check the tables against"
+            " each other"
         ),
     )  # fmt: skip

@@ -103,7 +103,7 @@ class ControlLoop:
         while (due_s := self._zero_s + period * law.period_s) < end_s - 0.5 * law.period_s:
             self._wait(due_s, service)
             if loop.stop.level is StopLevel.NOW:
-                raise Stopped(loop.stop.why)
+                raise Stopped.by(loop.stop)
             if loop.stop.level is not StopLevel.NONE:
                 return False
             self._require_in_time(due_s)

@@ -84,7 +84,7 @@ class RunLoop:
             raise
         self._end(completed=completed)
         if not completed:
-            raise Stopped(self._loop.stop.why)
+            raise Stopped.by(self._loop.stop)
 
     def _begin(self) -> ReadingMaker:
         """Start camera and signals; the first step is due a lead-in later."""
@@ -258,7 +258,7 @@ class RunLoop:
         while True:
             loop.beat()
             if loop.stop.level is StopLevel.NOW:
-                raise Stopped(loop.stop.why)
+                raise Stopped.by(loop.stop)
             now_s = loop.clock.now()
             if now_s >= when_s:
                 return True

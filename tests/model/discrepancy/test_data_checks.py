@@ -264,6 +264,10 @@ def test_forces_in_another_unit_are_told(falling, factor, unit):
             assert f"multiplied by {1.0 / factor:g} they fit, so they seem to be {unit}" in (
                 one.sentence
             )
+            assert "e+" not in one.sentence.partition(" at most")[0]  # 2310 mN, not 2.31e+03 mN
+            assert ("; where the strip is of metal they may be right" in one.sentence) is (
+                factor > 1.0 and "e+11 Pa" in one.sentence
+            )
 
 
 @pytest.mark.thorough

@@ -13,10 +13,12 @@ from model.discrepancy.thresholds import (
     SMALLEST_FORCE_N,
     SOFTEST_MODULUS_PA,
     STIFFEST_BY_CURVES_PA,
+    STIFFEST_METAL_PA,
     SURE_COMPLIANCE_SIGMA,
 )
-from model.measurements import Measurements, SheetGeometry
+from model.measurements import Measurements, SheetGeometry, in_digits
 
+METAL = "; where the strip is of metal they may be right"
 UNITS = {1e3: "N", 1e-3: "µN, or in mN and taken for N"}
 
 
@@ -47,9 +49,10 @@ class ForceUnit(DataCheck):
             check=self.name, severity="stop", where="force_mN", configurations=(name,),
             value=factor,
             sentence=(
-                f"the forces of {quoted([name])} (force_mN) are {1e3 * largest_N:.3g} mN at most,"
-                f" and by the curves Young's modulus would be {modulus_Pa:.1e} Pa; multiplied by"
-                f" {factor:g} they fit, so they seem to be in {UNITS[factor]}"
+                f"the forces of {quoted([name])} (force_mN) are {in_digits(1e3 * largest_N, 3)} mN"
+                f" at most, and by the curves Young's modulus would be {modulus_Pa:.1e} Pa;"
+                f" multiplied by {factor:g} they fit, so they seem to be in {UNITS[factor]}"
+                f"{METAL if factor < 1.0 and modulus_Pa < STIFFEST_METAL_PA else ''}"
             ),
         )  # fmt: skip
 
