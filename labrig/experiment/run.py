@@ -31,7 +31,7 @@ from labrig.experiment.rig.rig import DRIVE, Rig, Step, no_step, opened
 from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from labrig.experiment.watchdog import Watchdog, watched
 from labrig.foreign_code import foreign_place
-from labrig.session import SessionWriter
+from labrig.session import SessionWriter, WriterError
 from labrig.session.bluesky.streams import Document
 from labrig.session.format.devices import REPLAY_OF, any_simulated
 from protocols import SafetyLimits
@@ -128,12 +128,14 @@ def run_session(
 
 @contextmanager
 def _ending_safely(rig: Rig) -> Iterator[SafeShutdown]:
-    """Shut down safely; an error that ends the run names the output when that is not safe."""
+    """Shut down safely; an error that ends the run, or its recording, says how the output is."""
     with safe_shutdown(rig) as shutdown:
         try:
             yield shutdown
         except BaseException as error:
             found = shutdown.report or shutdown.make_safe()
+            if isinstance(error, WriterError) and found.is_safe:
+                raise WriterError(f"The output is at 0 V, read back. {error}") from error
             if found.is_safe:
                 raise
             ended = f"{found.text}; what ended the run: {in_words(error)}"

@@ -56,7 +56,9 @@ def test_a_full_disk_ends_the_run_at_0_V_and_what_came_before_is_recovered(
     monkeypatch.setattr(Journal, "append", append)
     left = rig.run()
     assert left.code == 5
-    assert "the disk is full" in left.said
+    last = left.said.strip().splitlines()[-1]
+    assert last.startswith("labrig: The output is at 0 V, read back. The session can no longer be")
+    assert "the disk is full" in last
     assert left.said.count(f"run: labrig recover {left.path}") == 1
     assert "Traceback" not in left.said
     assert left.board_V == 0.0
