@@ -61,7 +61,17 @@ def typed(path: Path | str) -> str:
 
 def write_text(path: Path, text: str) -> None:
     """Write a file beside its place and rename it. Raise what `not_written` returns."""
-    write_bytes(path, text.replace("\n", os.linesep).encode("utf-8"))
+    write_bytes(path, _encoded(text))
+
+
+def as_text(text: str) -> str:
+    """Return a text that may hold bytes, such as those of a name in an old encoding, as letters."""
+    how = "replace" if os.name == "nt" else "surrogateescape"
+    return text.encode("utf-8", how).decode("utf-8", "replace")
+
+
+def _encoded(text: str) -> bytes:
+    return as_text(text).replace("\n", os.linesep).encode("utf-8")
 
 
 def keep_replaced(path: Path, text: str) -> Path | None:
@@ -72,7 +82,7 @@ def keep_replaced(path: Path, text: str) -> Path | None:
     if not path.is_file():
         return None
     before = path.read_bytes()
-    if before == text.replace("\n", os.linesep).encode("utf-8"):
+    if before == _encoded(text):
         return None
     day = dt.datetime.fromtimestamp(path.stat().st_mtime, dt.UTC).date().isoformat()
     names = (f"{path.name}.{day}{n}.bak" for n in ("", *(f".{i}" for i in range(1, 1000))))
