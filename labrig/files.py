@@ -8,6 +8,7 @@ import os
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 from subprocess import list2cmdline
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -20,6 +21,7 @@ _WRONG_PATH = frozenset(
     {errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT, errno.ENOTDIR, errno.EISDIR,
      errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL}
 )  # fmt: skip
+_PARTS = count()
 
 
 def check_free(path: Path, *, force: bool = False) -> None:
@@ -30,6 +32,8 @@ def check_free(path: Path, *, force: bool = False) -> None:
         raise BadArgumentError(f"{path}: is already there; give force to overwrite it.", "force")
     if not path.parent.is_dir():
         raise BadInputError(f"{path.parent}: there is no such folder.")
+    if not os.access(path.parent, os.W_OK):
+        raise not_written(path, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
 
 
 def check_session_name(path: Path) -> None:
@@ -70,6 +74,15 @@ def as_text(text: str) -> str:
     return text.encode("utf-8", how).decode("utf-8", "replace")
 
 
+def check_is_text(path: Path) -> None:
+    """Raise BadInputError for a name that a library which knows letters alone cannot take."""
+    if as_text(str(path)) != str(path):
+        raise BadInputError(
+            f"{path}: its name holds bytes that are no letters here; rename it, or set "
+            "LC_ALL=C.UTF-8 where they are letters."
+        )
+
+
 def _encoded(text: str) -> bytes:
     return as_text(text).replace("\n", os.linesep).encode("utf-8")
 
@@ -91,9 +104,14 @@ def keep_replaced(path: Path, text: str) -> Path | None:
     return kept
 
 
+def part_of(path: Path) -> Path:
+    """Return a name beside a file to write it under: one that nobody else writes meanwhile."""
+    return path.with_name(f"{path.name}.{os.getpid()}-{next(_PARTS)}.part")
+
+
 def write_bytes(path: Path, content: bytes) -> None:
     """Write a file as `write_text` does."""
-    part = path.with_name(path.name + ".part")
+    part = part_of(path)
     try:
         part.write_bytes(content)
         part.replace(path)
@@ -104,7 +122,7 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 def write_zip(path: Path, files: Sequence[Path]) -> None:
     """Pack files by their names, beside the archive's place, and rename it. Raises likewise."""
-    part = path.with_name(path.name + ".part")
+    part = part_of(path)
     try:
         with ZipFile(part, "w", ZIP_DEFLATED) as archive:
             for file in files:

@@ -133,6 +133,9 @@ def _report_system(error: OSError) -> int:
         refused = not_written(Path("standard output"), error)
         warn(f"labrig: {refused}")
         return refused.code
+    if error.filename is None and isinstance(error, FileNotFoundError):  # of `os.getcwd`
+        warn("labrig: the folder you are in has been removed; change to another.")
+        return ExitCode.BAD_INPUT
     warn(f"labrig: {error.filename or 'writing'}: {error.strerror or error}.")
     return family_of(error).code
 

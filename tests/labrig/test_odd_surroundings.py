@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from labrig.batch.rows import PieceOutcome, Row, row_of
 from labrig.cli.main import run
+from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
 from tests.cases import few
 from tests.labrig.report_data import measure, session
 
@@ -148,3 +151,62 @@ def test_a_pipe_in_the_place_of_a_session_is_refused_and_not_waited_for(folder: 
     assert done.stderr == (
         b"labrig: fifo.h5: this is a device or a pipe, an ordinary file is needed.\n"
     )
+
+
+def _in_latin_1(folder: Path, ending: str) -> Path:
+    """Return a name of an old system, whose letters are no UTF-8."""
+    return folder / os.fsdecode(b"Gr\xf6\xdfe" + ending.encode())
+
+
+@POSIX
+def test_what_was_measured_in_a_session_whose_name_is_no_text_can_be_stored(tmp_path: Path) -> None:
+    measured = replace(measure("long"), source=str(_in_latin_1(tmp_path, ".h5")))
+    kept = measurements_from_tables(tables_from_measurements(measured))
+    assert kept.source.endswith("Gr\N{REPLACEMENT CHARACTER}\N{REPLACEMENT CHARACTER}e.h5")
+
+
+@POSIX
+def test_one_file_whose_name_is_no_text_is_named_and_the_others_are_listed(
+    folder: Path, tmp_path: Path
+) -> None:
+    for name in (_in_latin_1(tmp_path, ".h5"), tmp_path / "good.h5"):
+        name.write_bytes((folder / "good.h5").read_bytes())
+    said = in_shell("$LABRIG list .", tmp_path)
+    assert said.returncode == 0
+    assert b"good.h5" in said.stdout
+    assert b"e.h5: its name holds bytes that are no letters, so it is not" in said.stderr
+
+
+@POSIX
+@pytest.mark.parametrize("kind", few(["video", "crate"]))
+def test_an_export_under_a_name_that_is_no_text_is_made_or_refused(
+    folder: Path, tmp_path: Path, kind: str
+) -> None:
+    """OpenCV would end the process."""
+    path = _in_latin_1(tmp_path, ".h5")
+    path.write_bytes((folder / "good.h5").read_bytes())
+    done = in_shell(f"$LABRIG export Gr*.h5 -o Gr*.h5.of --as {kind}", tmp_path)
+    assert done.returncode in {0, 2}
+    assert b"should not have happened" not in done.stderr
+
+
+@POSIX
+def test_a_film_under_a_name_that_is_no_text_is_refused(folder: Path, tmp_path: Path) -> None:
+    film = _in_latin_1(tmp_path, ".avi")
+    film.write_bytes(b"RIFF")
+    done = in_shell(f"$LABRIG curves Gr*.avi --optics {folder}/rig/optics.json --to-end", tmp_path)
+    assert b"holds bytes that are no letters" in done.stdout
+
+
+@POSIX
+def test_a_row_of_a_batch_holds_a_name_that_is_no_text() -> None:
+    name = os.fsdecode(b"Gr\xf6\xdfe.h5")
+    row = Row(name=name, key="1", outcome=PieceOutcome.DONE)
+    assert row_of(row.line()) == row
+
+
+@POSIX
+def test_a_working_folder_that_somebody_has_removed_is_told(folder: Path) -> None:
+    done = in_shell("mkdir gone; cd gone; rmdir ../gone; $LABRIG list .", folder)
+    assert done.returncode == 2
+    assert done.stderr == b"labrig: the folder you are in has been removed; change to another.\n"

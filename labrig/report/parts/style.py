@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from labrig.errors import BadInputError
-from labrig.files import discard, not_written
+from labrig.files import discard, not_written, part_of
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -200,7 +200,7 @@ def save(fig: Figure, path: Path, svg: str = "") -> None:
     ending = path.suffix.lower().lstrip(".")
     if ending not in FORMATS:
         raise BadInputError(f"{path}: a figure's name must end in .png, .svg or .pdf.")
-    part = path.with_name(path.name + ".part")
+    part = part_of(path)
     try:
         if ending == "svg":
             part.write_text(svg or svg_text(fig), encoding="utf-8", newline="\n")
