@@ -79,7 +79,7 @@ def check_is_text(path: Path) -> None:
     if as_text(str(path)) != str(path):
         raise BadInputError(
             f"{path}: its name holds bytes that are no letters here; rename it, or set "
-            "LC_ALL=C.UTF-8 where they are letters."
+            "PYTHONUTF8=1 where they are letters in UTF-8."
         )
 
 

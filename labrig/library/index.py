@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from labrig.errors import BadInputError
-from labrig.files import SESSION_ENDINGS, as_text
+from labrig.files import SESSION_ENDINGS, check_is_text
 from labrig.library.database import Database
 from labrig.library.entry import CatalogueEntry, read_entry
 from labrig.library.fits import ModelFits, looks_like_model, read_fits
@@ -157,11 +157,10 @@ class Library:
         """Sessions and models, by name; hidden folders and links to folders are left out."""
         self.cut = ""
         for count, one in enumerate(_files(self.folder)):
-            if as_text(one[0]) != one[0]:
-                self.cut = (
-                    f"{self.folder / one[0]}: its name holds bytes that are no letters, so it is "
-                    "not listed; rename it."
-                )
+            try:
+                check_is_text(Path(one[0]))
+            except BadInputError as error:  # the database holds texts alone
+                self.cut = f"not listed: {error}"
                 continue
             if count >= MOST_FILES:
                 self.cut = (

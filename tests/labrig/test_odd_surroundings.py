@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from labrig.batch.rows import PieceOutcome, Row, row_of
+from labrig.batch.table import write_csv
 from labrig.cli.main import run
 from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
 from tests.cases import few
@@ -174,7 +175,7 @@ def test_one_file_whose_name_is_no_text_is_named_and_the_others_are_listed(
     said = in_shell("$LABRIG list .", tmp_path)
     assert said.returncode == 0
     assert b"good.h5" in said.stdout
-    assert b"e.h5: its name holds bytes that are no letters, so it is not" in said.stderr
+    assert b"e.h5: its name holds bytes that are no letters here; rename it" in said.stderr
 
 
 @POSIX
@@ -199,10 +200,12 @@ def test_a_film_under_a_name_that_is_no_text_is_refused(folder: Path, tmp_path: 
 
 
 @POSIX
-def test_a_row_of_a_batch_holds_a_name_that_is_no_text() -> None:
+def test_a_row_of_a_batch_holds_a_name_that_is_no_text(tmp_path: Path) -> None:
     name = os.fsdecode(b"Gr\xf6\xdfe.h5")
     row = Row(name=name, key="1", outcome=PieceOutcome.DONE)
     assert row_of(row.line()) == row
+    write_csv(tmp_path / "all.csv", [row])
+    assert "Gr\N{REPLACEMENT CHARACTER}" in (tmp_path / "all.csv").read_text("utf-8")
 
 
 @POSIX
