@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import errno
+import io
 import os
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
 from labrig.batch.rows import PieceOutcome, Row, row_of
 from labrig.batch.table import write_csv
 from labrig.cli.main import run
+from labrig.panel.job.host import Host
 from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
 from tests.cases import few
 from tests.labrig.report_data import measure, session
@@ -213,3 +218,29 @@ def test_a_working_folder_that_somebody_has_removed_is_told(folder: Path) -> Non
     done = in_shell("mkdir gone; cd gone; rmdir ../gone; $LABRIG list .", folder)
     assert done.returncode == 2
     assert done.stderr == b"labrig: the folder you are in has been removed; change to another.\n"
+
+
+def test_a_users_own_settings_of_matplotlib_change_no_figure(folder: Path, tmp_path: Path) -> None:
+    plan = [sys.executable, "-m", "labrig", "plan", str(folder / "rig" / "protocol.toml")]
+    there = tmp_path / "matplotlibrc"
+    drawn = []
+    for text, backend in ("", "agg"), ("text.usetex: True\naxes.facecolor: red\n", "gone"):
+        there.write_text(text)
+        environment = os.environ | {"MATPLOTLIBRC": str(there), "MPLBACKEND": backend}
+        picture = tmp_path / f"{backend}.svg"
+        subprocess.run([*plan, "--picture", str(picture)], env=environment, check=True)
+        drawn.append(picture.read_bytes())
+    assert drawn[0] == drawn[1]
+
+
+def test_a_warning_reaches_the_page_when_the_disk_of_the_jobs_log_is_full(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Full(io.StringIO):
+        def write(self, _text: str) -> int:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    published: list[dict[str, object]] = []
+    monkeypatch.setattr(sys, "stderr", Full())
+    Host.warn(cast("Host", SimpleNamespace(publish=published.append)), "the disk is full")
+    assert published[0]["text"] == "the disk is full"
