@@ -244,3 +244,21 @@ def test_a_warning_reaches_the_page_when_the_disk_of_the_jobs_log_is_full(
     monkeypatch.setattr(sys, "stderr", Full())
     Host.warn(cast("Host", SimpleNamespace(publish=published.append)), "the disk is full")
     assert published[0]["text"] == "the disk is full"
+
+
+@pytest.mark.parametrize("home", ["unknown", "relative"])
+def test_a_user_without_a_home_has_no_cache_and_no_fault(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, home: str
+) -> None:
+    """As in a container that runs as a number which it does not know."""
+
+    def nowhere(_cls: type[Path]) -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    for name in ("LABRIG_CACHE", "XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.delenv(name, raising=False)
+    found = nowhere if home == "unknown" else lambda _cls: Path("home")
+    monkeypatch.setattr(Path, "home", classmethod(found))
+    monkeypatch.chdir(folder)
+    assert run(["list", "rig"]) == 0
+    assert not (folder / "home").exists()
