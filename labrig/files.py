@@ -8,6 +8,7 @@ import os
 import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from itertools import count
 from pathlib import Path
 from subprocess import list2cmdline
 from zipfile import ZIP_DEFLATED, ZipFile
@@ -20,6 +21,7 @@ _WRONG_PATH = frozenset(
     {errno.EROFS, errno.EACCES, errno.EPERM, errno.ENOENT, errno.ENOTDIR, errno.EISDIR,
      errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL}
 )  # fmt: skip
+_PARTS = count()
 
 
 def check_free(path: Path, *, force: bool = False) -> None:
@@ -30,6 +32,8 @@ def check_free(path: Path, *, force: bool = False) -> None:
         raise BadArgumentError(f"{path}: is already there; give force to overwrite it.", "force")
     if not path.parent.is_dir():
         raise BadInputError(f"{path.parent}: there is no such folder.")
+    if not os.access(path.parent, os.W_OK):
+        raise not_written(path, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
 
 
 def check_session_name(path: Path) -> None:
@@ -61,7 +65,26 @@ def typed(path: Path | str) -> str:
 
 def write_text(path: Path, text: str) -> None:
     """Write a file beside its place and rename it. Raise what `not_written` returns."""
-    write_bytes(path, text.replace("\n", os.linesep).encode("utf-8"))
+    write_bytes(path, _encoded(text))
+
+
+def as_text(text: str) -> str:
+    """Return a text that may hold bytes, such as those of a name in an old encoding, as letters."""
+    how = "replace" if os.name == "nt" else "surrogateescape"
+    return text.encode("utf-8", how).decode("utf-8", "replace")
+
+
+def check_is_text(path: Path) -> None:
+    """Raise BadInputError for a name that a library which knows letters alone cannot take."""
+    if as_text(str(path)) != str(path):
+        raise BadInputError(
+            f"{path}: its name holds bytes that are no letters here; rename it, or set "
+            "PYTHONUTF8=1 where they are letters in UTF-8."
+        )
+
+
+def _encoded(text: str) -> bytes:
+    return as_text(text).replace("\n", os.linesep).encode("utf-8")
 
 
 def keep_replaced(path: Path, text: str) -> Path | None:
@@ -72,7 +95,7 @@ def keep_replaced(path: Path, text: str) -> Path | None:
     if not path.is_file():
         return None
     before = path.read_bytes()
-    if before == text.replace("\n", os.linesep).encode("utf-8"):
+    if before == _encoded(text):
         return None
     day = dt.datetime.fromtimestamp(path.stat().st_mtime, dt.UTC).date().isoformat()
     names = (f"{path.name}.{day}{n}.bak" for n in ("", *(f".{i}" for i in range(1, 1000))))
@@ -81,9 +104,14 @@ def keep_replaced(path: Path, text: str) -> Path | None:
     return kept
 
 
+def part_of(path: Path) -> Path:
+    """Return a name beside a file to write it under: one that nobody else writes meanwhile."""
+    return path.with_name(f"{path.name}.{os.getpid()}-{next(_PARTS)}.part")
+
+
 def write_bytes(path: Path, content: bytes) -> None:
     """Write a file as `write_text` does."""
-    part = path.with_name(path.name + ".part")
+    part = part_of(path)
     try:
         part.write_bytes(content)
         part.replace(path)
@@ -94,7 +122,7 @@ def write_bytes(path: Path, content: bytes) -> None:
 
 def write_zip(path: Path, files: Sequence[Path]) -> None:
     """Pack files by their names, beside the archive's place, and rename it. Raises likewise."""
-    part = path.with_name(path.name + ".part")
+    part = part_of(path)
     try:
         with ZipFile(part, "w", ZIP_DEFLATED) as archive:
             for file in files:

@@ -66,7 +66,7 @@ class BoardsWatch:
         self._rescue = rescue
         self._token = token
         self._clock = clock
-        self._tell = tell
+        self._hearer = tell
         self._listener: socket.socket | None = None
         self._busy = threading.Lock()  # held while a program is watched
         self._greetings = threading.Semaphore(_MOST_GREETINGS)
@@ -95,6 +95,10 @@ class BoardsWatch:
     def is_watching(self) -> bool:
         """Whether a program is connected."""
         return self._busy.locked()
+
+    def _tell(self, text: str) -> None:
+        """Say it; whoever listened may be gone, or the disk of the log full, and it watches on."""
+        attempt([], lambda: self._hearer(text))
 
     def _accept(self) -> None:
         listener = self._listener

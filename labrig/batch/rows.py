@@ -14,6 +14,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
+from labrig.files import as_text
 from labrig.serialise import finite
 
 VERSION = 1
@@ -47,7 +48,9 @@ class Row:
     def line(self) -> bytes:
         """Return the line of the file."""
         plain = {"version": VERSION, **finite(vars(self)), "outcome": self.outcome.value}
-        return json.dumps(plain, ensure_ascii=False, allow_nan=False).encode("utf-8") + b"\n"
+        letters = as_text(self.name) == self.name  # else its bytes stand there as numbers
+        text = json.dumps(plain, ensure_ascii=not letters, allow_nan=False)
+        return as_text(text).encode("utf-8") + b"\n"
 
 
 def row_of(line: bytes) -> Row | None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from labrig.batch.rows import Row
-from labrig.files import discard, not_written
+from labrig.files import as_text, discard, not_written
 
 _ROW_GROUP = 1000
 _BETWEEN = "; "
@@ -55,7 +55,8 @@ def _write_lines(file: TextIO, columns: list[str], rows: Iterable[Row]) -> None:
 
 def _cells(row: Row) -> dict[str, Any]:
     about = {"name": row.name, "outcome": row.outcome.value, "why": row.sentence}
-    return {**row.columns, **about, **{name: getattr(row, name) for name in _AROUND}}
+    cells = {**row.columns, **about, **{name: getattr(row, name) for name in _AROUND}}
+    return {k: as_text(value) if isinstance(value, str) else value for k, value in cells.items()}
 
 
 def _kinds(rows: Iterable[Row]) -> dict[str, type]:

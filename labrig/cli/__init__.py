@@ -7,6 +7,8 @@ import sys
 # where other programs want the cores. Must be set before numpy is first loaded.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("MKL_NUM_THREADS", "1")
+# Figures go into files. A notebook names a back end that may not be installed beside labrig.
+os.environ["MPLBACKEND"] = "agg"
 
 try:
     from labrig.cli.main import main

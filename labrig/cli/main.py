@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import codecs
-import io
 import os
 import signal
 import sys
@@ -20,20 +18,28 @@ from labrig.cli.screen import warn
 from labrig.cli.sentences.compiling import compiling_is_told
 from labrig.cli.sentences.missing_values import missing_value
 from labrig.cli.sentences.option_names import with_options
+from labrig.cli.sentences.streams import (
+    leave_streams,
+    open_closed_streams,
+    output_takes_more,
+    show_what_can_be_shown,
+)
 from labrig.cli.sentences.usage_errors import usage_sentence
 from labrig.cli.sentences.user_warnings import shown_as_sentences
 from labrig.errors import BadInputError, ExitCode, LabrigError
-from labrig.files import family_of
+from labrig.files import family_of, not_written
 from labrig.garbage import look_for_garbage_seldom
 from labrig.own_packages import hidden
 
 
 def main() -> None:
     """Run the program; end the process with a documented exit code."""
+    open_closed_streams()
     try:
         code = _program()
     except KeyboardInterrupt:  # before or after the command, which tells of its own
         code = _stopped()
+    leave_streams()
     sys.exit(code)
 
 
@@ -57,32 +63,6 @@ def _program() -> int:
 def _stopped() -> int:
     warn("labrig: stopped.")
     return ExitCode.STOPPED
-
-
-_PLAIN = {
-    "\N{RIGHTWARDS ARROW}": "->",
-    "\N{MINUS SIGN}": "-",
-    "\N{EN DASH}": "-",
-    "\N{MICRO SIGN}": "u",
-    "\N{MIDDLE DOT}": " ",
-    "\N{PLUS-MINUS SIGN}": "+/-",
-    "\N{SUPERSCRIPT TWO}": "^2",
-}
-
-
-def show_what_can_be_shown() -> None:
-    """Replace letters that standard output lacks: Windows gives a pipe its old code page."""
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        codecs.register_error("labrig-plain", _plain_letters)
-        sys.stdout.reconfigure(errors="labrig-plain")
-
-
-def _plain_letters(error: UnicodeError) -> tuple[str, int]:
-    """Return the plain letters for those that cannot be encoded: -> for an arrow, ? for others."""
-    if not isinstance(error, UnicodeEncodeError):
-        raise error
-    lacking = error.object[error.start : error.end]
-    return "".join(_PLAIN.get(letter, "?") for letter in lacking), error.end
 
 
 def ignore_unraisable(unraisable: sys.UnraisableHookArgs) -> None:
@@ -109,6 +89,7 @@ def _run(arguments: list[str]) -> int:
         if said := missing_value(app, arguments):
             raise BadInputError(said)
         result = app.main(arguments, prog_name="labrig", standalone_mode=False)
+        sys.stdout.flush()
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # of a group: its help is its message
             error.show()  # type: ignore[attr-defined]  # all of those that typer raises have it
@@ -121,16 +102,11 @@ def _run(arguments: list[str]) -> int:
         warn(f"labrig: {with_options(error)}")
         return error.code
     except BrokenPipeError:
-        # The reader of a pipe (head, less) has gone: nothing is wrong.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return ExitCode.DONE
+        return ExitCode.DONE  # the reader of a pipe (head, less) has gone: nothing is wrong
     except OSError as error:
-        warn(f"labrig: {error.filename or 'writing'}: {error.strerror or error}.")
-        return family_of(error).code
+        return _report_system(error)
     except SystemExit as error:
-        if not _is_foreign(error):
-            raise
-        return _report_fault(error)
+        return _report_exit(error)
     except Exception as error:  # noqa: BLE001 - a user never sees a traceback
         return _report_fault(error)
     return int(result or 0)
@@ -141,6 +117,27 @@ def _is_foreign(error: BaseException) -> bool:
     from labrig.foreign_code import foreign_place  # reads what is installed
 
     return foreign_place(error) is not None
+
+
+def _report_exit(error: SystemExit) -> int:
+    if isinstance(error.__context__, BrokenPipeError):  # typer's answer to it
+        return ExitCode.DONE
+    if not _is_foreign(error):
+        raise error
+    return _report_fault(error)
+
+
+def _report_system(error: OSError) -> int:
+    """Tell what the system has refused."""
+    if error.filename is None and not output_takes_more():
+        refused = not_written(Path("standard output"), error)
+        warn(f"labrig: {refused}")
+        return refused.code
+    if error.filename is None and isinstance(error, FileNotFoundError):  # of `os.getcwd`
+        warn("labrig: the folder you are in has been removed; change to another.")
+        return ExitCode.BAD_INPUT
+    warn(f"labrig: {error.filename or 'writing'}: {error.strerror or error}.")
+    return family_of(error).code
 
 
 def _report_fault(error: BaseException) -> int:

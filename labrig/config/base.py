@@ -18,6 +18,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, fie
 from pydantic.fields import FieldInfo
 
 from labrig.config.file_kinds import TEXT, kind_of_bytes, other_kind
+from labrig.config.toml_hints import toml_hint
 from labrig.errors import BadInputError
 
 MOST_BYTES = 8 << 20  # of a file that a person writes
@@ -139,7 +140,8 @@ def parse_toml(text: str, name: str) -> dict[str, Any]:
     except RecursionError:
         raise BadInputError(f"{name}: not valid TOML: too many brackets in one another.") from None
     except ValueError as error:  # also of a number with thousands of digits
-        raise BadInputError(f"{name}: not valid TOML: {error}.") from None
+        hint = toml_hint(text, str(error))
+        raise BadInputError(f"{name}: not valid TOML: {error}{hint}.") from None
 
 
 def parse_json(text: str, name: str) -> Any:

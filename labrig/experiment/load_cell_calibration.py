@@ -18,7 +18,7 @@ from labrig.config.templates import NOT_CALIBRATED
 from labrig.errors import BadInputError, StoppedError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig.rig import Rig, opened
-from labrig.files import discard, not_written
+from labrig.files import discard, not_written, part_of
 
 LISTEN_S = 2.0  # to each weight
 # A cell's sensitivity stays within a percent for years; a factor is a wrong weight or another cell.
@@ -136,7 +136,7 @@ def write_calibration(made: LoadCellCalibration, path: Path) -> None:
         f"gain = {made.gain!r}",
         f"serial = {json.dumps(made.serial)}",
     ]
-    part = path.with_name(path.name + ".part")
+    part = part_of(path)
     try:
         part.write_text("\n".join(lines) + "\n", encoding="utf-8")
         if path.exists():

@@ -12,7 +12,7 @@ from urllib.parse import unquote
 
 from labrig.errors import BadInputError
 from labrig.exports._files import new_file
-from labrig.files import all_or_none
+from labrig.files import all_or_none, check_is_text
 from labrig.library.fits import looks_like_model
 from labrig.model_file import load_model
 from labrig.report.page.write import write_report
@@ -30,6 +30,8 @@ class _Crate:
     def write(self, session: Path, folder: Path) -> list[Path]:
         from rocrate.rocrate import ROCrate
 
+        for path in (session, folder):
+            check_is_text(path.absolute())
         metadata = new_file(folder, "ro-crate-metadata.json")
         crate = ROCrate()
         with open_session(session) as opened, tempfile.TemporaryDirectory() as made:

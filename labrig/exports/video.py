@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from labrig.errors import BadInputError, LabrigError
 from labrig.exports._files import new_file
-from labrig.files import all_or_none, discard, not_written
+from labrig.files import all_or_none, check_is_text, discard, not_written
 from labrig.session import RunRecord, open_session
 
 Picture = npt.NDArray[np.uint8]
@@ -55,6 +55,7 @@ def _write(run: RunRecord, path: Path) -> None:
     """Write a video beside its place and rename it."""
     import cv2
 
+    check_is_text(path)
     part = path.with_name(f"{path.stem}.part{path.suffix}")
     pictures = _pictures(run)
     first = next(pictures)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from labrig.errors import BadInputError
-from labrig.files import SESSION_ENDINGS
+from labrig.files import SESSION_ENDINGS, check_is_text
 from labrig.library.database import Database
 from labrig.library.entry import CatalogueEntry, read_entry
 from labrig.library.fits import ModelFits, looks_like_model, read_fits
@@ -157,6 +157,11 @@ class Library:
         """Sessions and models, by name; hidden folders and links to folders are left out."""
         self.cut = ""
         for count, one in enumerate(_files(self.folder)):
+            try:
+                check_is_text(Path(one[0]))
+            except BadInputError as error:  # the database holds texts alone
+                self.cut = f"not listed: {error}"
+                continue
             if count >= MOST_FILES:
                 self.cut = (
                     f"{self.folder}: only the first {MOST_FILES} sessions and models are listed;"

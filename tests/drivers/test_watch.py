@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import errno
+import os
 import socket
 import threading
 from collections.abc import Iterator
@@ -46,10 +48,11 @@ class FakeRescue:
 class Scene:
     """A watch, its boards, and what it has said."""
 
-    def __init__(self) -> None:
+    def __init__(self, tell=None) -> None:
         self.boards, self.said = FakeRescue(), []
         settings = GuardSettings(boards="fake", place=PLACE)
-        self.watch = BoardsWatch(settings, self.boards, TOKEN, CLOCK, self.said.append)
+        tell = tell or self.said.append
+        self.watch = BoardsWatch(settings, self.boards, TOKEN, CLOCK, tell)
         self.port = self.watch.listen("127.0.0.1", 0)
         self.links: list[WatchLink] = []
 
@@ -135,6 +138,24 @@ def test_a_link_that_is_closed_before_0_V_was_confirmed_leaves_it_to_the_watch(s
     link.energised(on=True)
     link.close()
     scene.until(lambda: scene.boards.safe_s)
+
+
+def _nobody_hears(_text: str) -> None:
+    raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE))
+
+
+@pytest.mark.slow
+def test_a_watch_whose_reader_is_gone_or_whose_log_is_full_watches_all_the_same():
+    scene = Scene(tell=_nobody_hears)
+    scene.boards.refusals = 1
+    link = scene.link()
+    try:
+        link.energised(on=True)
+        beating(link, 0.3)
+        link.close()
+        scene.until(lambda: scene.boards.safe_s, timeout_s=10.0)
+    finally:
+        scene.watch.stop()
 
 
 @pytest.mark.slow

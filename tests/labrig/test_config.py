@@ -21,11 +21,13 @@ from labrig.config import (
     parse_rig,
     parse_sheet,
 )
+from labrig.config.base import parse_toml
 from labrig.config.schema import schemas
 from labrig.config.templates import template_text, write_templates
 from labrig.errors import BadInputError
 from labrig.session.tables.drive_table import load_protocol
 from protocols import Purpose, ReadingKind
+from tests.cases import few
 
 RIG = '[load_cell]\ncalibration = "load_cell.toml"\n'
 PLACES = '[[places]]\nconfiguration = "long"\npositions_mm = [0.0, 5.0]\n'
@@ -230,3 +232,27 @@ def test_every_key_of_a_configuration_file_is_described() -> None:
     every = {**schemas(), "replay": ReplayConfig.model_json_schema()}
     found = [f"{file}{key}" for file, one in every.items() for key in keys_without_a_word(one, one)]
     assert found == []
+
+
+@pytest.mark.parametrize(
+    ("line", "hint"),
+    few(
+        [
+            (
+                "x = [2.0, \N{MINUS SIGN}2.0]",
+                "(at line 1, column 11), where '\N{MINUS SIGN}' stands",
+            ),
+            ("x = 0,6", "a number needs a point, not a comma, for its decimals"),
+            ('x = "C:\\lab\\rig.toml"', "a path is written with /, or in 'single quotes'"),
+            ('x = "C:\\users\\rig.toml"', "a path is written with /, or in 'single quotes'"),
+            ("x\N{NO-BREAK SPACE}= 1", "where NO-BREAK SPACE stands"),
+            ("x = 1\n\x1a", "where U+001A stands"),
+            ("x = ", "not valid TOML: Invalid value (at end of document)."),
+        ],
+        first=3,
+    ),
+)
+def test_what_a_line_of_toml_holds_that_it_may_not_is_named(line, hint):
+    with pytest.raises(BadInputError) as said:
+        parse_toml(line, "rig.toml")
+    assert hint in str(said.value)

@@ -12,7 +12,7 @@ import pytest
 
 from labrig.cli.main import run
 from labrig.errors import BadInputError, LabrigError
-from labrig.files import write_text
+from labrig.files import check_free, write_text
 from labrig.session import load_measurements, verify
 from labrig.session.derived.store import store_finding
 from labrig.session.recording import disk
@@ -119,3 +119,29 @@ def test_a_folder_that_cannot_be_written_is_named_by_the_file_that_was_asked_for
         disk.written_beside(tmp_path / "a.h5") as beside,
     ):
         beside.write_bytes(b"x")
+
+
+def test_two_programs_that_write_one_file_at_once_do_not_mix(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole, path = Path.write_bytes, tmp_path / "model.toml"
+
+    def meanwhile(part: Path, content: bytes) -> int:
+        written = whole(part, content)
+        if content == b"one":
+            write_text(path, "the other")
+            assert path.read_text("utf-8") == "the other"
+        return written
+
+    monkeypatch.setattr(Path, "write_bytes", meanwhile)
+    write_text(path, "one")
+    assert path.read_text("utf-8") == "one"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_that_cannot_be_written_is_told_before_the_work(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(os, "access", lambda path, _mode: Path(path) != tmp_path)
+    with pytest.raises(BadInputError, match=r"model.toml: cannot be written .Permission denied"):
+        check_free(tmp_path / "model.toml")

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from labrig.cli.main import run, show_what_can_be_shown
+from labrig.cli.main import run
+from labrig.cli.sentences.streams import show_what_can_be_shown
 from tests.labrig.report_data import measure, session
 
 

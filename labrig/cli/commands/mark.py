@@ -9,6 +9,7 @@ import typer
 
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
+from labrig.files import as_text
 
 
 def mark(
@@ -32,8 +33,8 @@ def mark(
     made = Mark(
         run=run - 1,
         reading=None if reading is None else reading - 1,
-        why=" ".join(why.split()),
-        who=" ".join(who.split()) or _user(),
+        why=" ".join(as_text(why).split()),
+        who=" ".join(as_text(who).split()) or _user(),
         invalid=not undo,
     )
     add_mark(session, made)

@@ -10,6 +10,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say
 from labrig.errors import BadInputError
+from labrig.files import as_text
 
 
 def note(
@@ -33,12 +34,12 @@ def note(
 
     if not text.strip() and photograph is None:
         raise BadInputError("labrig note needs a text, or --photograph with a file.")
-    who = who or stated_operators(session)
+    text, who = as_text(text), as_text(who) or stated_operators(session)
     if photograph is None:
         made = Note(who=who, text=text)
     else:
         content = read_photograph_file(photograph)
-        made = photograph_note(content, who=who, text=text, file_name=str(photograph))
+        made = photograph_note(content, who=who, text=text, file_name=as_text(str(photograph)))
     if add_note(session, made):
         say(f"added to {session}")
     else:

@@ -10,6 +10,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError, LabrigError
+from labrig.files import make_folder
 
 if TYPE_CHECKING:
     from labrig.experiment.queue import QueuedRun
@@ -51,19 +52,10 @@ def queue(
     faults = faults_of(runs)
     if faults:
         raise BadInputError("\n".join(["nothing was begun:", *faults]))
-    _make(output)
+    make_folder(output)
     for number, run in enumerate(runs):
         say(f"session {number + 1} of {len(runs)}: {run.protocol} -> {run.session}")
         _run(run, runs[number + 1 :], yes=yes)
-
-
-def _make(folder: Path) -> None:
-    from labrig.files import not_written
-
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise not_written(folder, error) from None
 
 
 def _run(run: QueuedRun, left: list[QueuedRun], *, yes: bool) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -50,7 +51,7 @@ def watch(
     config = watched_rig(rig)
     if made_token(secret):
         say(f"made {secret}: copy it beside the operator's rig.toml, for nobody else to read.")
-    guard = boards_watch(config, secret, lambda text: say(f"watch: {text}"))
+    guard = boards_watch(config, secret, _tell)
     try:
         at = guard.listen(host, int(port))
     except DeviceError as fault:
@@ -58,11 +59,17 @@ def watch(
         raise NotReadyError(str(fault)) from fault
     end = threading.Event()
     with stop_signals(lambda _name, _count: end.set()):
-        say(f"watch: listening on {host}:{at}; Ctrl-C ends it.")
+        _tell(f"listening on {host}:{at}; Ctrl-C ends it.")
         while not end.wait(_LOOK_S):
             pass
     guard.stop()
-    say("watch: ended.")
+    _tell("ended.")
+
+
+def _tell(text: str) -> None:
+    """Say it; it watches on when its reader is gone or the disk of its log is full."""
+    with suppress(OSError):
+        say(f"watch: {text}")
 
 
 COMMAND = Command(

@@ -7,6 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -57,7 +58,8 @@ class Host:
 
     def warn(self, text: str) -> None:
         """Publish a warning that is no part of the session; it is printed into the job's log."""
-        print(text, file=sys.stderr, flush=True)  # noqa: T201 - into job.log
+        with suppress(OSError):  # the disk of the log is full: pages are told all the same
+            print(text, file=sys.stderr, flush=True)  # noqa: T201 - into job.log
         self.publish({"type": "warning", "time_s": None, "text": text, "log": text})
 
     def step(self, text: str) -> None:

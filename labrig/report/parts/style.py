@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from labrig.errors import BadInputError
-from labrig.files import discard, not_written
+from labrig.files import discard, not_written, part_of
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -48,6 +48,21 @@ _SETTINGS = {
 }
 
 
+_OF_SCREENS = ("backend", "interactive", "toolbar", "webagg", "tk.", "keymap", "date.")
+
+
+def _settings() -> dict[str, Any]:
+    """Return the settings of this style, and matplotlib's own where the user has others.
+
+    Theirs may need a program, such as LaTeX, or colours that hide what is drawn here.
+    """
+    import matplotlib as mpl
+
+    own = mpl.rcParamsDefault
+    kept = (name for name in own if not name.startswith(_OF_SCREENS))
+    return {name: own[name] for name in kept if mpl.rcParams[name] != own[name]} | _SETTINGS
+
+
 def colour_of(voltage_V: float, among: Iterable[float] = ()) -> str:
     """Return the colour of a drive voltage: by its sign.
 
@@ -75,7 +90,7 @@ def styled() -> AbstractContextManager[None]:
     """Return a context in which figures are made in this style."""
     import matplotlib as mpl
 
-    context: AbstractContextManager[None] = mpl.rc_context(_SETTINGS)
+    context: AbstractContextManager[None] = mpl.rc_context(_SETTINGS)  # beside the user's own
     return context
 
 
@@ -86,7 +101,7 @@ def figure(width_in: float, height_in: float) -> Iterator[Figure]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    with mpl.rc_context(_SETTINGS):
+    with mpl.rc_context(_settings()):
         fig = Figure(figsize=(width_in, height_in))
         FigureCanvasAgg(fig)
         yield fig
@@ -165,7 +180,7 @@ def lay_out(fig: Figure) -> None:
     if engine is not None:
         # with equal scales the room that is left turns out smaller than was counted on
         equal = any(axes.get_aspect() != "auto" for axes in fig.axes)
-        with mpl.rc_context(_SETTINGS):
+        with mpl.rc_context(_settings()):
             for _ in range(2 if equal else 1):
                 engine.execute(fig)
     with _laid_out():
@@ -177,7 +192,7 @@ def _laid_out() -> AbstractContextManager[None]:
     import matplotlib as mpl
 
     settled = {"figure.autolayout": False, "figure.constrained_layout.use": False}
-    context: AbstractContextManager[None] = mpl.rc_context(_SETTINGS | settled)
+    context: AbstractContextManager[None] = mpl.rc_context(_settings() | settled)
     return context
 
 
@@ -200,7 +215,7 @@ def save(fig: Figure, path: Path, svg: str = "") -> None:
     ending = path.suffix.lower().lstrip(".")
     if ending not in FORMATS:
         raise BadInputError(f"{path}: a figure's name must end in .png, .svg or .pdf.")
-    part = path.with_name(path.name + ".part")
+    part = part_of(path)
     try:
         if ending == "svg":
             part.write_text(svg or svg_text(fig), encoding="utf-8", newline="\n")

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from labrig.files import as_text
 from labrig.serialise import from_json, to_json
 from labrig.session.format import layout
 from labrig.session.format.layout import Array
@@ -88,7 +89,7 @@ def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
 
 
 def _text(text: str) -> Array:
-    raw = text.encode("utf-8")
+    raw = as_text(text).encode("utf-8")
     return np.array(raw, dtype=layout.text_type(len(raw)))
 
 

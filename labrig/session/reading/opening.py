@@ -75,6 +75,10 @@ def _open_live(path: Path) -> Any:
 def check_is_hdf5(path: Path) -> None:
     """Raise BadInputError unless the path is a file that begins like HDF5."""
     try:
+        if not (path.is_file() or path.is_dir() or not path.exists()):
+            raise BadInputError(  # a pipe would be waited for
+                f"{path}: this is a device or a pipe, an ordinary file is needed."
+            )
         with path.open("rb") as file:
             begin = file.read(len(_SIGNATURE))
     except FileNotFoundError:

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
 from labrig.errors import BadInputError
+from labrig.files import check_is_text
 from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.names import TIFF_SUFFIXES, is_video, picture_name
 
@@ -219,6 +220,7 @@ def _tiff_directories(data: npt.NDArray[np.uint8]) -> list[bytes]:
 def _frames(path: Path, every: int) -> Iterator[Picture]:
     import cv2
 
+    check_is_text(path)
     with without_lines_of_libraries():
         video = cv2.VideoCapture(str(path))
     name, number, last_s = picture_name(path), 0, -1.0

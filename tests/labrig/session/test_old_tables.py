@@ -66,6 +66,7 @@ WRITTEN = {
     "UTF-16 with a mark": (HEADER + other(PLAIN)).encode("utf-16"),
     "UTF-16, big end first": b"\xfe\xff" + other(PLAIN).encode("utf-16-be"),
     "UTF-16 without a mark": other(PLAIN).encode("utf-16-le"),
+    "with the last byte of a file of DOS": other(PLAIN).encode("cp1252") + b"\x1a",
     "Latin-1": "Prüfer\tHöß\n".encode("latin-1") + other(PLAIN).encode(),
     "lines of Windows": other(PLAIN).replace("\n", "\r\n").encode(),
     "an empty column at the end": other(PLAIN).replace("\n", "\t\n").encode(),

@@ -10,6 +10,7 @@ _MARKS = (
     (codecs.BOM_UTF16_BE, "utf-16-be", "UTF-16"),
 )
 LATIN = "Latin-1"
+_DOS_END = b"\x1a"  # the last byte of a file of DOS
 
 
 def decoded(raw: bytes) -> tuple[str, str]:
@@ -28,6 +29,7 @@ def _decoded(raw: bytes) -> tuple[str, str]:
     if b"\0" in raw[:200]:  # UTF-16 without a mark: every other byte of plain letters is zero
         low = raw[1:200:2].count(0) > raw[0:200:2].count(0)
         return raw.decode("utf-16-le" if low else "utf-16-be"), "UTF-16"
+    raw = raw.rstrip(_DOS_END)
     try:
         return raw.decode("utf-8"), "UTF-8"
     except UnicodeDecodeError:
