@@ -14,14 +14,14 @@ from labrig.report.data.quality import quality, scatter_and_drift
 from labrig.report.data.selection import force_line, mean_force, rest_position_m
 from labrig.report.parts.table import fixed, interval, number, with_sigma
 from labrig.report.tables.devices import device_row, devices_as_table
-from labrig.report.tables.fit import residual_table, trust
+from labrig.report.tables.fit import residual_table, scatter_table, trust
 from labrig.report.tables.measurements import measurements_as_dict, measurements_tables
 from labrig.report.tables.observations import observations
 from labrig.report.tables.paper import compared_conditions, table_3, table_4, table_5, table_6
 from labrig.session.format.devices import CalibrationRecord, RecordedDevice
 from model import Condition, Measurements, Parameter, Reading, predict
 from protocols.planning.schedule import Purpose
-from tests.labrig.report_data import STIFFNESS, invalid, measure, truth
+from tests.labrig.report_data import POSITIONS_M, STIFFNESS, invalid, measure, truth
 
 
 @pytest.fixture(scope="module")
@@ -329,3 +329,28 @@ def test_values_of_labrig_init_are_no_calibration_of_that_day():
         "2026-03-04 (cell.toml)",
         "not known (cell.toml)",
     ]
+
+
+@pytest.mark.slow
+def test_one_set_up_is_not_said_to_show_the_scatter_between_set_ups():
+    one, four = (
+        fit_what_can_be(measure("short", positions_m=some)).fit for some in ((0.01,), POSITIONS_M)
+    )
+    assert "One set-up does not show how set-ups differ" in scatter_table(one).note
+    assert "Estimated from the residuals" in scatter_table(four).note
+
+
+@pytest.mark.slow
+def test_notes_keep_names_as_they_are_and_narrow_intervals_are_not_called_zero():
+    fit = fit_what_can_be(measure("long", curves=False)).fit
+    one = fit.configurations["long"]
+    exact = replace(one.B, sigma=1e-4 * one.B.value, freedom=1e4)
+    said = trust(
+        replace(
+            fit,
+            notes=("long, 5 mm, 0 V was left out: a bubble", "the EIBM changes"),
+            configurations={"long": replace(one, B=exact)},
+        )
+    )
+    assert "±0.02 % (B)" in said[0]
+    assert said[-2:] == ["long, 5 mm, 0 V was left out: a bubble.", "The EIBM changes."]

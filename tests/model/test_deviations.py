@@ -97,6 +97,12 @@ def test_an_eibm_that_changes_along_runs_is_uncertain_by_as_much(falling, measur
     assert angle.sigma == pytest.approx(0.1 / np.sqrt(10.0) * angle.value, rel=0.2)
 
 
+@pytest.mark.slow
+def test_noise_of_a_single_run_is_no_change_of_the_eibm_along_it(falling, measure):
+    found = fit(measure(3, ("long",), (10,), force_N=2e-4, model=falling), FitOptions())
+    assert eibm_along_runs(found.joint, 0) == {-2.0: 0.0, 2.0: 0.0}
+
+
 def first_pulse_weaker(data, share: float):
     """The first reading at +2 V of each position has less of what the voltage adds."""
     at_rest = {c.position_m: np.mean([r.force_N for r in c.readings])
