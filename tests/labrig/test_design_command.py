@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +98,22 @@ def test_a_question_without_an_answer_takes_no_other_along(
         "short-reach",
         "short-elongation",
     }
+
+
+def test_a_model_along_the_sheet_that_misses_its_data_is_not_told_to_be_along_it(
+    model_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = load_model(model_file)
+    one = model.sheet("short")
+    falling = np.array([1.0, 0.5])
+    eibm = {v: replace(a, values=a.values * falling) for v, a in one.eibm.items()}
+    merit = {"force_rmse_N": 5e-4, "curve_rmse_m": 1.8e-3, "force_rms_N": 1e-3}
+    varying = replace(model, sheets={**model.sheets, "short": replace(one, eibm=eibm)})
+    save_model(varying.with_merit(merit, {"short": merit}), model_file)
+    assert run(["simulate", str(model_file), "--position-mm", "5", "--voltage", "2"]) == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "misses its own data by 0.500 mN and 1.800 mm RMS; labrig diagnose says" in told
+    assert "--varying" not in told
 
 
 def test_a_model_that_misses_its_own_data_is_warned_of(

@@ -354,3 +354,13 @@ def test_notes_keep_names_as_they_are_and_narrow_intervals_are_not_called_zero()
     )
     assert "±0.02 % (B)" in said[0]
     assert said[-2:] == ["long, 5 mm, 0 V was left out: a bubble.", "The EIBM changes."]
+
+
+@pytest.mark.slow
+def test_the_mean_size_of_eibms_is_that_of_equal_voltages():
+    fit = fit_what_can_be(measure("short")).fit
+    assert any("mean absolute value" in row[0] for row in table_4(fit).rows)
+    one = fit.configurations["short"]
+    uneven = replace(one, eibm={1.5: one.eibm[2.0], -2.5: one.eibm[-2.0]})
+    table = table_4(replace(fit, configurations={"short": uneven}))
+    assert not any("mean absolute value" in row[0] for row in table.rows)
