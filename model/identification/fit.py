@@ -203,7 +203,11 @@ def _not_reached(rows: tuple[ConditionResidual, ...]) -> list[str]:
     for row in rows:
         for kind, why in row.why.items():
             places.setdefault((IN_WORDS[kind], why), []).append(row.name)
-    return [f"with {kind} the model {why}: {'; '.join(at)}" for (kind, why), at in places.items()]
+    return [
+        f"with {kind} the model {why} at {'; '.join(at)}: these are not in its errors, and its"
+        " parameters are not to be trusted"
+        for (kind, why), at in places.items()
+    ]
 
 
 def _volts(voltage_V: float) -> str:

@@ -8,10 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from labrig.report.data.fitted import fit_what_can_be
+from labrig.report.data.findings import Findings
+from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.models import force_curve_N
 from labrig.report.data.quality import quality, scatter_and_drift
 from labrig.report.data.selection import force_line, mean_force, rest_position_m
+from labrig.report.page.summary import cards
 from labrig.report.parts.table import fixed, interval, number, with_sigma
 from labrig.report.tables.devices import device_row, devices_as_table
 from labrig.report.tables.fit import residual_table, scatter_table, trust
@@ -20,6 +22,7 @@ from labrig.report.tables.observations import observations
 from labrig.report.tables.paper import compared_conditions, table_3, table_4, table_5, table_6
 from labrig.session.format.devices import CalibrationRecord, RecordedDevice
 from model import Condition, Measurements, Parameter, Reading, predict
+from protocols.execution.events import Outcome
 from protocols.planning.schedule import Purpose
 from tests.labrig.report_data import POSITIONS_M, STIFFNESS, invalid, measure, truth
 
@@ -272,6 +275,13 @@ def test_what_shapes_alone_leave_open_is_taken_and_their_ratio_is_told():
     ratio = value(cell(table, "constant EIBM/B at +2 V, 1/m", "long"))
     assert ratio == pytest.approx(found.configurations["long"].eibm_over_B[2.0].value, rel=1e-2)
     assert not any("(B)" in said for said in trust(found))
+    closed = SimpleNamespace(outcome=Outcome.COMPLETED, runs=())
+    fitted = FittedSheets(found)
+    shown = cards(Findings(session=closed, measurements=whole, fitted=fitted, why_not=""))
+    lines = {label: text for card in shown for label, text, _ in card.lines}
+    assert lines["long: B, µN·m²"].endswith(" (taken)")
+    assert lines["long: E, MPa"].endswith(" (taken)")
+    assert "long, +2 V, B taken" in lines
 
 
 def test_only_runs_that_should_have_a_curve_are_missed_for_it_and_each_place_is_said_once():

@@ -240,4 +240,5 @@ def test_where_a_model_has_no_equilibrium_is_one_sentence(measure, monkeypatch):
     found = fit(measure(names=("short",), positions_mm=(0, 10)))
     told = [note for note in found.notes if "equilibrium" in note]
     assert len(told) == 2
-    assert told[0].startswith("with a constant EIBM the model has no equilibrium: short, 0 mm, ")
+    assert told[0].startswith("with a constant EIBM the model has no equilibrium at short, 0 mm, ")
+    assert told[0].endswith("not in its errors, and its parameters are not to be trusted")
