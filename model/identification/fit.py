@@ -40,6 +40,8 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     names = options.configurations or tuple(
         n for n in used.sheets if any(c.configuration == n for c in used.conditions)
     )
+    if not names and held_out:
+        raise ModelError("every condition is held out, so there is nothing to fit; hold out fewer")
     if not names:
         raise ModelError(
             "there are no measurements: no condition of any configuration of the sheet"

@@ -139,6 +139,12 @@ def test_voltages_of_a_position_that_is_left_out_share_a_sentence(measure):
     assert told == ["short, 10 mm, 0 V, +2 V, -2 V was left out: a bubble"]
 
 
+def test_all_positions_held_out_are_said_to_be(data):
+    every = {(c.configuration, c.position_m) for c in data.conditions}
+    with pytest.raises(ModelError, match="every condition is held out"):
+        fit(data, FitOptions(held_out=tuple(every)))
+
+
 def test_fewer_conditions_than_parameters(data):
     with pytest.raises(ModelError, match=r"need 3 forces"):
         fit(replace(data, conditions=data.conditions[1:3]))
