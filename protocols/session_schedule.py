@@ -31,7 +31,10 @@ class Place:
         for position_m in self.positions_m:
             require_number(f"places: a position of {self.configuration}", position_m)
         if len(set(self.positions_m)) < len(self.positions_m):
-            raise ScheduleError(f"places: a position of {self.configuration} is there twice")
+            raise ScheduleError(
+                f"places: a position of {self.configuration} is there twice; state it once,"
+                " and with [extras] remounts how many positions are set anew"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)

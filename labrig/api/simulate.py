@@ -189,10 +189,11 @@ def tell_of_misses(errors: Sequence[Misfit]) -> None:
     for one in errors:
         if one.misses:
             better = f", {one.better_in_words}" if one.known_better else ""
+            along = f"take fit --varying (EIBM along the sheet{better}) or diagnose -o."
             tell(
                 f"warning: the model of '{one.configuration}' misses its own data by "
-                f"{one.in_words} RMS; take fit --varying (EIBM along the sheet{better}) "
-                "or diagnose -o."
+                f"{one.in_words} RMS; "
+                + (along if one.constant else "labrig diagnose says what is missing.")
             )
 
 

@@ -242,7 +242,8 @@ class RunDisplay:
     def _end(self, event: SessionStopped) -> None:
         """Report how it ended, with what is known of the output now and not during the run."""
         completed = event.outcome is Outcome.COMPLETED
-        where = f"{len(self._runs)} runs done" if completed else event.outcome.value
+        runs = "1 run" if len(self._runs) == 1 else f"{len(self._runs)} runs"
+        where = f"{runs} done" if completed else event.outcome.value
         if not completed and self._run is not None:
             where += f" in {_which(self._run, len(self._runs))}"
         if self._lost:

@@ -88,9 +88,10 @@ def reached(found: ForceMap, column: int | None = None) -> ForceMap:
     missed = np.argwhere(asked & ~found.reachable)
     if len(missed):
         i, j = missed[0]
+        volts = f"{found.voltage_V[j]:+g}" if found.voltage_V[j] else "0"
         raise ModelError(
-            f"the working section is not reachable everywhere: not {found.position_m[i] * 1e3:g} mm"
-            f" at {found.voltage_V[j]:+g} V; make the section smaller or the sheet longer"
+            f"the working section is not reachable everywhere: not {found.position_m[i] * 1e3:.3g}"
+            f" mm at {volts} V; make the section smaller or the sheet longer"
         )
     return found
 

@@ -11,10 +11,12 @@ from model.design.deviated import deviated
 from model.measurements import FloatArray, ModelError
 from model.parameter import Parameter
 from model.sheet.configured_sheet import Along, ConfiguredSheet
-from model.sheet.deviations import USUAL_FREEDOM
+from model.sheet.deviations import STIFFNESS, USUAL_FREEDOM
 from model.sheet.sheet_model import SheetModel
 
-Pair = tuple[SheetModel, SheetModel]  # a standard uncertainty away, to both sides
+# two models to both sides, and how many standard uncertainties each is away
+Pair = tuple[SheetModel, SheetModel, float]
+FARTHEST = 0.3  # relative, that B is moved: without B there is no sheet
 
 
 def propagate(
@@ -42,22 +44,29 @@ def propagate(
 
 def _step(question: Callable[[SheetModel], Sequence[float]], pair: Pair) -> FloatArray:
     """Return what one standard uncertainty changes of the answers."""
-    moved = [np.array(question(changed)) for changed in pair]
+    *models, away = pair
+    moved = [np.array(question(changed)) for changed in models]
     if not np.all(np.isfinite(moved)):
         raise ModelError(
             "within the uncertainty of the model's parameters this question has no answer; make"
             " the working section smaller or the demand lower"
         )
-    return np.asarray(0.5 * (moved[0] - moved[1]))
+    return np.asarray(0.5 * (moved[0] - moved[1]) / away)
 
 
 def _joint(model: SheetModel, configuration: str) -> Iterator[Pair]:
     """Yield two models for each column of the deviations."""
-    together = model.deviations[configuration]
+    together, B = model.deviations[configuration], model.sheet(configuration).B.value
     for place in range(len(together)):
         change = together.column(place)
-        plus, minus = (deviated(model, configuration, change, sign) for sign in (1.0, -1.0))
-        yield plus, minus
+        away = _near(change.get(STIFFNESS, 0.0) / B)
+        plus, minus = (deviated(model, configuration, change, sign) for sign in (away, -away))
+        yield plus, minus, away
+
+
+def _near(relative: float) -> float:
+    """Return how many times a relative change of B is taken, so that B stays positive."""
+    return min(1.0, FARTHEST / abs(relative)) if relative else 1.0
 
 
 def _apart(model: SheetModel, configuration: str) -> Iterator[Pair]:
@@ -82,21 +91,23 @@ def _of_sheet(model: SheetModel, configuration: str) -> Iterator[Pair]:
     """
     one = model.sheet(configuration)
     stiff = one.B.sigma / one.B.value
-    pairs = [(varied(one, 1.0 + stiff, {}), varied(one, 1.0 - stiff, {}))]
+    away = _near(stiff)
+    pairs = [(varied(one, 1.0 + away * stiff, {}), varied(one, 1.0 - away * stiff, {}), away)]
     for voltage, along in one.eibm.items():
         share = _relative(along)
         own = np.sqrt(max(share**2 - stiff**2, 0.1 * share**2))
         pairs.append(
-            (varied(one, 1.0, {voltage: 1.0 + own}), varied(one, 1.0, {voltage: 1.0 - own}))
+            (varied(one, 1.0, {voltage: 1.0 + own}), varied(one, 1.0, {voltage: 1.0 - own}), 1.0)
         )
     if np.any(one.rest.sigma > 0.0):
         off = float(np.sqrt(np.mean(one.rest.sigma**2)))
         rests = [replace(one.rest, values=one.rest.values + sign * off) for sign in (1.0, -1.0)]
-        pairs.append((replace(one, rest=rests[0]), replace(one, rest=rests[1])))
-    for high, low in pairs:
+        pairs.append((replace(one, rest=rests[0]), replace(one, rest=rests[1]), 1.0))
+    for high, low, away in pairs:
         yield (
             replace(model, sheets={**model.sheets, configuration: high}),
             replace(model, sheets={**model.sheets, configuration: low}),
+            away,
         )
 
 
@@ -108,6 +119,7 @@ def _of_effects(model: SheetModel, configuration: str) -> Iterator[Pair]:
             yield (
                 replace(model, effects=(*before, high, *after)),
                 replace(model, effects=(*before, low, *after)),
+                1.0,
             )
 
 

@@ -149,7 +149,7 @@ def _reaching(
             return found
     i, j = np.argwhere(~found.reachable)[0]
     raise ModelError(
-        f"no length of this sheet reaches {position_m[i] * 1e3:g} mm at {voltage_V[j]:+g} V; make"
+        f"no length of this sheet reaches {position_m[i] * 1e3:.3g} mm at {voltage_V[j]:+g} V; make"
         " the section smaller"
     )
 

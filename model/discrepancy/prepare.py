@@ -217,8 +217,8 @@ def _lacks(
             )
         if not any(len(s.kept_N) > 1 for s in seen) and not one.pulses:
             notes.append(
-                f"'{name}' has means alone: what happens in time needs the readings in order and"
-                " the series"
+                f"'{name}' has no two readings of a condition in their order, and no series within"
+                " a pulse: what happens in time cannot be seen"
             )
     return notes
 
@@ -261,7 +261,7 @@ def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -
 
 def setups(prepared: Prepared) -> int:
     """Return how often the load cell was set, which is the number of set-ups."""
-    return len([r for r in prepared.problem.forward.row_index.runs if np.isfinite(r[1])])
+    return prepared.problem.forward.row_index.setups
 
 
 def sessions(measurements: Measurements) -> int:

@@ -21,7 +21,8 @@ def eibm_along_runs(joint: Joint, n: int) -> dict[float, float]:
     """Return the standard deviation of single readings' EIBM, relative, by voltage.
 
     It is of what all runs have in common, by the order of their readings, beyond the noise; 0
-    where it may be noise alone, or there is one reading at a voltage.
+    where it may be noise alone, or there is one reading at a voltage, or one run: what its noise
+    is cannot be told then.
     """
     data_vector, by_eibm_N = joint.forward.data_vectors[n], joint.fitted.linear.states[n].by_eibm
     result = {}
@@ -49,7 +50,7 @@ def _scatter(own: list[tuple[FloatArray, float]]) -> float:
     from scipy.special import fdtrc  # slow to import
 
     weight = sum(by**2 for _, by in own)
-    if weight <= 0.0:
+    if weight <= 0.0 or len(own) < 2:
         return 0.0
     away = np.array([row for row, _ in own])
     by = np.array([one for _, one in own])[:, None]
@@ -57,7 +58,7 @@ def _scatter(own: list[tuple[FloatArray, float]]) -> float:
     count = len(change)
     left = away - by * change
     degrees = max((len(own) - 1) * (count - 1), 1)
-    noise = float(np.sum(left**2)) / degrees / weight if len(own) > 1 else 0.0
+    noise = float(np.sum(left**2)) / degrees / weight
     scatter = float(np.sum(change**2)) / (count - 1)
     if noise > 0.0 and fdtrc(count - 1, degrees, scatter / noise) > BY_CHANCE:
         return 0.0

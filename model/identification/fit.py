@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,13 +18,15 @@ from model.identification.observations import Observed, not_driven, observe
 from model.identification.options import FitOptions
 from model.identification.paper import PaperFit, identify
 from model.identification.residuals import ConditionResidual, Kind, Rmse, residuals, rmse
-from model.measurements import Measurements, ModelError
+from model.measurements import Measurements, ModelError, rms
 from model.sheet import misfit
 from model.sheet.configured_sheet import Along, ConfiguredSheet
 from model.sheet.deviations import Deviations
 from model.sheet.sheet_model import SheetModel
 
 NODES = 51  # of a quantity along the sheet, as handed on
+BY_NOISE = 2.0  # standard uncertainties from which on a difference of curvatures is said
+IN_WORDS = {"constant": "a constant EIBM", "varying": "the EIBM along the sheet"}
 UNSETTLED = 0.02  # relative scatter of single readings' EIBM from which on it is said
 POOR = 0.25  # relative uncertainty from which on a parameter is said not to be fixed
 
@@ -38,6 +40,8 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     names = options.configurations or tuple(
         n for n in used.sheets if any(c.configuration == n for c in used.conditions)
     )
+    if not names and held_out:
+        raise ModelError("every condition is held out, so there is nothing to fit; hold out fewer")
     if not names:
         raise ModelError(
             "there are no measurements: no condition of any configuration of the sheet"
@@ -181,6 +185,37 @@ def _without(
     return replace(measurements, conditions=tuple(kept)), tuple(names)
 
 
+def _left_out(measurements: Measurements, parts: Collection[str]) -> list[str]:
+    """Return what has no valid reading, a sentence for each position and reason."""
+    found: dict[tuple[str, str], list[str]] = {}
+    for c in measurements.conditions:
+        if c.position_m is not None and c.configuration in parts and c.readings and not c.used():
+            why = "; ".join(sorted({r.why for r in c.readings if r.why})) or "no reading is valid"
+            place = f"{c.configuration}, {c.position_m * 1e3:g} mm"
+            found.setdefault((place, why), []).append(_volts(c.voltage_V))
+    return [
+        f"{place}, {', '.join(dict.fromkeys(volts))} was left out: {why}"
+        for (place, why), volts in found.items()
+    ]
+
+
+def _not_reached(rows: tuple[ConditionResidual, ...]) -> list[str]:
+    """Return where a model has no equilibrium, a sentence for each model."""
+    places: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        for kind, why in row.why.items():
+            places.setdefault((IN_WORDS[kind], why), []).append(row.name)
+    return [
+        f"with {kind} the model {why} at {'; '.join(at)}: these are not in its errors, and its"
+        " parameters are not to be trusted"
+        for (kind, why), at in places.items()
+    ]
+
+
+def _volts(voltage_V: float) -> str:
+    return f"{voltage_V:+g} V" if voltage_V else "0 V"
+
+
 def _bootstrap(joint: Joint, options: FitOptions) -> dict[str, float]:
     if not options.bootstrap:
         return {}
@@ -200,14 +235,7 @@ def _notes(
     rows: tuple[ConditionResidual, ...],
     ratio: dict[str, float],
 ) -> tuple[str, ...]:
-    notes = []
-    for c in measurements.conditions:
-        if c.position_m is not None and c.configuration in parts and c.readings and not c.used():
-            why = "; ".join(sorted({r.why for r in c.readings if r.why})) or "no reading is valid"
-            notes.append(
-                f"{c.configuration}, {c.position_m * 1e3:g} mm, {c.voltage_V:+g} V was left out:"
-                f" {why}"
-            )
+    notes = _left_out(measurements, parts)
     for name, one in configurations.items():
         if not one.B_known:
             notes.append(not_weighed(name, one.B.value))
@@ -224,16 +252,15 @@ def _notes(
             for volts, share in eibm_along_runs(joint, n).items()
             if share > UNSETTLED
         ]
-        off = one.rest_measured_per_m - one.rest_per_m
-        if (
-            parts[name].known
-            and np.sqrt(np.mean(off**2)) > 0.02 * np.max(np.abs(one.rest_per_m)) + 0.1
-        ):
+        off = float(rms(one.rest_measured_per_m - one.rest_per_m))
+        unsure = float(rms(joint.rest_sigma(n, parts[name].s_m)))
+        least = 0.02 * np.max(np.abs(one.rest_per_m)) + 0.1
+        if parts[name].known and off > max(least, BY_NOISE * unsure):
             notes.append(
                 f"at 0 V the shapes of '{name}' differ from the stated initial curvature by"
-                f" {np.sqrt(np.mean(off**2)):.2f} per m"
+                f" {off:.2f} per m"
             )
-    notes += [f"{r.name}: the model with {k} EIBM {w}" for r in rows for k, w in r.why.items() if w]
+    notes += _not_reached(rows)
     notes += [
         f"the uncertainty of {name} is {value:.1f} times as large in simulated repeats"
         for name, value in ratio.items()

@@ -82,7 +82,7 @@ class Joint:
 
     def stiffness(self, n: int) -> Parameter:
         """B of a configuration; as uncertain as it is large where nothing was weighed."""
-        found = self.parameter(self._B(n), self._by_B(n), "N m^2")
+        found = replace(self.parameter(self._B(n), self._by_B(n), "N m^2"), low=0.0)
         return found if weighs(self.forward.data_vectors[n]) else replace(found, sigma=found.value)
 
     def constant_eibm(self, n: int, voltage_V: float) -> Parameter:
@@ -106,7 +106,7 @@ class Joint:
             row, doubt = self._mean(n, voltage, self._loaded(n, voltage))
             sign = float(np.sign(row @ self.fitted.theta)) / len(voltages_V)
             direction, unsure = direction + sign * row, unsure + sign * doubt
-        return self._eibm(n, direction, unsure)
+        return replace(self._eibm(n, direction, unsure), low=0.0)
 
     def along(self, n: int, voltage_V: float, s_m: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(8): Me(s) and its standard uncertainty; from the stated k0, where one was."""

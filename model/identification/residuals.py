@@ -91,7 +91,7 @@ def against(observed: Observed, model: SheetModel) -> list[_PredictedCondition]:
                 _PredictedCondition(np.nan, _free_distance(free_curvature(setups[i]), o))
             )
         elif found.status[i] != SolverStatus.SOLVED:
-            answers.append(_PredictedCondition(np.nan, np.nan, "has no equilibrium there"))
+            answers.append(_PredictedCondition(np.nan, np.nan, "has no equilibrium"))
         else:
             force = float(found.force_N[i])
             answers.append(_PredictedCondition(force, _distance(shapes, i, o.curve, observed)))
@@ -107,7 +107,7 @@ def _seen(observed: Observed, o: Observation, model: SheetModel) -> _PredictedCo
     else:
         found = predict(model, name, o.position_m, o.voltage_V)
         if not found.reachable:
-            return _PredictedCondition(np.nan, np.nan, "has no equilibrium there")
+            return _PredictedCondition(np.nan, np.nan, "has no equilibrium")
         force, why, s, x, y = found.F_N, "", found.s_m, found.x_m, found.y_m
     inside = s <= length * (1.0 + 1e-9)
     off = np.nan if o.curve is None else distance_to(x[inside], y[inside], o.curve, length)

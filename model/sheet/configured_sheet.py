@@ -108,9 +108,9 @@ class ConfiguredSheet(Displayed):
         length = self.sheet.free_length_m
         volts = sorted({0.0, *self.eibm})
         if not volts[0] <= voltage_V <= volts[-1]:
+            known = f"{volts[0]:g} V to {volts[-1]:+g} V" if len(volts) > 1 else "0 V alone"
             raise ModelError(
-                f"the model of '{self.sheet.configuration}' knows {volts[0]:g} V to"
-                f" {volts[-1]:+g} V;"
+                f"the model of '{self.sheet.configuration}' knows {known};"
                 f" {voltage_V:+g} V is outside"
             )
         if voltage_V in self.eibm:

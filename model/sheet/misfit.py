@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from model.sheet.sheet_model import SheetModel
 
 # keys of a model's figures of merit
@@ -28,6 +30,7 @@ class Misfit:
     curve_m: float | None
     force_size_N: float | None  # RMS of the measured forces
     length_m: float  # of sheet and elongation
+    constant: bool  # whether its EIBM is the same all along the sheet
     along_force_N: float | None  # the same with the EIBM along the sheet, where that was fitted too
     along_curve_m: float | None
 
@@ -68,7 +71,8 @@ class Misfit:
 
 def misfit(model: SheetModel, configuration: str) -> Misfit:
     """Return a configuration's; files of older versions state that of all together only."""
-    sheet = model.sheet(configuration).sheet
+    one = model.sheet(configuration)
+    sheet = one.sheet
     merit: Mapping[str, float] = model.own_merit.get(configuration) or model.merit
     return Misfit(
         configuration=configuration,
@@ -76,6 +80,7 @@ def misfit(model: SheetModel, configuration: str) -> Misfit:
         curve_m=merit.get(CURVE),
         force_size_N=merit.get(FORCE_SIZE),
         length_m=sheet.free_length_m + sheet.elongation_m,
+        constant=all(np.ptp(along.values) == 0.0 for along in one.eibm.values()),
         along_force_N=merit.get(ALONG_FORCE),
         along_curve_m=merit.get(ALONG_CURVE),
     )

@@ -194,6 +194,13 @@ def _first(found: SolvedProblems) -> Equilibria:
 def _why_not(setup: ConditionProblem, found: Equilibria) -> str:
     limit, slips = limit_m(found.problems)
     if not np.isfinite(limit):
+        sheet = setup.sheet
+        whole_m = sheet.free_length_m + sheet.elongation_m
+        if whole_m < sheet.arc_radius_m:
+            return (
+                f"the sheet does not reach the arc: {1e3 * whole_m:g} mm with its elongation, the"
+                f" arc's radius is {1e3 * sheet.arc_radius_m:g} mm"
+            )
         return "no position of this sheet on the arc is an equilibrium"
     origin = setup.sheet.arc_origin_rad - setup.clamp_rad
     at = limit - origin * setup.sheet.arc_radius_m

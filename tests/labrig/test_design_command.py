@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+import labrig
 from labrig.cli.main import run
 from labrig.model_file import load_model, save_model
+from labrig.report.design.answers import tables
 from model import Along, ConfiguredSheet, Parameter, SheetGeometry, SheetModel
 
 pytestmark = pytest.mark.slow
@@ -97,6 +101,35 @@ def test_a_question_without_an_answer_takes_no_other_along(
         "short-reach",
         "short-elongation",
     }
+
+
+def test_a_section_far_out_of_reach_has_no_empty_table_and_no_false_digits() -> None:
+    long = labrig.sheet(
+        free_length_mm=50, width_mm=11, thickness_mm=0.21, B_Nm2=1.27e-6,
+        EIBM_Nm={2.0: 36e-6, -2.0: -36e-6}, initial_curvature_per_m=14,
+    )  # fmt: skip
+    (found,) = labrig.design(long, (-20, 51))
+    told = " ".join([*found.unanswered, *found.unanswered.values()])
+    assert "+0 V" not in told
+    assert not re.search(r"\d\.\d{3,} mm", told)
+    bare = replace(found, shapes=None, reach=None, largest={}, both_ways=None)
+    assert not any(table.title.startswith("2-5.") for table in tables(bare))
+
+
+def test_a_model_along_the_sheet_that_misses_its_data_is_not_told_to_be_along_it(
+    model_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = load_model(model_file)
+    one = model.sheet("short")
+    falling = np.array([1.0, 0.5])
+    eibm = {v: replace(a, values=a.values * falling) for v, a in one.eibm.items()}
+    merit = {"force_rmse_N": 5e-4, "curve_rmse_m": 1.8e-3, "force_rms_N": 1e-3}
+    varying = replace(model, sheets={**model.sheets, "short": replace(one, eibm=eibm)})
+    save_model(varying.with_merit(merit, {"short": merit}), model_file)
+    assert run(["simulate", str(model_file), "--position-mm", "5", "--voltage", "2"]) == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "misses its own data by 0.500 mN and 1.800 mm RMS; labrig diagnose says" in told
+    assert "--varying" not in told
 
 
 def test_a_model_that_misses_its_own_data_is_warned_of(

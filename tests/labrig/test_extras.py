@@ -192,6 +192,14 @@ def test_plan_prints_the_warning_and_the_time_under_voltage(tmp_path, capsys):
     assert "add [extras] release = true" in err
 
 
+def test_plan_speaks_of_one_run(tmp_path, capsys):
+    path = tmp_path / "protocol.toml"
+    one = '[[places]]\nconfiguration = "long"\npositions_mm = [0]\n'
+    path.write_text(one + '[pulse_train]\n[extras]\nmode = "paper"\n')
+    assert run(["plan", str(path)]) == 0
+    assert "\n1 run: " in capsys.readouterr().out
+
+
 # -------------------------------------------------------------------------------------- the rig
 
 

@@ -341,4 +341,4 @@ def test_a_copy_of_a_session_is_no_further_measurement(day_1, day_2, tmp_path, c
 
 def test_all_positions_held_out_is_one_sentence(day_1, capsys):
     held = [text for p in (0, 10, 20, 30) for text in ("--hold-out", f"position={p}")]
-    assert "no measurements" in refused(capsys, day_1, *held)
+    assert "every condition is held out" in refused(capsys, day_1, *held)

@@ -8,20 +8,23 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from labrig.report.data.fitted import fit_what_can_be
+from labrig.report.data.findings import Findings
+from labrig.report.data.fitted import FittedSheets, fit_what_can_be
 from labrig.report.data.models import force_curve_N
 from labrig.report.data.quality import quality, scatter_and_drift
 from labrig.report.data.selection import force_line, mean_force, rest_position_m
+from labrig.report.page.summary import cards
 from labrig.report.parts.table import fixed, interval, number, with_sigma
 from labrig.report.tables.devices import device_row, devices_as_table
-from labrig.report.tables.fit import residual_table, trust
+from labrig.report.tables.fit import residual_table, scatter_table, trust
 from labrig.report.tables.measurements import measurements_as_dict, measurements_tables
 from labrig.report.tables.observations import observations
 from labrig.report.tables.paper import compared_conditions, table_3, table_4, table_5, table_6
 from labrig.session.format.devices import CalibrationRecord, RecordedDevice
 from model import Condition, Measurements, Parameter, Reading, predict
+from protocols.execution.events import Outcome
 from protocols.planning.schedule import Purpose
-from tests.labrig.report_data import STIFFNESS, invalid, measure, truth
+from tests.labrig.report_data import POSITIONS_M, STIFFNESS, invalid, measure, truth
 
 
 @pytest.fixture(scope="module")
@@ -272,6 +275,13 @@ def test_what_shapes_alone_leave_open_is_taken_and_their_ratio_is_told():
     ratio = value(cell(table, "constant EIBM/B at +2 V, 1/m", "long"))
     assert ratio == pytest.approx(found.configurations["long"].eibm_over_B[2.0].value, rel=1e-2)
     assert not any("(B)" in said for said in trust(found))
+    closed = SimpleNamespace(outcome=Outcome.COMPLETED, runs=())
+    fitted = FittedSheets(found)
+    shown = cards(Findings(session=closed, measurements=whole, fitted=fitted, why_not=""))
+    lines = {label: text for card in shown for label, text, _ in card.lines}
+    assert lines["long: B, µN·m²"].endswith(" (taken)")
+    assert lines["long: E, MPa"].endswith(" (taken)")
+    assert "long, +2 V, B taken" in lines
 
 
 def test_only_runs_that_should_have_a_curve_are_missed_for_it_and_each_place_is_said_once():
@@ -329,3 +339,38 @@ def test_values_of_labrig_init_are_no_calibration_of_that_day():
         "2026-03-04 (cell.toml)",
         "not known (cell.toml)",
     ]
+
+
+@pytest.mark.slow
+def test_one_set_up_is_not_said_to_show_the_scatter_between_set_ups():
+    one, four = (
+        fit_what_can_be(measure("short", positions_m=some)).fit for some in ((0.01,), POSITIONS_M)
+    )
+    assert "One set-up does not show how set-ups differ" in scatter_table(one).note
+    assert "Estimated from the residuals" in scatter_table(four).note
+
+
+@pytest.mark.slow
+def test_notes_keep_names_as_they_are_and_narrow_intervals_are_not_called_zero():
+    fit = fit_what_can_be(measure("long", curves=False)).fit
+    one = fit.configurations["long"]
+    exact = replace(one.B, sigma=1e-4 * one.B.value, freedom=1e4)
+    said = trust(
+        replace(
+            fit,
+            notes=("long, 5 mm, 0 V was left out: a bubble", "the EIBM changes"),
+            configurations={"long": replace(one, B=exact)},
+        )
+    )
+    assert "±0.02 % (B)" in said[0]
+    assert said[-2:] == ["long, 5 mm, 0 V was left out: a bubble.", "The EIBM changes."]
+
+
+@pytest.mark.slow
+def test_the_mean_size_of_eibms_is_that_of_equal_voltages():
+    fit = fit_what_can_be(measure("short")).fit
+    assert any("mean absolute value" in row[0] for row in table_4(fit).rows)
+    one = fit.configurations["short"]
+    uneven = replace(one, eibm={1.5: one.eibm[2.0], -2.5: one.eibm[-2.0]})
+    table = table_4(replace(fit, configurations={"short": uneven}))
+    assert not any("mean absolute value" in row[0] for row in table.rows)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import labrig
-from model import Along, FitOptions, ModelError, SheetModel, fit
+from model import Along, FitOptions, ModelError, SheetModel, fit, predict
 from model.design.deviated import deviated
 from model.design.force_map import force_map, resized
 from model.design.propagation import propagate
@@ -18,6 +18,7 @@ from model.discrepancy.diagnose import diagnose
 from model.identification.along_runs import eibm_along_runs
 from model.identification.likelihood.mixed_model import freedom
 from model.sheet.deviations import (
+    STIFFNESS,
     USUAL_FREEDOM,
     Deviations,
     columns_of,
@@ -95,6 +96,12 @@ def test_an_eibm_that_changes_along_runs_is_uncertain_by_as_much(falling, measur
     assert any("at +2 V changes by 3 % along a run" in note for note in found.notes)
     (angle,) = propagate(found.varying_model, "long", lambda m: bent(m)[-1:], ("rad",))
     assert angle.sigma == pytest.approx(0.1 / np.sqrt(10.0) * angle.value, rel=0.2)
+
+
+@pytest.mark.slow
+def test_noise_of_a_single_run_is_no_change_of_the_eibm_along_it(falling, measure):
+    found = fit(measure(3, ("long",), (10,), force_N=2e-4, model=falling), FitOptions())
+    assert eibm_along_runs(found.joint, 0) == {-2.0: 0.0, 2.0: 0.0}
 
 
 def first_pulse_weaker(data, share: float):
@@ -227,3 +234,19 @@ def _sizes(model: SheetModel):
     place = (model, "long", 0.0, 0.025)
     with_elongation = least_area(*place, 5e-4, elongated=True).area_m2
     return shortest_sheet(*place).length_m, with_elongation
+
+
+@pytest.mark.parametrize("joint", [True, False])
+def test_forces_of_a_stiffness_that_is_unknown_are_as_uncertain(truth, joint):
+    """As where shapes alone were measured: Me/B is known, and B is taken."""
+    one = truth.sheet("long")
+    rows = {STIFFNESS: np.array([one.B.value])}
+    rows |= {eibm_key(v, 0): along.values[:1] for v, along in one.eibm.items()}
+    known = {v: replace(along, sigma=along.values * 0.0) for v, along in one.eibm.items()}
+    model = replace(
+        truth,
+        sheets={"long": replace(one, B=replace(one.B, sigma=one.B.value), eibm=known)},
+        deviations={"long": Deviations(rows, np.zeros((0, 1, 1)))} if joint else {},
+    )
+    (force,) = propagate(model, "long", lambda m: [predict(m, "long", 0.0, 2.0).F_N], ("N",))
+    assert force.sigma == pytest.approx(abs(force.value))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -209,3 +210,35 @@ def test_simulated_repeats_confirm_the_stated_uncertainty(measure):
     assert set(found.bootstrap_ratio) >= {"long B", "short EIBM at +2 V"}
     for ratio in found.bootstrap_ratio.values():
         assert 0.7 < ratio < 1.4
+
+
+@pytest.mark.slow
+def test_curves_that_scatter_are_not_said_to_differ_from_the_stated_curvature(truth, measure):
+    one, k0 = truth.sheet("long"), np.zeros(1)
+    sheet = replace(one.sheet, initial_curvature=(k0, k0))
+    straight = replace(one, sheet=sheet, rest=Along(k0, k0, k0, "1/m"))
+    model = SheetModel(sheets={"long": straight})
+    found = fit(measure(names=("long",), positions_mm=(0, 10), curve_m=1e-4, model=model))
+    assert not any("stated initial curvature" in note for note in found.notes)
+
+
+@pytest.mark.slow
+def test_what_cannot_be_negative_has_no_interval_below_zero(measure):
+    found = fit(measure(names=("short",), positions_mm=(10,), force_N=3e-3))
+    one = found.configurations["short"]
+    for parameter in (one.B, one.B_per_width, one.E, one.eibm_mean_abs):
+        assert replace(parameter, sigma=parameter.value).interval()[0] >= 0.0
+
+
+@pytest.mark.slow
+def test_where_a_model_has_no_equilibrium_is_one_sentence(measure, monkeypatch):
+    def nowhere(observed, model):
+        answer = SimpleNamespace(force_N=np.nan, curve_m=np.nan, why="has no equilibrium")
+        return [answer] * len(observed.observations)
+
+    monkeypatch.setattr("model.identification.residuals.against", nowhere)
+    found = fit(measure(names=("short",), positions_mm=(0, 10)))
+    told = [note for note in found.notes if "equilibrium" in note]
+    assert len(told) == 2
+    assert told[0].startswith("with a constant EIBM the model has no equilibrium at short, 0 mm, ")
+    assert told[0].endswith("not in its errors, and its parameters are not to be trusted")

@@ -125,6 +125,26 @@ def test_invalid_conditions_are_left_out_and_noted(measure):
     assert "short, 30 mm, -2 V was left out: the sheet stuck in the rolls" in found.notes
 
 
+@pytest.mark.slow
+def test_voltages_of_a_position_that_is_left_out_share_a_sentence(measure):
+    data = measure(names=("short",))
+    conditions = tuple(
+        replace(c, readings=tuple(replace(r, valid=False, why="a bubble") for r in c.readings))
+        if c.position_m == 0.01
+        else c
+        for c in data.conditions
+    )
+    found = fit(replace(data, conditions=conditions))
+    told = [note for note in found.notes if "left out" in note]
+    assert told == ["short, 10 mm, 0 V, +2 V, -2 V was left out: a bubble"]
+
+
+def test_all_positions_held_out_are_said_to_be(data):
+    every = {(c.configuration, c.position_m) for c in data.conditions}
+    with pytest.raises(ModelError, match="every condition is held out"):
+        fit(data, FitOptions(held_out=tuple(every)))
+
+
 def test_fewer_conditions_than_parameters(data):
     with pytest.raises(ModelError, match=r"need 3 forces"):
         fit(replace(data, conditions=data.conditions[1:3]))

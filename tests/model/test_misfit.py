@@ -51,3 +51,10 @@ def test_a_fit_prefers_the_model_that_describes_the_data(
     assert stated.force_size_N == pytest.approx(
         np.sqrt(np.mean([r.force_N**2 for r in found.residuals if np.isfinite(r.force_N)]))
     )
+
+
+@pytest.mark.slow
+def test_a_model_says_whether_its_eibm_is_constant(measure: MakeMeasurements):
+    found = fit(measure(seed=3, names=("long",)))
+    assert misfit(found.model, "long").constant
+    assert not misfit(found.varying_model, "long").constant

@@ -42,6 +42,20 @@ def test_an_unreachable_position_is_an_answer(truth: SheetModel):
     json.dumps(answer, allow_nan=False)
 
 
+def test_a_sheet_that_is_shorter_than_the_arc_is_far_is_said_to_be(truth: SheetModel):
+    one = truth.sheet("long")
+    far = replace(one, sheet=replace(one.sheet, arc_radius_m=0.2))
+    found = predict(SheetModel(sheets={"long": far}), "long", 0.0, 2.0)
+    assert not found.reachable
+    assert "50 mm with its elongation, the arc's radius is 200 mm" in found.why
+
+
+def test_a_sheet_without_a_driven_voltage_knows_0_V_alone(truth: SheetModel):
+    model = SheetModel(sheets={"long": replace(truth.sheet("long"), eibm={})})
+    with pytest.raises(ModelError, match=r"knows 0 V alone; \+2 V is outside"):
+        predict(model, "long", 0.0, 2.0)
+
+
 def test_a_prediction_holds_what_simulate_prints(truth: SheetModel):
     found = truth.predict("short", 0.005, 2.0)
     answer = found.to_json()

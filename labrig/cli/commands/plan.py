@@ -60,9 +60,10 @@ def plan(
         "under V s",
     ]
     print_table("All runs", columns, overview_rows(found))
+    runs = "1 run" if len(schedule.runs) == 1 else f"{len(schedule.runs)} runs"
     say(
-        f"{len(schedule.runs)} runs: {found.running_s:.1f} s, {found.under_voltage_s:.1f} s of it "
-        f"under voltage; about {found.estimate_s / 60:.0f} min with what is done between them."
+        f"{runs}: {found.running_s:.1f} s, {found.under_voltage_s:.1f} s of it under voltage; "
+        f"about {found.estimate_s / 60:.0f} min with what is done between them."
     )
     shapes = free_shapes_in_words(schedule)
     if shapes:

@@ -37,6 +37,11 @@ def _possible(found: Diagnosis) -> tuple[list[str], list[str]]:
 def no_pair(found: Diagnosis) -> str:
     """Return why a diagnosis names no two effects, and what shows the one that it may name."""
     of_unknown, _ = _possible(found)
+    if found.verdict == "cannot_tell":
+        return (
+            f"the diagnosis names no effects. {found.sentence} To tell two effects apart all the "
+            "same, name them with between, such as gravity and clamp_angle."
+        )
     if not of_unknown:
         return (
             "the diagnosis names no two effects that could be mistaken for each other "

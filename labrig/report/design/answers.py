@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from labrig.report.parts.table import Table, with_sigma
+from labrig.report.parts.table import Table, volts, with_sigma
 from model import ModelError, Parameter, SheetModel
 from model.design.force_map import keeping_maps, known_voltages
 from model.design.linear_models import (
@@ -125,7 +125,7 @@ def _answer(model: SheetModel, wanted: Wanted) -> DesignAnswers:
     place = (model, wanted.configuration, wanted.low_m, wanted.high_m)
     asked = _Questions()
     lines = [
-        asked.ask(f"best line at {volt:+g} V", partial(best_line, *place, float(volt)))
+        asked.ask(f"best line at {volts(float(volt))}", partial(best_line, *place, float(volt)))
         for volt in known_voltages(model, wanted.configuration)
     ]
     found = DesignAnswers(
@@ -201,7 +201,8 @@ def tables(found: DesignAnswers) -> list[Table]:
     result = [_line_table(found, name)] if found.lines else []
     if found.control is not None:
         result.append(_control_table(found.control, found.wanted))
-    result.append(_force_table(found, name))
+    forces = _force_table(found, name)
+    result += [forces] if forces.rows else []
     if found.wanted.force_N is not None:
         result.append(_size_table(found))
     if found.work is not None:
@@ -263,14 +264,14 @@ def _shape_rows(found: DesignAnswers) -> Iterator[tuple[str, str, str]]:
         apart = _said(shapes.distance_m, 1e3)
         yield "2. shapes at opposite EIBMs are apart by, mm", apart, where
     if reach is not None:
-        where = f"for {1e3 * reach.position_m:.1f} mm at {reach.voltage_V:+g} V"
+        where = f"for {1e3 * reach.position_m:.1f} mm at {volts(reach.voltage_V)}"
         length = _said(reach.length_m, 1e3)
         yield "3. shortest length that reaches everywhere, mm", length, where
 
 
 def _force_rows(found: DesignAnswers) -> Iterator[tuple[str, str, str]]:
     for direction, force in found.largest.items():
-        where = f"at {1e3 * force.position_m:.1f} mm and {force.voltage_V:+g} V"
+        where = f"at {1e3 * force.position_m:.1f} mm and {volts(force.voltage_V)}"
         yield f"4. largest force, {direction}, mN", _said(force.force_N, 1e3), where
     both = found.both_ways
     if both is not None:
@@ -305,11 +306,13 @@ def _size_table(found: DesignAnswers) -> Table:
 
 def _work_table(work: WorkAlongArc, wanted: Wanted) -> Table:
     rows = [
-        (f"outward at {v:+g} V, µJ" if v else "outward at 0 V, µJ", _said(one, 1e6))
+        (f"outward at {volts(v)}, µJ", _said(one, 1e6))
         for v, one in sorted(work.outward_J.items(), reverse=True)
     ]
     low_V, high_V = work.voltages_V
-    rows.append((f"out at {high_V:+g} V and back at {low_V:+g} V, µJ", _said(work.cycle_J, 1e6)))
+    rows.append(
+        (f"out at {volts(high_V)} and back at {volts(low_V)}, µJ", _said(work.cycle_J, 1e6))
+    )
     return Table(
         title=f"7. {wanted.configuration}: quasi-static work on the object over the section",
         columns=("", "value"),

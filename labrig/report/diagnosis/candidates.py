@@ -113,7 +113,7 @@ def form_figure(found: Diagnosis) -> Figure | None:
             letter(axes, mark, title(name))
         if found.unknown is not None:
             _profile(panels[-1], found.unknown)
-            location = found.unknown.location.replace("_", " ")
+            location = title(found.unknown.location)
             letter(panels[-1], "abcdefgh"[count - 1], f"unknown: {location}")
         return fig
 

@@ -137,17 +137,24 @@ def ranking_table(found: Diagnosis) -> Table:
     columns = (
         "candidate", "location", "ln Bayes factor", "relative size", "detectability", "remark",
     )  # fmt: skip
+    limit = f"ln Bayes factor {fixed(found.threshold, 1)}" if _names(found) else "none"
     note = (
-        f"Threshold for a name: ln Bayes factor {fixed(found.threshold, 1)}"
-        f" ({found.threshold_from}). The factors are those of each candidate alone, against the"
-        " base model; a further name needs the threshold beside the names before it. Relative size:"
-        " most likely amplitude over its prior scale."
+        f"Threshold for a name: {limit} ({found.threshold_from}). The factors are those of each"
+        " candidate alone, against the base model; a further name needs the threshold beside the"
+        " names before it. Relative size: most likely amplitude over its prior scale."
         " Detectability: size of the effect at its prior scale, in standard uncertainties."
     )
     return Table(title="Candidates", columns=columns, rows=rows, note=note)
 
 
+def _names(found: Diagnosis) -> bool:
+    """Whether anything may be named at all; with too few set-ups nothing is."""
+    return bool(np.isfinite(found.threshold))
+
+
 def _standing(one: Ranked, found: Diagnosis) -> str:
+    if not _names(found):
+        return "not judged"
     if one.name in {effect.name for effect in found.effects}:
         return "named"
     if found.unknown is not None and one.name == f"unknown:{found.unknown.location}":
@@ -192,14 +199,14 @@ def _coordinate(along: str) -> str:
 
 def improvement_table(found: Diagnosis) -> Table:
     """Before and after in mN and mm, as the paper's table 6, fitted and left out."""
-    rows = [
-        *_gap_rows("all, fitted", found.fitted.before, found.fitted.after),
-        *_gap_rows("all, left out", found.held_out.before, found.held_out.after),
-    ]
+    rows = [*_gap_rows("all, fitted", found.fitted.before, found.fitted.after)]
+    note = BEFORE_AFTER
+    if len({row.position_m for row in found.rows if row.position_m is not None}) > 1:
+        rows += _gap_rows("all, left out", found.held_out.before, found.held_out.after)
+        note += " Left out: each position predicted by fits without it."
     for name in dict.fromkeys(row.configuration for row in found.rows):
         own = [row for row in found.rows if row.configuration == name]
         rows += _gap_rows(f"{name}, fitted", *(_rms_gap(own, when) for when in ("before", "after")))
-    note = f"{BEFORE_AFTER} Left out: each position predicted by fits without it."
     if found.closed_gap is not None:
         note += f" {closed_sentence(found.closed_gap)}"
     columns = ("root mean squared errors", "before", "after")

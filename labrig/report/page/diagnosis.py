@@ -18,6 +18,7 @@ from labrig.report.parts.table import fixed
 from model.discrepancy.thresholds import REPORTED_GAP_RATIO
 from model.discrepancy.verdict.messages import answer_title, located
 from model.discrepancy.verdict.result import Diagnosis
+from model.effects import title
 
 # title, name of the gap, decimals
 MEANS = (
@@ -75,7 +76,7 @@ def _cards(found: Diagnosis) -> list[Card]:
                 (
                     (located(found.unknown), f"most at {where}", ""),
                     *(
-                        (f"or {name.replace('_', ' ')}", percent(share), "")
+                        (f"or {title(name)}", percent(share), "")
                         for name, share in found.unknown.other_locations.items()
                     ),
                 ),

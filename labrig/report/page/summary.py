@@ -14,7 +14,7 @@ from labrig.report.data.paper import PAPER
 from labrig.report.data.quality import MOST_WARNINGS
 from labrig.report.data.selection import rest_position_m
 from labrig.report.diagnosis.tables import suspicion_sentence
-from labrig.report.parts.table import fixed, volts, with_sigma
+from labrig.report.parts.table import fixed, number, volts, with_sigma
 from model import ConfigurationFit, Parameter
 from protocols.execution.events import Outcome, OutputState
 
@@ -59,14 +59,25 @@ def _session(found: Findings) -> Card:
 
 
 def _stiffness(parts: Parts) -> Card:
-    lines = [(f"{name}: B, µN·m²", _scaled(one.B, 1e6), "") for name, one in parts.items()]
-    lines += [(f"{name}: E, MPa", _scaled(one.E, 1e-6), "") for name, one in parts.items()]
+    lines = [(f"{name}: B, µN·m²", _stiff(one, one.B, 1e6), "") for name, one in parts.items()]
+    lines += [(f"{name}: E, MPa", _stiff(one, one.E, 1e-6), "") for name, one in parts.items()]
     return Card("Bending stiffness B, Young's modulus E", tuple(lines))
+
+
+def _stiff(one: ConfigurationFit, parameter: Parameter, factor: float) -> str:
+    """Return what follows from forces; without them B was taken, not measured."""
+    if one.B_known:
+        return _scaled(parameter, factor)
+    return f"{number(factor * parameter.value, 3)} (taken)"
 
 
 def _eibm(parts: Parts) -> Card:
     lines = [
-        (f"{name}, {volts(v)}", _scaled(one.eibm[v], 1e6), "")
+        (
+            f"{name}, {volts(v)}" + (", B taken" if not one.B_known else ""),
+            _scaled(one.eibm[v], 1e6),
+            "",
+        )
         for name, one in parts.items()
         for v in sorted(one.eibm, reverse=True)
     ]

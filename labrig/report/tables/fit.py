@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
@@ -33,6 +33,11 @@ def scatter_table(fit: Fit) -> Table:
         text, scale = _SCATTER.get(name, (name.replace("_", " "), 1.0))
         rows.append((text, number(scale * value, 2)))
     note = "Estimated from the residuals; the uncertainties of table 4 include it."
+    if fit.joint.forward.row_index.setups < 2:
+        note = (
+            "One set-up does not show how set-ups differ: these are values that are usual, as far"
+            " as its residuals allow them. The uncertainties of table 4 include them."
+        )
     return Table(
         title="Scatter between set-ups",
         columns=("quantity", "standard deviation"),
@@ -133,10 +138,14 @@ def _widths(one: ConfigurationFit) -> list[str]:
         moments.sort(key=lambda moment: width(moment[1]))
         moments = [moments[0], moments[-1]]
     told = [("B", one.B)] if one.B_known else []
-    shares = [f"±{width(parameter):.1f} % ({what})" for what, parameter in (*told, *moments)]
+    shares = [f"±{_percent(width(parameter))} % ({what})" for what, parameter in (*told, *moments)]
     if len(one.eibm) > FEW_VOLTAGES:
         shares[-2:] = [" to ".join(shares[-2:])]
     return shares
+
+
+def _percent(share: float) -> str:
+    return f"{share:.1f}" if share >= 0.1 else number(share, 1)
 
 
 def trust(fit: Fit) -> list[str]:
@@ -150,7 +159,7 @@ def trust(fit: Fit) -> list[str]:
                 "and take the EIBM as constant along the sheet; where it is not, B and the EIBM "
                 "are off by more than their intervals. Curves (--curves) show it."
             )
-    return said + [_sentence(note) for note in fit.notes]
+    return said + [_sentence(note, fit.configurations) for note in fit.notes]
 
 
 def _has_curves(fit: Fit, name: str) -> bool:
@@ -161,5 +170,7 @@ def _has_curves(fit: Fit, name: str) -> bool:
     )
 
 
-def _sentence(text: str) -> str:
-    return text[:1].upper() + text[1:].rstrip(".") + "."
+def _sentence(text: str, names: Collection[str]) -> str:
+    """Return a note as a sentence; one that begins with a configuration keeps its name."""
+    named = any(text.startswith(f"{name}, ") for name in names)
+    return (text[:1] if named else text[:1].upper()) + text[1:].rstrip(".") + "."

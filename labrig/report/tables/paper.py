@@ -109,10 +109,11 @@ def _parameters(fit: Fit) -> list[tuple[str, _Pick, float]]:
     if not all(one.B_known for one in fit.configurations.values()):
         found += [(f"constant EIBM/B at {volts(v)}, 1/m", _ratio_at(v), 1.0) for v in driven]
     found += [(f"{CONSTANT} at {volts(v)}, µN·m", _constant_at(v), _MICRO) for v in driven]
-    found += [
-        ("constant EIBM, mean absolute value, µN·m", lambda one: one.eibm_mean_abs, _MICRO),
-        ("mean absolute value over width, mN", lambda one: one.eibm_mean_abs_per_width, _MILLI),
-    ]
+    if len({abs(v) for v in driven}) == 1:  # of voltages that differ in size the mean says nothing
+        found += [
+            ("constant EIBM, mean absolute value, µN·m", lambda one: one.eibm_mean_abs, _MICRO),
+            ("mean absolute value over width, mN", lambda one: one.eibm_mean_abs_per_width, _MILLI),
+        ]
     found += [(f"{ALONG}, mean over [0, l], {volts(v)}, µN·m", _mean_at(v), _MICRO) for v in driven]
     return found
 

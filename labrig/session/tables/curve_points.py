@@ -74,7 +74,8 @@ class CurvePoints:
         for at, number in enumerate(numbers.tolist()):
             if number in self._numbers:
                 raise table.row(first + at).fault(
-                    f"column point: point {number} of this curve is there twice"
+                    f"column point: point {number} of this curve is there twice; where the position"
+                    " was set anew, column mounting tells its set-ups apart (0, 1, 2, ...)"
                 )
             self._numbers.add(number)
         end = first + len(numbers)

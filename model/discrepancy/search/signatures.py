@@ -131,7 +131,7 @@ def _seen_from(effect: Effect, length: float) -> str:
     if size.starting_values or size.log:
         return ""
     away = size.prior_scale * DETECTION_SIGMA / max(length, TINY)
-    if size.neutral + away > size.high and size.neutral - away < size.low:
+    if size.neutral + abs(away) > size.high and size.neutral - abs(away) < size.low:
         return "Here it is not seen at any size that it can have."
     return f"Here it is seen from {size.neutral + away:.2g}{f' {size.unit}'.rstrip()} on."
 

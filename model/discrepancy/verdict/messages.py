@@ -106,14 +106,14 @@ def _unknown_sentence(
 
 def located(unknown: Unknown) -> str:
     """Return the location of something unknown, with its share where there are others."""
-    name = unknown.location.replace("_", " ")
+    name = title(unknown.location)
     share = unknown.locations.get(unknown.location)
     return f"{name}, {percent(share)}" if share and unknown.other_locations else name
 
 
 def _or_elsewhere(unknown: Unknown) -> str:
     """Return the other locations that explain the data about as well; empty: there are none."""
-    others = [f"{name.replace('_', ' ')}, {percent(p)}" for name, p in
+    others = [f"{title(name)}, {percent(p)}" for name, p in
               unknown.other_locations.items()]  # fmt: skip
     return f" It may act elsewhere: {listed(others, 'or')}." if others else ""
 
@@ -244,8 +244,11 @@ def listed(names: Sequence[str], last: str = "and") -> str:
 
 def too_few(setups: int) -> str:
     """Return the message that there are too few set-ups."""
+    there = {0: "there is no set-up", 1: "there is one set-up"}.get(
+        setups, f"there are {setups} set-ups"
+    )
     return (
-        f"there are {setups} set-ups of the load cell, too few to estimate the scatter between"
+        f"{there} of the load cell, too few to estimate the scatter between"
         f" set-ups; measure at least {FEWEST_SETUPS} positions, or repeat three of them"
     )
 

@@ -136,6 +136,11 @@ class RowIndex:
             counts[r] += 1
         self.height = int(counts.max(initial=1))
 
+    @property
+    def setups(self) -> int:
+        """How often the load cell was set."""
+        return sum(bool(np.isfinite(position)) for _, position, *_ in self.runs)
+
     def pad(self, flat: FloatArray) -> FloatArray:
         """(N, ...) to (R, n, ...); rows that a run does not have are 0."""
         result = np.zeros((len(self.runs), self.height, *flat.shape[1:]))

@@ -310,7 +310,7 @@ def test_the_page_has_each_location_of_something_unknown_with_its_share(tmp_path
     one = made.unknown()
     two = replace(one.unknown, locations={"eibm": 0.76, "even_moment": 0.24})
     page = read(write_diagnosis(replace(one, unknown=two), tmp_path / "page"))
-    assert "eibm, 76 %" in page
+    assert "EIBM, 76 %" in page
     assert "or even moment" in page
     assert "24 %" in page
 
@@ -481,6 +481,16 @@ def test_a_measurement_made_as_proposed_is_compared_with_its_promise(finding, tm
     assert (said["separation_promised"], said["separation_found"]) == (14.0, 4.8)
     assert run(["diagnose", str(first), str(second)]) == 0
     assert asked[-1].promised == (promise,)  # a promise stays with the session
+
+
+@pytest.mark.slow
+def test_next_after_no_verdict_says_why_there_is_none(finding, recorded, capsys):
+    why = "These data do not allow a verdict: there is one set-up of the load cell."
+    finding(lambda: replace(made.nothing_missing(), verdict="cannot_tell", sentence=why))
+    assert run(["diagnose", str(recorded)]) == 0
+    capsys.readouterr()
+    assert run(["next", str(recorded)]) == 2
+    assert why in " ".join(capsys.readouterr().err.split())
 
 
 @pytest.mark.slow

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from labrig.report.diagnosis.limits import limits_table, visibility
-from labrig.report.diagnosis.tables import MOST_RANKED, ranking_table
+from labrig.report.diagnosis.tables import MOST_RANKED, improvement_table, ranking_table
 from model.discrepancy import CheckResult
 from model.discrepancy.verdict.result import DetectionLimit
 from model.effects import catalogue
@@ -100,3 +102,21 @@ def test_the_reported_set_of_something_unknown_has_the_names_that_it_may_have():
     one = replace(of_unknown.unknown, confusable_with=("gravity",), probabilities=shares)
     assert replace(of_unknown, unknown=one).reported_set == shares
     assert replace(of_unknown, unknown=None).reported_set == {}
+
+
+def test_of_one_position_nothing_is_predicted_without_it():
+    diagnosis = found()
+    assert any("left out" in row[0] for row in improvement_table(diagnosis).rows)
+    alone = tuple(row for row in diagnosis.rows if row.position_m == diagnosis.rows[0].position_m)
+    table = improvement_table(replace(diagnosis, rows=alone))
+    assert not any("left out" in row[0] for row in table.rows)
+    assert "Left out" not in table.note
+
+
+def test_with_too_few_set_ups_nothing_is_below_a_threshold():
+    diagnosis = replace(found(), threshold=np.inf, threshold_from="nothing is named")
+    table = ranking_table(replace(diagnosis, effects=()))
+    assert "Threshold for a name: none (nothing is named)" in table.note
+    remarks = {row[-1] for row in table.rows}
+    assert "not judged" in remarks
+    assert "below the threshold" not in remarks

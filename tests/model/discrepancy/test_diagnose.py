@@ -389,7 +389,8 @@ def test_data_without_curves_or_without_times_can_be_searched_and_say_what_they_
     single = replace(
         bare, conditions=tuple(replace(c, readings=c.readings[-1:]) for c in bare.conditions)
     )
-    assert any("has means alone" in note for note in prepare(single, Options()).notes)
+    notes = prepare(single, Options()).notes
+    assert any("has no two readings of a condition in their order" in note for note in notes)
 
 
 @pytest.mark.slow

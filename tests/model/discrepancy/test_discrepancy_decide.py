@@ -244,6 +244,8 @@ def test_an_effect_is_invisible_where_no_amplitude_of_a_laboratory_would_show_it
     gone = replace(found, detectability=np.full(len(found.names), 1e-4))
     told = invisible(base, gone, catalogue())
     assert told["force_offset"].endswith("Here it is not seen at any size that it can have.")
+    creep = told["viscoelastic_creep"]  # whose sizes are negative, down to -0.4
+    assert creep.endswith("Here it is not seen at any size that it can have.")
 
 
 @pytest.mark.slow

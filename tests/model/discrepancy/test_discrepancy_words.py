@@ -16,6 +16,7 @@ from model.discrepancy.verdict.messages import (
     open_answers,
     promise_note,
     sentence,
+    too_few,
     worse,
 )
 from model.discrepancy.verdict.result import (
@@ -141,7 +142,7 @@ def test_an_unknown_that_a_name_may_be_all_the_same_says_so():
     said = sentence("unknown_effect", [], one, both, "")
     assert said == (
         "Something is not in the model; it may be gravity or clamp angle, or something that is not"
-        " in the catalogue. Location: eibm (under voltage); largest at 0 mm. Prediction error"
+        " in the catalogue. Location: EIBM (under voltage); largest at 0 mm. Prediction error"
         " on left-out positions (RMS), before → after: force 0.200 → 0.030 mN, neutral curve 0.050"
         " → 0.050 mm."
     )
@@ -222,3 +223,11 @@ def test_of_one_polarity_alone_nothing_is_said_of_the_other(volts, told):
         problem=SimpleNamespace(forward=SimpleNamespace(configuration_models=parts))
     )
     assert under_applied_voltages(fitted, "polarity") == told
+
+
+@pytest.mark.parametrize(
+    ("setups", "wanted"),
+    [(0, "there is no set-up of"), (1, "there is one set-up of"), (3, "there are 3 set-ups of")],
+)
+def test_the_number_of_set_ups_is_said_in_english(setups, wanted):
+    assert too_few(setups).startswith(wanted)

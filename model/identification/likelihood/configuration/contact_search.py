@@ -116,5 +116,8 @@ class ContactSearch:
         found = solve(made, start)
         if np.any(found.status != SolverStatus.SOLVED):
             bad = self._look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
-            raise ModelError(f"condition {bad.name}: no equilibrium with these parameters")
+            raise ModelError(
+                f"condition {bad.name}: no equilibrium with these parameters; if the sheet had left"
+                " the rolls there, mark its readings invalid or leave the position out (--hold-out)"
+            )
         return found
