@@ -12,6 +12,7 @@ from drivers.interfaces import FloatArray
 from labrig.session.tables.csv_rows import CsvRow, TextTable, integer
 from labrig.session.tables.decimals import from_milli, from_plain
 from model.measurements import Curve
+from model.measurements.arc_length import arc_length_m
 
 IntArray = npt.NDArray[np.int64]
 # our columns: in thousandths, needed
@@ -100,7 +101,7 @@ class CurvePoints:
                 ("curvature_sigma_per_m", curvature_sigma),
             )
         }
-        s = arc_length(x, y) if whole["s_mm"] is None else s
+        s = arc_length_m(x, y) if whole["s_mm"] is None else s
         if np.any(np.diff(s) <= 0):
             raise self._last.fault("two neighbouring points of its curve are the same place")
         return Curve(
@@ -118,21 +119,3 @@ class CurvePoints:
         if missing.any() and not missing.all() and self._last is not None:
             raise self._last.fault(f"column {name} is empty for some points of its curve")
         return None if missing.any() else values
-
-
-def arc_length(x_m: FloatArray, y_m: FloatArray) -> FloatArray:
-    """Length along a curve through points, from the first one on.
-
-    Each chord is lengthened to the arc of the circle that turns as the chords beside it do, so the
-    error falls with the fourth power of the spacing; chords alone are off with the second.
-    """
-    dx, dy = np.diff(x_m), np.diff(y_m)
-    chord = np.hypot(dx, dy)
-    turn = np.diff(np.unwrap(np.arctan2(dy, dx)))  # at each inner point
-    if turn.size == 0:
-        return np.concatenate([[0.0], np.cumsum(chord)])
-    # A chord turns by half of the turns at its two ends; the outermost ones as their neighbours.
-    own = 0.5 * (np.concatenate([turn[:1], turn]) + np.concatenate([turn, turn[-1:]]))
-    half = 0.5 * own
-    longer = np.where(np.abs(half) < 1e-6, 1.0, half / np.sin(np.where(half == 0, 1.0, half)))
-    return np.concatenate([[0.0], np.cumsum(chord * longer)])

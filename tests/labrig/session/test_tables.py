@@ -23,7 +23,6 @@ from labrig.session import (
     write_tables,
 )
 from labrig.session.tables import decimals
-from labrig.session.tables.curve_points import arc_length
 from labrig.session.tables.decimals import (
     degrees,
     from_degrees,
@@ -187,22 +186,6 @@ def test_a_curve_gets_its_arc_length(tmp_path):
     chords = np.hypot(np.diff(curve.x_m), np.diff(curve.y_m)).cumsum()
     assert (curve.s_m[1:] > chords).all()
     assert (curve.s_m[1:] < 1.01 * chords).all()
-
-
-def test_arc_length_is_that_of_the_curve_not_of_its_chords():
-    angle = np.linspace(0, 4, 41)  # 230 degrees of a circle of 12.5 mm, 1.25 mm apart
-    x, y = 0.0125 * np.sin(angle), 0.0125 * (1 - np.cos(angle))
-    np.testing.assert_allclose(arc_length(x, y), 0.0125 * angle, rtol=1e-12)
-    s = np.linspace(0, 0.05, 51)
-    phi = 24 * 0.04 * (1 - np.exp(-s / 0.04))
-    fine = np.linspace(0, 0.05, 50001)
-    fine_phi = 24 * 0.04 * (1 - np.exp(-fine / 0.04))
-    x, y = (
-        np.interp(s, fine, np.concatenate([[0], np.cumsum(0.5 * (f[1:] + f[:-1]) * 1e-6)]))
-        for f in (np.cos(fine_phi), np.sin(fine_phi))
-    )
-    assert phi[-1] > 0.6
-    np.testing.assert_allclose(arc_length(x, y), s, atol=2e-9)
 
 
 def test_a_free_shape_needs_no_force(tmp_path):

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.measurements import Condition, Curve, FloatArray, Measurements, SheetGeometry
+from model.measurements.arc_length import arc_length_m
 
 
 def with_sheets(
@@ -68,7 +69,7 @@ def curves_of(measurements: Measurements) -> list[Curve]:
 
 def lengths_m(curves: list[Curve]) -> FloatArray:
     """Return the length of each curve along its points."""
-    return np.array([float(np.hypot(np.diff(c.x_m), np.diff(c.y_m)).sum()) for c in curves])
+    return np.array([arc_length_m(c.x_m, c.y_m)[-1] for c in curves])
 
 
 def quoted(names: list[str]) -> str:
