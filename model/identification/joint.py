@@ -274,7 +274,10 @@ def joint_fit(
     fitted = None if earlier is None else _fitted_from(earlier, problem, observed, known)
     if fitted is None:
         rough = start(observed, forward, bases, known)
-        fitted = fit_at_set_ups(problem, least_squares(forward, bases, rough))
+        try:
+            fitted = fit_at_set_ups(problem, least_squares(forward, bases, rough))
+        except np.linalg.LinAlgError:
+            raise ModelError(_no_fit(forward.names)) from None
     loaded = [
         np.minimum(
             configuration_model.solve(bases.beam(forward, n, fitted.theta)).contact.s_hat_m,
@@ -283,6 +286,15 @@ def joint_fit(
         for n, configuration_model in enumerate(forward.configuration_models)
     ]
     return Joint(fitted, spread(fitted.linear.data, fitted.solution, problem.guess), known, loaded)
+
+
+def _no_fit(names: Sequence[str]) -> str:
+    quoted = " and ".join(f"'{name}'" for name in names)
+    return (
+        f"no fit of {quoted} was found: the model stays far from the measured forces and curves;"
+        " check their units and signs (labrig diagnose names what contradicts); a sheet that is"
+        " bent by more than about 250 degrees is not fitted"
+    )
 
 
 def _fitted_from(

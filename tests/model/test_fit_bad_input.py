@@ -198,3 +198,14 @@ def test_a_sheet_too_short_for_the_arc(data):
 def test_meaningless_options(fields):
     with pytest.raises(ModelError, match="must not be negative"):
         FitOptions(**fields)
+
+
+def test_a_fit_that_ends_far_beside_the_data_is_a_sentence(data, monkeypatch):
+    """Of a sheet that is bent to a ring: the noise there is no number."""
+
+    def ends(*_given):
+        raise np.linalg.LinAlgError("a covariance is not positive")
+
+    monkeypatch.setattr("model.identification.joint.fit_at_set_ups", ends)
+    with pytest.raises(ModelError, match="no fit of 'long' was found: the model stays far from"):
+        fit(data)
