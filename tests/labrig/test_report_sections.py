@@ -216,7 +216,7 @@ def test_figures_that_are_no_longer_drawn_lose_their_files(findings, tmp_path):
 
 @pytest.mark.slow
 def test_a_figure_that_cannot_be_written_ends_the_report(findings, tmp_path):
-    (tmp_path / "figures" / "dot.png.part").mkdir(parents=True)
+    (tmp_path / "figures" / "dot.png").mkdir(parents=True)
     with pytest.raises(BadInputError, match="dot"):
         content(findings, tmp_path, made("Dot", draw_dot, figures=("dot",)))
 
