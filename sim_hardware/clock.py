@@ -14,7 +14,7 @@ import threading
 from collections.abc import Callable
 
 INTERRUPTED_S = 5.0  # of the real clock
-STUCK_S = 30.0  # of the real clock: no code that computes, such as a compilation, takes so long
+STUCK_S = 120.0  # of the real clock: a compilation on a busy computer may take a minute
 
 
 class _Waiter:

@@ -66,7 +66,7 @@ class BoardsWatch:
         self._rescue = rescue
         self._token = token
         self._clock = clock
-        self._hearer = tell
+        self._say = tell
         self._listener: socket.socket | None = None
         self._busy = threading.Lock()  # held while a program is watched
         self._greetings = threading.Semaphore(_MOST_GREETINGS)
@@ -98,7 +98,7 @@ class BoardsWatch:
 
     def _tell(self, text: str) -> None:
         """Say it; whoever listened may be gone, or the disk of the log full, and it watches on."""
-        attempt([], lambda: self._hearer(text))
+        attempt([], lambda: self._say(text))
 
     def _accept(self) -> None:
         listener = self._listener
