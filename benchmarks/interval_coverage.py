@@ -4,14 +4,16 @@ Sessions are simulated without pixels and volts by the world of `sim_hardware`, 
 links that shares no code with the model; its EIBM falls along the sheet. k0 is stated as a person
 would, in nodes every 10 mm rounded to 0.1 per m.
 
-    python -m benchmarks.interval_coverage [SESSIONS] [WORLD.toml] [FIRST_SEED]
+    python -m benchmarks.interval_coverage [SESSIONS] [WORLD.toml] [FIRST_SEED] [--few]
+
+With `--few` sessions of the long sheet alone, with two or three positions or with one voltage.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,9 +23,33 @@ from model import Condition, Curve, FitOptions, Measurements, Reading, SheetGeom
 from model.identification.joint import joint_fit
 from model.identification.observations import observe
 from sim_hardware.world import WorldSettings, load_world
-from sim_hardware.world.reduced import ReducedSession, reduced_session
+from sim_hardware.world.reduced import POSITIONS_M, VOLTAGES, ReducedSession, reduced_session
 
 Z90 = 1.6449
+
+
+@dataclass(frozen=True, kw_only=True)
+class Extent:
+    """What is measured in a session."""
+
+    configurations: Sequence[str] = ("long", "short")
+    positions: Sequence[int] = range(len(POSITIONS_M))
+    voltages: Sequence[float] = VOLTAGES
+
+
+WHOLE = Extent()
+FEW = {
+    "three positions": Extent(configurations=("long",), positions=(1, 3, 5)),
+    "three positions, +2 V alone": Extent(
+        configurations=("long",), positions=(0, 3, 6), voltages=(2.0,)
+    ),
+    "three in a row, +2 V alone": Extent(
+        configurations=("long",), positions=(2, 3, 4), voltages=(2.0,)
+    ),
+    "two positions": Extent(configurations=("long",), positions=(1, 5)),
+    "seven positions, +2 V alone": Extent(configurations=("long",), voltages=(2.0,)),
+    "seven positions": Extent(configurations=("long",)),
+}
 
 
 @dataclass(frozen=True)
@@ -78,18 +104,24 @@ def geometry(world: WorldSettings, name: str) -> SheetGeometry:
     )
 
 
-def tally(world: WorldSettings, seeds: Iterable[int]) -> Tally:
+def tally(world: WorldSettings, seeds: Iterable[int], extent: Extent = WHOLE) -> Tally:
     """Fit one session for each seed."""
     names: list[str] = []
     rows = []
     for seed in seeds:
-        session = reduced_session(world, seed=seed)
+        session = reduced_session(
+            world,
+            seed=seed,
+            configurations=extent.configurations,
+            positions_m=[POSITIONS_M[i] for i in extent.positions],
+            voltages=extent.voltages,
+        )
         data = measurements(session, world)
         joint = joint_fit(data, [observe(data, n) for n in data.sheets], FitOptions())
         found = []
         for n, name in enumerate(data.sheets):
             found.append((f"{name} B", joint.stiffness(n), session.B_Nm2[name]))
-            for volts in (2.0, -2.0):
+            for volts in filter(None, sorted(extent.voltages, reverse=True)):
                 truth = session.mean_eibm_Nm[name, volts]
                 found.append((f"{name} EIBM {volts:+g} V", joint.constant_eibm(n, volts), truth))
         names = [name for name, _, _ in found]
@@ -112,14 +144,23 @@ def wilson(share: float, count: int) -> tuple[float, float]:
     return middle - half, middle + half
 
 
-def main(arguments: list[str]) -> None:
-    count = int(arguments[0]) if arguments else 200
-    world = load_world(Path(arguments[1]) if len(arguments) > 1 and arguments[1] else None)
-    first = int(arguments[2]) if len(arguments) > 2 else 1000
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("sessions", type=int, nargs="?", default=200)
+    parser.add_argument("world", nargs="?", default="", help="a world file; '': the shipped one")
+    parser.add_argument("first", type=int, nargs="?", default=1000, help="seed")
+    parser.add_argument("--few", action="store_true", help="sessions of few set-ups")
+    chosen = parser.parse_args()
+    world = load_world(Path(chosen.world) if chosen.world else None)
+    for name, extent in (FEW if chosen.few else {"whole": WHOLE}).items():
+        _show(name, world, chosen.sessions, chosen.first, extent)
+
+
+def _show(what: str, world: WorldSettings, count: int, first: int, extent: Extent) -> None:
     start = time.perf_counter()
-    found = tally(world, range(first, first + count))
+    found = tally(world, range(first, first + count), extent)
     each = (time.perf_counter() - start) / count
-    print(f"{count} sessions from seed {first} on, {each:.2f} s each")
+    print(f"{what}: {count} sessions from seed {first} on, {each:.2f} s each")
     print(f"{'':18} {'bias %':>7} {'scatter %':>9} {'stated %':>8} {'covered':>8} {'width %':>8}")
     for i, name in enumerate(found.names):
         share = float(np.mean(found.inside[:, i]))
@@ -133,4 +174,4 @@ def main(arguments: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -48,10 +49,14 @@ class Joint:
         """Return the forward model, which predicts the data."""
         return self.fitted.problem.forward
 
+    @cached_property
+    def _by_scatter(self) -> FloatArray:
+        return self.spread.of_beta()
+
     @property
     def covariance(self) -> FloatArray:
-        """Of all parameters."""
-        return self.fitted.solution.covariance
+        """Of all parameters, with what the estimated scatter adds."""
+        return self.fitted.solution.covariance + self._by_scatter
 
     def scatter(self) -> dict[str, float]:
         """Return standard deviations from one set-up to the next, of what these data know of."""

@@ -54,6 +54,9 @@ def _changes(joint: Joint, own: list[int], columns: FloatArray) -> FloatArray:
     In terms of its columns; the last one is the systematic doubt, which they say nothing of.
     """
     back = columns / np.sum(columns**2, axis=0)  # principal axes: this is the pseudo-inverse
+    # the scatter is behind what the covariance is at this scatter, not behind what comes beside it
+    known = joint.fitted.solution.covariance[np.ix_(own, own)]
+    back = back / np.sqrt(np.einsum("ik,ij,jk->k", back, known, back))
     slopes = np.stack([back.T @ one[np.ix_(own, own)] @ back for one in joint.spread.slopes])
     changes = np.tensordot(joint.spread.root.T, slopes, axes=1)
     return np.pad(changes, ((0, 0), (0, 1), (0, 1)))

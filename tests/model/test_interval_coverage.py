@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.interval_coverage import measurements, tally
+from benchmarks.interval_coverage import FEW, measurements, tally
 from sim_hardware.world import load_world
 from sim_hardware.world.reduced import reduced_session
 
@@ -18,6 +18,13 @@ def test_stated_intervals_cover_the_world_s_truth_and_are_narrow():
     share = float(np.mean(found.inside))
     assert share > 0.75  # 72 intervals of 90 %, twelve of them independent
     assert np.max(found.width) < 0.15
+
+
+@pytest.mark.slow
+def test_intervals_of_few_set_ups_are_as_honest():
+    found = tally(load_world(None), range(997000, 997040), FEW["three positions, +2 V alone"])
+    assert found.names == ["long B", "long EIBM +2 V"]
+    assert np.all(np.mean(found.inside, axis=0) > 0.8)  # of 40; it was 0.7 of B
 
 
 @pytest.mark.thorough

@@ -88,10 +88,33 @@ def test_few_runs_leave_few_degrees_of_freedom():
         assert low < freedom(solution, spread(data, solution, guess), np.ones(1)) < high
 
 
+def test_weights_by_a_scatter_that_is_hardly_known_make_the_mean_less_sure():
+    """Two instruments of unknown noise, read four times each: their weighted mean."""
+    squares, stated = [], []
+    for seed in range(150):
+        data = Data(
+            y=0.1 * np.random.default_rng(seed).standard_normal((4, 2)), X=np.ones((4, 2, 1)),
+            groups=[], masks=[np.tile(row, (4, 1)) for row in np.eye(2)], fixed=np.zeros((4, 2)),
+            precision=np.zeros(1), away=np.zeros(1),
+        )  # fmt: skip
+        guess = np.log([0.1, 0.1])
+        solution = estimate(data, guess)
+        squares.append(solution.beta[0] ** 2)
+        known = spread(data, solution, guess).of_beta()[0, 0]
+        stated.append((solution.covariance[0, 0], solution.covariance[0, 0] + known))
+    without, together = np.mean(stated, axis=0)
+    assert without < 0.7 * np.mean(squares)
+    assert together == pytest.approx(np.mean(squares), rel=0.15)
+
+
 def test_a_known_parameter_does_not_move():
     data, _ = made(np.random.default_rng(3))
     known = Data(**{**data.__dict__, "precision": np.array([1e12, 0.0]), "away": np.zeros(2)})
     assert abs(weigh(known, np.log([0.3, 0.1])).beta[0]) < 1e-6
+
+
+# covariance of the prior on ln sigma: the two noises are unsure together as well
+WIDTHS = np.diag([0.64, 1.0, 4.0, 0.09]) + np.pad(np.full((2, 2), 0.36), ((2, 0), (2, 0)))
 
 
 def rich(seed: int = 5, runs: int = 14):
@@ -104,7 +127,6 @@ def rich(seed: int = 5, runs: int = 14):
     for sigma, Z in zip((0.8, 0.4), groups, strict=True):
         y += sigma * np.einsum("rnq,rq->rn", Z, random.standard_normal((runs, Z.shape[2])))
     precision, away = np.array([0.0, 4.0, 1.0]), np.array([0.0, 0.3, -0.2])
-    width = np.array([0.8, 1.0, 2.0, 0.3])
     return Data(
         y=y,
         X=X,
@@ -113,7 +135,7 @@ def rich(seed: int = 5, runs: int = 14):
         fixed=np.full((runs, 6), 0.01),
         precision=precision,
         away=away,
-        width=width,
+        scatter_precision=np.linalg.inv(WIDTHS),
     )
 
 
@@ -168,8 +190,9 @@ def test_the_likelihood_is_that_of_a_gaussian_with_flat_parameters_integrated_ou
             for value, Z in zip(sigma2, data.groups, strict=False):
                 V[own, own] += value * Z[r] @ Z[r].T
         mean = -X[:, 1:] @ data.away[1:]
-        away = (at - guess) / data.width
-        return -2.0 * multivariate_normal(mean, V).logpdf(y) + float(away @ away)
+        away = at - guess
+        prior = float(away @ np.linalg.solve(WIDTHS, away))
+        return -2.0 * multivariate_normal(mean, V).logpdf(y) + prior
 
     one, two = np.log([0.7, 0.3, 0.4, 0.2]), np.log([0.2, 0.6, 0.5, 0.4])
     found = deviance(data, one, guess)[0] - deviance(data, two, guess)[0]

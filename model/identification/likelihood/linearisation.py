@@ -22,7 +22,7 @@ from model.identification.likelihood.model_state import (
     Mounting,
 )
 from model.identification.likelihood.noise.row_covariance import Data
-from model.identification.likelihood.noise.row_noise import RowNoise, width_of
+from model.identification.likelihood.noise.row_noise import RowNoise, scatter_precision
 from model.identification.likelihood.random_effects import (
     EACH,
     Added,
@@ -225,7 +225,7 @@ def linearise(
     data = Data(
         y=y, X=pad(columns), groups=groups, masks=[pad(m) for m in noise.masks],
         fixed=np.where(empty, 1.0, pad(noise.fixed)), precision=width**-2.0, away=theta - mean,
-        width=width_of(noise),
+        scatter_precision=scatter_precision(noise),
     )  # fmt: skip
     return Linearisation(states=states, residual=residual, columns=columns, data=data)
 

@@ -106,15 +106,14 @@ class _DeviancePoint:
         known = np.einsum("nq,nq->n", _stacked(WX) @ C, _stacked(WX)).reshape(We.shape)
         rest = np.diagonal(W, axis1=1, axis2=2) - known - We**2
         both = np.concatenate([slopes @ stack.of, np.tensordot(rest, D, axes=2)])
-        away = 2.0 * (log_sigma - self.guess) / np.square(self.data.width)
+        away = 2.0 * self.data.prior @ (log_sigma - self.guess)
         gradient: FloatArray = 2.0 * np.exp(2.0 * log_sigma) * both + away
         return gradient
 
     @property
     def curvature(self) -> FloatArray:
         """Expected second derivatives."""
-        curvature = self.noise.curvature.copy()
-        curvature[np.diag_indices_from(curvature)] += 2.0 / np.square(self.data.width)
+        curvature: FloatArray = self.noise.curvature + 2.0 * self.data.prior
         return curvature
 
 
@@ -126,10 +125,10 @@ def _point(data: Data, noise: RowCovariance, guess: FloatArray) -> _DeviancePoin
     beta = C @ _right_side(data, WX)
     error = data.y - data.X @ beta
     We = (W @ error[:, :, None])[:, :, 0]
-    away = (log_sigma - guess) / data.width
+    away = log_sigma - guess
     value = noise.logdet + float(np.linalg.slogdet(information)[1])
     value += float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
-    value += float(away @ away)
+    value += float(away @ data.prior @ away)
     solution = Solution(
         beta=beta, covariance=C, log_sigma=log_sigma, weights=W, deviance=value, noise=noise
     )
@@ -188,16 +187,26 @@ def estimate(
 
 @dataclass(frozen=True)
 class Spread:
-    """How sure the scatter itself is, and how the covariance of beta follows it."""
+    """How sure the scatter itself is, and how beta and its covariance follow it."""
 
     root: FloatArray  # a square root of the covariance of ln sigma
     slopes: list[FloatArray]  # d(covariance)/d(ln sigma)
+    shifts: FloatArray  # (p, k) d(beta)/d(ln sigma)
+
+    def of_beta(self) -> FloatArray:
+        """Return what beta scatters more because it is weighed by a scatter that is not known.
+
+        (p, p), beside its covariance at known scatter: Kackar & Harville 1984 (J. Am. Stat. Assoc.
+        79, 853). It is much where there are few set-ups, and little where there are many.
+        """
+        moves = self.shifts @ self.root
+        return np.asarray(moves @ moves.T)
 
 
 def spread(data: Data, solution: Solution, guess: FloatArray) -> Spread:
     """By differences about the estimate."""
     h, size = 0.05, len(solution.log_sigma)
-    curvature, slopes = np.zeros((size, size)), []
+    curvature, slopes, shifts = np.zeros((size, size)), list[FloatArray](), list[FloatArray]()
     for k in range(size):
         step = np.zeros(size)
         step[k] = h
@@ -207,8 +216,10 @@ def spread(data: Data, solution: Solution, guess: FloatArray) -> Spread:
         )
         curvature[k] = (up.gradient - down.gradient) / (2.0 * h)
         slopes.append((up.solution.covariance - down.solution.covariance) / (2.0 * h))
+        shifts.append((up.solution.beta - down.solution.beta) / (2.0 * h))
     values, vectors = np.linalg.eigh(0.25 * (curvature + curvature.T))
-    return Spread(vectors / np.sqrt(np.maximum(values, 0.1)), slopes)
+    root = vectors / np.sqrt(np.maximum(values, 0.1))
+    return Spread(root, slopes, np.stack(shifts, axis=1))
 
 
 def freedom(solution: Solution, known: Spread, direction: FloatArray) -> float:

@@ -47,23 +47,28 @@ class NoisePriors:
 
     # standard deviation of each random effect, and that of its logarithm
     random_effects: Mapping[str, tuple[float, float]]
-    mode_unsure: float  # of the logarithm of the curves' noise
+    curve_unsure: float  # of the logarithm of the curves' noise, common to all modes
+    mode_unsure: float  # of each mode's beside that
     # noise of a condition's mean force beside that of its readings; 0: a misfit is not noise
     misfit_N: float = 0.0
+    misfit_unsure: float = 0.0  # of its logarithm
 
 
 # A diagnosis tells effects from scatter by how large scatter usually is.
-USUAL = NoisePriors(random_effects=ASSUMED, mode_unsure=1.5)
+USUAL = NoisePriors(random_effects=ASSUMED, curve_unsure=0.0, mode_unsure=1.5)
 UNSURE = 2.5
-# A fit takes scatter and misfit as the data have them; means know no course in time.
+# A fit takes scatter and misfit as the data have them; means know no course in time. Few curves say
+# little of the noise of one mode: modes are as noisy as the curves are, but for a factor of two.
 WIDE = NoisePriors(
     random_effects={
         name: (size, UNSURE)
         for name, (size, _) in ASSUMED.items()
         if name not in (*WANDER_S, *PULSES)
     },
-    mode_unsure=UNSURE,
+    curve_unsure=UNSURE,
+    mode_unsure=0.7,
     misfit_N=2e-5,
+    misfit_unsure=UNSURE,
 )  # fmt: skip
 
 

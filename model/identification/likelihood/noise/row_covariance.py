@@ -12,7 +12,7 @@ from model.measurements import FloatArray
 
 Index = npt.NDArray[np.int64]
 
-PRIOR_WIDTH = 2.5  # standard deviation of ln sigma about its guess
+PRIOR_WIDTH = 2.5  # standard deviation of ln sigma about its guess, where nothing else is said
 # of a row's variance its own noise's share, below which the cheaper way would lose digits
 LEAST_SHARE = 1e-7
 # of a scatter that is rather a covariance of few rows, as a wander in time: the least number of its
@@ -32,10 +32,17 @@ class Data:
     fixed: FloatArray  # (R, n) known variances
     precision: FloatArray  # (p,) of a Gaussian prior on beta about -away
     away: FloatArray  # (p,) how far the present parameters are from their prior mean
-    # of the priors of ln sigma about their guess, where not the same for all
-    width: FloatArray | float = PRIOR_WIDTH
+    # (k, k) precision of the Gaussian prior on ln sigma about its guess
+    scatter_precision: FloatArray | None = None
     # the scatters and noises side by side, for all data that have the same
     stacks: list[Stack] = field(default_factory=list, repr=False, compare=False)
+
+    @property
+    def prior(self) -> FloatArray:
+        """Return the precision of the prior on ln sigma; by PRIOR_WIDTH where none is given."""
+        if self.scatter_precision is not None:
+            return self.scatter_precision
+        return np.eye(len(self.groups) + len(self.masks)) / PRIOR_WIDTH**2
 
     @property
     def stack(self) -> Stack:

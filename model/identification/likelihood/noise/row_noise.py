@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +29,8 @@ class RowNoise:
     masks: list[FloatArray]  # (N,)
     names: list[str]
     guess: FloatArray  # ln of the standard deviations
-    width: FloatArray  # how sure that is
+    width: FloatArray  # how unsure that is, of each by itself
+    levels: list[tuple[Index, float]]  # noises that are unsure together as well, and how much
     random_effects: Mapping[str, tuple[float, float]]  # standard deviations, and of their ln
     constant: dict[str, FloatArray]  # groups (R, n, q) that are the same for all states
 
@@ -42,7 +43,8 @@ class _Kind:
     rows: Index
     weight: FloatArray | float
     size: float  # standard deviation, as assumed
-    unsure: float  # standard deviation of its logarithm
+    unsure: float  # standard deviation of its logarithm, by itself
+    level: str = ""  # noises of one level are too large or too small together
     least: float = 0.0  # standard deviation that is there in any case
 
 
@@ -72,8 +74,14 @@ def noise_of(forward: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
     return RowNoise(
         fixed=fixed, masks=masks, names=[k.name for k in kinds],
         guess=np.log([k.size for k in kinds]), width=np.array([k.unsure for k in kinds]),
+        levels=_levels(kinds, priors.curve_unsure),
         random_effects=priors.random_effects, constant=constant_groups(forward, priors),
     )  # fmt: skip
+
+
+def _levels(kinds: Sequence[_Kind], unsure: float) -> list[tuple[Index, float]]:
+    names = np.array([kind.level for kind in kinds])
+    return [(np.flatnonzero(names == name), unsure) for name in np.unique(names) if name]
 
 
 def guess_of(noise: RowNoise) -> FloatArray:
@@ -81,9 +89,14 @@ def guess_of(noise: RowNoise) -> FloatArray:
     return np.concatenate([[np.log(v) for v, _ in noise.random_effects.values()], noise.guess])
 
 
-def width_of(noise: RowNoise) -> FloatArray:
-    """How sure these are."""
-    return np.concatenate([[w for _, w in noise.random_effects.values()], noise.width])
+def scatter_precision(noise: RowNoise) -> FloatArray:
+    """Precision of the prior on these: (k, k)."""
+    width = np.concatenate([[w for _, w in noise.random_effects.values()], noise.width])
+    covariance = np.diag(width**2)
+    for members, unsure in noise.levels:
+        at = members + len(noise.random_effects)
+        covariance[np.ix_(at, at)] += unsure**2
+    return np.asarray(np.linalg.inv(covariance))
 
 
 def _kinds(
@@ -105,7 +118,7 @@ def _kinds(
             rows=means,
             weight=1.0,
             size=priors.misfit_N,
-            unsure=priors.mode_unsure,
+            unsure=priors.misfit_unsure,
         )
     stated = [o.curve.sigma_m for o in data_vector.seen if o.curve is not None]
     known = [float(np.mean(s)) for s in stated if s is not None]
@@ -119,6 +132,7 @@ def _kinds(
                 weight=1.0,
                 size=typical / (1.0 + m),
                 unsure=priors.mode_unsure,
+                level=name,
                 least=LEAST_MODE_M,
             )
     if len(block.sway_rows):
