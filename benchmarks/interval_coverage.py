@@ -33,7 +33,7 @@ class Extent:
     """What is measured in a session."""
 
     configurations: Sequence[str] = ("long", "short")
-    positions: Sequence[int] = range(len(POSITIONS_M))
+    positions: Sequence[int] = range(len(POSITIONS_M))  # of POSITIONS_M
     voltages: Sequence[float] = VOLTAGES
 
 

@@ -50,13 +50,9 @@ class Joint:
         return self.fitted.problem.forward
 
     @cached_property
-    def _by_scatter(self) -> FloatArray:
-        return self.spread.of_beta()
-
-    @property
     def covariance(self) -> FloatArray:
-        """Of all parameters, with what the estimated scatter adds."""
-        return self.fitted.solution.covariance + self._by_scatter
+        """Of all parameters, with what the estimated scatter adds: (p, p)."""
+        return self.fitted.solution.covariance + self.spread.kackar_harville()
 
     def scatter(self) -> dict[str, float]:
         """Return standard deviations from one set-up to the next, of what these data know of."""

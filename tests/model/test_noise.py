@@ -100,7 +100,7 @@ def test_weights_by_a_scatter_that_is_hardly_known_make_the_mean_less_sure():
         guess = np.log([0.1, 0.1])
         solution = estimate(data, guess)
         squares.append(solution.beta[0] ** 2)
-        known = spread(data, solution, guess).of_beta()[0, 0]
+        known = spread(data, solution, guess).kackar_harville()[0, 0]
         stated.append((solution.covariance[0, 0], solution.covariance[0, 0] + known))
     without, together = np.mean(stated, axis=0)
     assert without < 0.7 * np.mean(squares)

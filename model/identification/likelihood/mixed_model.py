@@ -106,14 +106,14 @@ class _DeviancePoint:
         known = np.einsum("nq,nq->n", _stacked(WX) @ C, _stacked(WX)).reshape(We.shape)
         rest = np.diagonal(W, axis1=1, axis2=2) - known - We**2
         both = np.concatenate([slopes @ stack.of, np.tensordot(rest, D, axes=2)])
-        away = 2.0 * self.data.prior @ (log_sigma - self.guess)
+        away = 2.0 * self.data.prior_precision @ (log_sigma - self.guess)
         gradient: FloatArray = 2.0 * np.exp(2.0 * log_sigma) * both + away
         return gradient
 
     @property
     def curvature(self) -> FloatArray:
         """Expected second derivatives."""
-        curvature: FloatArray = self.noise.curvature + 2.0 * self.data.prior
+        curvature: FloatArray = self.noise.curvature + 2.0 * self.data.prior_precision
         return curvature
 
 
@@ -128,7 +128,7 @@ def _point(data: Data, noise: RowCovariance, guess: FloatArray) -> _DeviancePoin
     away = log_sigma - guess
     value = noise.logdet + float(np.linalg.slogdet(information)[1])
     value += float(np.sum(error * We) + np.sum(data.precision * (beta + data.away) ** 2))
-    value += float(away @ data.prior @ away)
+    value += float(away @ data.prior_precision @ away)
     solution = Solution(
         beta=beta, covariance=C, log_sigma=log_sigma, weights=W, deviance=value, noise=noise
     )
@@ -193,11 +193,11 @@ class Spread:
     slopes: list[FloatArray]  # d(covariance)/d(ln sigma)
     shifts: FloatArray  # (p, k) d(beta)/d(ln sigma)
 
-    def of_beta(self) -> FloatArray:
-        """Return what beta scatters more because it is weighed by a scatter that is not known.
+    def kackar_harville(self) -> FloatArray:
+        """Return the covariance that beta has because the scatter it is weighed by is estimated.
 
         (p, p), beside its covariance at known scatter: Kackar & Harville 1984 (J. Am. Stat. Assoc.
-        79, 853). It is much where there are few set-ups, and little where there are many.
+        79, 853). It is large where there are few set-ups, and small where there are many.
         """
         moves = self.shifts @ self.root
         return np.asarray(moves @ moves.T)

@@ -38,7 +38,7 @@ class Data:
     stacks: list[Stack] = field(default_factory=list, repr=False, compare=False)
 
     @property
-    def prior(self) -> FloatArray:
+    def prior_precision(self) -> FloatArray:
         """Return the precision of the prior on ln sigma; by PRIOR_WIDTH where none is given."""
         if self.scatter_precision is not None:
             return self.scatter_precision
