@@ -9,28 +9,37 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-# of libpng, and of FFmpeg where it opens a film: labrig says in a sentence what is wrong
-_THEIRS = re.compile(rb"libpng (error|warning): |\[[\w,]+ @ 0x")
+# of libpng, libjpeg, and of FFmpeg where it opens a film: labrig says in a sentence what is wrong
+_THEIRS = re.compile(
+    rb"libpng (error|warning): |\[[\w,]+ @ 0x"
+    rb"|Corrupt JPEG data: |Inconsistent progression|Invalid SOS parameters|Unknown Adobe color"
+)
 _STDERR = 2
 _one_at_a_time = threading.Lock()  # standard error is one for all threads
 
 
 @contextmanager
-def without_lines_of_libraries() -> Iterator[None]:
-    """Leave out what libpng and FFmpeg write to standard error; all else follows at the end."""
+def without_lines_of_libraries() -> Iterator[list[str]]:
+    """Hold back what libpng, libjpeg and FFmpeg write to standard error; all else follows.
+
+    Yields a list that has their lines at the end.
+    """
+    theirs: list[str] = []
     with _one_at_a_time, tempfile.TemporaryFile() as held:
         try:
             real = os.dup(_STDERR)
         except OSError:  # a program without a standard error: nothing is seen there
-            yield
+            yield theirs
             return
         os.dup2(held.fileno(), _STDERR)
         try:
-            yield
+            yield theirs
         finally:
             os.dup2(real, _STDERR)
             os.close(real)
             held.seek(0)
             for line in held:
-                if not _THEIRS.match(line):
+                if _THEIRS.match(line):
+                    theirs.append(line.decode(errors="replace").strip())
+                else:
                     os.write(_STDERR, line)

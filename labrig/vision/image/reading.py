@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import struct
 import warnings
 from collections.abc import Iterator
@@ -20,6 +21,8 @@ from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.names import TIFF_SUFFIXES, is_video, picture_name
 
 _HEIC = frozenset(b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"mif1", b"msf1"))
+# of libjpeg, which decodes such a file all the same; its other lines are of harmless faults
+_LOST_PIXELS = re.compile("premature end of data|bad (Huffman|arithmetic) code|instead of RST")
 
 Pixels = npt.NDArray[Any]
 
@@ -135,10 +138,11 @@ def _flags() -> int:
 def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
     import cv2
 
+    theirs: list[str] = []
     # what is wrong with a file is said below, in a sentence
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
-        with without_lines_of_libraries():
+        with without_lines_of_libraries() as theirs:
             image = cv2.imdecode(data, _flags()) if data.size else None
             if image is not None and _may_be_transparent(data):
                 image = _on_white(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED)), image)
@@ -152,6 +156,10 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
         )
     if image is None:
         raise BadInputError(f"{path}: not an image, or damaged.")
+    if any(_LOST_PIXELS.search(line) for line in theirs):
+        raise BadInputError(
+            f"{path}: this JPEG is damaged, and a part of its picture is lost; copy it again."
+        )
     return np.asarray(image)
 
 

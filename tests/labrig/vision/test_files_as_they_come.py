@@ -508,6 +508,29 @@ def test_of_a_damaged_png_there_is_our_sentence_alone(tmp_path, capfd, damage):
     assert capfd.readouterr().err == ""
 
 
+def jpeg():
+    noise = np.random.default_rng(3).integers(0, 256, (96, 160), dtype=np.uint8)
+    return cv2.imencode(".jpg", noise)[1].tobytes()
+
+
+@pytest.mark.parametrize("damage", few([b"\xff\xd3", b"\xff\xd9"]))
+def test_a_jpeg_that_has_lost_a_part_of_its_picture_is_refused(tmp_path, capfd, damage):
+    whole = jpeg()
+    half = len(whole) // 2
+    (tmp_path / "bad.jpg").write_bytes(whole[:half] + damage + whole[half + len(damage) :])
+    with pytest.raises(BadInputError, match=r"bad\.jpg: this JPEG is damaged, and a part of its"):
+        read_image(tmp_path / "bad.jpg")
+    assert capfd.readouterr().err == ""
+
+
+def test_a_jpeg_with_bytes_that_nobody_needs_is_read(tmp_path, capfd):
+    whole = jpeg()
+    (tmp_path / "good.jpg").write_bytes(whole)
+    (tmp_path / "odd.jpg").write_bytes(whole[:-2] + b"\0\0\0" + whole[-2:])
+    assert np.array_equal(read_image(tmp_path / "odd.jpg"), read_image(tmp_path / "good.jpg"))
+    assert capfd.readouterr().err == ""
+
+
 @pytest.mark.slow
 def test_of_a_file_that_is_no_film_there_is_our_sentence_alone(folder):
     (folder / "no.mp4").write_bytes(b"no film")
