@@ -21,7 +21,7 @@ from labrig.parent_process import end_with_parent, interrupts_blocked
 from labrig.progress import Progress
 from labrig.session import RecordedSession, RunRecord, open_session
 from labrig.session.format.layout import NO_FRAME, Array
-from model.measurements import Contact, Curve, SheetGeometry
+from model.measurements import Contact, Curve, SheetGeometry, in_volts
 from protocols.planning.schedule import Purpose
 
 if TYPE_CHECKING:
@@ -162,7 +162,7 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     from labrig.vision import compare_with_frames, contact_from_image
 
     run = session.run(job.run)
-    volts = f"{job.voltage_V:+g} V" if job.voltage_V else "0 V"
+    volts = in_volts(job.voltage_V)
     label = f"{run.planned.configuration}, {place_of(run.planned.position_m)}, {volts}"
     warnings: list[str] = []
     mean = contact = None

@@ -13,6 +13,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.exports._files import new_file
 from labrig.files import all_or_none, check_is_text, discard, not_written
 from labrig.session import RunRecord, open_session
+from model.measurements import in_volts
 
 Picture = npt.NDArray[np.uint8]
 CODEC = "MJPG"  # in AVI, which every system plays
@@ -104,11 +105,11 @@ def _enlarged(image: Picture) -> Picture:
 
 def _caption(run: RunRecord, time_s: float, reading: Any) -> str:
     if reading is None:
-        return f"{time_s:7.3f} s  {_voltage_V(run, time_s):+g} V"
+        return f"{time_s:7.3f} s  {in_volts(_voltage_V(run, time_s))}"
     force_N = run.values(reading).get("force_N", np.nan)
     force = "" if np.isnan(force_N) else f"  {1e3 * force_N:+.2f} mN"
     invalid = "" if reading["valid"] else "  invalid"
-    return f"{time_s:7.3f} s  {float(reading['voltage_V']):+g} V{force}{invalid}"
+    return f"{time_s:7.3f} s  {in_volts(float(reading['voltage_V']))}{force}{invalid}"
 
 
 def _voltage_V(run: RunRecord, time_s: float) -> float:

@@ -14,7 +14,7 @@ from labrig.model_file import load_model, moving_configuration
 from labrig.motion.drive import MotionDrive
 from model import ModelError
 from model.dynamics import Resolution, SheetMotion, simulate
-from model.measurements import Displayed, FloatArray, Summary
+from model.measurements import Displayed, FloatArray, Summary, in_volts
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -156,7 +156,7 @@ def summary_rows(run: SimulatedRun) -> Iterator[list[str]]:
         at = motion.time_s[[row]]
         yield _row(run, text, f"{at[0]:.3f}", _at(motion, at))
     for voltage_V, taken in run.readings.items():
-        text = f"sampling points at {voltage_V:+g} V" if voltage_V else "sampling points at 0 V"
+        text = f"sampling points at {in_volts(voltage_V)}"
         yield _row(run, text, f"mean of {len(taken.time_s)}", taken)
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from model.design.force_map import force_map, known_voltages, reached, section
 from model.design.propagation import propagate
-from model.measurements import FloatArray, ModelError
+from model.measurements import FloatArray, ModelError, in_volts
 from model.parameter import Parameter
 from model.sheet.sheet_model import SheetModel
 
@@ -53,8 +53,8 @@ def linearise(
         )  # fmt: skip
         if not at.all_reachable():
             raise ModelError(
-                f"there is no linear model about {position_m * 1e3:g} mm and {voltage_V:+g} V: the"
-                " place is not reachable"
+                f"there is no linear model about {position_m * 1e3:g} mm and {in_volts(voltage_V)}:"
+                " the place is not reachable"
             )
         F = at.tangential_N
         return [

@@ -19,7 +19,7 @@ from model.design.force_map import (
     section,
 )
 from model.design.propagation import propagate
-from model.measurements import FloatArray, ModelError
+from model.measurements import FloatArray, ModelError, in_volts
 from model.parameter import Parameter
 from model.sheet.sheet_model import SheetModel
 from model.sheet.solution import sampled_s
@@ -149,8 +149,8 @@ def _reaching(
             return found
     i, j = np.argwhere(~found.reachable)[0]
     raise ModelError(
-        f"no length of this sheet reaches {position_m[i] * 1e3:.3g} mm at {voltage_V[j]:+g} V; make"
-        " the section smaller"
+        f"no length of this sheet reaches {position_m[i] * 1e3:.3g} mm at {in_volts(voltage_V[j])};"
+        " make the section smaller"
     )
 
 

@@ -18,7 +18,7 @@ from model.identification.observations import Observed, not_driven, observe
 from model.identification.options import FitOptions
 from model.identification.paper import PaperFit, identify
 from model.identification.residuals import ConditionResidual, Kind, Rmse, residuals, rmse
-from model.measurements import Measurements, ModelError, rms
+from model.measurements import Measurements, ModelError, in_volts, rms
 from model.sheet import misfit
 from model.sheet.configured_sheet import Along, ConfiguredSheet
 from model.sheet.deviations import Deviations
@@ -178,8 +178,8 @@ def _without(
             for held in options.held_out
         )
         if out:
-            where = (condition.position_m or 0.0) * 1e3
-            names.append(f"{condition.configuration}, {where:g} mm, {condition.voltage_V:+g} V")
+            where = f"{(condition.position_m or 0.0) * 1e3:g} mm"
+            names.append(f"{condition.configuration}, {where}, {in_volts(condition.voltage_V)}")
         else:
             kept.append(condition)
     return replace(measurements, conditions=tuple(kept)), tuple(names)
@@ -192,7 +192,7 @@ def _left_out(measurements: Measurements, parts: Collection[str]) -> list[str]:
         if c.position_m is not None and c.configuration in parts and c.readings and not c.used():
             why = "; ".join(sorted({r.why for r in c.readings if r.why})) or "no reading is valid"
             place = f"{c.configuration}, {c.position_m * 1e3:g} mm"
-            found.setdefault((place, why), []).append(_volts(c.voltage_V))
+            found.setdefault((place, why), []).append(in_volts(c.voltage_V))
     return [
         f"{place}, {', '.join(dict.fromkeys(volts))} was left out: {why}"
         for (place, why), volts in found.items()
@@ -210,10 +210,6 @@ def _not_reached(rows: tuple[ConditionResidual, ...]) -> list[str]:
         " parameters are not to be trusted"
         for (kind, why), at in places.items()
     ]
-
-
-def _volts(voltage_V: float) -> str:
-    return f"{voltage_V:+g} V" if voltage_V else "0 V"
 
 
 def _bootstrap(joint: Joint, options: FitOptions) -> dict[str, float]:
@@ -247,8 +243,8 @@ def _notes(
             )
         joint, n = parts[name].joint, parts[name].n
         notes += [
-            f"the EIBM of '{name}' at {volts:+g} V changes by {100.0 * share:.0f} % along a run:"
-            " leave out the first pulses, or diagnose"
+            f"the EIBM of '{name}' at {in_volts(volts)} changes by {100.0 * share:.0f} % along a"
+            " run: leave out the first pulses, or diagnose"
             for volts, share in eibm_along_runs(joint, n).items()
             if share > UNSETTLED
         ]

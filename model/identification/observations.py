@@ -9,7 +9,15 @@ import numpy as np
 
 from model.identification.curve_smoothing import SmoothCurve, smooth
 from model.identification.likelihood.configuration.stacked_curves import PAST_THE_END
-from model.measurements import Condition, Curve, FloatArray, Measurements, ModelError, SheetGeometry
+from model.measurements import (
+    Condition,
+    Curve,
+    FloatArray,
+    Measurements,
+    ModelError,
+    SheetGeometry,
+    in_volts,
+)
 
 MOST_POINTS = 120
 
@@ -31,7 +39,7 @@ class Observation:
     def name(self) -> str:
         """As people call it."""
         where = "free" if self.position_m is None else f"{self.position_m * 1e3:g} mm"
-        return f"{self.configuration}, {where}, {self.voltage_V:+g} V"
+        return f"{self.configuration}, {where}, {in_volts(self.voltage_V)}"
 
 
 @dataclass(frozen=True)
@@ -107,7 +115,7 @@ def check_sheet(sheet: SheetGeometry) -> None:
 
 def _observation(condition: Condition, sheet: SheetGeometry) -> Observation | None:
     readings = condition.used()
-    where = f"{condition.configuration}, {_place(condition)}, {condition.voltage_V:+g} V"
+    where = f"{condition.configuration}, {_place(condition)}, {in_volts(condition.voltage_V)}"
     if condition.position_m is not None:
         _check_position(condition.position_m, sheet, where)
         if not readings and (condition.readings or condition.curve is None):

@@ -13,7 +13,7 @@ from model.measurements.data import (
     SheetGeometry,
     TimeSeries,
 )
-from model.measurements.display import Displayed, Summary, in_digits
+from model.measurements.display import Displayed, Summary, in_digits, in_volts
 from model.measurements.progress import Progress, silent
 from model.measurements.rms import rms
 
@@ -35,6 +35,7 @@ __all__ = [
     "TimeSeries",
     "dataframe",
     "in_digits",
+    "in_volts",
     "rms",
     "silent",
 ]

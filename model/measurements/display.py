@@ -20,6 +20,11 @@ def in_digits(value: float, digits: int) -> str:
     return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
 
 
+def in_volts(voltage_V: float) -> str:
+    """Return a voltage with its sign, as people read it: +2 V, 0 V."""
+    return f"{voltage_V:+g} V" if voltage_V else "0 V"
+
+
 @dataclass(frozen=True)
 class Summary:
     """A title, a table of text and some sentences."""

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypedDict
 
 import numpy as np
 
-from model.measurements import Displayed, FloatArray, Summary, dataframe
+from model.measurements import Displayed, FloatArray, Summary, dataframe, in_volts
 from model.mechanics.contact_range import limit_m, other_solutions, stable
 from model.mechanics.equilibrium import Equilibria
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
@@ -62,7 +62,7 @@ class Prediction(Displayed):
 
     def summary(self) -> Summary:
         """Return force, contact and remark."""
-        where = f"{self.configuration}, {1e3 * self.position_m:g} mm, {self.voltage_V:+g} V"
+        where = f"{self.configuration}, {1e3 * self.position_m:g} mm, {in_volts(self.voltage_V)}"
         if not self.reachable:
             return Summary(f"Prediction {where}: {self.why}")
         rows = [

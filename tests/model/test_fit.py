@@ -200,7 +200,7 @@ def test_held_out_conditions_are_not_used_and_are_named(measure):
     data = measure(seed=11, names=("short",))
     found = fit(data, FitOptions(held_out=(("short", 0.01), ("short", 0.02, 2.0))))
     assert len(found.residuals) == 21 - 4
-    assert found.model.held_out[0] == "short, 10 mm, +0 V"
+    assert found.model.held_out[0] == "short, 10 mm, 0 V"
     assert found.model.held_out[-1] == "short, 20 mm, +2 V"
 
 

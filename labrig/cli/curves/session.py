@@ -19,12 +19,13 @@ def session_curves(path: Path, output: Path | None, extractor: str, *, as_json: 
     from labrig.cli.screen import progress
     from labrig.session import open_session
     from labrig.session.tables.write import write_curves
+    from model.measurements import in_volts
 
     with open_session(path) as session, progress("curves") as advance:
         measurements = measure(session, advance, extractor=extractor)
     for c in measurements.conditions:
         where = "free" if c.position_m is None else f"{1e3 * c.position_m:g} mm"
-        name = f"{c.configuration}, {where}, {c.voltage_V:+g} V"
+        name = f"{c.configuration}, {where}, {in_volts(c.voltage_V)}"
         if as_json:
             line = {"image": name, "ok": c.curve is not None, **_curve_json(c.curve)}
             line["by_frame"] = _by_frame_json(c)

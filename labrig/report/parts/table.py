@@ -54,4 +54,6 @@ def interval(low: float, high: float) -> str:
 
 def volts(voltage_V: float) -> str:
     """Return a voltage with its sign, in characters that every console has."""
-    return f"{voltage_V:+g} V" if voltage_V else "0 V"
+    from model.measurements import in_volts  # which imports NumPy
+
+    return in_volts(voltage_V)

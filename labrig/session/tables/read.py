@@ -20,7 +20,7 @@ from labrig.session.tables.signals import SIGNAL_COLUMNS, configuration_of, seri
 from labrig.session.tables.stated import refuse_contradicted
 from labrig.session.tables.table import read_table
 from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames, ExpectedColumns, How
-from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry
+from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry, in_volts
 
 WHOLE = "a whole number from 0"
 FORCE_COLUMNS: Final = ExpectedColumns(
@@ -273,7 +273,7 @@ def _without_force(gathered: _Conditions) -> Iterator[str]:
         if key.position_m is not None and not each.readings:
             yield (
                 f"There is a curve of {key.configuration} at {milli(key.position_m)} mm and "
-                f"{key.voltage_V:+g} V, but no force."
+                f"{in_volts(key.voltage_V)}, but no force."
             )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from model.identification.data.acquisition_times import ReadingTimes
 from model.identification.data.data_vector import ConditionData, DataVector
-from model.measurements import FloatArray
+from model.measurements import FloatArray, in_volts
 
 PULSE_S = 0.6
 LONGER = 3  # times as many pulses, in a long run
@@ -133,7 +133,7 @@ def free_shapes(one: DataVector) -> tuple[ConditionData, ...]:
             result.append(
                 replace(
                     like,
-                    name=f"{one.sheet.configuration}, free, {volts:+g} V",
+                    name=f"{one.sheet.configuration}, free, {in_volts(volts)}",
                     run=(one.sheet.configuration, np.inf, mounting, 0, 0.0),
                     tilt_rad=0.0,
                     position_m=np.nan,
@@ -181,7 +181,7 @@ def _load_cell_alone(like: ConditionData, mounting: int) -> ConditionData:
     count = len(like.kept_N)
     return replace(
         like,
-        name=f"{like.configuration}, without contact, +0 V",
+        name=f"{like.configuration}, without contact, 0 V",
         run=(like.configuration, np.inf, mounting, 0, 0.0),
         position_m=np.nan,
         force_N=np.zeros(count),

@@ -38,6 +38,7 @@ from model.measurements import (
     Reading,
     SheetGeometry,
     TimeSeries,
+    in_volts,
 )
 
 TRENDS = 4  # the mean, and polynomials in time up to the third degree
@@ -212,7 +213,7 @@ def _seen(
     """
     at_m, free = condition.position_m, condition.position_m is None
     place = "free" if at_m is None else f"{at_m * 1e3:g} mm"
-    name = f"{condition.configuration}, {place}, {condition.voltage_V:+g} V"
+    name = f"{condition.configuration}, {place}, {in_volts(condition.voltage_V)}"
     readings = sorted(condition.used(), key=_index)
     shape_alone = not condition.readings and condition.curve is not None
     if condition.curve is None if free else not (readings or shape_alone):
@@ -282,7 +283,7 @@ def _load_cell_zero(
     forces = np.array([r.force_N for r in readings])
     if condition.voltage_V != 0.0 or len(set(forces.tolist())) < 2:
         return None
-    name = f"{condition.configuration}, without contact, +0 V"
+    name = f"{condition.configuration}, without contact, 0 V"
     if not np.all(np.isfinite(forces)):
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     times = [begun if r.session_s is None else session.share(condition, r) for r in readings]

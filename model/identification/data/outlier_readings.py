@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.measurements import Condition, FloatArray, Measurements, Reading
+from model.measurements import Condition, FloatArray, Measurements, Reading, in_volts
 
 FEWEST = 5  # readings of a condition
 SIGMA = 15.0  # of a reading's noise, beyond which it is none of its condition's
@@ -78,7 +78,7 @@ def _place(one: Condition, places: set[int], *, of_several: bool) -> str:
     session = f", session {one.session}" if of_several else ""
     numbers = [str(_ordered(one)[place].index) for place in sorted(places)]
     readings = f"reading{'s' * (len(numbers) > 1)} {' and '.join(numbers)}"
-    return f"{one.configuration}, {where}, {one.voltage_V:+g} V{session}, {readings}"
+    return f"{one.configuration}, {where}, {in_volts(one.voltage_V)}{session}, {readings}"
 
 
 def _wild(one: Condition, noise_N: float) -> set[int]:

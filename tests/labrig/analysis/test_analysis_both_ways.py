@@ -36,7 +36,7 @@ def test_both_ways_are_stored_and_reported_with_their_difference(session, capsys
     assert run(["curves", str(session), "--json"]) == 0
     told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [line["image"] for line in told] == [
-        "long, 5 mm, +0 V",
+        "long, 5 mm, 0 V",
         "long, 5 mm, +2 V",
         "long, 5 mm, -2 V",
     ]

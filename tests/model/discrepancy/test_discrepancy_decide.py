@@ -154,7 +154,7 @@ def test_each_condition_and_each_set_up_may_be_an_outlier():
     for numbers in (n for n in found if len(n) > 1):
         assert len({runs[i] for i in numbers}) == 1
         assert len(numbers) == 3
-    assert condition_name(base.problem, 0) == "long, 0 mm, +0 V"
+    assert condition_name(base.problem, 0) == "long, 0 mm, 0 V"
     assert condition_name(base.problem, 41) == "short, 30 mm, -2 V"
 
 

@@ -169,7 +169,7 @@ def test_a_curve_of_response_may_have_a_zero_of_its_own():
         ("roll_friction", ["at -2 V", "at +2 V"]),
         ("load_cell_hysteresis", ["at -2 V", "at +2 V"]),
         ("roll_sticking", []),  # a slip lets go of any part of it
-        ("gravity", ["at -2 V", "at +0 V", "at +2 V"]),
+        ("gravity", ["at -2 V", "at 0 V", "at +2 V"]),
     ],
 )
 def test_what_depends_on_how_the_sheet_came_there_is_not_compared_at_0V(

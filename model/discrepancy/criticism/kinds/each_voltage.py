@@ -10,6 +10,7 @@ from model.discrepancy.criticism.contract import VerdictCheck
 from model.discrepancy.criticism.families import MEANS
 from model.discrepancy.criticism.kinds._residuals import too_large
 from model.discrepancy.criticism.named_model import NamedModel
+from model.measurements import in_volts
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class EachVoltage(VerdictCheck):
     def failures(self, named: NamedModel) -> Iterator[Failure]:
         """See `VerdictCheck.failures`."""
         yield from too_large(
-            named, lambda f: f"at {f.voltage_V:+g} V", lambda f: f.quantity in MEANS
+            named, lambda f: f"at {in_volts(f.voltage_V)}", lambda f: f.quantity in MEANS
         )
 
 

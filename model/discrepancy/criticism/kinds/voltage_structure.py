@@ -12,6 +12,7 @@ from model.discrepancy.criticism.group_amplitudes import Group
 from model.discrepancy.criticism.kinds._structure import contradicted
 from model.discrepancy.criticism.named_model import NamedModel
 from model.effects.interface import Effect
+from model.measurements import in_volts
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class VoltageStructure(VerdictCheck):
         """See `VerdictCheck.failures`."""
         every = families(named.fitted, named.outcome.outliers)
         groups = {
-            v: Group(f"at {v:+g} V", joined([f for f in every if f.voltage_V == v]))
+            v: Group(f"at {in_volts(v)}", joined([f for f in every if f.voltage_V == v]))
             for v in sorted({f.voltage_V for f in every})
         }
         driven = [group for v, group in groups.items() if v]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from model.discrepancy.data_checks.contract import DataCheck, Suspicion
 from model.identification.data.swinging_shapes import swings_m
-from model.measurements import Measurements
+from model.measurements import Measurements, in_volts
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class Swinging(DataCheck):
                 configurations=(name,), value=1e3 * moving[volts], unit="mm",
                 sentence=(
                     f"the end of '{name}' without contact moves by {1e3 * moving[volts]:.2g} mm"
-                    f" (RMS, at {volts:+g} V) from picture to picture: it may still swing; wait"
-                    " longer before free shapes, or give a model with dynamics"
+                    f" (RMS, at {in_volts(volts)}) from picture to picture: it may still swing;"
+                    " wait longer before free shapes, or give a model with dynamics"
                 ),
             )  # fmt: skip
 
