@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from labrig.errors import BadInputError
-from model.measurements import Condition, Measurements, SheetGeometry
+from model.measurements import Condition, Measurements, SheetGeometry, difference
 
 BETWEEN_S = 600.0  # from the end of one session to the beginning of the next, where nobody knows
-SAME = 1e-9
 
 
 def together(parts: Sequence[tuple[Path, Measurements]]) -> Measurements:
@@ -63,20 +62,12 @@ def _end_s(measurements: Measurements) -> float:
 def _check_same(one: SheetGeometry | None, other: SheetGeometry, first: Path, second: Path) -> None:
     if one is None:
         return
-    lengths = ("free_length_m", "width_m", "thickness_m", "elongation_m", "arc_radius_m")
-    for key in lengths:
-        a, b = getattr(one, key), getattr(other, key)
-        if abs(a - b) > SAME:
-            text = key.removesuffix("_m").replace("_", " ")
-            raise BadInputError(
-                f"{second}: its {one.configuration} sheet has a {text} of {b * 1e3:g} mm, that of "
-                f"{first} {a * 1e3:g} mm; only sessions of the same sheet can be analysed together."
-            )
-    if abs(one.arc_origin_rad - other.arc_origin_rad) > SAME:
-        a, b = np.degrees([one.arc_origin_rad, other.arc_origin_rad])
+    unlike = difference(one, other)
+    if unlike is not None:
         raise BadInputError(
-            f"{second}: its arc begins at {b:g} degrees for the {one.configuration} sheet, that of "
-            f"{first} at {a:g}; only sessions of the same geometry can be analysed together."
+            f"{second}: its {one.configuration} sheet has a {unlike.measure} of {unlike.second}, "
+            f"that of {first} {unlike.first}; only sessions of the same sheet can be analysed "
+            "together."
         )
     if not _same_rest(one, other):
         raise BadInputError(

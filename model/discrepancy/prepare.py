@@ -29,7 +29,7 @@ from model.identification.likelihood.model_state import Found
 from model.identification.likelihood.noise.row_noise import noise_of
 from model.identification.observations import Observed, not_driven, observe
 from model.identification.starting_values import rest_field, start
-from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry
+from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry, difference
 from model.sheet.applied_effects import effect_of
 from model.sheet.sheet_model import SheetModel
 
@@ -271,13 +271,9 @@ def sessions(measurements: Measurements) -> int:
 
 def check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
     """Raise a `ModelError` where the model was fitted to another sheet than this one."""
-    for what, a, b in (
-        ("free length", sheet.free_length_m, other.free_length_m),
-        ("elongation", sheet.elongation_m, other.elongation_m),
-        ("arc radius", sheet.arc_radius_m, other.arc_radius_m),
-    ):
-        if abs(a - b) > 1e-6:
-            raise ModelError(
-                f"the model was fitted to a '{sheet.configuration}' with a {what} of"
-                f" {b * 1e3:g} mm, these data are of one with {a * 1e3:g} mm"
-            )
+    unlike = difference(sheet, other)
+    if unlike is not None:
+        raise ModelError(
+            f"the model was fitted to a '{sheet.configuration}' with a {unlike.measure} of"
+            f" {unlike.second}, these data are of one with {unlike.first}"
+        )

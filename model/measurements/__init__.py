@@ -16,12 +16,14 @@ from model.measurements.data import (
 from model.measurements.display import Displayed, Summary, in_digits, in_volts
 from model.measurements.progress import Progress, silent
 from model.measurements.rms import rms
+from model.measurements.same_sheet import Difference, difference
 
 __all__ = [
     "Columns",
     "Condition",
     "Contact",
     "Curve",
+    "Difference",
     "Displayed",
     "FloatArray",
     "Kind",
@@ -34,6 +36,7 @@ __all__ = [
     "Summary",
     "TimeSeries",
     "dataframe",
+    "difference",
     "in_digits",
     "in_volts",
     "rms",

@@ -114,7 +114,12 @@ def test_sessions_apart_whose_files_have_the_same_name_are_told_by_their_folders
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "said"),
-    few([({"width_m": 0.02}, "width of 20 mm"), ({"arc_origin_rad": 0.1}, "arc begins at 5.7")]),
+    few(
+        [
+            ({"width_m": 0.02}, "width of 20 mm"),
+            ({"arc_origin_rad": 0.1}, "of the arc of 5.7"),
+        ]
+    ),
 )
 def test_sessions_of_other_geometry_cannot_share_but_can_be_kept_apart(
     day_1, tmp_path, capsys, change, said

@@ -11,10 +11,7 @@ from model import Measurements, SheetModel
 from model.identification.baselines import BaselineRow
 from model.identification.observations import observe
 from model.identification.residuals import against
-from model.measurements import SheetGeometry, rms
-
-_LENGTHS = ("free_length_m", "elongation_m", "arc_radius_m", "arc_origin_rad")
-_SAME = 1e-6
+from model.measurements import SheetGeometry, difference, rms
 
 
 def model_rows(
@@ -45,10 +42,9 @@ def model_rows(
 
 
 def _check_same(measured: SheetGeometry, known: SheetGeometry, label: str) -> None:
-    for key in _LENGTHS:
-        a, b = getattr(measured, key), getattr(known, key)
-        if abs(a - b) > _SAME:
-            raise BadInputError(
-                f"{label}: was fitted to a {known.configuration} sheet with another "
-                f"{key.rsplit('_', 1)[0].replace('_', ' ')} than these data are of."
-            )
+    unlike = difference(measured, known)
+    if unlike is not None:
+        raise BadInputError(
+            f"{label}: was fitted to a '{known.configuration}' with a {unlike.measure} of "
+            f"{unlike.second}, these data are of one with {unlike.first}."
+        )

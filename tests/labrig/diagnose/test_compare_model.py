@@ -40,4 +40,4 @@ def test_compare_lists_a_model_file_with_the_fitted_ones(tmp_path, capsys):
     other = replace(one, sheet=replace(one.sheet, free_length_m=0.07))
     save_model(replace(truth("long"), sheets={"long": other}), tmp_path / "other.toml")
     assert run(["compare", str(path), "--model", str(tmp_path / "other.toml")]) == 2
-    assert "another free length" in capsys.readouterr().err
+    assert "a free length of 70 mm" in capsys.readouterr().err

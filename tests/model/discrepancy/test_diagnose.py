@@ -454,12 +454,20 @@ def test_a_sheet_that_cannot_be_used_is_left_out_with_a_note():
 
 
 @pytest.mark.slow
-def test_a_model_of_another_sheet_is_refused(truth):
+@pytest.mark.parametrize(
+    ("measured", "said"),
+    [
+        ({"free_length_m": 0.045}, "a free length of 50 mm, these data are of one with 45 mm"),
+        ({"width_m": 0.005}, "a width of 11 mm, these data are of one with 5 mm"),
+        ({"thickness_m": 0.4e-3}, "a thickness of 0.21 mm, these data are of one with 0.4 mm"),
+    ],
+)
+def test_a_model_of_another_sheet_is_refused(truth, measured, said):
     m = session()
-    other: SheetGeometry = replace(m.sheets["long"], free_length_m=0.045)
-    longer = replace(m, sheets={**m.sheets, "long": other})
-    with pytest.raises(ModelError, match="a free length of 50 mm, these data are of one with 45"):
-        prepare(longer, Options(model=truth))
+    other: SheetGeometry = replace(m.sheets["long"], **measured)
+    unlike = replace(m, sheets={**m.sheets, "long": other})
+    with pytest.raises(ModelError, match=said):
+        prepare(unlike, Options(model=truth))
 
 
 def test_a_position_that_was_not_measured_cannot_be_held_out():
