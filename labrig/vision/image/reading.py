@@ -23,6 +23,12 @@ from labrig.vision.image.names import TIFF_SUFFIXES, is_video, picture_name
 _HEIC = frozenset(b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"mif1", b"msf1"))
 # of libjpeg, which decodes such a file all the same; its other lines are of harmless faults
 _LOST_PIXELS = re.compile("premature end of data|bad (Huffman|arithmetic) code|instead of RST")
+# of FFmpeg, which conceals what it cannot decode; others of its lines are of harmless faults
+_DAMAGED_FRAME = re.compile(
+    "damaged|corrupt|concealing|error (y=|count|while decoding)|error at MB|bad vlc|invalid",
+    re.IGNORECASE,
+)
+_COUNT_IS_ROUGH = 0.02  # of the frames that a video states: some formats know their time alone
 
 Pixels = npt.NDArray[Any]
 
@@ -229,30 +235,52 @@ def _frames(path: Path, every: int) -> Iterator[Picture]:
     import cv2
 
     check_is_text(path)
-    with without_lines_of_libraries():
-        video = cv2.VideoCapture(str(path))
+    video = _opened(path)
     name, number, last_s = picture_name(path), 0, -1.0
     try:
         if not video.isOpened():
             raise BadInputError(f"{path}: not a video that OpenCV can open.")
         video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)
-        while video.grab():
-            time_s = video.get(cv2.CAP_PROP_POS_MSEC) / 1000
-            if number % every == 0:
-                good, image = video.retrieve()
-                if not good:
-                    break
-                label = PictureLabel(
-                    name=f"{name}_{number:06d}",
-                    file_stem=f"{name}_{number:06d}",
-                    frame=number,
-                    # a stream without time stamps gives 0 for each frame
-                    time_s=round(time_s, 6) if time_s > last_s else None,
-                )
+        while True:
+            with without_lines_of_libraries() as theirs:
+                good = video.grab()
+                time_s = video.get(cv2.CAP_PROP_POS_MSEC) / 1000
+                wanted = good and number % every == 0
+                good, image = video.retrieve() if wanted else (good, None)
+            if not good:
+                break
+            label = PictureLabel(
+                name=f"{name}_{number:06d}",
+                file_stem=f"{name}_{number:06d}",
+                frame=number,
+                # a stream without time stamps gives 0 for each frame
+                time_s=round(time_s, 6) if time_s > last_s else None,
+            )
+            if any(_DAMAGED_FRAME.search(line) for line in theirs):
+                why = f"{path}: frame {number} is damaged; those after it may be, too."
+                yield Picture(label=label, image=None, why=why)
+            elif image is not None:
                 yield Picture(label=label, image=np.asarray(image))
             last_s = max(last_s, time_s)
             number += 1
         if number == 0:
             raise BadInputError(f"{path}: this video has no frame that can be read.")
+        stated = round(video.get(cv2.CAP_PROP_FRAME_COUNT))
+        if stated - number > max(1, _COUNT_IS_ROUGH * stated):
+            why = (
+                f"{path}: this video is damaged or cut short: it states {stated} frames, and"
+                f" {number} could be read."
+            )
+            yield Picture(label=whole_file(path), image=None, why=why)
     finally:
         video.release()
+
+
+def _opened(path: Path) -> Any:
+    """Return a video; by FFmpeg with one thread, so that what it says is of the frame it reads."""
+    import cv2
+
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # no backend, no video
+    with without_lines_of_libraries():
+        video = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 1])
+        return video if video.isOpened() else cv2.VideoCapture(str(path))

@@ -542,6 +542,47 @@ def test_of_a_file_that_is_no_film_there_is_our_sentence_alone(folder):
     assert done.stderr == ""
 
 
+def coloured_film(path, frames=6):
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 25, (320, 240))
+    for frame in range(frames):
+        image = np.full((240, 320, 3), 220, dtype=np.uint8)
+        cv2.line(image, (20, 120), (300, 100 + 5 * frame), (30, 60, 90), 3)
+        writer.write(image)
+    writer.release()
+
+
+def test_a_video_that_was_cut_short_says_how_much_of_it_was_read(folder):
+    coloured_film(folder / "film.avi")
+    data = (folder / "film.avi").read_bytes()
+    (folder / "film.avi").write_bytes(data[: len(data) // 2])
+    read = list(pictures_in(folder / "film.avi"))
+    assert 1 <= len(read) - 1 < 5
+    assert all(picture.image is not None for picture in read[:-1])
+    assert read[-1].why == (
+        f"{folder / 'film.avi'}: this video is damaged or cut short: it states 6 frames, and"
+        f" {len(read) - 1} could be read."
+    )
+
+
+@pytest.mark.slow
+def test_a_frame_of_a_video_that_ffmpeg_conceals_is_refused_in_our_sentence_alone(folder):
+    coloured_film(folder / "film.avi")
+    data = bytearray((folder / "film.avi").read_bytes())
+    pictures = [at for at in range(len(data) - 3) if data[at : at + 3] == b"\xff\xd8\xff"]
+    for at in range(pictures[2] + 1000, pictures[2] + 1500, 7):
+        data[at] ^= 0x5A
+    (folder / "film.avi").write_bytes(data)
+    told = {key: value for key, value in os.environ.items() if key != "OPENCV_FFMPEG_LOGLEVEL"}
+    asked = [sys.executable, "-m", "labrig", "curves", "film.avi"]
+    done = subprocess.run(asked, cwd=folder, env=told, capture_output=True, text=True, check=True)
+    lines = done.stdout.splitlines()
+    assert len(lines) == 6
+    assert [line for line in lines if "damaged" in line] == [
+        "film_000002: no curve: film.avi: frame 2 is damaged; those after it may be, too."
+    ]
+    assert done.stderr == ""
+
+
 def test_what_others_write_while_libraries_decode_is_kept(capfd):
     with without_lines_of_libraries():
         os.write(2, b"libpng error: IDAT: CRC error\na line of the log\nlibpng warning: iCCP\n")
