@@ -17,7 +17,7 @@ from labrig.errors import BadArgumentError
 from labrig.one_blas_thread import one_blas_thread
 from model import Prediction, PredictionArray, SheetModel
 from model import predict as predict_one
-from model.measurements import Displayed, Summary, dataframe
+from model.measurements import Displayed, Summary, dataframe, signed
 from model.measurements.columns import of_rows
 from model.sheet.misfit import Misfit, misfit
 
@@ -250,7 +250,7 @@ def _cells(found: Prediction) -> tuple[str, ...]:
     from labrig.report.parts.table import fixed
 
     return (
-        found.configuration, f"{1e3 * found.position_m:g}", f"{found.voltage_V:+g}",
+        found.configuration, f"{1e3 * found.position_m:g}", signed(found.voltage_V),
         fixed(1e3 * found.F_N, 3), fixed(1e3 * found.N_N, 3), fixed(1e3 * found.s_hat_m, 2),
         fixed(float(np.degrees(found.phi_hat_rad)), 2), found.why or "-",
     )  # fmt: skip

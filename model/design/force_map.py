@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from model.measurements import FloatArray, ModelError
+from model.measurements import FloatArray, ModelError, in_volts
 from model.sheet.beam_problem import ConditionProblem
 from model.sheet.sheet_model import SheetModel
 from model.sheet.solution import SolvedProblems, solved
@@ -88,10 +88,9 @@ def reached(found: ForceMap, column: int | None = None) -> ForceMap:
     missed = np.argwhere(asked & ~found.reachable)
     if len(missed):
         i, j = missed[0]
-        volts = f"{found.voltage_V[j]:+g}" if found.voltage_V[j] else "0"
         raise ModelError(
             f"the working section is not reachable everywhere: not {found.position_m[i] * 1e3:.3g}"
-            f" mm at {volts} V; make the section smaller or the sheet longer"
+            f" mm at {in_volts(found.voltage_V[j])}; make the section smaller or the sheet longer"
         )
     return found
 

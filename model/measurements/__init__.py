@@ -13,7 +13,7 @@ from model.measurements.data import (
     SheetGeometry,
     TimeSeries,
 )
-from model.measurements.display import Displayed, Summary, in_digits, in_volts
+from model.measurements.display import Displayed, Summary, in_digits, in_volts, signed
 from model.measurements.progress import Progress, silent
 from model.measurements.rms import rms
 from model.measurements.same_sheet import Difference, difference
@@ -40,5 +40,6 @@ __all__ = [
     "in_digits",
     "in_volts",
     "rms",
+    "signed",
     "silent",
 ]

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from model.measurements.columns import Columns, dataframe, of_rows
-from model.measurements.display import Displayed, Summary
+from model.measurements.display import Displayed, Summary, signed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -321,17 +321,12 @@ def _condition_cells(one: Condition) -> tuple[str, ...]:
     row = one.row()
     force_N, deviation_N = (float(str(row[name])) for name in ("force_N", "force_deviation_N"))
     curve = "-" if one.curve is None else f"{row['curve_points']} points"
-    at = (one.configuration, _position(one.position_m), volts(one.voltage_V))
+    at = (one.configuration, _position(one.position_m), signed(one.voltage_V))
     return (*at, str(row["readings"]), _mN(force_N), _mN(deviation_N), curve)
 
 
 def _position(position_m: float | None) -> str:
     return "free" if position_m is None else _mm(position_m)
-
-
-def volts(voltage_V: float) -> str:
-    """Return a voltage with its sign, 0 without."""
-    return f"{voltage_V:+g}" if voltage_V else "0"
 
 
 def _mm(length_m: float) -> str:

@@ -20,9 +20,14 @@ def in_digits(value: float, digits: int) -> str:
     return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
 
 
+def signed(value: float) -> str:
+    """Return a number with its sign, 0 without: +2, 0."""
+    return f"{value:+g}" if value else "0"
+
+
 def in_volts(voltage_V: float) -> str:
-    """Return a voltage with its sign, as people read it: +2 V, 0 V."""
-    return f"{voltage_V:+g} V" if voltage_V else "0 V"
+    """Return a voltage as people read it: +2 V, 0 V."""
+    return f"{signed(voltage_V)} V"
 
 
 @dataclass(frozen=True)

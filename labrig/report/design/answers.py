@@ -37,7 +37,7 @@ from model.design.working_section import (
     shape_difference,
     shortest_sheet,
 )
-from model.measurements import Displayed, Summary
+from model.measurements import Displayed, Summary, signed
 from model.sheet.misfit import Misfit
 
 WITHOUT, WITH = "without elongation", "with elongation"
@@ -214,7 +214,7 @@ def _line_table(found: DesignAnswers, name: str) -> Table:
     section = f"{1e3 * found.wanted.low_m:g} to {1e3 * found.wanted.high_m:g} mm"
     rows = tuple(
         (
-            f"{line.voltage_V:+g}" if line.voltage_V else "0",
+            signed(line.voltage_V),
             _said(line.slope_N_per_m, 1.0),
             _said(line.at_zero_N, 1e3),
             _said(line.rms_error_N, 1e3),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from model.measurements import signed
 from protocols import PlannedRun, PlanRow, Schedule, ScheduleDescription
 
 
@@ -14,7 +15,7 @@ def run_rows(schedule: Schedule) -> list[list[str]]:
         kinds = ", ".join(dict.fromkeys(reading.kind.value for reading in readings))
         without = "end" if number == len(run.steps) - 1 else "-"
         rows.append(
-            [kinds or without, f"{step.time_s:.2f}", f"{step.voltage_V:+g}", _times(run, number)]
+            [kinds or without, f"{step.time_s:.2f}", signed(step.voltage_V), _times(run, number)]
         )
     return rows
 

@@ -17,8 +17,7 @@ from labrig.session.format.layout import Array
 from labrig.session.format.setup import SessionSetup
 from labrig.session.marks.mark import Mark, Place, standing
 from labrig.session.reading.values import read_array, read_dataset, read_table
-from model.measurements import Displayed, Summary, dataframe
-from model.measurements.data import volts
+from model.measurements import Displayed, Summary, dataframe, in_volts
 from protocols.execution.channels import FORCE_N
 from protocols.planning.schedule import PlannedRun
 
@@ -77,7 +76,7 @@ class RunRecord(Displayed):
             return run
         force_N = self.values(row).get(FORCE_N)
         force = "" if force_N is None else f", {1e3 * force_N:.3f} mN"
-        return f"{run}, reading {reading + 1} ({volts(row['voltage_V'])} V{force})"
+        return f"{run}, reading {reading + 1} ({in_volts(row['voltage_V'])}{force})"
 
     def summary(self) -> Summary:
         """Return place, samples and frames."""
