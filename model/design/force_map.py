@@ -125,6 +125,6 @@ def resized(
     measured_m = model.cut_from_m.get(configuration, one.sheet.free_length_m)
     return replace(
         model,
-        sheets={configuration: replace(one, sheet=sheet)},
+        sheets={configuration: replace(one, sheet=sheet, fitted_m=None)},
         cut_from_m={configuration: measured_m},
     )

@@ -145,7 +145,9 @@ class _Part:
         eibm = {v: Along.constant(p) for v, p in self.eibm.items()}
         if varying:
             eibm = {v: Along(self.s_m, *self.along[v], "N m") for v in self.voltages}
-        return ConfiguredSheet(geometry, self.B, rest, eibm)
+        places = [o.position_m for o in self.observed.touching() if o.position_m is not None]
+        fitted = (min(places), max(places)) if places else None
+        return ConfiguredSheet(geometry, self.B, rest, eibm, fitted)
 
     def table(self, rows: tuple[ConditionResidual, ...]) -> ConfigurationFit:
         """Everything a report prints about it."""

@@ -18,6 +18,8 @@ _LENGTHS = {
     "arc_radius_mm": "arc_radius_m",
 }  # fmt: skip
 
+_NEAR_M = 5e-4  # a position this close to those fitted is one of them
+
 
 @dataclass(frozen=True, repr=False)
 class Along(Displayed):
@@ -80,6 +82,8 @@ class ConfiguredSheet(Displayed):
     B: Parameter  # N m^2
     rest: Along  # k0, 1/m
     eibm: Mapping[float, Along]  # by voltage, N m
+    # least and largest position on the arc that it was fitted to, m; None: not stated
+    fitted_m: tuple[float, float] | None = None
 
     def summary(self) -> Summary:
         """Return B, E and the mean EIBM of each voltage."""
@@ -126,6 +130,17 @@ class ConfiguredSheet(Displayed):
         """Mean of Me over the free length."""
         return self.eibm_at(voltage_V).mean(self.sheet.free_length_m)
 
+    def beyond(self, position_m: float) -> str:
+        """Return a remark on a position that lies outside those fitted; else nothing."""
+        if self.fitted_m is None:
+            return ""
+        low_m, high_m = self.fitted_m
+        if low_m - _NEAR_M <= position_m <= high_m + _NEAR_M:
+            return ""
+        alone = low_m == high_m
+        fitted = f"{1e3 * low_m:g} mm" if alone else f"{1e3 * low_m:g} to {1e3 * high_m:g} mm"
+        return f"beyond the positions fitted ({fitted})"
+
     def to_dict(self) -> dict[str, Any]:
         """For a model file."""
         geometry: dict[str, Any] = {
@@ -139,6 +154,7 @@ class ConfiguredSheet(Displayed):
             "E_Pa": self.E.to_dict(),
             "initial_curvature": self.rest.to_dict(),
             "eibm": {str(float(v)): along.to_dict() for v, along in sorted(self.eibm.items())},
+            **({"fitted_positions_mm": _in_mm(self.fitted_m)} if self.fitted_m else {}),
         }
 
     @staticmethod
@@ -170,7 +186,7 @@ class ConfiguredSheet(Displayed):
             _voltage(v, where): Along.from_dict(one, f"{where}.eibm.{v}")
             for v, one in table(data, "eibm", where).items()
         }
-        return ConfiguredSheet(sheet, B, rest, eibm)
+        return ConfiguredSheet(sheet, B, rest, eibm, _positions(data, where))
 
 
 def _said(parameter: Parameter, factor: float) -> tuple[str, str]:
@@ -181,6 +197,23 @@ def _said(parameter: Parameter, factor: float) -> tuple[str, str]:
 
 def _form(along: Along) -> str:
     return "constant" if np.ptp(along.values) == 0.0 else "mean along the sheet"
+
+
+def _in_mm(ends_m: tuple[float, float]) -> list[float]:
+    return [round(1e3 * one, 12) for one in ends_m]
+
+
+def _positions(data: dict[str, Any], where: str) -> tuple[float, float] | None:
+    ends = data.get("fitted_positions_mm")
+    if ends is None:
+        return None
+    where = f"{where}.fitted_positions_mm"
+    if not isinstance(ends, list) or len(ends) != 2:
+        raise ModelError(f"{where}: the least and the largest position are wanted")
+    low, high = (1e-3 * finite(one, where) for one in ends)
+    if low > high:
+        raise ModelError(f"{where}: the least position comes first")
+    return low, high
 
 
 def _voltage(text: object, where: str) -> float:

@@ -28,6 +28,9 @@ class Predictable(Protocol):
     def alternating_voltages_V(self, configuration: str, voltage_V: float) -> tuple[float, ...]:
         """Return the voltage, and those that it takes turns with in a run."""
 
+    def beyond(self, configuration: str, position_m: float) -> str:
+        """Return a remark on a position that lies outside those fitted; else nothing."""
+
     def setups(
         self, configuration: str, places: Sequence[tuple[float | None, float]]
     ) -> list[ConditionProblem]:
@@ -122,6 +125,7 @@ def predict(
     )
     found = solved(model.setups(configuration, [(position_m, v) for v in volts]))
     setup = found.setups[0]
+    beyond = filter(None, [model.beyond(configuration, position_m)])
     asked = _Asked(configuration=configuration, position_m=position_m, voltage_V=voltage_V)
     if not found.reachable[0]:
         nothing = np.zeros(0)
@@ -141,7 +145,7 @@ def predict(
     return Prediction(
         **asked,
         reachable=True,
-        why="; ".join(_remarks(_first(found), setup)),
+        why="; ".join([*_remarks(_first(found), setup), *beyond]),
         F_N=F,
         N_N=float(found.normal_N[0]),
         s_hat_m=float(found.s_hat_m[0]),

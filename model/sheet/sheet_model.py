@@ -116,6 +116,10 @@ class SheetModel(Displayed):
             return (0.0, *(v for v in (max(known), min(known)) if v))
         return tuple(dict.fromkeys((float(voltage_V), 0.0, opposite)))
 
+    def beyond(self, configuration: str, position_m: float) -> str:
+        """Return a remark on a position that lies outside those fitted; else nothing."""
+        return self.sheet(configuration).beyond(position_m)
+
     def _plain(
         self, configuration: str, places: Sequence[tuple[float | None, float]]
     ) -> list[ConditionProblem]:

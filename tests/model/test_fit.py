@@ -204,6 +204,14 @@ def test_held_out_conditions_are_not_used_and_are_named(measure):
     assert found.model.held_out[-1] == "short, 20 mm, +2 V"
 
 
+@pytest.mark.slow
+def test_the_model_says_between_which_positions_it_was_fitted(measure):
+    data = measure(seed=11, names=("short",))
+    positions = sorted({c.position_m for c in data.conditions})
+    found = fit(data, FitOptions(held_out=(("short", positions[-1]),)))
+    assert found.model.sheet("short").fitted_m == pytest.approx((positions[0], positions[-2]))
+
+
 @pytest.mark.thorough
 def test_simulated_repeats_confirm_the_stated_uncertainty(measure):
     found = fit(measure(seed=12), FitOptions(bootstrap=60))

@@ -84,6 +84,21 @@ def test_a_voltage_between_those_fitted_gives_a_moment_in_proportion(truth: Shee
         predict(truth, "long", 0.0, 3.0)
 
 
+def test_a_position_beyond_those_fitted_is_predicted_with_a_remark(truth: SheetModel):
+    one = replace(truth.sheet("long"), fitted_m=(0.0, 0.02))
+    model = replace(truth, sheets={"long": one})
+    assert predict(model, "long", 0.02, 2.0).why == ""
+    assert predict(model, "long", 0.0203, 2.0).why == ""  # set by hand, it is the last one
+    beyond = predict(model, "long", 0.03, 2.0)
+    assert beyond.reachable
+    assert beyond.why == "beyond the positions fitted (0 to 20 mm)"
+    assert predict(model, "long", -0.005, 2.0).why == beyond.why
+    alone = replace(truth, sheets={"long": replace(one, fitted_m=(0.01, 0.01))})
+    assert predict(alone, "long", 0.03, 2.0).why == "beyond the positions fitted (10 mm)"
+    assert SheetModel.from_dict(model.to_dict()).sheet("long").fitted_m == (0.0, 0.02)
+    assert predict(truth, "long", 0.03, 2.0).why == ""  # nothing was fitted
+
+
 def test_a_model_survives_being_written_and_read(truth: SheetModel):
     effect = ActiveEffect(
         name="gravity", parameters={"load_N_per_m": Parameter(value=1e-3, sigma=1e-4, unit="N/m")}
@@ -119,6 +134,9 @@ def test_an_effect_unknown_to_this_version_is_refused(truth: SheetModel):
         (("configurations", "long", "geometry", "free_length_mm"), 0.0, "free_length_mm"),
         (("configurations", "long", "eibm"), {"two": {}}, "not a voltage"),
         (("configurations", "long", "initial_curvature", "value"), [1.0], "equally long"),
+        (("configurations", "long", "fitted_positions_mm"), [1.0], "least and the largest"),
+        (("configurations", "long", "fitted_positions_mm"), [2.0, 1.0], "least position comes"),
+        (("configurations", "long", "fitted_positions_mm"), [0.0, "x"], "finite number"),
         (("effects",), [{"parameters": {}}], "a table with a name"),
         (("configurations",), 3, "a table is wanted"),
     ],

@@ -25,7 +25,7 @@ from model.dynamics.identification import (
     best_sheet,
     identify,
 )
-from model.measurements import FloatArray, SheetGeometry
+from model.measurements import FloatArray, SheetGeometry, difference
 
 SAMPLE_S = 0.5  # after an edge, where the static part of a model file is sampled
 NEAR, CLOSE = 0.5, 0.03  # the last step of a search, in standard deviations
@@ -230,14 +230,12 @@ def _thinned(run: RecordedRun) -> RecordedRun:
 
 
 def _require_same(one: MotionRecord, other: MotionRecord) -> None:
-    names = ("configuration", "free_length_m", "width_m", "thickness_m", "elongation_m",
-             "arc_radius_m")  # fmt: skip
-    for name in names:
-        if getattr(one.sheet, name) != getattr(other.sheet, name):
-            raise BadInputError(
-                f"{other.source}: its sheet has another {name.removesuffix('_m').replace('_', ' ')}"
-                f" than that of {one.source}; only sessions of the same sheet are fitted together."
-            )
+    unlike = difference(one.sheet, other.sheet)
+    if unlike is not None:
+        raise BadInputError(
+            f"{other.source}: its sheet has a {unlike.measure} of {unlike.second}, that of"
+            f" {one.source} {unlike.first}; only sessions of the same sheet are fitted together."
+        )
 
 
 def model_of(fits: Sequence[DynamicFit], checksum: str) -> SheetModel:

@@ -140,7 +140,9 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
         )
         eibm[volts] = Along.constant(value)
     geometry = replace(configuration_model.sheet, initial_curvature=(along.s_m, along.values))
-    return ConfiguredSheet(geometry, stiffness, along, eibm)
+    places = configuration_model.stated_m[np.isfinite(configuration_model.stated_m)]
+    fitted = (float(np.min(places)), float(np.max(places))) if len(places) else None
+    return ConfiguredSheet(geometry, stiffness, along, eibm, fitted)
 
 
 def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
