@@ -19,13 +19,14 @@ from model.identification.data.data_vector import data_vector_of, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
 from model.identification.likelihood.linearisation import BaseParameters
-from model.identification.likelihood.mixed_model import Spread, estimate, freedom, spread
+from model.identification.likelihood.mixed_model import estimate
 from model.identification.likelihood.mixed_model_fit import (
     FitProblem,
     MixedModelFit,
     fit_at_set_ups,
 )
 from model.identification.likelihood.noise.row_noise import noise_of
+from model.identification.likelihood.noise.scatter_uncertainty import Spread, freedom, spread
 from model.identification.likelihood.random_effects import WIDE
 from model.identification.observations import Observed
 from model.identification.options import FitOptions
@@ -286,7 +287,7 @@ def joint_fit(
         )
         for n, configuration_model in enumerate(forward.configuration_models)
     ]
-    return Joint(fitted, spread(fitted.linear.data, fitted.solution, problem.guess), known, loaded)
+    return Joint(fitted, spread(fitted.linear.data, fitted.solution), known, loaded)
 
 
 def _no_fit(names: Sequence[str]) -> str:

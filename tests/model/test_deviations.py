@@ -16,7 +16,7 @@ from model.design.sizing import least_area
 from model.design.working_section import shortest_sheet
 from model.discrepancy.diagnose import diagnose
 from model.identification.along_runs import eibm_along_runs
-from model.identification.likelihood.mixed_model import freedom
+from model.identification.likelihood.noise.scatter_uncertainty import freedom
 from model.sheet.deviations import (
     STIFFNESS,
     USUAL_FREEDOM,

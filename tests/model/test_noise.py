@@ -11,12 +11,11 @@ from model.identification.likelihood.mixed_model import (
     deviance,
     effects,
     estimate,
-    freedom,
     inverse_symmetric,
-    spread,
     weigh,
 )
 from model.identification.likelihood.noise.row_covariance import Data
+from model.identification.likelihood.noise.scatter_uncertainty import freedom, spread
 
 
 def made(random, runs=40, u=0.3, tau=0.1):
@@ -85,7 +84,7 @@ def test_few_runs_leave_few_degrees_of_freedom():
         )  # fmt: skip
         guess = np.log([0.3, 0.01])
         solution = estimate(data, guess)
-        assert low < freedom(solution, spread(data, solution, guess), np.ones(1)) < high
+        assert low < freedom(solution, spread(data, solution), np.ones(1)) < high
 
 
 def test_weights_by_a_scatter_that_is_hardly_known_make_the_mean_less_sure():
@@ -100,7 +99,7 @@ def test_weights_by_a_scatter_that_is_hardly_known_make_the_mean_less_sure():
         guess = np.log([0.1, 0.1])
         solution = estimate(data, guess)
         squares.append(solution.beta[0] ** 2)
-        known = spread(data, solution, guess).kackar_harville()[0, 0]
+        known = spread(data, solution).kackar_harville()[0, 0]
         stated.append((solution.covariance[0, 0], solution.covariance[0, 0] + known))
     without, together = np.mean(stated, axis=0)
     assert without < 0.7 * np.mean(squares)
@@ -147,6 +146,22 @@ def test_the_gradient_is_exact_with_several_scatters_noises_and_priors():
         h = np.eye(4)[k] * 1e-5
         slope = (deviance(data, at + h, guess)[0] - deviance(data, at - h, guess)[0]) / 2e-5
         assert gradient[k] == pytest.approx(slope, rel=1e-6, abs=1e-7)
+
+
+def test_what_follows_from_the_scatter_is_exact_with_several_scatters_noises_and_priors():
+    """Second derivatives of the deviance, and how beta and its covariance follow."""
+    data, guess = rich(), np.log([0.5, 0.5, 0.5, 0.1])
+    at, h = estimate(data, guess).log_sigma + 0.05, 1e-5  # beside it, where slopes matter, too
+    found = spread(data, weigh(data, at))
+    curvature = np.zeros((4, 4))
+    for k, step in enumerate(h * np.eye(4)):
+        up, down = weigh(data, at + step), weigh(data, at - step)
+        curvature[k] = deviance(data, at + step, guess)[1] - deviance(data, at - step, guess)[1]
+        shift, slope = up.beta - down.beta, up.covariance - down.covariance
+        np.testing.assert_allclose(found.shifts[:, k], shift / (2.0 * h), rtol=1e-6, atol=1e-8)
+        np.testing.assert_allclose(found.slopes[k], slope / (2.0 * h), rtol=1e-6, atol=1e-8)
+    of_log_sigma = np.linalg.inv(0.25 * curvature / h)
+    np.testing.assert_allclose(found.root @ found.root.T, of_log_sigma, rtol=1e-6, atol=1e-8)
 
 
 def test_an_estimate_ends_where_the_likelihood_is_level_wherever_it_began():
