@@ -117,11 +117,12 @@ WIDTHS = np.diag([0.64, 1.0, 4.0, 0.09]) + np.pad(np.full((2, 2), 0.36), ((2, 0)
 
 
 def rich(seed: int = 5, runs: int = 14):
-    """Two scatters and two noises, one of them of every second row, with priors of their own."""
+    """Two scatters and two noises, one of some rows in parts, with priors of their own."""
     random = np.random.default_rng(seed)
     X = random.standard_normal((runs, 6, 3))
     groups = [random.standard_normal((runs, 6, 1)), random.standard_normal((runs, 6, 2))]
-    masks = [np.ones((runs, 6)), np.tile([1.0, 0.0], (runs, 3))]
+    # the mean of some readings has a part of the noise of one
+    masks = [np.ones((runs, 6)), np.tile([1.0, 0.0, 0.25, 0.0, 0.1, 0.0], (runs, 1))]
     y = 0.5 * random.standard_normal((runs, 6))
     for sigma, Z in zip((0.8, 0.4), groups, strict=True):
         y += sigma * np.einsum("rnq,rq->rn", Z, random.standard_normal((runs, Z.shape[2])))

@@ -28,7 +28,7 @@ class Data:
     y: FloatArray  # (R, n)
     X: FloatArray  # (R, n, p)
     groups: list[FloatArray]  # of each scatter: Z (R, n, q)
-    masks: list[FloatArray]  # of each further noise: D (R, n), 0 or 1
+    masks: list[FloatArray]  # of each further noise: D (R, n), its share of a row; 0: none
     fixed: FloatArray  # (R, n) known variances
     precision: FloatArray  # (p,) of a Gaussian prior on beta about -away
     away: FloatArray  # (p,) how far the present parameters are from their prior mean

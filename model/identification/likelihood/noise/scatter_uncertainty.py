@@ -77,7 +77,7 @@ class _Derivatives:
         twice = 2.0 * np.exp(2.0 * noise.log_sigma)
         VWe = twice * np.concatenate([by_scatter, stack.D * We[:, :, None]], axis=2)
         scatters = [np.concatenate(ZWX[:, own != 0.0]) for own in stack.of.T]
-        noises = [WX[stack.D[:, :, m] != 0.0] for m in range(stack.D.shape[2])]
+        noises = [_by_root(WX, share) for share in np.moveaxis(stack.D, 2, 0)]
         return _Derivatives(
             noise=noise, C=solution.covariance, WX=WX, We=We, ZWX=ZWX, VWe=VWe,
             inner=[
@@ -132,3 +132,9 @@ class _Derivatives:
         shared = np.array([[np.sum(a * b.T) for b in weighed] for a in weighed])
         within = self.noise.curvature - 8.0 * variance[:, None] * variance * mixed
         return np.asarray(within + shared)
+
+
+def _by_root(rows: FloatArray, share: FloatArray) -> FloatArray:
+    """Return the rows in which a noise has a share of the variance, times the root of that."""
+    own = share != 0.0
+    return np.asarray(rows[own] * np.sqrt(share[own])[:, None])
