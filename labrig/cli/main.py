@@ -16,7 +16,6 @@ from typer.exceptions import TyperException
 from labrig.cli.app import app_for
 from labrig.cli.screen import warn
 from labrig.cli.sentences.compiling import compiling_is_told
-from labrig.cli.sentences.missing_values import missing_value
 from labrig.cli.sentences.option_names import with_options
 from labrig.cli.sentences.streams import (
     leave_streams,
@@ -24,6 +23,7 @@ from labrig.cli.sentences.streams import (
     output_takes_more,
     show_what_can_be_shown,
 )
+from labrig.cli.sentences.unclear_options import unclear_option
 from labrig.cli.sentences.usage_errors import usage_sentence
 from labrig.cli.sentences.user_warnings import shown_as_sentences
 from labrig.errors import BadInputError, ExitCode, LabrigError
@@ -86,7 +86,7 @@ def run(arguments: list[str]) -> int:
 def _run(arguments: list[str]) -> int:
     try:
         app = app_for(arguments)
-        if said := missing_value(app, arguments):
+        if said := unclear_option(app, arguments):
             raise BadInputError(said)
         result = app.main(arguments, prog_name="labrig", standalone_mode=False)
         sys.stdout.flush()

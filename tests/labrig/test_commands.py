@@ -233,6 +233,33 @@ def test_an_option_whose_value_was_forgotten_does_not_take_the_next_option(
     assert f"{said}; see labrig {arguments[0]} -h." in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("arguments", "option", "command"),
+    [
+        (["curves", "--batch", "A", "--batch", "B"], "--batch", "curves"),
+        (["fit", "s.h5", "-o", "a.toml", "--output=b.toml"], "--output", "fit"),
+        (["fit", "s.h5", "-oa.toml", "-o", "b.toml"], "--output", "fit"),
+        (["batch", "fit", "A", "-o", "B", "-o", "C"], "--output", "batch fit"),
+    ],
+)
+def test_an_option_that_takes_one_value_is_not_given_two(
+    arguments: list[str], option: str, command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(arguments) == 2
+    said = f"labrig: {option} is given twice, and takes one value; see labrig {command} -h.\n"
+    assert capsys.readouterr().err == said
+
+
+def test_options_that_may_be_repeated_are_and_what_follows_two_dashes_is_no_option(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    repeated = ["--position-mm", "1", "--position-mm", "2", "--json", "--json"]
+    assert run(["simulate", "no.toml", *repeated]) == 2
+    assert "no.toml: there is no such file" in capsys.readouterr().err
+    assert run(["curves", "-o", "a", "--", "-o", "b"]) == 2
+    assert "twice" not in capsys.readouterr().err
+
+
 def test_a_value_that_looks_like_an_option_can_still_be_given(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
