@@ -294,8 +294,7 @@ def _no_fit(names: Sequence[str]) -> str:
     quoted = " and ".join(f"'{name}'" for name in names)
     return (
         f"no fit of {quoted} was found: the model stays far from the measured forces and curves;"
-        " check their units and signs (labrig diagnose names what contradicts); the fit of a"
-        " sheet that is bent by more than about 200 degrees may end elsewhere"
+        " check their units and signs (labrig diagnose names what contradicts)"
     )
 
 

@@ -16,6 +16,7 @@ from model.identification.paper import identify
 from model.identification.residuals import against
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
+from tests.cases import few
 
 LONG_B, SHORT_B = 1.27e-6, 8.5e-7
 
@@ -37,6 +38,32 @@ def test_exact_data_give_back_the_exact_parameters(truth, measure):
             assert one.eibm[voltage].value == pytest.approx(along.values[0], rel=1e-5)
     assert found.rmse["constant"].force_N < 1e-8
     assert found.rmse["constant"].curve_m < 1e-8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("k0_per_m", "bend_per_m", "radius_m"),
+    few([(20.0, 63.0, 0.025), (80.0, 28.0, 0.02), (50.0, -49.0, 0.029)]),
+)
+def test_a_sheet_that_is_bent_to_a_ring_is_fitted(truth, measure, k0_per_m, bend_per_m, radius_m):
+    """Beyond its end there would be another equilibrium, of a longer sheet."""
+    long = truth.sheet("long")
+    rest = (np.zeros(1), np.array([k0_per_m]))
+    sheet = replace(long.sheet, arc_radius_m=radius_m, initial_curvature=rest)
+    eibm = {
+        sign * 2.0: Along.constant(
+            Parameter(value=sign * LONG_B * bend_per_m, sigma=0.0, unit="N m")
+        )
+        for sign in (1.0, -1.0)
+    }
+    along = Along(*rest, np.zeros(1), "1/m")
+    bent = SheetModel(sheets={"long": ConfiguredSheet(sheet, long.B, along, eibm)})
+    places = (0, 5, 10, 15)
+    found = fit(measure(names=("long",), positions_mm=places, scatter=0.0, model=bent))
+    one = found.configurations["long"]
+    assert one.B.value == pytest.approx(LONG_B, rel=0.01)
+    assert one.eibm[2.0].value == pytest.approx(LONG_B * bend_per_m, rel=0.01)
+    assert found.rmse["constant"].curve_m < 3e-5
 
 
 @pytest.mark.thorough

@@ -201,8 +201,6 @@ def test_meaningless_options(fields):
 
 
 def test_a_fit_that_ends_far_beside_the_data_is_a_sentence(data, monkeypatch):
-    """Of a sheet that is bent to a ring: the noise there is no number."""
-
     def ends(*_given):
         raise np.linalg.LinAlgError("a covariance is not positive")
 

@@ -14,6 +14,7 @@ from model.measurements import FloatArray, ModelError
 from model.mechanics.equilibrium import Equilibria, Problems, SolverStatus, solve
 
 MOST_BESIDE, SAME_RAD = 4, 1e-6  # rounds for a contact beside the point on the arc
+BEYOND_RADII = 10.0  # of the arc: how far the piece beyond the sheet's end reaches
 LAST_POINTS = 3  # solutions through which a start is extrapolated
 
 
@@ -41,6 +42,26 @@ def extrapolated(known: Sequence[tuple[float, Equilibria | None]], to: float) ->
         phi_hat_rad=extrapolate(one.phi_hat_rad for one in every),
         psi=extrapolate(one.psi for one in every),
     )
+
+
+def _beyond_end(found: Equilibria) -> Equilibria:
+    """Return the solutions; those that left the sheet touch a straight piece beyond its end.
+
+    A fit may come by there. It is no part of what is solved at first: a sheet that is bent to a
+    ring has another equilibrium with such a piece.
+    """
+    off = np.flatnonzero(found.status != SolverStatus.SOLVED)
+    if not len(off):
+        return found
+    made = found.of(off).problems
+    longer = solve(replace(made, reach_m=made.reach_m + BEYOND_RADII * made.radius_m))
+    result = replace(
+        found, status=found.status.copy(), nu=found.nu.copy(), s_hat_m=found.s_hat_m.copy(),
+        phi_hat_rad=found.phi_hat_rad.copy(), psi=found.psi.copy(),
+    )  # fmt: skip
+    for name in ("status", "nu", "s_hat_m", "phi_hat_rad", "psi"):
+        getattr(result, name)[off] = getattr(longer, name)
+    return result
 
 
 class ContactSearch:
@@ -105,15 +126,15 @@ class ContactSearch:
     def _problems(
         self, beam: BeamProblem, rows: Index, angle: FloatArray, radius_m: float
     ) -> Problems:
-        reach = self._elements.length + self._sheet.elongation_m + 10.0 * radius_m
         on = self._elements
         return Problems(
             breaks_m=on.breaks, kappa=on.free_curvature(beam, rows),
-            softness=on.compliance(beam, rows), radius_m=radius_m, reach_m=reach, angle_rad=angle,
+            softness=on.compliance(beam, rows), radius_m=radius_m,
+            reach_m=on.length + self._sheet.elongation_m, angle_rad=angle,
         )  # fmt: skip
 
     def _solved(self, made: Problems, rows: Index, start: Equilibria | None) -> Equilibria:
-        found = solve(made, start)
+        found = _beyond_end(solve(made, start))
         if np.any(found.status != SolverStatus.SOLVED):
             bad = self._look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
             raise ModelError(
