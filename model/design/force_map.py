@@ -125,6 +125,7 @@ def resized(
     measured_m = model.cut_from_m.get(configuration, one.sheet.free_length_m)
     return replace(
         model,
-        sheets={configuration: replace(one, sheet=sheet, fitted_m=None)},
+        sheets={configuration: replace(one, sheet=sheet)},
         cut_from_m={configuration: measured_m},
+        fitted={},
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from model.identification.paper import PaperFit, identify
 from model.identification.residuals import ConditionResidual, Kind, Rmse, residuals, rmse
 from model.measurements import Measurements, ModelError, in_volts, rms
 from model.sheet import misfit
-from model.sheet.configured_sheet import Along, ConfiguredSheet
+from model.sheet.configured_sheet import Along, ConfiguredSheet, FittedPositions
 from model.sheet.deviations import Deviations
 from model.sheet.sheet_model import SheetModel
 
@@ -54,11 +54,13 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
     joint = joint_fit(used, observed, options)
     parts = {o.sheet.configuration: _Part(joint, n, o, options) for n, o in enumerate(observed)}
     ratio = _bootstrap(joint, options)
+    ends = {name: FittedPositions.of(part.positions()) for name, part in parts.items()}
+    fitted = {name: one for name, one in ends.items() if one is not None}
     models = [
         SheetModel(
             sheets={name: part.sheet(varying) for name, part in parts.items()},
             source=measurements.source, checksum=measurements.checksum, held_out=held_out,
-            deviations=_deviations(joint) if varying else {},
+            deviations=_deviations(joint) if varying else {}, fitted=fitted,
         )
         for varying in (False, True)
     ]  # fmt: skip
@@ -145,9 +147,13 @@ class _Part:
         eibm = {v: Along.constant(p) for v, p in self.eibm.items()}
         if varying:
             eibm = {v: Along(self.s_m, *self.along[v], "N m") for v in self.voltages}
-        places = [o.position_m for o in self.observed.touching() if o.position_m is not None]
-        fitted = (min(places), max(places)) if places else None
-        return ConfiguredSheet(geometry, self.B, rest, eibm, fitted)
+        return ConfiguredSheet(geometry, self.B, rest, eibm)
+
+    def positions(self) -> Iterator[float]:
+        """Yield those on the arc that it was fitted to, m."""
+        for one in self.observed.touching():
+            if one.position_m is not None:
+                yield one.position_m
 
     def table(self, rows: tuple[ConditionResidual, ...]) -> ConfigurationFit:
         """Everything a report prints about it."""

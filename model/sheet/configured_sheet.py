@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,8 +17,8 @@ _LENGTHS = {
     "elongation_mm": "elongation_m", "clamped_length_mm": "clamped_length_m",
     "arc_radius_mm": "arc_radius_m",
 }  # fmt: skip
-
-_NEAR_M = 5e-4  # a position this close to those fitted is one of them
+FITTED = "fitted_positions_mm"  # of a configuration in a model file
+NEAR_M = 5e-4  # a position this close to those fitted is one of them
 
 
 @dataclass(frozen=True, repr=False)
@@ -82,8 +82,6 @@ class ConfiguredSheet(Displayed):
     B: Parameter  # N m^2
     rest: Along  # k0, 1/m
     eibm: Mapping[float, Along]  # by voltage, N m
-    # least and largest position on the arc that it was fitted to, m; None: not stated
-    fitted_m: tuple[float, float] | None = None
 
     def summary(self) -> Summary:
         """Return B, E and the mean EIBM of each voltage."""
@@ -130,17 +128,6 @@ class ConfiguredSheet(Displayed):
         """Mean of Me over the free length."""
         return self.eibm_at(voltage_V).mean(self.sheet.free_length_m)
 
-    def beyond(self, position_m: float) -> str:
-        """Return a remark on a position that lies outside those fitted; else nothing."""
-        if self.fitted_m is None:
-            return ""
-        low_m, high_m = self.fitted_m
-        if low_m - _NEAR_M <= position_m <= high_m + _NEAR_M:
-            return ""
-        alone = low_m == high_m
-        fitted = f"{1e3 * low_m:g} mm" if alone else f"{1e3 * low_m:g} to {1e3 * high_m:g} mm"
-        return f"beyond the positions fitted ({fitted})"
-
     def to_dict(self) -> dict[str, Any]:
         """For a model file."""
         geometry: dict[str, Any] = {
@@ -154,7 +141,6 @@ class ConfiguredSheet(Displayed):
             "E_Pa": self.E.to_dict(),
             "initial_curvature": self.rest.to_dict(),
             "eibm": {str(float(v)): along.to_dict() for v, along in sorted(self.eibm.items())},
-            **({"fitted_positions_mm": _in_mm(self.fitted_m)} if self.fitted_m else {}),
         }
 
     @staticmethod
@@ -186,7 +172,45 @@ class ConfiguredSheet(Displayed):
             _voltage(v, where): Along.from_dict(one, f"{where}.eibm.{v}")
             for v, one in table(data, "eibm", where).items()
         }
-        return ConfiguredSheet(sheet, B, rest, eibm, _positions(data, where))
+        return ConfiguredSheet(sheet, B, rest, eibm)
+
+
+@dataclass(frozen=True)
+class FittedPositions:
+    """The least and the largest one."""
+
+    low_m: float
+    high_m: float
+
+    @staticmethod
+    def of(positions_m: Iterable[float]) -> FittedPositions | None:
+        """Return those of some positions; None: there is none."""
+        every = list(positions_m)
+        return FittedPositions(min(every), max(every)) if every else None
+
+    def beyond(self, position_m: float) -> str:
+        """Return a remark on a position that lies outside; else nothing."""
+        if self.low_m - NEAR_M <= position_m <= self.high_m + NEAR_M:
+            return ""
+        low, high = f"{1e3 * self.low_m:g}", f"{1e3 * self.high_m:g}"
+        return f"beyond the positions fitted ({low if low == high else f'{low} to {high}'} mm)"
+
+    def to_dict(self) -> list[float]:
+        """For a model file."""
+        return [round(1e3 * one, 12) for one in (self.low_m, self.high_m)]
+
+    @staticmethod
+    def from_dict(data: dict[str, Any], where: str) -> FittedPositions | None:
+        """From the table of a configuration; None: it does not state them."""
+        if FITTED not in data:
+            return None
+        ends, where = data[FITTED], f"{where}.{FITTED}"
+        if not isinstance(ends, list) or len(ends) != 2:
+            raise ModelError(f"{where}: the least and the largest position are wanted")
+        low, high = (1e-3 * finite(one, where) for one in ends)
+        if low > high:
+            raise ModelError(f"{where}: the least position comes first")
+        return FittedPositions(low, high)
 
 
 def _said(parameter: Parameter, factor: float) -> tuple[str, str]:
@@ -197,23 +221,6 @@ def _said(parameter: Parameter, factor: float) -> tuple[str, str]:
 
 def _form(along: Along) -> str:
     return "constant" if np.ptp(along.values) == 0.0 else "mean along the sheet"
-
-
-def _in_mm(ends_m: tuple[float, float]) -> list[float]:
-    return [round(1e3 * one, 12) for one in ends_m]
-
-
-def _positions(data: dict[str, Any], where: str) -> tuple[float, float] | None:
-    ends = data.get("fitted_positions_mm")
-    if ends is None:
-        return None
-    where = f"{where}.fitted_positions_mm"
-    if not isinstance(ends, list) or len(ends) != 2:
-        raise ModelError(f"{where}: the least and the largest position are wanted")
-    low, high = (1e-3 * finite(one, where) for one in ends)
-    if low > high:
-        raise ModelError(f"{where}: the least position comes first")
-    return low, high
 
 
 def _voltage(text: object, where: str) -> float:

@@ -16,7 +16,7 @@ from model.effects.between_sessions import sessions_in
 from model.measurements import Displayed, FloatArray, ModelError, Summary
 from model.parameter import finite
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
-from model.sheet.configured_sheet import ConfiguredSheet, table
+from model.sheet.configured_sheet import FITTED, ConfiguredSheet, FittedPositions, table
 from model.sheet.deviations import Deviations
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ class SheetModel(Displayed):
     # how the parameters of a configuration, with the effects', are uncertain together; a
     # configuration that is not here: each by itself
     deviations: Mapping[str, Deviations] = field(default_factory=dict)
+    fitted: Mapping[str, FittedPositions] = field(default_factory=dict)  # by configuration
 
     def summary(self) -> Summary:
         """Return the parameters of each configuration, and the names of the effects."""
@@ -118,7 +119,8 @@ class SheetModel(Displayed):
 
     def beyond(self, configuration: str, position_m: float) -> str:
         """Return a remark on a position that lies outside those fitted; else nothing."""
-        return self.sheet(configuration).beyond(position_m)
+        fitted = self.fitted.get(configuration)
+        return fitted.beyond(position_m) if fitted is not None else ""
 
     def _plain(
         self, configuration: str, places: Sequence[tuple[float | None, float]]
@@ -202,13 +204,21 @@ class SheetModel(Displayed):
                 | _merit_to_dict(self.own_merit.get(name, {}))
                 | {
                     key: parts[name].to_dict()
-                    for key, parts in (("deviations", self.deviations), ("dynamic", self.dynamic))
+                    for key, parts in self._parts()
                     if name in parts
                 }
                 for name, one in self.sheets.items()
             },
             "effects": [e.to_dict() for e in self.effects],
         }  # fmt: skip
+
+    def _parts(self) -> tuple[tuple[str, Mapping[str, Any]], ...]:
+        """Return what a configuration's table may have, by its key."""
+        return (
+            (FITTED, self.fitted),
+            ("deviations", self.deviations),
+            ("dynamic", self.dynamic),
+        )
 
     @staticmethod
     def from_dict(data: object) -> SheetModel:
@@ -226,6 +236,10 @@ class SheetModel(Displayed):
             raise ModelError("effects: a list of tables is wanted")
         known = {name: ConfiguredSheet.from_dict(name, one) for name, one in sheets.items()}
         own = {name: _merit(one, f"configurations.{name}.") for name, one in sheets.items()}
+        fitted_m = {
+            name: FittedPositions.from_dict(one, f"configurations.{name}")
+            for name, one in sheets.items()
+        }
         return SheetModel(
             sheets=known,
             effects=tuple(
@@ -233,6 +247,7 @@ class SheetModel(Displayed):
             ),
             source=str(fitted.get("file", "")), checksum=str(fitted.get("sha256", "")),
             held_out=tuple(str(c) for c in fitted.get("held_out", [])),
+            fitted={name: one for name, one in fitted_m.items() if one is not None},
             merit=_merit(data), own_merit={name: merit for name, merit in own.items() if merit},
             dynamic={
                 name: DynamicSheet.from_dict(one["dynamic"], f"configurations.{name}.dynamic")

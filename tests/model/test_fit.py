@@ -16,6 +16,7 @@ from model.identification.paper import identify
 from model.identification.residuals import against
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
+from model.sheet.configured_sheet import FittedPositions
 from tests.cases import few
 
 LONG_B, SHORT_B = 1.27e-6, 8.5e-7
@@ -236,7 +237,7 @@ def test_the_model_says_between_which_positions_it_was_fitted(measure):
     data = measure(seed=11, names=("short",))
     positions = sorted({c.position_m for c in data.conditions})
     found = fit(data, FitOptions(held_out=(("short", positions[-1]),)))
-    assert found.model.sheet("short").fitted_m == pytest.approx((positions[0], positions[-2]))
+    assert found.model.fitted["short"] == FittedPositions(positions[0], positions[-2])
 
 
 @pytest.mark.thorough

@@ -13,6 +13,7 @@ from model.mechanics.contact_range import limit_m, other_solutions, stable
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
 from model.sheet.beam_problem import ActiveEffect
+from model.sheet.configured_sheet import FittedPositions
 
 R = 0.04
 
@@ -85,17 +86,16 @@ def test_a_voltage_between_those_fitted_gives_a_moment_in_proportion(truth: Shee
 
 
 def test_a_position_beyond_those_fitted_is_predicted_with_a_remark(truth: SheetModel):
-    one = replace(truth.sheet("long"), fitted_m=(0.0, 0.02))
-    model = replace(truth, sheets={"long": one})
+    model = replace(truth, fitted={"long": FittedPositions(0.0, 0.02)})
     assert predict(model, "long", 0.02, 2.0).why == ""
     assert predict(model, "long", 0.0203, 2.0).why == ""  # set by hand, it is the last one
     beyond = predict(model, "long", 0.03, 2.0)
     assert beyond.reachable
     assert beyond.why == "beyond the positions fitted (0 to 20 mm)"
     assert predict(model, "long", -0.005, 2.0).why == beyond.why
-    alone = replace(truth, sheets={"long": replace(one, fitted_m=(0.01, 0.01))})
+    alone = replace(truth, fitted={"long": FittedPositions(0.01, 0.01)})
     assert predict(alone, "long", 0.03, 2.0).why == "beyond the positions fitted (10 mm)"
-    assert SheetModel.from_dict(model.to_dict()).sheet("long").fitted_m == (0.0, 0.02)
+    assert SheetModel.from_dict(model.to_dict()).fitted == model.fitted
     assert predict(truth, "long", 0.03, 2.0).why == ""  # nothing was fitted
 
 

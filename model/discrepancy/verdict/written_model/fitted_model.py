@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from model.identification.likelihood.model_state import Found
 from model.measurements import Measurements
 from model.parameter import Parameter
 from model.sheet.beam_problem import UNKNOWN, ActiveEffect
-from model.sheet.configured_sheet import Along, ConfiguredSheet
+from model.sheet.configured_sheet import Along, ConfiguredSheet, FittedPositions
 from model.sheet.free_effect import FreeEffect
 from model.sheet.sheet_model import SheetModel
 
@@ -36,8 +37,16 @@ def sheet_model(final: MixedModelFit, measurements: Measurements, options: Optio
     return SheetModel(
         sheets=sheets, effects=tuple(_active(f, final) for f in final.found),
         source=measurements.source, checksum=measurements.checksum, held_out=held,
-        deviations=together,
+        deviations=together, fitted=dict(_fitted_positions(final)),
     )  # fmt: skip
+
+
+def _fitted_positions(final: MixedModelFit) -> Iterator[tuple[str, FittedPositions]]:
+    forward = final.problem.forward
+    for name, one in zip(forward.names, forward.configuration_models, strict=True):
+        fitted = FittedPositions.of(one.stated_m[one.touching].tolist())
+        if fitted is not None:
+            yield name, fitted
 
 
 def _active(one: Found, final: MixedModelFit) -> ActiveEffect:
@@ -140,9 +149,7 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
         )
         eibm[volts] = Along.constant(value)
     geometry = replace(configuration_model.sheet, initial_curvature=(along.s_m, along.values))
-    places = configuration_model.stated_m[np.isfinite(configuration_model.stated_m)]
-    fitted = (float(np.min(places)), float(np.max(places))) if len(places) else None
-    return ConfiguredSheet(geometry, stiffness, along, eibm, fitted)
+    return ConfiguredSheet(geometry, stiffness, along, eibm)
 
 
 def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
