@@ -21,6 +21,7 @@ elongation_mm = 10.0
 [arc]
 radius_mm = 40.0
 """
+FUTURE = "dated in the future (2026-07-03; this computer's clock says 2026-07-01)"
 LOADS = [(p, v, f) for p in (0.0, 15.0, 30.0) for v, f in ((0.0, 0.3), (2.0, 2.1))]
 
 
@@ -130,7 +131,8 @@ def test_curves_that_begin_elsewhere_than_at_the_clamp_are_asked_about(
     [
         ("2026-06-01", True, False, "30 days old"),
         ("2026-01-01", True, True, "181 days old"),
-        ("2026-07-02", False, False, "dated in the future"),
+        ("2026-07-02", True, False, "0 days old"),  # today, in a time zone to the east
+        ("2026-07-03", False, False, FUTURE),
         ("1970-01-01", True, True, "never made: labrig init's"),
     ],
 )
