@@ -6,7 +6,7 @@ import datetime as dt
 import errno
 import os
 import shlex
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from itertools import count
 from pathlib import Path
@@ -120,13 +120,14 @@ def write_bytes(path: Path, content: bytes) -> None:
         raise not_written(path, error) from None
 
 
-def write_zip(path: Path, files: Sequence[Path]) -> None:
-    """Pack files by their names, beside the archive's place, and rename it. Raises likewise."""
+def write_zip(path: Path, files: Mapping[Path, str]) -> None:
+    """Pack files under these names, beside the archive's place, and rename it. Raises likewise."""
     part = part_of(path)
     try:
-        with ZipFile(part, "w", ZIP_DEFLATED) as archive:
-            for file in files:
-                archive.write(file, file.name)
+        # Not strict: a computer without a battery for its clock begins in 1970, a zip in 1980.
+        with ZipFile(part, "w", ZIP_DEFLATED, strict_timestamps=False) as archive:
+            for file, name in files.items():
+                archive.write(file, name)
         part.replace(path)
     except OSError as error:
         discard(part)

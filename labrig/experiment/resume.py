@@ -30,6 +30,7 @@ from protocols.execution import events as ev
 
 _BLOCK = 10_000  # samples in one event
 _FRAMES = 32  # frames in one event, of those that go with no reading
+_CLOCK_NOT_SET = 2020  # a computer whose clock says an earlier year has lost its time of day
 
 
 def resumed_plan(session: RecordedSession) -> Plan:
@@ -132,16 +133,20 @@ class Resumption:
     def _shift_s(self, now_s: float) -> float:
         """From the session's clock to the present one: by the time of day, which both know.
 
-        A virtual clock has nothing to do with that: such a session ends now.
+        A virtual clock has nothing to do with that, nor has a clock that was not set: such a
+        session ends now. None ends later, also where the clock was set back since.
         """
-        events = self.session.events
-        if not events:
+        session = self.session
+        if session.duration_s is None:
             return now_s
-        if _on_virtual_clock(self.session) or not self.session.started:
-            return now_s - events[-1].time_s
-        began = dt.datetime.fromisoformat(self.session.started)
-        ago_s = (dt.datetime.now(dt.UTC) - began).total_seconds()
-        return now_s - ago_s - events[0].time_s
+        ends_now_s = now_s - (session.began_s + session.duration_s)
+        if _on_virtual_clock(session) or not session.started:
+            return ends_now_s
+        started = dt.datetime.fromisoformat(session.started)
+        if started.year < _CLOCK_NOT_SET:
+            return ends_now_s
+        ago_s = (dt.datetime.now(dt.UTC) - started).total_seconds()
+        return min(now_s - ago_s - session.started_s, ends_now_s)
 
 
 def _on_virtual_clock(session: RecordedSession) -> bool:

@@ -132,7 +132,8 @@ def report(order: AnalysisOrder, progress: Progress) -> Done:
             processes=order.workers,
         )
         text = page.read_text(encoding="utf-8")
-        write_zip(archive, sorted((Path(folder) / "figures").iterdir()))
+        figures = sorted((Path(folder) / "figures").iterdir())
+        write_zip(archive, {figure: figure.name for figure in figures})
     write_text(output_path(session, "report"), text)
     return Done(message="The report is written.", files=("report", "figures"), notes=notes)
 

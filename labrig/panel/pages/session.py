@@ -13,7 +13,7 @@ from pydantic import Field
 from starlette.background import BackgroundTask
 
 from labrig.errors import BadInputError
-from labrig.files import SESSION_ENDINGS
+from labrig.files import SESSION_ENDINGS, write_zip
 from labrig.panel.core.file_names import existing
 from labrig.panel.core.requests import Here, Name, RequestModel
 from labrig.panel.pages._sessions import REFRESH_S, Session, entry_of, shown
@@ -106,7 +106,9 @@ def export(
     folder = Path(tempfile.mkdtemp(prefix="labrig-export-"))
     try:
         export_session(path, folder / path.stem)
-        packed = shutil.make_archive(str(folder / "export"), "zip", folder, path.stem)
+        tables = sorted(each for each in (folder / path.stem).rglob("*") if each.is_file())
+        packed = folder / "export.zip"
+        write_zip(packed, {each: each.relative_to(folder).as_posix() for each in tables})
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise

@@ -32,7 +32,8 @@ def documents(session: RecordedSession) -> Iterator[Document]:
     """
     from event_model import compose_run
 
-    start_s = timestamp(session.started)
+    # All times by the session's own clock: that of the day may have been set meanwhile.
+    start_s = timestamp(session.started) - (session.started_s - session.began_s)
     stated = metadata(
         session.about,
         protocol=session.schedule.protocol,
@@ -46,7 +47,7 @@ def documents(session: RecordedSession) -> Iterator[Document]:
     for record in runs:
         yield from _arrays(session, record, run)
     status = EXIT_STATUS.get(session.outcome, "fail")
-    end_s = timestamp(session.ended) if session.ended else start_s
+    end_s = start_s + (session.duration_s or 0.0)
     yield "stop", run.compose_stop(exit_status=status, reason=session.reason, time=end_s)
 
 

@@ -273,6 +273,11 @@ class RecordedSession(Displayed):
         return self.events[0].time_s if self.events else 0.0
 
     @property
+    def started_s(self) -> float:
+        """Clock time of the moment that `started` states: later than `began_s` where resumed."""
+        return next((each.time_s for each in self.events if each.kind == "started"), self.began_s)
+
+    @property
     def duration_s(self) -> float | None:
         """From its first event to its last, by its own clock; None: nothing was recorded."""
         times_s = [event.time_s for event in self.events if math.isfinite(event.time_s)]
