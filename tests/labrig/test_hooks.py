@@ -23,8 +23,10 @@ from labrig.experiment.notices.hook_watch import hooks_of
 from labrig.experiment.notices.hooks import Hooks, Notice, NotifyingOperator
 from labrig.experiment.resume import resumed_plan
 from labrig.session import open_session
+from labrig.session.reading.guard_report import guard_report_path
 from tests.end_to_end.real_rig import children
 from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig
+from tests.end_to_end.test_children_end import until
 
 KEEP = "import sys, os; open(sys.argv[1], 'a').write(sys.stdin.read() + '\\n')"
 
@@ -174,6 +176,39 @@ def test_nothing_stands_by_after_the_session(tmp_path, log, fails):
     assert pid not in children(os.getpid())
     with pytest.raises(ProcessLookupError):
         os.kill(pid, 0)
+
+
+STANDING_BY = """
+import sys, threading
+from pathlib import Path
+from labrig.config.hooks import HooksConfig
+from labrig.experiment.notices.hook_watch import hooks_of
+
+config = HooksConfig.model_validate_json(sys.argv[1])
+with hooks_of(config, Path(sys.argv[2]), print, is_guarded=True):
+    print("ready", flush=True)
+    threading.Event().wait()
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(os.name != "posix", reason="kills a process")
+def test_what_the_guard_found_is_told_where_the_clock_was_set_back_during_the_run(tmp_path):
+    told_file, session = tmp_path / "told", tmp_path / "a.h5"
+    told_file.touch()
+    config = keeping(told_file).model_dump_json()
+    command = [sys.executable, "-c", STANDING_BY, config, str(session)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as program:
+        assert program.stdout.readline() == b"ready\n"
+        report = guard_report_path(session)
+        facts = {"why": "killed", "state": "safe", "read_back_V": 0.0, "failures": []}
+        report.write_text(json.dumps(facts))
+        hour_ago_s = time.time() - 3600.0
+        os.utime(report, (hour_ago_s, hour_ago_s))
+        program.kill()
+    until(lambda: told_file.stat().st_size > 0)
+    (message,) = told(told_file)
+    assert "the output guard has ended this run (killed)" in message["text"]
 
 
 class Answers:

@@ -35,6 +35,7 @@ class Watched:
     config: dict[str, Any]  # of HooksConfig
     session: str  # file
     is_guarded: bool  # by an output guard
+    report: list[int] | None  # what was there before, of an earlier session of this name
     parent: int
 
 
@@ -47,6 +48,7 @@ class HookWatch:
             config=config.model_dump(mode="json"),
             session=str(session.absolute()),
             is_guarded=is_guarded,
+            report=_state_of_report(session),
             parent=os.getpid(),
         )
         self._process = _spawn()
@@ -124,7 +126,6 @@ def _spawn() -> subprocess.Popen[bytes]:
 
 def main() -> None:
     """Stand by; tell the hooks once the session's process has been killed."""
-    began_s = time.time()
     order = sys.stdin.readline()
     if not order.endswith("\n"):
         return  # killed while it started this: there is no session yet
@@ -133,7 +134,7 @@ def main() -> None:
     session = Path(watched.session)
     text = "the program that ran it was killed"
     if watched.is_guarded:
-        text = f"{text}; {_of_the_guard(session, began_s)}"
+        text = f"{text}; {_of_the_guard(session, watched.report)}"
     hooks = Hooks(HooksConfig(**watched.config), session.name, _complain)
     hooks.ended(completed=False, text=f"{text}. Run labrig recover on the session")
     hooks.close()
@@ -150,14 +151,25 @@ def _wait_for_death_of(parent: int) -> None:
             return
 
 
-def _of_the_guard(session: Path, began_s: float) -> str:
+def _state_of_report(session: Path) -> list[int] | None:
+    """Return what changes when a report is written; None: there is none.
+
+    Its time need not be later: the computer's clock may be set back during a run.
+    """
+    try:
+        state = guard_report_path(session).stat()
+    except OSError:
+        return None
+    return [state.st_ino, state.st_mtime_ns, state.st_size]
+
+
+def _of_the_guard(session: Path, before: list[int] | None) -> str:
     """Return what the guard found, once it has made the output safe, or has given up."""
     until_s = time.monotonic() + _GUARD_S
     while time.monotonic() < until_s:
         report = read_guard_report(session)
-        with suppress(OSError):
-            if report is not None and guard_report_path(session).stat().st_mtime > began_s - 1.0:
-                return report.text
+        if report is not None and _state_of_report(session) != before:
+            return report.text
         time.sleep(_LOOK_S)  # noqa: TID251 - no rig is here, and no clock of one
     return "no output guard has reported: look whether the output is at 0 V"
 
