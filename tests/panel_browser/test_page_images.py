@@ -87,6 +87,15 @@ def test_the_page_says_how_old_the_image_is_by_the_servers_clock(fake, visit, ah
     assert page.evaluate(f"{said}.dataset.stale") == "true"
 
 
+def test_the_age_of_the_image_is_right_soon_after_the_servers_clock_was_set(fake, visit):
+    page = opened(fake, visit)
+    page.wait_for_function("labrig.job.clock.now_s() !== null")
+    page.evaluate("labrig.job.clock.pings.forEach((ping) => { ping.trip_s = 0; })")  # the quickest
+    fake.ahead_s = -3600.0
+    drawn(fake, page, 301, exposed_s=time.time() - 3600.0)
+    page.wait_for_function("labrig.job.ageOf(labrig.job.picture) < 60", timeout=10_000)
+
+
 @pytest.mark.thorough
 def test_the_page_says_at_what_rate_images_come(fake, visit):
     page = opened(fake, visit)

@@ -1,10 +1,16 @@
 // The server's clock as a page knows it: from pings, of which the quickest is believed.
 
 const KEEP = 20; // pings; the clocks of page and server drift apart slowly
+const DRIFT_S = 0.05; // by which they may have done so over all pings that are kept
 
 /** Time of day in s, on this computer. */
 function here_s() {
   return (performance.timeOrigin + performance.now()) / 1000;
+}
+
+/** Whether both may be of the same clocks; else one of these was set in between. */
+function agree(a, b) {
+  return Math.abs(a.offset_s - b.offset_s) <= (a.trip_s + b.trip_s) / 2 + DRIFT_S;
 }
 
 /** What the server's clock shows, within half the quickest round trip. */
@@ -22,7 +28,9 @@ export class ServerClock {
   heard({ at, wall_s }) {
     if (at == null || wall_s == null) return;
     const now = here_s();
-    this.pings.push({ trip_s: now - at, offset_s: wall_s - (at + now) / 2 });
+    const newest = { trip_s: now - at, offset_s: wall_s - (at + now) / 2 };
+    this.pings = this.pings.filter((ping) => agree(ping, newest));
+    this.pings.push(newest);
     if (this.pings.length > KEEP) this.pings.shift();
     const quickest = this.pings.reduce((a, b) => (b.trip_s < a.trip_s ? b : a));
     this.offset_s = quickest.offset_s; // wrong by half its trip at most
