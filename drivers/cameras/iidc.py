@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ctypes as c
 import ctypes.util
+import time
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ _CAPTURE_DEFAULT = 0x4
 _POLICY_POLL = 673
 _DMA_BUFFERS = 8
 _POLL_S = 2e-3
+_LOOKS = 3  # at two clocks, of which the quickest counts: a thread may stand still between them
 _SIZE = (640, 480)
 
 
@@ -84,6 +86,17 @@ class _VideoFrame(c.Structure):
     )
 
 
+def _to_time_of_day_s() -> float:
+    """Return by how much the time of day is ahead of a clock that nobody can set."""
+    found: list[tuple[float, float]] = []
+    for _ in range(_LOOKS):
+        before_s = time.perf_counter()
+        wall_s = time.time()
+        after_s = time.perf_counter()
+        found.append((after_s - before_s, wall_s - (before_s + after_s) / 2))
+    return min(found)[1]
+
+
 class IidcCapture:
     """One camera in 640 x 480, 8 bit grey. Frames stay in the ring buffer until retrieved."""
 
@@ -96,6 +109,8 @@ class IidcCapture:
         self._bus = self._lib.dc1394_new()
         self._camera: Any = None
         self._frame: Any = None
+        self._stamp_s = 0.0
+        self._to_time_of_day_s = _to_time_of_day_s()
         self._transmitting = False
         if not self._bus:
             raise DeviceNotFoundError(
@@ -122,9 +137,17 @@ class IidcCapture:
             self._call("capture_dequeue", self._camera, _POLICY_POLL, c.byref(frame))
             if frame:
                 self._frame = frame
+                self._stamp_s = self._stamp(frame.contents.timestamp)
                 return True
             self._clock.sleep_until(self._clock.now() + _POLL_S)
         return False
+
+    def _stamp(self, unix_us: int) -> float:
+        """Return the time stamp of a frame in s, as if the computer's clock had not been set since.
+
+        Else the frames would seem to have come an hour apart.
+        """
+        return unix_us / 1e6 - (_to_time_of_day_s() - self._to_time_of_day_s)
 
     def retrieve(self) -> tuple[bool, npt.NDArray[np.uint8] | None]:
         """Return a copy of the frame last grabbed."""
@@ -142,7 +165,7 @@ class IidcCapture:
     def get(self, prop: int) -> float:
         """Return one of the few properties that a camera is asked for."""
         if prop == POS_MSEC and self._frame is not None:
-            return float(self._frame.contents.timestamp) / 1e3  # it is unix time in µs
+            return 1e3 * self._stamp_s
         return {WIDTH: float(_SIZE[0]), HEIGHT: float(_SIZE[1]), FPS: self._rate_hz}.get(prop, 0.0)
 
     def set(self, prop: int, value: float) -> bool:

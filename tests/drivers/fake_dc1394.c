@@ -40,6 +40,7 @@ static camera_info the_camera = {
 };
 static int polls, delivered, outstanding;
 int most_frames = 5; /* a test may change it */
+int clock_set_s = 0; /* by how much the computer's clock was set: a test may change it */
 /* What the test asks about afterwards. */
 int seen_mode, seen_rate, seen_speed, seen_transmission, freed, enqueued, old_bus;
 
@@ -81,7 +82,7 @@ int dc1394_capture_dequeue(void *camera, int policy, video_frame **out) {
     frame.size[0] = 640;
     frame.size[1] = 480;
     frame.stride = STRIDE;
-    frame.timestamp = 1700000000000000ULL + 33333ULL * delivered;
+    frame.timestamp = 1700000000000000ULL + 33333ULL * delivered + 1000000LL * clock_set_s;
     delivered++;
     outstanding = 1;
     *out = &frame;

@@ -4,6 +4,7 @@ import ctypes
 import shutil
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -61,12 +62,32 @@ def test_frames_come_without_padding_and_with_their_time(library):
         assert good
         assert image.shape == (480, 640)
         assert np.all(image == 10 + number)  # the padding of a line holds 255
-        assert capture.get(0) / 1e3 == pytest.approx(1.7e9 + 0.033333 * number, abs=1e-4)
+        assert capture.get(0) / 1e3 == pytest.approx(1.7e9 + 0.033333 * number, abs=1e-3)
     capture.release()
     capture.release()
     assert seen(library, "enqueued") == 5  # every buffer went back to the ring
     assert seen(library, "freed") == 2  # the camera and the bus, once each
     assert seen(library, "seen_transmission") == 0
+
+
+@needs_compiler
+@pytest.mark.system_package("gcc")
+@pytest.mark.parametrize("set_s", [-3600, 1])
+def test_frames_keep_their_distance_where_the_computers_clock_is_set(library, monkeypatch, set_s):
+    """libdc1394 stamps frames with the time of day."""
+    clock_set_s, time_of_day = ctypes.c_int.in_dll(ctypes.CDLL(library), "clock_set_s"), time.time
+    monkeypatch.setattr(time, "time", lambda: time_of_day() + clock_set_s.value)
+    capture = IidcCapture(GUID, SteppingClock(), library=library)
+    stamps_s = []
+    try:
+        for number in range(5):
+            clock_set_s.value = set_s if number > 2 else 0
+            assert capture.grab()
+            stamps_s.append(capture.get(0) / 1e3)
+    finally:
+        clock_set_s.value = 0
+        capture.release()
+    assert np.diff(stamps_s) == pytest.approx(0.033333, abs=1e-3)
 
 
 @needs_compiler
