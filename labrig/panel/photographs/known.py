@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 import hashlib
 import math
 from dataclasses import dataclass, field
@@ -10,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from labrig.errors import BadInputError
-from labrig.files import write_text
+from labrig.files import keep_replaced, write_text
 from labrig.vision import Optics, calibrate_ruler, load_optics
 from labrig.vision.calibration.optics import StripPlace
 from labrig.vision.facts.catalogue import strip_facts
@@ -172,7 +171,7 @@ def write_known(path: Path, optics: Optics, clicked: Clicked, *, for_all: bool) 
         if for_all and own.exists():
             places.append(own)  # its own file stands above that of all
         for place in places:
-            _keep_once(place)
+            _keep_users_own(place, text)
             write_text(place, text)
             written.append(place.name)
     if common != optics:
@@ -182,17 +181,10 @@ def write_known(path: Path, optics: Optics, clicked: Clicked, *, for_all: bool) 
     return written
 
 
-def _keep_once(path: Path) -> None:
-    """Keep a file that the page did not write, as NAME.DATE.bak."""
-    if not path.exists():
-        return
-    text = path.read_text(encoding="utf-8", errors="replace")
-    if METHOD in text:
-        return
-    day = dt.datetime.now(dt.UTC).strftime("%Y-%m-%d")
-    kept = path.with_name(f"{path.name}.{day}.bak")
-    if not kept.exists():
-        write_text(kept, text)
+def _keep_users_own(path: Path, text: str) -> None:
+    """Keep a file that the page did not write, and that `text` is to replace, as NAME.DATE.bak."""
+    if path.exists() and METHOD not in path.read_text(encoding="utf-8", errors="replace"):
+        keep_replaced(path, text)
 
 
 def digest_of(path: Path) -> str:

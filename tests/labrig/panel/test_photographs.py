@@ -202,6 +202,19 @@ def test_a_direction_that_is_not_known_is_not_shown_and_stays_so_until_it_is_cli
     opened.close()
 
 
+def test_two_files_of_the_users_own_are_kept_also_where_their_day_is_the_same(tmp_path):
+    """As on a computer whose clock begins anew in 1970."""
+    written = set[str]()
+    for sigma in (0.01, 0.02):
+        drawn_strips.write(tmp_path, BENT_UP.image, "a", px_per_mm_sigma=sigma)
+        written.add((tmp_path / "optics.json").read_text())
+        moved = StripPlace(clamp_px=(CLAMP[0] + 1, CLAMP[1]), along_px=PLACE.along_px)
+        opened = PhotographFolder(tmp_path)
+        opened.set_known("a", Clicked(strips={"": moved}), for_all=True)
+        opened.close()
+    assert {kept.read_text() for kept in tmp_path.glob("optics.json.*.bak")} == written
+
+
 def test_a_file_of_the_users_own_is_kept_and_only_changed_where_something_was_clicked(tmp_path):
     drawn_strips.write(tmp_path, BENT_UP.image, "a", polarity="bright", px_per_mm_sigma=0.01)
     before = (tmp_path / "optics.json").read_text()
