@@ -69,9 +69,10 @@ export class Numerals {
     this.age.hidden = job.acquiring || !signals.count;
     if (this.age.hidden) return;
     const at = `run ${signals.run + 1}, at ${number(signals.newestTime(), 1)} s`;
-    const over = job.ended?.wall
-      ? `; the session ended ${when(job.ended.wall)}${job.replay ? "" : `, ${ago(job.ended.wall)}`}`
-      : "";
+    const wall = job.ended?.wall;
+    const now_s = job.clock?.now_s(); // of the computer that has dated the end
+    const since = ago(wall, now_s == null ? Date.now() : 1e3 * now_s);
+    const over = wall ? `; the session ended ${when(wall)}${job.replay ? "" : `, ${since}`}` : "";
     setText(this.age, `Nothing is measured now. Last sample: ${at}${over}.`);
   }
 }
