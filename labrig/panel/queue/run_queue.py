@@ -228,7 +228,8 @@ class RunQueue:
 
     def _name(self, entry: Entry, taken: set[str]) -> str:
         """Return a name that no session has: PROTOCOL-DAY-N.h5."""
-        stem = f"{Path(entry.protocol).stem}-{dt.datetime.now().astimezone():%Y-%m-%d}"
+        day = dt.date.today()  # noqa: DTZ011 - the day at the rig
+        stem = f"{Path(entry.protocol).stem}-{day}"
         names = (f"{stem}-{number}.h5" for number in range(1, 10_000))
         return next(
             name for name in names if name not in taken and not (self._data / name).exists()

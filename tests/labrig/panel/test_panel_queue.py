@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import sys
 import time
@@ -116,6 +117,17 @@ def test_sessions_run_one_after_the_other_in_their_order(page, folder):
             times[name] = session.started
     assert times["b.h5"] < times["a.h5"]
     assert page.until("queue")["going"] is False
+
+
+@pytest.mark.skipif(os.name != "posix", reason="Windows reads no TZ")
+def test_a_session_is_named_by_its_day_also_where_the_time_zone_makes_no_sense(alone, monkeypatch):
+    monkeypatch.setenv("TZ", "UTC+99")
+    with panel(alone / "rig.toml", lean=True) as server:
+        page = Page(server)
+        page.take_control()
+        (entry,) = page.do("/api/queue/add", protocol="short.toml")["entries"]
+        page.close()
+    assert re.fullmatch(r"short-\d{4}-\d\d-\d\d-1\.h5", entry["session"])
 
 
 def test_the_queue_stops_at_a_session_that_is_stopped(page, folder):
