@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 # of libpng, libjpeg, and of FFmpeg where it opens a film: labrig says in a sentence what is wrong
 _THEIRS = re.compile(
-    rb"libpng (error|warning): |\[[\w,]+ @ 0x"
+    rb"libpng (error|warning): |\[[\w,]+ @ 0x| \([\w ]+\): fmt:\w+ csp:"
     rb"|Corrupt JPEG data: |Inconsistent progression|Invalid SOS parameters|Unknown Adobe color"
 )
 _STDERR = 2

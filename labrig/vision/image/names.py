@@ -10,7 +10,8 @@ from labrig.vision.calibration.drawing import is_drawing
 IMAGE_SUFFIXES = (".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".pgm", ".webp")
 TIFF_SUFFIXES = (".tif", ".tiff")
 HEIC_SUFFIXES = (".heic", ".heif")  # of many telephones; refused with a reason
-VIDEO_SUFFIXES = (".avi", ".mp4", ".mov", ".mkv", ".y4m", ".mjpg", ".mjpeg", ".gif")
+_CONTAINERS = (".avi", ".mp4", ".m4v", ".mov", ".mkv", ".webm")
+VIDEO_SUFFIXES = (*_CONTAINERS, ".y4m", ".mjpg", ".mjpeg", ".gif")
 
 
 def picture_name(path: Path) -> str:

@@ -15,20 +15,28 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigWarning, warn_caller
 from labrig.files import check_is_text
+from labrig.vision.image.cut_short import lacks_bytes
 from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.names import TIFF_SUFFIXES, is_video, picture_name
 
 _HEIC = frozenset(b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"mif1", b"msf1"))
 # of libjpeg, which decodes such a file all the same; its other lines are of harmless faults
-_LOST_PIXELS = re.compile("premature end of data|bad (Huffman|arithmetic) code|instead of RST")
+_LOST_PIXELS = re.compile(
+    "premature end of data|bad (Huffman|arithmetic) code|instead of RST"
+    "|extraneous bytes before marker 0xd[0-7]"  # restart markers: what is before them was lost
+)
 # of FFmpeg, which conceals what it cannot decode; others of its lines are of harmless faults
 _DAMAGED_FRAME = re.compile(
-    "damaged|corrupt|concealing|error (y=|count|while decoding)|error at MB|bad vlc|invalid",
+    "damaged|corrupt|concealing|error (y=|count|while decoding)|error at MB|bad vlc|invalid"
+    "|overread|LZW decode failed",
     re.IGNORECASE,
 )
-_COUNT_IS_ROUGH = 0.02  # of the frames that a video states: some formats know their time alone
+_BESIDE_THE_PICTURE = re.compile(r"\bAPP fields|\bapp: |\bEXIF\b|\bICC\b")  # of a frame of MJPEG
+_INTERLACED = "Cannot convert interlaced"  # of FFmpeg; the picture is then of anything
+_ENDED_EARLY = "ended prematurely"  # of FFmpeg, of a Matroska file
+_SQUARE_TO = 0.01  # of the width of a pixel
 
 Pixels = npt.NDArray[Any]
 
@@ -236,44 +244,80 @@ def _frames(path: Path, every: int) -> Iterator[Picture]:
 
     check_is_text(path)
     video = _opened(path)
-    name, number, last_s = picture_name(path), 0, -1.0
+    name, number, begin_s, last_s, cut = picture_name(path), 0, 0.0, -1.0, False
     try:
         if not video.isOpened():
             raise BadInputError(f"{path}: not a video that OpenCV can open.")
         video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)
+        _tell_of_pixels(path, video)
         while True:
             with without_lines_of_libraries() as theirs:
                 good = video.grab()
                 time_s = video.get(cv2.CAP_PROP_POS_MSEC) / 1000
                 wanted = good and number % every == 0
                 good, image = video.retrieve() if wanted else (good, None)
+            cut = cut or any(_ENDED_EARLY in line for line in theirs)
             if not good:
                 break
+            begin_s = time_s if number == 0 else begin_s
             label = PictureLabel(
                 name=f"{name}_{number:06d}",
                 file_stem=f"{name}_{number:06d}",
                 frame=number,
                 # a stream without time stamps gives 0 for each frame
-                time_s=round(time_s, 6) if time_s > last_s else None,
+                time_s=round(time_s - begin_s, 6) if time_s > last_s else None,
             )
-            if any(_DAMAGED_FRAME.search(line) for line in theirs):
-                why = f"{path}: frame {number} is damaged; those after it may be, too."
-                yield Picture(label=label, image=None, why=why)
+            why = _why_unusable(theirs)
+            if why:
+                yield Picture(label=label, image=None, why=f"{path}: frame {number} {why}")
             elif image is not None:
                 yield Picture(label=label, image=np.asarray(image))
             last_s = max(last_s, time_s)
             number += 1
         if number == 0:
-            raise BadInputError(f"{path}: this video has no frame that can be read.")
+            raise BadInputError(
+                f"{path}: this video has no frame that can be read; copy it again, or save it in "
+                "another format, such as H.264 in MP4."
+            )
         stated = round(video.get(cv2.CAP_PROP_FRAME_COUNT))
-        if stated - number > max(1, _COUNT_IS_ROUGH * stated):
+        # some formats state more frames than can be shown: those that an edit list hides, that
+        # were dropped in recording, or that fill the time of the longest stream, such as the sound
+        if cut or (number < stated and (theirs or lacks_bytes(path))):
             why = (
-                f"{path}: this video is damaged or cut short: it states {stated} frames, and"
-                f" {number} could be read."
+                f"{path}: this video is damaged or cut short: after frame {number - 1} none could"
+                " be read; copy it again."
             )
             yield Picture(label=whole_file(path), image=None, why=why)
     finally:
         video.release()
+
+
+def _why_unusable(theirs: list[str]) -> str:
+    """Return why a frame is not used, by what FFmpeg said of it; empty: it is used."""
+    if any(_INTERLACED in line for line in theirs):
+        return (
+            "is interlaced (made of two half pictures), which OpenCV cannot convert; convert the "
+            "video first, as `ffmpeg -i OLD -vf yadif NEW` does."
+        )
+    said = (line for line in theirs if not _BESIDE_THE_PICTURE.search(line))
+    if any(_DAMAGED_FRAME.search(line) for line in said):
+        return "is damaged; those after it may be, too."
+    return ""
+
+
+def _tell_of_pixels(path: Path, video: Any) -> None:
+    """Warn of pixels that are not square: lengths across and down have other scales then."""
+    import cv2
+
+    wide, high = video.get(cv2.CAP_PROP_SAR_NUM), video.get(cv2.CAP_PROP_SAR_DEN)
+    if wide > 0 and high > 0 and abs(wide / high - 1) > _SQUARE_TO:
+        warn_caller(
+            LabrigWarning(
+                f"{path}: its pixels are {wide / high:.3g} times as wide as high, and are taken as "
+                "square; convert the video first, as `ffmpeg -i OLD -vf scale=iw*sar:ih,setsar=1 "
+                "NEW` does."
+            )
+        )
 
 
 def _opened(path: Path) -> Any:

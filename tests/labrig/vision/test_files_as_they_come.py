@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from labrig.cli.main import run
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, LabrigWarning
 from labrig.vision import (
     BatchOptions,
     NeutralCurve,
@@ -223,8 +223,8 @@ def _entry_of_page(data, page, tag):
     raise AssertionError("no such page")
 
 
-def film(path, frames=5, rate=25):
-    header = f"YUV4MPEG2 W64 H48 F{rate}:1 Ip A1:1 Cmono\n".encode()
+def film(path, frames=5, rate=25, shape="1:1", interlaced="p"):
+    header = f"YUV4MPEG2 W64 H48 F{rate}:1 I{interlaced} A{shape} Cmono\n".encode()
     shades = (np.full((48, 64), 100 + 10 * n, np.uint8).tobytes() for n in range(frames))
     path.write_bytes(header + b"".join(b"FRAME\n" + shade for shade in shades))
 
@@ -249,6 +249,12 @@ def test_each_nth_frame_keeps_its_number_and_time(folder, capsys):
         ("film_000004", 0.16),
     ]
     assert [line["state"] for line in table(folder / "s.csv")] == ["refused"] * 3
+
+
+@pytest.mark.parametrize("suffix", [".webm", ".m4v"])
+def test_a_video_of_another_container_is_read_as_one(folder, suffix):
+    film(folder / f"film{suffix}")  # what it is FFmpeg sees by its content
+    assert len(list(pictures_in(folder / f"film{suffix}"))) == 5
 
 
 def test_an_animated_gif_has_frames_with_times(folder):
@@ -523,6 +529,19 @@ def test_a_jpeg_that_has_lost_a_part_of_its_picture_is_refused(tmp_path, capfd, 
     assert capfd.readouterr().err == ""
 
 
+def test_a_jpeg_that_has_lost_bytes_before_a_restart_marker_is_refused(tmp_path):
+    restarts = [cv2.IMWRITE_JPEG_RST_INTERVAL, 4]
+    whole = cv2.imencode(
+        ".jpg", cv2.imdecode(np.frombuffer(jpeg(), np.uint8), cv2.IMREAD_UNCHANGED), restarts
+    )[1].tobytes()
+    marker = whole.index(b"\xff\xd3")
+    (tmp_path / "good.jpg").write_bytes(whole)
+    assert read_image(tmp_path / "good.jpg").shape == (96, 160)
+    (tmp_path / "bad.jpg").write_bytes(whole[: marker - 60] + whole[marker - 30 :])
+    with pytest.raises(BadInputError, match="a part of its picture is lost"):
+        read_image(tmp_path / "bad.jpg")
+
+
 def test_a_jpeg_with_bytes_that_nobody_needs_is_read(tmp_path, capfd):
     whole = jpeg()
     (tmp_path / "good.jpg").write_bytes(whole)
@@ -542,8 +561,8 @@ def test_of_a_file_that_is_no_film_there_is_our_sentence_alone(folder):
     assert done.stderr == ""
 
 
-def coloured_film(path, frames=6):
-    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*"MJPG"), 25, (320, 240))
+def coloured_film(path, codec="MJPG", frames=6):
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*codec), 25, (320, 240))
     for frame in range(frames):
         image = np.full((240, 320, 3), 220, dtype=np.uint8)
         cv2.line(image, (20, 120), (300, 100 + 5 * frame), (30, 60, 90), 3)
@@ -559,9 +578,90 @@ def test_a_video_that_was_cut_short_says_how_much_of_it_was_read(folder):
     assert 1 <= len(read) - 1 < 5
     assert all(picture.image is not None for picture in read[:-1])
     assert read[-1].why == (
-        f"{folder / 'film.avi'}: this video is damaged or cut short: it states 6 frames, and"
-        f" {len(read) - 1} could be read."
+        f"{folder / 'film.avi'}: this video is damaged or cut short: after frame {len(read) - 2}"
+        " none could be read; copy it again."
     )
+
+
+def hidden_by_an_edit_list(path):
+    """Write a video as telephones do that was trimmed: its edit list shows the end alone."""
+    coloured_film(path, "mp4v")
+    data = bytearray(path.read_bytes())
+    entry = data.index(b"elst") + 12
+    scale = struct.unpack_from(">I", data, data.index(b"mdhd") + 16)[0]
+    data[entry + 4 : entry + 8] = struct.pack(">I", 3 * scale // 25)
+    path.write_bytes(data)
+
+
+def dropped_in_recording(path):
+    """Write a video that states more frames than it has, as where a camera left some out."""
+    coloured_film(path)
+    data = bytearray(path.read_bytes())
+    at = data.index(b"strh") + 40
+    assert struct.unpack_from("<I", data, at) == (6,)
+    data[at : at + 4] = struct.pack("<I", 600)
+    path.write_bytes(data)
+
+
+@pytest.mark.parametrize(
+    ("write", "name", "frames"),
+    [(hidden_by_an_edit_list, "film.mp4", 3), (dropped_in_recording, "film.avi", 6)],
+)
+def test_a_whole_video_that_states_frames_it_does_not_show_is_not_cut_short(
+    tmp_path, write, name, frames
+):
+    write(tmp_path / name)
+    read = list(pictures_in(tmp_path / name))
+    assert [picture.why for picture in read] == [""] * frames
+
+
+def test_the_times_of_a_video_begin_with_its_first_frame(tmp_path):
+    coloured_film(tmp_path / "film.avi")
+    data = bytearray((tmp_path / "film.avi").read_bytes())
+    start = data.index(b"strh") + 36
+    data[start : start + 4] = struct.pack("<I", 2)
+    (tmp_path / "film.avi").write_bytes(data)
+    times = [picture.label.time_s for picture in pictures_in(tmp_path / "film.avi")]
+    assert times == pytest.approx([0, 0.04, 0.08, 0.12, 0.16, 0.20])
+
+
+def test_a_video_whose_pixels_are_not_square_is_told(tmp_path):
+    film(tmp_path / "film.y4m", shape="4:3")
+    with pytest.warns(LabrigWarning, match="its pixels are 1.33 times as wide as high"):
+        assert len(list(pictures_in(tmp_path / "film.y4m"))) == 5
+
+
+def told_of(name, folder):
+    """Return the lines of a video's frames where FFmpeg is not made silent, as it is in tests."""
+    told = {key: value for key, value in os.environ.items() if key != "OPENCV_FFMPEG_LOGLEVEL"}
+    asked = [sys.executable, "-m", "labrig", "curves", name]
+    done = subprocess.run(asked, cwd=folder, env=told, capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    return done.stdout.splitlines()
+
+
+@pytest.mark.slow
+def test_the_frames_of_an_interlaced_video_are_refused(folder):
+    film(folder / "film.y4m", frames=2, interlaced="t")
+    assert told_of("film.y4m", folder) == [
+        f"film_00000{frame}: no curve: film.y4m: frame {frame} is interlaced (made of two half "
+        "pictures), which OpenCV cannot convert; convert the video first, as `ffmpeg -i OLD -vf "
+        "yadif NEW` does."
+        for frame in range(2)
+    ]
+
+
+@pytest.mark.slow
+def test_a_fault_beside_the_picture_of_a_frame_refuses_none_and_a_frame_cut_short_is(folder):
+    whole = jpeg()
+    exif = b"Exif\0\0II*\0" + bytes(range(20))
+    odd = whole[:2] + b"\xff\xe1" + struct.pack(">H", 2 + len(exif)) + exif + whole[2:]
+    (folder / "film.mjpg").write_bytes(odd + odd + whole[: len(whole) // 2])
+    lines = told_of("film.mjpg", folder)
+    assert len(lines) == 3
+    assert [line for line in lines if "damaged" in line] == [
+        "film_000002: no curve: film.mjpg: frame 2 is damaged; those after it may be, too."
+    ]
 
 
 @pytest.mark.slow
@@ -572,15 +672,11 @@ def test_a_frame_of_a_video_that_ffmpeg_conceals_is_refused_in_our_sentence_alon
     for at in range(pictures[2] + 1000, pictures[2] + 1500, 7):
         data[at] ^= 0x5A
     (folder / "film.avi").write_bytes(data)
-    told = {key: value for key, value in os.environ.items() if key != "OPENCV_FFMPEG_LOGLEVEL"}
-    asked = [sys.executable, "-m", "labrig", "curves", "film.avi"]
-    done = subprocess.run(asked, cwd=folder, env=told, capture_output=True, text=True, check=True)
-    lines = done.stdout.splitlines()
+    lines = told_of("film.avi", folder)
     assert len(lines) == 6
     assert [line for line in lines if "damaged" in line] == [
         "film_000002: no curve: film.avi: frame 2 is damaged; those after it may be, too."
     ]
-    assert done.stderr == ""
 
 
 def test_what_others_write_while_libraries_decode_is_kept(capfd):
