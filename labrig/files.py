@@ -105,18 +105,39 @@ def keep_replaced(path: Path, text: str) -> Path | None:
 
 
 def part_of(path: Path) -> Path:
-    """Return a name beside a file to write it under: one that nobody else writes meanwhile."""
+    """Return a name beside a file to write it under: one that nobody else writes meanwhile.
+
+    Raises BadInputError where a device or a pipe would be replaced.
+    """
+    if _is_device(path):
+        raise BadInputError(f"{path}: this is a device or a pipe, an ordinary file is needed.")
     return path.with_name(f"{path.name}.{os.getpid()}-{next(_PARTS)}.part")
 
 
 def write_bytes(path: Path, content: bytes) -> None:
-    """Write a file as `write_text` does."""
+    """Write a file as `write_text` does; into a device or a pipe, such as /dev/stdout, at once."""
+    if _is_device(path):
+        _write_into(path, content)
+        return
     part = part_of(path)
     try:
         part.write_bytes(content)
         part.replace(path)
     except OSError as error:
         discard(part)
+        raise not_written(path, error) from None
+
+
+def _is_device(path: Path) -> bool:
+    """Whether there is something that is neither a file nor a folder."""
+    return path.exists() and not (path.is_file() or path.is_dir())
+
+
+def _write_into(path: Path, content: bytes) -> None:
+    try:
+        with path.open("ab") as stream:
+            stream.write(content)
+    except OSError as error:
         raise not_written(path, error) from None
 
 

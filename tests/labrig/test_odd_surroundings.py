@@ -17,6 +17,8 @@ import pytest
 from labrig.batch.rows import PieceOutcome, Row, row_of
 from labrig.batch.table import write_csv
 from labrig.cli.main import run
+from labrig.errors import BadInputError
+from labrig.files import write_text, write_zip
 from labrig.panel.job.host import Host
 from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
 from tests.cases import few
@@ -157,6 +159,25 @@ def test_a_pipe_in_the_place_of_a_session_is_refused_and_not_waited_for(folder: 
     assert done.stderr == (
         b"labrig: fifo.h5: this is a device or a pipe, an ordinary file is needed.\n"
     )
+
+
+@POSIX
+def test_a_pipe_is_written_into_and_not_replaced(folder: Path) -> None:
+    fifo = folder / "fifo"
+    os.mkfifo(fifo)
+    reader = os.open(fifo, os.O_RDONLY | os.O_NONBLOCK)
+    write_text(fifo, "image,state\n")
+    assert fifo.is_fifo()
+    assert os.read(reader, 100) == b"image,state\n"
+    os.close(reader)
+
+
+@POSIX
+def test_an_archive_does_not_replace_a_pipe(folder: Path) -> None:
+    os.mkfifo(folder / "fifo.zip")
+    with pytest.raises(BadInputError, match="this is a device or a pipe"):
+        write_zip(folder / "fifo.zip", [])
+    assert (folder / "fifo.zip").is_fifo()
 
 
 def _in_latin_1(folder: Path, ending: str) -> Path:
