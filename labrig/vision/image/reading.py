@@ -22,6 +22,8 @@ from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.names import TIFF_SUFFIXES, is_video, picture_name
 
 _HEIC = frozenset(b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"mif1", b"msf1"))
+_PNG_WITH_ALPHA = (4, 6)  # colour types
+_WEBP_WITH_ALPHA = 0x10  # one of its flags
 # of libjpeg, which decodes such a file all the same; its other lines are of harmless faults
 _LOST_PIXELS = re.compile(
     "premature end of data|bad (Huffman|arithmetic) code|instead of RST"
@@ -159,7 +161,8 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
         with without_lines_of_libraries() as theirs:
             image = cv2.imdecode(data, _flags()) if data.size else None
             if image is not None and _may_be_transparent(data):
-                image = _on_white(np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED)), image)
+                whole = np.asarray(cv2.imdecode(data, cv2.IMREAD_UNCHANGED))
+                image = _on_white(_upright(whole, data), image)
     except cv2.error:  # such as a header that states more pixels than OpenCV takes
         image = None
     if image is None:
@@ -178,8 +181,24 @@ def _decoded(data: npt.NDArray[np.uint8], path: Path) -> Pixels:
 
 
 def _may_be_transparent(data: npt.NDArray[np.uint8]) -> bool:
-    """Whether a file is a PNG with an alpha channel (colour types 4 and 6 of its header)."""
-    return bytes(data[:4]) == b"\x89PNG" and len(data) > 25 and data[25] in (4, 6)
+    """Whether a file is a PNG or WebP with an alpha channel, as its header states."""
+    begin = bytes(data[:26]).ljust(26, b"\0")
+    if begin[:4] == b"\x89PNG":
+        return begin[25] in _PNG_WITH_ALPHA
+    return begin[8:16] == b"WEBPVP8X" and bool(begin[20] & _WEBP_WITH_ALPHA)
+
+
+def _upright(whole: Pixels, data: npt.NDArray[np.uint8]) -> Pixels:
+    """Return a picture turned as its EXIF states, which OpenCV does not do with an alpha."""
+    from PIL import ExifTags, Image
+
+    with warnings.catch_warnings(action="ignore"), Image.open(io.BytesIO(data.tobytes())) as file:
+        orientation = file.getexif().get(ExifTags.Base.Orientation, 1)
+    if orientation in (5, 6, 7, 8):
+        whole = whole.swapaxes(0, 1)
+    if orientation in (2, 3, 6, 7):
+        whole = whole[:, ::-1]
+    return whole[::-1] if orientation in (3, 4, 7, 8) else whole
 
 
 def _on_white(whole: Pixels, opaque: Pixels) -> Pixels:

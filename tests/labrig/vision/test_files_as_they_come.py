@@ -12,7 +12,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageOps
 
 from labrig.cli.main import run
 from labrig.errors import BadInputError, LabrigWarning
@@ -447,6 +447,19 @@ def test_what_is_transparent_is_white_as_viewers_show_it(tmp_path, dtype, colour
     image = read_image(tmp_path / "cut.png")
     assert image.max() == top
     assert ((image == 0) == (np.dstack([alpha] * 3) > 0 if image.ndim == 3 else alpha > 0)).all()
+
+
+@pytest.mark.parametrize("suffix", [".png", ".webp"])
+@pytest.mark.parametrize("orientation", few([SIDEWAYS, 1, 2, 3, 4, 5, 7, 8]))
+def test_what_is_transparent_is_turned_as_the_exif_states_and_white(tmp_path, suffix, orientation):
+    colours = np.dstack([marked() // 2] * 3 + [np.where(marked() > 0, 255, 0)]).astype(np.uint8)
+    exif = Image.Exif()
+    exif[0x0112] = orientation
+    saved = Image.fromarray(colours, "RGBA")
+    saved.save(tmp_path / f"cut{suffix}", exif=exif, lossless=True)
+    upright = np.asarray(ImageOps.exif_transpose(Image.open(tmp_path / f"cut{suffix}")))
+    image = read_image(tmp_path / f"cut{suffix}")
+    assert np.array_equal(image[..., 0], np.where(upright[..., 3] > 0, 100, 255))
 
 
 @pytest.mark.parametrize("suffix", [".HEIC", ".heif"])
