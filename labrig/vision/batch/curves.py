@@ -11,9 +11,12 @@ from labrig.vision.batch.known import strips_of
 from labrig.vision.batch.options import BatchOptions
 from labrig.vision.batch.resuming import KeptCurves, digest_of
 from labrig.vision.batch.sources import (
+    ADDED_BESIDE,
+    ADDED_IN_RESULTS,
     files_of,
     keep_photographs,
     refuse_common_faults,
+    refuse_long_names,
     refuse_twins,
     tell_of_subfolders,
     tell_of_unused_corrections,
@@ -122,6 +125,7 @@ def curves_of(
             "no image or video was found; give files or a folder with "
             f"{', '.join(IMAGE_SUFFIXES)} files in it."
         )
+    refuse_long_names(files, ADDED_BESIDE if kept is None else ADDED_IN_RESULTS)
     refuse_twins(files)
     tell_of_subfolders(sources)
     tell_of_unused_corrections(sources, options)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -19,6 +20,10 @@ from labrig.vision.image.names import (
     whole_stem,
 )
 from labrig.vision.image.unused import unused_corrections
+
+_LONGEST_NAME = 255  # bytes, of the usual disks
+ADDED_BESIDE = len(".mjpeg.optics.json")  # to the stem of an image
+ADDED_IN_RESULTS = len("_curve.png.4194304-99999.part")
 
 
 def files_of(sources: Sequence[Path]) -> Iterator[Path]:
@@ -59,6 +64,15 @@ def _holds_images(folder: Path) -> bool:
     with suppress(OSError):
         return bool(files_in(folder, videos=True))
     return False
+
+
+def refuse_long_names(files: list[Path], added: int) -> None:
+    """Raise BadInputError where a disk takes no name with so many bytes more than an image's."""
+    for path in files:
+        if len(os.fsencode(path.stem)) + added > _LONGEST_NAME:
+            raise BadInputError(
+                f"{path}: this name is too long for those of files that belong to it; shorten it."
+            )
 
 
 def refuse_twins(files: list[Path]) -> None:

@@ -384,6 +384,17 @@ def test_a_photograph_named_as_an_overlay_is_measured(folder):
     ]
 
 
+def test_a_name_too_long_for_the_results_beside_it_is_refused_in_a_sentence(folder):
+    path = folder / f"{'y' * 246}.png"
+    try:
+        cv2.imwrite(str(folder / "short.png"), marked() + 30)
+        (folder / "short.png").rename(path)
+    except OSError:
+        pytest.skip("this disk has no such names")
+    with pytest.raises(BadInputError, match=r"this name is too long for those of .*; shorten it"):
+        extract_curves([folder], folder / "out", BatchOptions(find=answer))
+
+
 def test_no_overlay_replaces_a_photograph(folder):
     for name in ("second", "second_curve"):
         cv2.imwrite(str(folder / f"{name}.png"), marked() + 30)
