@@ -17,7 +17,7 @@ from labrig.extractors.choice import ChosenExtractor
 from labrig.files import write_bytes
 from labrig.vision import BatchOptions, NeutralCurve, Optics, StripGeometry
 from labrig.vision.batch.curves import curves_of
-from labrig.vision.image.reading import PictureLabel
+from labrig.vision.image.names import PictureLabel
 
 FloatArray = npt.NDArray[np.float64]
 COLUMNS = ("image", "strip", "method", "state", "apart_rms_px", "apart_max_px", "tip_apart_px",

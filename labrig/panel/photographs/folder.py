@@ -28,8 +28,8 @@ from labrig.vision.facts.contract import FactOf, FactShape
 from labrig.vision.facts.stated import Facts
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, own_file
 from labrig.vision.image.files import load_strip
-from labrig.vision.image.names import files_in, is_video
-from labrig.vision.image.reading import Pixels, labels_in, pictures_in, whole_file
+from labrig.vision.image.names import files_in, is_video, whole_file
+from labrig.vision.image.reading import Pixels, labels_in, pictures_in
 from labrig.vision.image.review import PictureDecision, load_review, save_review
 from labrig.vision.image.tables import write_points, write_summary
 from labrig.vision.image.unused import unused_corrections

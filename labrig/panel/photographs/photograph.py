@@ -11,8 +11,8 @@ import numpy as np
 from labrig.panel.live.event_stream import Message
 from labrig.vision import NeutralCurve
 from labrig.vision.facts.catalogue import strip_facts
+from labrig.vision.image.names import PictureLabel
 from labrig.vision.image.overlay import jpeg_bytes, picture_with
-from labrig.vision.image.reading import PictureLabel
 from labrig.vision.image.review import PictureDecision
 from labrig.vision.image.tables import LabelledCurve
 

@@ -30,9 +30,16 @@ from labrig.vision.facts.catalogue import origin_of
 from labrig.vision.image.colour_notes import ColourNotes
 from labrig.vision.image.files import write_json
 from labrig.vision.image.image import in_levels
-from labrig.vision.image.names import IMAGE_SUFFIXES, is_video, picture_name
+from labrig.vision.image.names import (
+    IMAGE_SUFFIXES,
+    Picture,
+    PictureLabel,
+    is_video,
+    picture_name,
+    whole_file,
+)
 from labrig.vision.image.overlay import write_overlay
-from labrig.vision.image.reading import Picture, PictureLabel, Pixels, pictures_in, whole_file
+from labrig.vision.image.reading import Pixels, pictures_in
 from labrig.vision.image.review import PictureDecision, load_review
 from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
 from labrig.vision.tracking.tracker import Tracker

@@ -16,7 +16,7 @@ from labrig.config.sheet import Sheet
 from labrig.errors import BadInputError
 from labrig.files import write_text
 from labrig.vision.curve import NeutralCurve, StripGeometry
-from labrig.vision.image.reading import PictureLabel
+from labrig.vision.image.names import PictureLabel
 
 
 class _Strip(ClosedModel):

@@ -1,9 +1,13 @@
-"""Which files of a folder are images or videos, and what their results are called."""
+"""Which files of a folder are images or videos, and what they and their results are called."""
 
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
+
+import numpy.typing as npt
 
 from labrig.vision.calibration.drawing import is_drawing
 
@@ -66,3 +70,39 @@ def holds_several(path: Path) -> bool:
 def whole_stem(file_stem: str) -> str:
     """Return the stem of the file that a frame or page of such a name belongs to."""
     return re.sub(r"_(\d{6,}|page\d{4,})$", "", file_stem)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PictureLabel:
+    """What a picture is called: FILE, FILE:PAGE or FILE_FRAME; with several strips also :STRIP.
+
+    FILE is as `picture_name` returns it.
+    """
+
+    name: str
+    file_stem: str  # of the files that are written for it
+    frame: int | None = None  # of a video, from 0; of a TIFF with several pages the page, from 1
+    time_s: float | None = None  # from the video's begin, as the video states it
+    strip: str = ""  # which one of several strips
+
+    def of_strip(self, strip: str) -> PictureLabel:
+        """Return the label of one of several strips; of the only one, without a name, the same."""
+        if not strip:
+            return self
+        stem = f"{self.file_stem}_{strip}"
+        return replace(self, name=f"{self.name}:{strip}", file_stem=stem, strip=strip)
+
+
+def whole_file(path: Path) -> PictureLabel:
+    """Return the label of a file with one picture, or with none that can be read."""
+    name = picture_name(path)
+    return PictureLabel(name=name, file_stem=name)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Picture:
+    """A picture of a file. Where it cannot be read, `image` is None and `why` is a sentence."""
+
+    label: PictureLabel
+    image: npt.NDArray[Any] | None
+    why: str = ""

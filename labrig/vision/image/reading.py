@@ -7,7 +7,6 @@ import re
 import struct
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +14,17 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
-from labrig.errors import BadInputError, LabrigWarning, warn_caller
-from labrig.files import check_is_text
-from labrig.vision.image.cut_short import lacks_bytes
+from labrig.errors import BadInputError
+from labrig.vision.image.films import frames_in
 from labrig.vision.image.library_messages import without_lines_of_libraries
-from labrig.vision.image.names import TIFF_SUFFIXES, is_video, picture_name
+from labrig.vision.image.names import (
+    TIFF_SUFFIXES,
+    Picture,
+    PictureLabel,
+    is_video,
+    picture_name,
+    whole_file,
+)
 
 _HEIC = frozenset(b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"mif1", b"msf1"))
 _PNG_WITH_ALPHA = (4, 6)  # colour types
@@ -29,54 +34,8 @@ _LOST_PIXELS = re.compile(
     "premature end of data|bad (Huffman|arithmetic) code|instead of RST"
     "|extraneous bytes before marker 0xd[0-7]"  # restart markers: what is before them was lost
 )
-# of FFmpeg, which conceals what it cannot decode; others of its lines are of harmless faults
-_DAMAGED_FRAME = re.compile(
-    "damaged|corrupt|concealing|error (y=|count|while decoding)|error at MB|bad vlc|invalid"
-    "|overread|LZW decode failed",
-    re.IGNORECASE,
-)
-_BESIDE_THE_PICTURE = re.compile(r"\bAPP fields|\bapp: |\bEXIF\b|\bICC\b")  # of a frame of MJPEG
-_INTERLACED = "Cannot convert interlaced"  # of FFmpeg; the picture is then of anything
-_ENDED_EARLY = "ended prematurely"  # of FFmpeg, of a Matroska file
-_SQUARE_TO = 0.01  # of the width of a pixel
 
 Pixels = npt.NDArray[Any]
-
-
-@dataclass(frozen=True, kw_only=True)
-class PictureLabel:
-    """What a picture is called: FILE, FILE:PAGE or FILE_FRAME; with several strips also :STRIP.
-
-    FILE is as `picture_name` returns it.
-    """
-
-    name: str
-    file_stem: str  # of the files that are written for it
-    frame: int | None = None  # of a video, from 0; of a TIFF with several pages the page, from 1
-    time_s: float | None = None  # from the video's begin, as the video states it
-    strip: str = ""  # which one of several strips
-
-    def of_strip(self, strip: str) -> PictureLabel:
-        """Return the label of one of several strips; of the only one, without a name, the same."""
-        if not strip:
-            return self
-        stem = f"{self.file_stem}_{strip}"
-        return replace(self, name=f"{self.name}:{strip}", file_stem=stem, strip=strip)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Picture:
-    """A picture of a file. Where it cannot be read, `image` is None and `why` is a sentence."""
-
-    label: PictureLabel
-    image: Pixels | None
-    why: str = ""
-
-
-def whole_file(path: Path) -> PictureLabel:
-    """Return the label of a file with one picture, or with none that can be read."""
-    name = picture_name(path)
-    return PictureLabel(name=name, file_stem=name)
 
 
 def labels_in(path: Path) -> list[PictureLabel]:
@@ -103,7 +62,7 @@ def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
     Raises BadInputError where the file is none of these, or damaged at its beginning.
     """
     if is_video(path):
-        yield from _frames(path, every)
+        yield from frames_in(path, every)
         return
     data = _bytes(path)
     directories = _tiff_directories(data) if path.suffix.lower() in TIFF_SUFFIXES else []
@@ -256,94 +215,3 @@ def _tiff_directories(data: npt.NDArray[np.uint8]) -> list[bytes]:
     except (struct.error, OverflowError):
         pass  # cut short or damaged: the pages up to there
     return found
-
-
-def _frames(path: Path, every: int) -> Iterator[Picture]:
-    import cv2
-
-    check_is_text(path)
-    video = _opened(path)
-    name, number, begin_s, last_s, cut = picture_name(path), 0, 0.0, -1.0, False
-    try:
-        if not video.isOpened():
-            raise BadInputError(f"{path}: not a video that OpenCV can open.")
-        video.set(cv2.CAP_PROP_ORIENTATION_AUTO, 1)
-        _tell_of_pixels(path, video)
-        while True:
-            with without_lines_of_libraries() as theirs:
-                good = video.grab()
-                time_s = video.get(cv2.CAP_PROP_POS_MSEC) / 1000
-                wanted = good and number % every == 0
-                good, image = video.retrieve() if wanted else (good, None)
-            cut = cut or any(_ENDED_EARLY in line for line in theirs)
-            if not good:
-                break
-            begin_s = time_s if number == 0 else begin_s
-            label = PictureLabel(
-                name=f"{name}_{number:06d}",
-                file_stem=f"{name}_{number:06d}",
-                frame=number,
-                # a stream without time stamps gives 0 for each frame
-                time_s=round(time_s - begin_s, 6) if time_s > last_s else None,
-            )
-            why = _why_unusable(theirs)
-            if why:
-                yield Picture(label=label, image=None, why=f"{path}: frame {number} {why}")
-            elif image is not None:
-                yield Picture(label=label, image=np.asarray(image))
-            last_s = max(last_s, time_s)
-            number += 1
-        if number == 0:
-            raise BadInputError(
-                f"{path}: this video has no frame that can be read; copy it again, or save it in "
-                "another format, such as H.264 in MP4."
-            )
-        stated = round(video.get(cv2.CAP_PROP_FRAME_COUNT))
-        # some formats state more frames than can be shown: those that an edit list hides, that
-        # were dropped in recording, or that fill the time of the longest stream, such as the sound
-        if cut or (number < stated and (theirs or lacks_bytes(path))):
-            why = (
-                f"{path}: this video is damaged or cut short: after frame {number - 1} none could"
-                " be read; copy it again."
-            )
-            yield Picture(label=whole_file(path), image=None, why=why)
-    finally:
-        video.release()
-
-
-def _why_unusable(theirs: list[str]) -> str:
-    """Return why a frame is not used, by what FFmpeg said of it; empty: it is used."""
-    if any(_INTERLACED in line for line in theirs):
-        return (
-            "is interlaced (made of two half pictures), which OpenCV cannot convert; convert the "
-            "video first, as `ffmpeg -i OLD -vf yadif NEW` does."
-        )
-    said = (line for line in theirs if not _BESIDE_THE_PICTURE.search(line))
-    if any(_DAMAGED_FRAME.search(line) for line in said):
-        return "is damaged; those after it may be, too."
-    return ""
-
-
-def _tell_of_pixels(path: Path, video: Any) -> None:
-    """Warn of pixels that are not square: lengths across and down have other scales then."""
-    import cv2
-
-    wide, high = video.get(cv2.CAP_PROP_SAR_NUM), video.get(cv2.CAP_PROP_SAR_DEN)
-    if wide > 0 and high > 0 and abs(wide / high - 1) > _SQUARE_TO:
-        warn_caller(
-            LabrigWarning(
-                f"{path}: its pixels are {wide / high:.3g} times as wide as high, and are taken as "
-                "square; convert the video first, as `ffmpeg -i OLD -vf scale=iw*sar:ih,setsar=1 "
-                "NEW` does."
-            )
-        )
-
-
-def _opened(path: Path) -> Any:
-    """Return a video; by FFmpeg with one thread, so that what it says is of the frame it reads."""
-    import cv2
-
-    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)  # no backend, no video
-    with without_lines_of_libraries():
-        video = cv2.VideoCapture(str(path), cv2.CAP_FFMPEG, [cv2.CAP_PROP_N_THREADS, 1])
-        return video if video.isOpened() else cv2.VideoCapture(str(path))

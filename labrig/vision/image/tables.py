@@ -12,7 +12,7 @@ import numpy as np
 
 from labrig.files import write_bytes
 from labrig.vision.curve import NeutralCurve
-from labrig.vision.image.reading import PictureLabel
+from labrig.vision.image.names import PictureLabel
 
 LabelledCurve = tuple[PictureLabel, NeutralCurve]
 Cells = dict[str, str]

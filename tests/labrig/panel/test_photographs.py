@@ -20,8 +20,8 @@ from labrig.panel.photographs.known import Clicked, changed_optics
 from labrig.panel.photographs.photograph import Photograph
 from labrig.vision import NeutralCurve, load_optics, write_overlay
 from labrig.vision.calibration.optics import StripPlace
+from labrig.vision.image.names import PictureLabel
 from labrig.vision.image.overlay import LONG_SIDE_PX
-from labrig.vision.image.reading import PictureLabel
 from tests.labrig.vision import drawn_strips
 from tests.labrig.vision.drawn_strips import BENT_UP
 

@@ -28,7 +28,8 @@ from labrig.vision import (
 from labrig.vision.batch.curves import curves_of
 from labrig.vision.calibration.drawing import write_drawing
 from labrig.vision.image.library_messages import without_lines_of_libraries
-from labrig.vision.image.reading import PictureLabel, pictures_in
+from labrig.vision.image.names import PictureLabel
+from labrig.vision.image.reading import pictures_in
 from labrig.vision.image.tables import (
     mean_curvature_per_m,
     tip_angle_rad,
