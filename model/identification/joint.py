@@ -18,7 +18,7 @@ from model.identification.base_model import BaseOptions, bases_of, weighs, with_
 from model.identification.data.data_vector import data_vector_of, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
-from model.identification.likelihood.linearisation import BaseParameters
+from model.identification.likelihood.linearisation import BaseParameters, Bases
 from model.identification.likelihood.mixed_model import estimate
 from model.identification.likelihood.mixed_model_fit import (
     FitProblem,
@@ -30,10 +30,18 @@ from model.identification.likelihood.noise.scatter_uncertainty import Spread, fr
 from model.identification.likelihood.random_effects import WIDE
 from model.identification.observations import Observed
 from model.identification.options import FitOptions
-from model.identification.starting_values import Earlier, are_known, rest_field, start
+from model.identification.starting_values import (
+    Earlier,
+    along_curves,
+    are_known,
+    rest_field,
+    start,
+)
 from model.measurements import FloatArray, Measurements, ModelError
 from model.mechanics.field import Field, legendre_field
 from model.parameter import Parameter
+
+FAR_M = 1e-3  # of a curve, RMS, from which on a fit begins anew from the measured curvatures
 
 
 @dataclass(frozen=True)
@@ -275,9 +283,9 @@ def joint_fit(
     problem = FitProblem.of(forward, bases, noise_of(forward, WIDE))
     fitted = None if earlier is None else _fitted_from(earlier, problem, observed, known)
     if fitted is None:
-        rough = start(observed, forward, bases, known)
         try:
-            fitted = fit_at_set_ups(problem, least_squares(forward, bases, rough))
+            begin = _begin(observed, forward, bases, known)
+            fitted = fit_at_set_ups(problem, begin)
         except np.linalg.LinAlgError:
             raise ModelError(_no_fit(forward.names)) from None
     loaded = [
@@ -288,6 +296,32 @@ def joint_fit(
         for n, configuration_model in enumerate(forward.configuration_models)
     ]
     return Joint(fitted, spread(fitted.linear.data, fitted.solution), known, loaded)
+
+
+def _begin(
+    observed: Sequence[Observed], forward: ForwardModel, bases: Bases, known: Sequence[bool]
+) -> FloatArray:
+    """Return base parameters near the data, from an even EIBM or from the measured curvatures."""
+    found = least_squares(forward, bases, start(observed, forward, bases, known))
+    is_even = all(len(part.forms) == 1 for part in bases.parts)
+    if is_even or _curves_off_m(forward, bases, found) < FAR_M:
+        return found
+    try:
+        other = least_squares(forward, bases, along_curves(observed, forward, bases, found))
+        closer = _curves_off_m(forward, bases, other) < _curves_off_m(forward, bases, found)
+    except (ModelError, np.linalg.LinAlgError):
+        return found
+    return other if closer else found
+
+
+def _curves_off_m(forward: ForwardModel, bases: Bases, theta: FloatArray) -> float:
+    """Return how far the measured curves are off, root mean square of the worst; 0 without any."""
+    worst_m = 0.0
+    for c, one in enumerate(forward.configuration_models):
+        modes = one.solve(bases.beam(forward, c, theta)).modes_m[one.has_curve]
+        if len(modes):  # of unit mean square along the curve
+            worst_m = max(worst_m, float(np.sqrt(np.max(np.sum(modes**2, axis=1)))))
+    return worst_m
 
 
 def _no_fit(names: Sequence[str]) -> str:

@@ -83,6 +83,32 @@ def start(
     return theta
 
 
+def along_curves(
+    observed: Sequence[Observed], forward: ForwardModel, bases: Bases, theta: FloatArray
+) -> FloatArray:
+    """Return base parameters with the EIBM along the sheet as the measured curvatures have it, (8).
+
+    A fit from an even EIBM may end elsewhere where the sheet is bent to a ring.
+    """
+    theta = theta.copy()
+    for one, configuration_model, part in zip(
+        observed, forward.configuration_models, bases.parts, strict=True
+    ):
+        s_m, B = configuration_model.s_m, float(np.exp(theta[part.stiffness]))
+        rest = configuration_model.rest
+        bends: dict[int, list[FloatArray]] = {}  # Me/B of each condition, by its first place
+        for sample in _samples(one, rest):
+            if sample.observation.voltage_V in part.eibm:
+                first, sign = part.eibm[sample.observation.voltage_V]
+                by_force = sample.moment_Nm(s_m) / B
+                bend = sign * (sample.curve.curvature(s_m) - rest(s_m) - by_force)
+                bends.setdefault(first, []).append(bend)
+        for first, each in bends.items():
+            found = np.linalg.lstsq(part.forms.T, np.mean(each, axis=0), rcond=None)[0]
+            theta[first : first + len(part.forms)] = found
+    return theta
+
+
 def are_known(names: Sequence[str], bases: Bases, earlier: Earlier) -> bool:
     """Whether an earlier fit had all parameters of all configurations."""
     parts = zip(names, bases.parts, strict=True)

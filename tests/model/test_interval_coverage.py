@@ -31,26 +31,6 @@ def test_intervals_of_few_set_ups_hold_the_truth_as_often():
     assert np.all(np.mean(found.inside, axis=0) > 0.8)  # of 40
 
 
-@pytest.mark.slow
-def test_a_sheet_that_the_world_bends_to_a_ring_is_fitted():
-    """It turns by 300 degrees at +2 V."""
-    world = load_world(None)
-    long = world.configurations["long"].model_copy(
-        update={"rest_curvature_per_m": 60.0, "rest_curvature_decay_mm": 400.0}
-    )
-    arc = world.arc.model_copy(update={"radius_mm": 20.0})
-    ring = world.model_copy(update={"configurations": {"long": long}, "arc": arc})
-    session = reduced_session(
-        ring, seed=5, configurations=("long",), positions_m=(0.0, 0.004, 0.008, 0.012, 0.016)
-    )
-    data = measurements(session, ring)
-    joint = joint_fit(data, [observe(data, "long")], FitOptions())
-    assert joint.stiffness(0).value == pytest.approx(session.B_Nm2["long"], rel=0.02)
-    for volts in (2.0, -2.0):
-        truth = session.mean_eibm_Nm["long", volts]
-        assert joint.constant_eibm(0, volts).value == pytest.approx(truth, rel=0.02)
-
-
 def test_the_noises_of_a_curve_s_modes_are_unsure_together():
     """Curves may be ten times as noisy as assumed, and then all their modes are."""
     world = load_world(None)

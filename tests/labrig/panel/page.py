@@ -39,7 +39,8 @@ class Server:
     def __init__(self, what: Path | None, *options: str, lean: bool = False) -> None:
         shown = [] if what is None else [str(what)]
         program = ["-P", str(LEAN)] if lean else ["-m", "labrig"]
-        command = [sys.executable, *program, "panel", *shown, "--port", "0", *options]
+        port = () if "--port" in options else ("--port", "0")
+        command = [sys.executable, *program, "panel", *shown, *port, *options]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         assert self.process.stdout is not None
         self.address = self.process.stdout.readline().strip()
