@@ -29,6 +29,7 @@ BY_NOISE = 2.0  # standard uncertainties from which on a difference of curvature
 IN_WORDS = {"constant": "a constant EIBM", "varying": "the EIBM along the sheet"}
 UNSETTLED = 0.02  # relative scatter of single readings' EIBM from which on it is said
 POOR = 0.25  # relative uncertainty from which on a parameter is said not to be fixed
+MOST_SCATTER = 0.5  # of stiffness or EIBM, from set-up to set-up; that of usual ones is 0.01
 
 
 def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
@@ -220,6 +221,16 @@ def _not_reached(rows: tuple[ConditionResidual, ...]) -> list[str]:
     ]
 
 
+def _implausible(scatter: Mapping[str, float]) -> list[str]:
+    """Return a sentence for each scatter that no set-ups have: the fit took a misfit for it."""
+    return [
+        f"the {what} would differ from one set-up to the next by {100.0 * scatter[name]:.0f} %: the"
+        " fit does not describe these data, and its parameters are not to be trusted"
+        for name, what in (("stiffness", "stiffness"), ("eibm", "EIBM"))
+        if scatter.get(name, 0.0) > MOST_SCATTER
+    ]
+
+
 def _bootstrap(joint: Joint, options: FitOptions) -> dict[str, float]:
     if not options.bootstrap:
         return {}
@@ -240,6 +251,8 @@ def _notes(
     ratio: dict[str, float],
 ) -> tuple[str, ...]:
     notes = _left_out(measurements, parts)
+    if parts:
+        notes += _implausible(next(iter(parts.values())).joint.scatter())
     for name, one in configurations.items():
         if not one.B_known:
             notes.append(not_weighed(name, one.B.value))

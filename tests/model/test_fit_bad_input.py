@@ -207,3 +207,11 @@ def test_a_fit_that_ends_far_beside_the_data_is_a_sentence(data, monkeypatch):
     monkeypatch.setattr("model.identification.joint.fit_at_set_ups", ends)
     with pytest.raises(ModelError, match="no fit of 'long' was found: the model stays far from"):
         fit(data)
+
+
+def test_a_misfit_that_a_fit_takes_for_scatter_is_told(data, monkeypatch):
+    said = "the EIBM would differ from one set-up to the next by 183 %: the fit does not describe"
+    assert not any("would differ" in note for note in fit(data).notes)
+    found = {"stiffness": 0.01, "eibm": 1.83}
+    monkeypatch.setattr("model.identification.joint.Joint.scatter", lambda _self: found)
+    assert [note for note in fit(data).notes if note.startswith(said)]
