@@ -44,7 +44,7 @@ def extrapolated(known: Sequence[tuple[float, Equilibria | None]], to: float) ->
     )
 
 
-def _beyond_end(found: Equilibria) -> Equilibria:
+def beyond_end(found: Equilibria) -> Equilibria:
     """Return the solutions; those that left the sheet touch a straight piece beyond its end.
 
     A fit may come by there. It is no part of what is solved at first: a sheet that is bent to a
@@ -53,14 +53,15 @@ def _beyond_end(found: Equilibria) -> Equilibria:
     off = np.flatnonzero(found.status != SolverStatus.SOLVED)
     if not len(off):
         return found
-    made = found.of(off).problems
-    longer = solve(replace(made, reach_m=made.reach_m + BEYOND_RADII * made.radius_m))
+    made = found.problems  # all of them: fewer might be solved with fewer nodes
+    beyond_m = made.reach_m + BEYOND_RADII * made.radius_m
+    longer = solve(replace(made, reach_m=beyond_m), found)
     result = replace(
         found, status=found.status.copy(), nu=found.nu.copy(), s_hat_m=found.s_hat_m.copy(),
         phi_hat_rad=found.phi_hat_rad.copy(), psi=found.psi.copy(),
     )  # fmt: skip
     for name in ("status", "nu", "s_hat_m", "phi_hat_rad", "psi"):
-        getattr(result, name)[off] = getattr(longer, name)
+        getattr(result, name)[off] = getattr(longer, name)[off]
     return result
 
 
@@ -134,7 +135,7 @@ class ContactSearch:
         )  # fmt: skip
 
     def _solved(self, made: Problems, rows: Index, start: Equilibria | None) -> Equilibria:
-        found = _beyond_end(solve(made, start))
+        found = beyond_end(solve(made, start))
         if np.any(found.status != SolverStatus.SOLVED):
             bad = self._look.seen[int(rows[int(np.argmax(found.status != SolverStatus.SOLVED))])]
             raise ModelError(
