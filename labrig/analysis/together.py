@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from labrig.errors import BadInputError
-from model.measurements import Condition, Measurements, SheetGeometry, difference
+from model.measurements import Condition, Measurements, SheetGeometry, geometry_difference
 
 BETWEEN_S = 600.0  # from the end of one session to the beginning of the next, where nobody knows
 
@@ -62,7 +62,7 @@ def _end_s(measurements: Measurements) -> float:
 def _check_same(one: SheetGeometry | None, other: SheetGeometry, first: Path, second: Path) -> None:
     if one is None:
         return
-    unlike = difference(one, other)
+    unlike = geometry_difference(one, other)
     if unlike is not None:
         raise BadInputError(
             f"{second}: its {one.configuration} sheet has a {unlike.measure} of {unlike.second}, "

@@ -29,7 +29,13 @@ from model.identification.likelihood.model_state import Found
 from model.identification.likelihood.noise.row_noise import noise_of
 from model.identification.observations import Observed, not_driven, observe
 from model.identification.starting_values import rest_field, start
-from model.measurements import FloatArray, Measurements, ModelError, SheetGeometry, difference
+from model.measurements import (
+    FloatArray,
+    Measurements,
+    ModelError,
+    SheetGeometry,
+    geometry_difference,
+)
 from model.sheet.applied_effects import effect_of
 from model.sheet.sheet_model import SheetModel
 
@@ -271,7 +277,7 @@ def sessions(measurements: Measurements) -> int:
 
 def check_geometry(sheet: SheetGeometry, other: SheetGeometry) -> None:
     """Raise a `ModelError` where the model was fitted to another sheet than this one."""
-    unlike = difference(sheet, other)
+    unlike = geometry_difference(sheet, other)
     if unlike is not None:
         raise ModelError(
             f"the model was fitted to a '{sheet.configuration}' with a {unlike.measure} of"

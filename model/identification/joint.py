@@ -32,10 +32,10 @@ from model.identification.observations import Observed
 from model.identification.options import FitOptions
 from model.identification.starting_values import (
     Earlier,
-    along_curves,
     are_known,
     rest_field,
     start,
+    with_measured_eibm,
 )
 from model.measurements import FloatArray, Measurements, ModelError
 from model.mechanics.field import Field, legendre_field
@@ -307,7 +307,7 @@ def _begin(
     if is_even or _curves_off_m(forward, bases, found) < FAR_M:
         return found
     try:
-        other = least_squares(forward, bases, along_curves(observed, forward, bases, found))
+        other = least_squares(forward, bases, with_measured_eibm(observed, forward, bases, found))
         closer = _curves_off_m(forward, bases, other) < _curves_off_m(forward, bases, found)
     except (ModelError, np.linalg.LinAlgError):
         return found

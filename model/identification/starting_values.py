@@ -83,7 +83,7 @@ def start(
     return theta
 
 
-def along_curves(
+def with_measured_eibm(
     observed: Sequence[Observed], forward: ForwardModel, bases: Bases, theta: FloatArray
 ) -> FloatArray:
     """Return base parameters with the EIBM along the sheet as the measured curvatures have it, (8).

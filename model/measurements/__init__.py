@@ -14,18 +14,18 @@ from model.measurements.data import (
     TimeSeries,
 )
 from model.measurements.display import Displayed, Summary, in_digits, in_volts, signed
+from model.measurements.geometry_difference import GeometryDifference, geometry_difference
 from model.measurements.progress import Progress, silent
 from model.measurements.rms import rms
-from model.measurements.same_sheet import Difference, difference
 
 __all__ = [
     "Columns",
     "Condition",
     "Contact",
     "Curve",
-    "Difference",
     "Displayed",
     "FloatArray",
+    "GeometryDifference",
     "Kind",
     "Measurements",
     "MissingPandasError",
@@ -36,7 +36,7 @@ __all__ = [
     "Summary",
     "TimeSeries",
     "dataframe",
-    "difference",
+    "geometry_difference",
     "in_digits",
     "in_volts",
     "rms",

@@ -25,7 +25,7 @@ from model.dynamics.identification import (
     best_sheet,
     identify,
 )
-from model.measurements import FloatArray, SheetGeometry, difference
+from model.measurements import FloatArray, SheetGeometry, geometry_difference
 
 SAMPLE_S = 0.5  # after an edge, where the static part of a model file is sampled
 NEAR, CLOSE = 0.5, 0.03  # the last step of a search, in standard deviations
@@ -230,7 +230,7 @@ def _thinned(run: RecordedRun) -> RecordedRun:
 
 
 def _require_same(one: MotionRecord, other: MotionRecord) -> None:
-    unlike = difference(one.sheet, other.sheet)
+    unlike = geometry_difference(one.sheet, other.sheet)
     if unlike is not None:
         raise BadInputError(
             f"{other.source}: its sheet has a {unlike.measure} of {unlike.second}, that of"

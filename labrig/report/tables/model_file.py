@@ -11,7 +11,7 @@ from model import Measurements, SheetModel
 from model.identification.baselines import BaselineRow
 from model.identification.observations import observe
 from model.identification.residuals import against
-from model.measurements import SheetGeometry, difference, rms
+from model.measurements import SheetGeometry, geometry_difference, rms
 
 
 def model_rows(
@@ -42,7 +42,7 @@ def model_rows(
 
 
 def _check_same(measured: SheetGeometry, known: SheetGeometry, label: str) -> None:
-    unlike = difference(measured, known)
+    unlike = geometry_difference(measured, known)
     if unlike is not None:
         raise BadInputError(
             f"{label}: was fitted to a '{known.configuration}' with a {unlike.measure} of "
