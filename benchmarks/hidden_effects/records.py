@@ -130,6 +130,8 @@ class Record:
     # answers that labrig compared, with their attributes (`ChoiceSet.to_json`)
     choice_sets: list[dict[str, Any]] = field(default_factory=list)
     not_ruled_out: list[str] = field(default_factory=list)  # though it is not reported
+    # of B and EIBM: value, ends of the 90 % interval, true value, by configuration and quantity
+    base: dict[str, list[float]] = field(default_factory=dict)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -7,8 +7,10 @@ python -m benchmarks.worlds --faults chain            # where a generator breaks
 python -m benchmarks.worlds --digest splines          # for sealed.toml
 
 Families: nothing (the base model with noise), single (one effect of the catalogue, d 8 - 120), pair
-(two of them), outside (d >= 30, in no catalogue). d is the length of what the base model cannot
-take up, in standard deviations. A run that is broken off (Ctrl-C) goes on with the same -o FILE.
+(two of them), outside (d >= 30, in no catalogue); catalogue_form, where asked for (single effects
+in the catalogue's own form: for the intervals of parameters). d is the length of what the base
+model cannot take up, in standard deviations. A run that is broken off (Ctrl-C) goes on with the
+same -o FILE.
 A sealed world is refused where its digest is not that of sealed.toml, or its seed is not one of
 those to be reported. How to enter a generator or a method: docs/explanation/worlds.md.
 """
@@ -29,7 +31,8 @@ from benchmarks.hidden_effects import records as kept
 from benchmarks.hidden_effects.records import Record
 from benchmarks.hidden_effects.run import ROOT
 from benchmarks.hidden_effects.score import by_parameter, failures, table
-from benchmarks.worlds.cases import SHARES, Task, tasks
+from benchmarks.worlds.base_parameters import by_quantity
+from benchmarks.worlds.cases import FAMILIES, SHARES, Task, tasks
 from benchmarks.worlds.conformance import faults
 from benchmarks.worlds.registry import digest, names
 from benchmarks.worlds.run import key, method, methods, run
@@ -69,7 +72,7 @@ def _arguments(arguments: Sequence[str] | None) -> argparse.Namespace:
         "--methods", nargs="+", metavar="NAME", default=["diagnose"],
         help=f"of {', '.join(methods())} (default: diagnose)",
     )  # fmt: skip
-    parser.add_argument("--family", nargs="+", choices=SHARES, default=list(SHARES))
+    parser.add_argument("--family", nargs="+", choices=FAMILIES, default=list(SHARES))
     parser.add_argument("--cases", type=int, default=100, help="of each world (default: 100)")
     parser.add_argument("--seed", type=int, default=0, help="other cases of the same kind")
     parser.add_argument("--jobs", type=int, default=2, help="processes (default: 2)")
@@ -138,6 +141,7 @@ def _show(records: Sequence[Record], *, failed: bool) -> None:
                 print("CAUTION: more than one state of the program or of the generator\n")
             print(table(lines))
             print("\nintervals by parameter:\n" + (by_parameter(found) or "  none"))
+            print("\n".join(f"  {name:45} {some}" for name, some in by_quantity(found)))
             if failed:
                 print("\ncases that fail:\n" + (failures(lines, found) or "none"))
         if len(own) > 1:

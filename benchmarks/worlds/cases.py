@@ -21,6 +21,9 @@ from benchmarks.worlds.registry import world
 from model.measurements import Measurements
 
 SHARES = {"nothing": 0.3, "single": 0.4, "pair": 0.15, "outside": 0.15}
+# asked for by its name alone: single effects whose parameters can be compared with what is told
+CATALOGUE_FORM = "catalogue_form"
+FAMILIES = (*SHARES, CATALOGUE_FORM)
 SINGLE_D, PAIR_D, OUTSIDE_D = (8.0, 120.0), (14.0, 60.0), (34.0, 150.0)
 TOLERANCE = 0.15  # of a size found for a wanted d
 PAPER = Design()
@@ -49,10 +52,11 @@ class Task:
 
 def tasks(name: str, count: int, seed: int, families: Sequence[str] = tuple(SHARES)) -> list[Task]:
     """Return so many cases of a world, the families mixed by their shares."""
-    whole = sum(SHARES[f] for f in families)
+    shares = {f: SHARES.get(f, SHARES["single"]) for f in families}
+    whole = sum(shares.values())
     places = []
     for family in families:
-        number = max(1, round(SHARES[family] * count / whole))
+        number = max(1, round(shares[family] * count / whole))
         places += [((i + 0.5) / number, family, i) for i in range(number)]
     return [_task(name, family, i, seed) for _, family, i in sorted(places)]
 
@@ -70,7 +74,7 @@ def _task(name: str, family: str, i: int, seed: int) -> Task:
 def _hidden(one: World, family: str, i: int, seed: int) -> tuple[tuple[str, float], ...]:
     """Return the kinds of a case and the wanted d of each: all in turn, in a random order."""
     known = [name for name, kind in one.kinds.items() if (kind.known_as is None) == (
-        family == "outside")]  # fmt: skip
+        family == "outside") and (kind.own_form or family != CATALOGUE_FORM)]  # fmt: skip
     order = np.random.default_rng((seed, len(known)))
     if family == "nothing":
         return ()

@@ -14,6 +14,7 @@ from benchmarks._batched import done
 from benchmarks.hidden_effects.predicted import errors, errors_of
 from benchmarks.hidden_effects.records import Foretold, Hid, Record
 from benchmarks.hidden_effects.run import code_digest
+from benchmarks.worlds.base_parameters import beside_truth, true_values
 from benchmarks.worlds.cases import Made, Task, made, names
 from benchmarks.worlds.conditions import left_out, unmeasured, without
 from benchmarks.worlds.methods._contract import Answer, Method
@@ -114,6 +115,9 @@ def _asked(one: Made, kept: Record) -> Record:
         seconds=time.perf_counter() - began,
         cpu_s=time.process_time() - cpu,
     )  # fmt: skip
+    if said.base:
+        true = true_values(one.world, one.task.seed, one.task.design)
+        kept = replace(kept, base=beside_truth(said.base, true))
     if not one.sizes or said.foretell is None:
         return kept
     try:

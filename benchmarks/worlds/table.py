@@ -15,6 +15,7 @@ from scipy.stats import binom
 from benchmarks.hidden_effects.records import Foretold, Name, Record
 from benchmarks.hidden_effects.score import (
     STANDS_OUT,
+    Z90,
     Row,
     at_least,
     at_most,
@@ -27,6 +28,8 @@ from benchmarks.hidden_effects.score import (
     named_in_its_class,
     outside,
 )
+from benchmarks.worlds.base_parameters import held
+from benchmarks.worlds.cases import CATALOGUE_FORM, FAMILIES
 from benchmarks.worlds.reliability import Told, reliability
 from model.discrepancy.answers.choice_set import UNKNOWN
 
@@ -40,7 +43,7 @@ ROUNDING = 1e-5
 def rows(records: Sequence[Record]) -> list[Row]:
     """Return the table of one method."""
     good = [r for r in records if not r.error.startswith("not made")]
-    of = {f: [r for r in good if r.family == f] for f in ("nothing", "single", "pair", "outside")}
+    of = {f: [r for r in good if r.family == f] for f in FAMILIES}
     single = [r for r in of["single"] if r.d >= SEEN]
     pairs = [r for r in of["pair"] if r.d >= SEEN and clear(r)]
     beyond = [r for r in of["outside"] if outside(r)]
@@ -74,7 +77,8 @@ def rows(records: Sequence[Record]) -> list[Row]:
         at_most("in the catalogue, d >= 12: 'unknown'", 0.04, [*single, *pairs], is_unknown),
         *_predicted(found),
         *_closed("left-out gap closed, recomputed, median", found),
-        coverage(of["single"]),
+        coverage([*of["single"], *of[CATALOGUE_FORM]]),
+        _base(good),
         _times([r.cpu_s for r in good if not r.error]),
         at_most("refused or failed", 0.0, good, lambda r: bool(r.error)),
     ]  # fmt: skip
@@ -113,6 +117,21 @@ def _named(records: Sequence[Record]) -> list[Told]:
 
 def _set(n: Name) -> set[str]:
     return {n.name, *n.confusable_with, *n.or_else}
+
+
+def _base(records: Sequence[Record]) -> Row:
+    """How often the intervals of B and the EIBMs hold the truth; those of a case go together."""
+    what, goal, told = "90 % interval of B or an EIBM holds the truth", "88 - 92 %", held(records)
+    if not told:
+        return Row(what, goal, "-", 0)
+    share = sum(one.ok for one in told) / len(told)
+    off: dict[str, float] = {}
+    for one in told:
+        off[one.key] = off.get(one.key, 0.0) + one.ok - share
+    reach = Z90 * float(np.sqrt(np.sum(np.square(list(off.values()))))) / len(told)
+    interval = f"{share - reach:.1%} - {share + reach:.1%} ({len(off)} cases)"
+    failed = [one.key for one in told if not one.ok]
+    return Row(what, goal, f"{share:.1%}", len(told), interval, 0.88 <= share <= 0.92, failed)
 
 
 def _predicted(records: Sequence[Record]) -> list[Row]:

@@ -142,10 +142,6 @@ LEAST_CONTENT_OF_UNKNOWN = 0.95
 HIDDEN_NAME_LN, LEAST_HIDDEN = 4.5, 0.05
 # Best names that are compared for each place in the verdict.
 COMPARED_NAMES = 8
-# Degrees of freedom of the reported intervals: of the scatter within and between the set-ups of a
-# session, of which the priors know something, too. 90 % intervals held 92 of 96 parameters in open
-# worlds and 77 of 86 in benchmarks/hidden_effects with 12, and 91 and 77 with 30.
-INTERVAL_FREEDOM = 30.0
 
 # -- What no effect explains (moves: 'unknown' for effects outside the catalogue)
 

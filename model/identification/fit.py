@@ -238,7 +238,7 @@ def _bootstrap(joint: Joint, options: FitOptions) -> dict[str, float]:
     result = {}
     for n, name in enumerate(joint.forward.names):
         for what, direction in joint.directions(n).items():
-            stated = np.sqrt(direction @ joint.covariance @ direction)
+            stated = np.sqrt(direction @ joint.fitted.covariance @ direction)
             result[f"{name} {what}"] = float(np.std(deviations @ direction) / stated)
     return result
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
@@ -26,7 +25,6 @@ from model.identification.likelihood.mixed_model_fit import (
     fit_at_set_ups,
 )
 from model.identification.likelihood.noise.row_noise import noise_of
-from model.identification.likelihood.noise.scatter_uncertainty import Spread, freedom, spread
 from model.identification.likelihood.random_effects import WIDE
 from model.identification.observations import Observed
 from model.identification.options import FitOptions
@@ -49,7 +47,6 @@ class Joint:
     """The joint fit: parameters of all configurations, their covariance, the scatter."""
 
     fitted: MixedModelFit
-    spread: Spread
     rest_known: list[bool]
     loaded_m: list[FloatArray]  # (K,) l_hat of the conditions of each configuration, nominal
 
@@ -57,11 +54,6 @@ class Joint:
     def forward(self) -> ForwardModel:
         """Return the forward model, which predicts the data."""
         return self.fitted.problem.forward
-
-    @cached_property
-    def covariance(self) -> FloatArray:
-        """Of all parameters, with what the estimated scatter adds: (p, p)."""
-        return self.fitted.solution.covariance + self.spread.kackar_harville()
 
     def scatter(self) -> dict[str, float]:
         """Return standard deviations from one set-up to the next, of what these data know of."""
@@ -77,22 +69,9 @@ class Joint:
         values = np.exp(self.fitted.solution.log_sigma[len(noise.random_effects) :])
         return dict(zip(noise.names, values.tolist(), strict=True))
 
-    def parameter(
-        self, value: float, direction: FloatArray, unit: str, more: float = 0.0
-    ) -> Parameter:
-        """Return a quantity as a parameter; `direction` holds its derivatives by all parameters.
-
-        `more` is an additional systematic standard uncertainty.
-        """
-        variance = float(direction @ self.covariance @ direction)
-        degrees = freedom(self.fitted.solution, self.spread, direction)
-        return Parameter(
-            value=value, sigma=float(np.sqrt(variance + more**2)), unit=unit, freedom=degrees
-        )
-
     def stiffness(self, n: int) -> Parameter:
         """B of a configuration; as uncertain as it is large where nothing was weighed."""
-        found = replace(self.parameter(self._B(n), self._by_B(n), "N m^2"), low=0.0)
+        found = replace(self.fitted.parameter(self._B(n), self._by_B(n), "N m^2"), low=0.0)
         return found if weighs(self.forward.data_vectors[n]) else replace(found, sigma=found.value)
 
     def constant_eibm(self, n: int, voltage_V: float) -> Parameter:
@@ -209,7 +188,7 @@ class Joint:
         return [legendre_field(i, length) for i in range(max(len(part.forms), len(part.rest)))]
 
     def _sigma(self, by: FloatArray) -> FloatArray:
-        variance: FloatArray = np.einsum("si,ij,sj->s", by, self.covariance, by)
+        variance: FloatArray = np.einsum("si,ij,sj->s", by, self.fitted.covariance, by)
         return np.sqrt(variance)
 
     def rest_counts(self, n: int) -> bool:
@@ -250,7 +229,7 @@ class Joint:
         value = float(row @ self.fitted.theta)
         direction = row.copy()
         direction[self._part(n).stiffness] = value
-        return self.parameter(value, direction, "N m", doubt)
+        return self.fitted.parameter(value, direction, "N m", doubt)
 
 
 def joint_fit(
@@ -295,7 +274,7 @@ def joint_fit(
         )
         for n, configuration_model in enumerate(forward.configuration_models)
     ]
-    return Joint(fitted, spread(fitted.linear.data, fitted.solution), known, loaded)
+    return Joint(fitted, known, loaded)
 
 
 def _begin(

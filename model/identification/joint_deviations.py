@@ -34,7 +34,7 @@ def deviations(joint: Joint, n: int) -> Deviations:
     their mean.
     """
     own = joint.own_parameters(n)
-    covariance = joint.covariance[np.ix_(own, own)]
+    covariance = joint.fitted.covariance[np.ix_(own, own)]
     columns = columns_of(covariance)
     moves = np.zeros((len(joint.fitted.theta), columns.shape[1]))
     moves[own] = columns
@@ -43,23 +43,12 @@ def deviations(joint: Joint, n: int) -> Deviations:
     rest = list(joint.fitted.problem.bases.parts[n].rest)
     if joint.rest_counts(n):
         doubt[rest] = joint.fitted.theta[rest] / np.sqrt(12.0)
-    found = Deviations(_rows(joint, n, moves, doubt), _changes(joint, own, columns))
+    changes = joint.fitted.spread.changes(joint.fitted.solution.covariance, own, columns)
+    # the estimated scatter says nothing of the systematic doubt, the last column
+    changes = np.pad(changes, ((0, 0), (0, 1), (0, 1)))
+    found = Deviations(_rows(joint, n, moves, doubt), changes)
     found = found.turned(few_columns(found, _turns(joint, n, found.rows), LEFT_OUT))
     return _with_runs(joint, n, replace(found, changes=few_changes(found.changes)))
-
-
-def _changes(joint: Joint, own: list[int], columns: FloatArray) -> FloatArray:
-    """Return how the covariance changes with the scatter and noise that were estimated.
-
-    In terms of its columns; the last one is the systematic doubt, which they say nothing of.
-    """
-    back = columns / np.sum(columns**2, axis=0)  # principal axes: this is the pseudo-inverse
-    # the scatter is behind what the covariance is at this scatter, not behind what comes beside it
-    known = joint.fitted.solution.covariance[np.ix_(own, own)]
-    back = back / np.sqrt(np.einsum("ik,ij,jk->k", back, known, back))
-    slopes = np.stack([back.T @ one[np.ix_(own, own)] @ back for one in joint.spread.slopes])
-    changes = np.tensordot(joint.spread.root.T, slopes, axes=1)
-    return np.pad(changes, ((0, 0), (0, 1), (0, 1)))
 
 
 def _with_runs(joint: Joint, n: int, found: Deviations) -> Deviations:

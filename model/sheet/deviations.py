@@ -118,11 +118,6 @@ def independent(freedom: FloatArray) -> FloatArray:
     return np.asarray(np.einsum("rk,rl,r->rkl", one_each, one_each, np.sqrt(2.0 / freedom)))
 
 
-def together(freedom: float, count: int) -> FloatArray:
-    """Return `changes` of columns whose variances are uncertain by the same factor."""
-    return np.asarray(np.sqrt(2.0 / freedom) * np.eye(count)[None])
-
-
 def few_changes(changes: FloatArray) -> FloatArray:
     """Return few matrices that say of every answer nearly what all of them say: (R, k, k)."""
     R, k, _ = changes.shape

@@ -26,7 +26,6 @@ from model.sheet.deviations import (
     few_changes,
     few_columns,
     independent,
-    together,
 )
 
 FALL_M = 0.012
@@ -70,17 +69,17 @@ def test_deviations_of_a_fit_have_its_uncertainties(fitted):
     rows = []
     for s in PLACES_M:
         row, doubt = joint._mean(0, 2.0, [s])
-        assert doubt < 0.2 * np.sqrt(row @ joint.covariance @ row)
+        assert doubt < 0.2 * np.sqrt(row @ joint.fitted.covariance @ row)
         row /= found.B.value / s  # Me/B is a parameter, and so B is not in it
         rest = list(joint.fitted.problem.bases.parts[0].rest)
         row[rest] = 0.0  # k0 is varied by itself
         rows.append(row)
-    wanted = np.sqrt([row @ joint.covariance @ row for row in rows])
+    wanted = np.sqrt([row @ joint.fitted.covariance @ row for row in rows])
     told = [one.sigma for one in propagate(model, "long", bent, ("rad",) * len(PLACES_M))]
     np.testing.assert_allclose(told, wanted, rtol=0.02)
     # and so are their degrees of freedom: the same few set-ups are behind all columns
     assert answers[0].freedom == pytest.approx(found.B.freedom, rel=0.05)
-    free = [freedom(joint.fitted.solution, joint.spread, row) for row in rows]
+    free = [freedom(joint.fitted.solution, joint.fitted.spread, row) for row in rows]
     told = [one.freedom for one in propagate(model, "long", bent, ("rad",) * len(PLACES_M))]
     np.testing.assert_allclose(told, free, rtol=0.05)
 
@@ -168,7 +167,7 @@ def test_few_columns_lose_little_of_what_is_seen():
 def test_variances_that_go_together_have_no_more_freedom_than_one_of_them():
     """Four set-ups are four, however many parameters they are seen in."""
     parts = np.array([[1.0, 1.0], [2.0, 0.0], [-1.0, 0.0]])  # (columns, answers)
-    alike = Deviations({}, together(5.0, 3))
+    alike = Deviations({}, np.sqrt(2.0 / 5.0) * np.eye(3)[None])
     np.testing.assert_allclose(alike.freedom(parts), [5.0, 5.0])
     apart = Deviations({}, independent(np.full(3, 5.0)))
     np.testing.assert_allclose(apart.freedom(parts), [5.0 * 36.0 / 18.0, 5.0])

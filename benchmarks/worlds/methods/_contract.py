@@ -6,12 +6,13 @@ is given nothing but the session. Files that begin with `_` are shared by severa
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from benchmarks.hidden_effects.records import Name, Unseen
 from model.measurements import Measurements
+from model.parameter import Parameter
 from model.sheet.prediction import Prediction
 
 # by configuration, position along the arc (m) and voltage (V)
@@ -31,6 +32,8 @@ class Answer:
     ranking: list[tuple[str, float]] = field(default_factory=list)  # best first
     closed: float | None = None  # share of the gap on left-out conditions, as the method states it
     not_ruled_out: list[str] = field(default_factory=list)  # may be there though it is not said
+    # B (N m^2) and EIBM (N m), by configuration and quantity, named as `diagnose` does
+    base: Mapping[str, Mapping[str, Parameter]] = field(default_factory=dict)
     foretell: Foretell | None = None  # None: the method predicts nothing
     choice_sets: list[dict[str, Any]] = field(default_factory=list)  # for `calibrate`; labrig's own
 

@@ -26,6 +26,7 @@ def answer(measurements: Measurements) -> Answer:
         unknown=unseen_of(found.unknown),
         invisible=list(found.invisible),
         ranking=ranking[:RANKED],
+        base=found.base if found.searched else {},
         closed=float(found.closed) if np.isfinite(found.closed) else None,
         # data that contradict what is stated of them have no model
         foretell=partial(predict, read_back(found.model)) if found.searched else None,

@@ -75,7 +75,7 @@ def _steps(fitted: Fit, name: str, sheet: ConfiguredSheet) -> Iterator[FloatArra
     n = fitted.joint.forward.names.index(name)
     rows = fitted.joint.directions(n)
     D = np.array([rows["B"], *(rows[f"EIBM at {v:+g} V"] for v in sheet.eibm)])
-    covariance = D @ fitted.joint.covariance @ D.T
+    covariance = D @ fitted.joint.fitted.covariance @ D.T
     sigma = np.sqrt(np.diag(covariance))
     stated = np.array([sheet.B.sigma, *(along.sigma[0] for along in sheet.eibm.values())])
     yield from _independent(covariance * np.outer(stated / sigma, stated / sigma))
@@ -135,7 +135,7 @@ def _displaced(joint: Joint, n: int) -> Iterator[Joint]:
     """Return fits with the parameters of one configuration moved along independent directions."""
     own = joint.own_parameters(n)
     theta = joint.fitted.theta
-    for step in _independent(joint.covariance[np.ix_(own, own)]):
+    for step in _independent(joint.fitted.covariance[np.ix_(own, own)]):
         moved = theta.copy()
         moved[own] += step
         yield replace(joint, fitted=replace(joint.fitted, theta=moved))

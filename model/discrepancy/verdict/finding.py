@@ -381,7 +381,7 @@ def _named(one: Choice, decision: Decision, final: MixedModelFit) -> Named:
     place = next(i for i, f in enumerate(final.found) if f.effect.name == effect.name)
     found, (share, form) = final.found[place], form_of(decision.known, place)
     reported = of_name(effect.name, decision)
-    own = {name: parameters_of(found, name, final) for name in found.values}
+    own = {name: parameters_of(final, place, name) for name in found.values}
     first = next(iter(own))
     return Named(
         name=effect.name, location=effect.location, parameters=own[first],

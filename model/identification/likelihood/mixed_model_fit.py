@@ -27,9 +27,11 @@ from model.identification.likelihood.mixed_model import (
 )
 from model.identification.likelihood.model_state import AppliedEffect, FitPlace, Found, moved
 from model.identification.likelihood.noise.row_noise import RowNoise, guess_of
+from model.identification.likelihood.noise.scatter_uncertainty import Spread, freedom, spread
 from model.identification.likelihood.random_effects import Added
 from model.identification.priors.shared_widths import estimated_widths
 from model.measurements import FloatArray, ModelError
+from model.parameter import Parameter
 
 ROUNDS = 12
 # rounds after which a fit ends that gains no more than so much of the deviance, and moves less
@@ -84,6 +86,30 @@ class MixedModelFit:
     def added(self) -> Added:
         """Return the most likely values (R, q) of every random effect."""
         return _added(self.problem, self.linear, self.solution)
+
+    @cached_property
+    def spread(self) -> Spread:
+        """How sure the estimated scatter itself is."""
+        return spread(self.linear.data, self.solution)
+
+    @cached_property
+    def covariance(self) -> FloatArray:
+        """Of all parameters, with what the estimated scatter adds: (p, p)."""
+        return self.solution.covariance + self.spread.kackar_harville()
+
+    def parameter(
+        self, value: float, direction: FloatArray, unit: str, more: float = 0.0
+    ) -> Parameter:
+        """Return a quantity as a parameter; `direction` holds its derivatives by all parameters.
+
+        `more` is an additional systematic standard uncertainty.
+        """
+        sigma = float(np.sqrt(direction @ self.covariance @ direction + more**2))
+        return Parameter(value=value, sigma=sigma, unit=unit, freedom=self.freedom(direction))
+
+    def freedom(self, direction: FloatArray) -> float:
+        """Return the degrees of freedom of a quantity of these derivatives."""
+        return freedom(self.solution, self.spread, direction)
 
 
 def fit_mixed_model(

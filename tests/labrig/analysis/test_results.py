@@ -81,7 +81,7 @@ def test_the_parameters_part_of_a_band_is_that_of_repeated_draws(result, measure
     n = joint.forward.names.index("long")
     rows = joint.directions(n)
     D = np.array([rows["B"], rows["EIBM at +2 V"]])
-    draws = random.multivariate_normal(np.zeros(2), D @ joint.covariance @ D.T, size=200)
+    draws = random.multivariate_normal(np.zeros(2), D @ joint.fitted.covariance @ D.T, size=200)
     sheet = fitted.model.sheets["long"]
     one = next(
         one for one in conditions(result) if one["voltage_V"] == 2.0 and one["position_mm"] == 10.0

@@ -2,24 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from model.discrepancy.prepare import Options
-from model.discrepancy.thresholds import INTERVAL_FREEDOM
+from model.discrepancy.verdict.written_model.effect_uncertainty import uncertainties
 from model.discrepancy.verdict.written_model.written_deviations import deviations
 from model.discrepancy.verdict.written_model.written_form import with_bands
 from model.effects.catalogue import origins
 from model.effects.interface import EffectParameter
 from model.identification.base_model import weighs
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from model.identification.likelihood.model_state import Found
-from model.measurements import Measurements
+from model.measurements import FloatArray, Measurements
 from model.parameter import Parameter
 from model.sheet.beam_problem import UNKNOWN, ActiveEffect
 from model.sheet.configured_sheet import Along, ConfiguredSheet, FittedPositions
+from model.sheet.deviations import USUAL_FREEDOM
 from model.sheet.free_effect import FreeEffect
 from model.sheet.sheet_model import SheetModel
 
@@ -35,7 +35,7 @@ def sheet_model(final: MixedModelFit, measurements: Measurements, options: Optio
     }
     held = tuple(f"{name or 'all'}, {at * 1e3:g} mm" for name, at in options.hold_out)
     return SheetModel(
-        sheets=sheets, effects=tuple(_active(f, final) for f in final.found),
+        sheets=sheets, effects=tuple(_active(final, i) for i in range(len(final.found))),
         source=measurements.source, checksum=measurements.checksum, held_out=held,
         deviations=together, fitted=dict(_fitted_positions(final)),
     )  # fmt: skip
@@ -49,11 +49,12 @@ def _fitted_positions(final: MixedModelFit) -> Iterator[tuple[str, FittedPositio
             yield name, fitted
 
 
-def _active(one: Found, final: MixedModelFit) -> ActiveEffect:
+def _active(final: MixedModelFit, place: int) -> ActiveEffect:
+    one = final.found[place]
     form = with_bands(one, final)
     if isinstance(one.effect, FreeEffect):
         return ActiveEffect(name=UNKNOWN, location=one.effect.location, form=form)
-    own = {name: parameters_of(one, name, final) for name in one.values}
+    own = {name: parameters_of(final, place, name) for name in one.values}
     shared = not one.effect.by_configuration
     return ActiveEffect(
         name=one.effect.name,
@@ -64,16 +65,17 @@ def _active(one: Found, final: MixedModelFit) -> ActiveEffect:
     )
 
 
-def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[str, Parameter]:
+def parameters_of(final: MixedModelFit, place: int, configuration: str) -> dict[str, Parameter]:
     """Return an effect's values with their uncertainty, derived ones included."""
+    one = final.found[place]
     values = dict(one.values[configuration])
-    sigma = one.sigma.get(configuration, {})
+    unsure = uncertainties(final, place, configuration)
     result = {
         k.name: Parameter(
             value=values[k.name],
-            sigma=sigma.get(k.name, _step(k)),
+            sigma=unsure[k.name].sigma if k.name in unsure else _step(k),
             unit=k.unit,
-            freedom=INTERVAL_FREEDOM,
+            freedom=unsure[k.name].freedom if k.name in unsure else USUAL_FREEDOM,
             positive=k.log,
             low=k.low,
             high=k.high,
@@ -97,9 +99,9 @@ def parameters_of(one: Found, configuration: str, final: MixedModelFit) -> dict[
         low, high = _bounds(ends[0].get(name), ends[1].get(name), rising=slope > 0.0)
         result[name] = Parameter(
             value=value,
-            sigma=abs(slope) * sigma.get(size, 0.0),
+            sigma=abs(slope) * result[size].sigma,
             unit=unit,
-            freedom=INTERVAL_FREEDOM,
+            freedom=result[size].freedom,
             low=low,
             high=high,
         )
@@ -121,14 +123,8 @@ def _step(parameter: EffectParameter) -> float:
 
 def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
     """B, k0 and EIBM of one configuration."""
-    forward, part = final.problem.forward, final.problem.bases.parts[c]
-    configuration_model, theta = forward.configuration_models[c], final.theta
-    sigma = np.sqrt(np.maximum(np.diag(final.solution.covariance), 0.0))
-    B = float(np.exp(theta[part.stiffness]))
-    share = (
-        float(sigma[part.stiffness]) if weighs(configuration_model.data_vector) else 1.0
-    )  # then nothing is known
-    stiffness = Parameter(value=B, sigma=B * share, unit="N m^2", freedom=INTERVAL_FREEDOM)
+    part, theta = final.problem.bases.parts[c], final.theta
+    configuration_model = final.problem.forward.configuration_models[c]
     stated = configuration_model.sheet.initial_curvature
     if stated is not None:
         along = Along(stated[0], stated[1], np.zeros(len(stated[0])), "1/m")
@@ -137,19 +133,46 @@ def _sheet(final: MixedModelFit, c: int) -> ConfiguredSheet:
         for i, row in part.rest.items():
             rest = rest + theta[i] * row
         along = Along(configuration_model.s_m, rest, np.zeros(len(rest)), "1/m")
-    eibm = {}
-    for volts, (i, sign) in part.eibm.items():
-        level = B * float(theta[i])
-        relative = np.hypot(sigma[part.stiffness], sigma[i] / max(abs(theta[i]), 1e-9))
-        value = Parameter(
-            value=sign * level,
-            sigma=abs(level) * float(relative),
-            unit="N m",
-            freedom=INTERVAL_FREEDOM,
-        )
-        eibm[volts] = Along.constant(value)
     geometry = replace(configuration_model.sheet, initial_curvature=(along.s_m, along.values))
-    return ConfiguredSheet(geometry, stiffness, along, eibm)
+    eibm = {volts: Along.constant(_eibm(final, c, volts)) for volts in part.eibm}
+    return ConfiguredSheet(geometry, _stiffness(final, c), along, eibm)
+
+
+def _stiffness(final: MixedModelFit, c: int) -> Parameter:
+    """B; as uncertain as it is large where nothing was weighed."""
+    i = final.problem.bases.parts[c].stiffness
+    B = float(np.exp(final.theta[i]))
+    found = final.parameter(B, _row(final, {i: B}), "N m^2")
+    return found if _weighs(final, c) else replace(found, sigma=B)
+
+
+def _eibm(final: MixedModelFit, c: int, volts: float) -> Parameter:
+    """EIBM at a voltage; as uncertain as B where nothing was weighed."""
+    part = final.problem.bases.parts[c]
+    stiffness, (i, sign) = _stiffness(final, c), part.eibm[volts]
+    by_ratio = sign * stiffness.value
+    value = by_ratio * float(final.theta[i])
+    if _weighs(final, c):
+        return final.parameter(value, _row(final, {part.stiffness: value, i: by_ratio}), "N m")
+    return final.parameter(value, _row(final, {i: by_ratio}), "N m", more=abs(value))
+
+
+def _eibm_ratio(final: MixedModelFit, c: int, volts: float) -> Parameter:
+    """EIBM/B at a voltage."""
+    i, sign = final.problem.bases.parts[c].eibm[volts]
+    return final.parameter(sign * float(final.theta[i]), _row(final, {i: float(sign)}), "1/m")
+
+
+def _weighs(final: MixedModelFit, c: int) -> bool:
+    return weighs(final.problem.forward.data_vectors[c])
+
+
+def _row(final: MixedModelFit, derivatives: Mapping[int, float]) -> FloatArray:
+    """Return a quantity's derivatives by all parameters."""
+    row: FloatArray = np.zeros(len(final.solution.beta))
+    for i, value in derivatives.items():
+        row[i] = value
+    return row
 
 
 def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
@@ -159,17 +182,10 @@ def base_parameters(final: MixedModelFit) -> dict[str, dict[str, Parameter]]:
     """
     result = {}
     for c, name in enumerate(final.problem.forward.names):
-        sheet = _sheet(final, c)
-        known = weighs(final.problem.forward.data_vectors[c])
-        own = {"B_Nm2": sheet.B} if known else {}
-        what, unit = ("EIBM", "N m") if known else ("EIBM/B", "1/m")
-        scale = 1.0 if known else 1.0 / sheet.B.value
-        for volts, along in sorted(sheet.eibm.items()):
-            own[f"{what} {volts:+g} V"] = Parameter(
-                value=scale * float(along.values[0]),
-                sigma=scale * float(along.sigma[0]),
-                unit=unit,
-                freedom=INTERVAL_FREEDOM,
-            )
-        result[name] = own
+        voltages = sorted(final.problem.bases.parts[c].eibm)
+        if _weighs(final, c):
+            own = {f"EIBM {volts:+g} V": _eibm(final, c, volts) for volts in voltages}
+            result[name] = {"B_Nm2": _stiffness(final, c), **own}
+        else:
+            result[name] = {f"EIBM/B {v:+g} V": _eibm_ratio(final, c, v) for v in voltages}
     return result

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from model.discrepancy.thresholds import INTERVAL_FREEDOM
+from model.discrepancy.verdict.written_model.effect_uncertainty import uncertainties
 from model.discrepancy.verdict.written_model.written_form import by_ways
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import Found
@@ -16,8 +16,8 @@ from model.sheet.deviations import (
     columns_of,
     effect_key,
     eibm_key,
+    few_changes,
     form_key,
-    together,
 )
 
 Places = dict[str, dict[int, float]]  # by row: how much a place of the fit's parameters changes it
@@ -29,14 +29,15 @@ def deviations(final: MixedModelFit, c: int) -> Deviations:
     for place, one in enumerate(final.found):
         rows |= dict(_of_effect(final, c, place, one))
     used = sorted({i for row in rows.values() for i in row})
-    columns = columns_of(final.solution.covariance[np.ix_(used, used)])
+    columns = columns_of(final.covariance[np.ix_(used, used)])
     moves = {i: columns[k] for k, i in enumerate(used)}
     made = {
         key: np.asarray(sum(much * moves[i] for i, much in row.items()), dtype=float)
         for key, row in rows.items()
         if row
     }
-    return Deviations(made, together(INTERVAL_FREEDOM, columns.shape[1]))
+    changes = final.spread.changes(final.solution.covariance, used, columns)
+    return Deviations(made, few_changes(changes))
 
 
 def _of_sheet(final: MixedModelFit, c: int) -> Iterator[tuple[str, dict[int, float]]]:
@@ -52,13 +53,11 @@ def _of_effect(
 ) -> Iterator[tuple[str, dict[int, float]]]:
     """Yield the parameters' rows, as uncertain as they are stated, and those of the form."""
     name, span = final.problem.forward.names[c], final.spans[place]
-    stated = one.sigma.get(name, {})
     if name not in one.values:
         return
-    for i, (parameter, names) in enumerate(one.parameters(), span.start):
-        own = float(np.sqrt(max(final.solution.covariance[i, i], 0.0)))
-        if name in names and own > 0.0 and stated.get(parameter.name):
-            yield effect_key(place, parameter.name), {i: stated[parameter.name] / own}
+    for key, unsure in uncertainties(final, place, name).items():
+        own = float(np.sqrt(final.covariance[unsure.column, unsure.column]))
+        yield effect_key(place, key), {unsure.column: unsure.sigma / own}
     first = span.start + len(one.parameters())
     for j, by in enumerate(by_ways(one)):
         for node, row in enumerate(by):

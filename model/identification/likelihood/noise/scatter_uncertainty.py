@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,6 +30,22 @@ class Spread:
         """
         moves = self.shifts @ self.root
         return np.asarray(moves @ moves.T)
+
+    def changes(
+        self, covariance: FloatArray, own: Sequence[int], columns: FloatArray
+    ) -> FloatArray:
+        """Return how the covariance of some parameters changes with what was estimated.
+
+        covariance: (p, p), at the scatter found; own: m of the p parameters; columns: (m, k),
+        principal axes of their covariance. (R, k, k), in terms of the columns, each by one standard
+        uncertainty of the scatter and independently.
+        """
+        back = columns / np.sum(columns**2, axis=0)  # principal axes: this is the pseudo-inverse
+        # the scatter is behind what the covariance is at this scatter, not behind what is beside it
+        known = covariance[np.ix_(own, own)]
+        back = back / np.sqrt(np.einsum("ik,ij,jk->k", back, known, back))
+        slopes = np.stack([back.T @ one[np.ix_(own, own)] @ back for one in self.slopes])
+        return np.asarray(np.tensordot(self.root.T, slopes, axes=1))
 
 
 def spread(data: Data, solution: Solution) -> Spread:
