@@ -121,8 +121,10 @@ def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Sus
         as_stated[name] = own, stated
         if stated is not None and stated.misfit < SUSPICIOUS_MISFIT:
             stiffness[name] = float(np.exp(stated.theta[stated.bases.parts[0].stiffness]))
-        else:
-            suspicious.append(compared(name, own, stated, tolerances, checks))
+            continue
+        found = compared(name, own, stated, tolerances, checks)
+        if not _changes_along(found, own, tolerances):
+            suspicious.append(found)
     for one in _changed([one for one in suspicious if _mended(one)]):
         yield _unless_refused(one, as_stated, tolerances)
     for failed in suspicious:
@@ -143,6 +145,18 @@ def _mended(one: Compared) -> Trial | None:
     if one.stated is None:
         return best if best.fit.misfit < SUSPICIOUS_MISFIT else None
     return best if one.share(best) < LEFT_BY_CHANGED_DATUM else None
+
+
+def _changes_along(one: Compared, own: Measurements, tolerances: Tolerances) -> bool:
+    """Whether an EIBM that changes along the sheet explains more than the change that mends it.
+
+    It bends the curves more than the forces ask for, as a wrong datum may.
+    """
+    best = _mended(one)
+    if best is None:
+        return False
+    along = quick_fit(own, tolerances, along=True)
+    return along is not None and along.squares < best.fit.squares
 
 
 def _unless_refused(

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from model.discrepancy.search.beside_others import ROUGH, evidence_beside
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.ranking import RankedCandidate, best_scores, rank, usual_scatter
-from model.discrepancy.search.refinement import STRICT
+from model.discrepancy.search.refinement.other_starts import STRICT
 from model.effects.interface import Effect
 from model.identification.likelihood.mixed_model import estimate
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, prior_terms

@@ -17,7 +17,8 @@ from model.discrepancy.search.nonparametric_terms import (
 )
 from model.discrepancy.search.outliers import numbers_of, without
 from model.discrepancy.search.ranking import RankedCandidate, rank
-from model.discrepancy.search.refinement import refine_best
+from model.discrepancy.search.refinement.best_candidates import refine_best
+from model.discrepancy.search.refinement.impossible_signs import with_impossible_signs
 from model.discrepancy.thresholds import (
     EQUAL_EVIDENCE_LN,
     FEWEST_POSITIONS,
@@ -198,7 +199,8 @@ def _forward(
         if len(outcome.steps) > most:  # no more are named, and nothing is worth a fit
             break
         report(share * (len(outcome.steps) - 0.5), f"{doing}: {title(first.name)}")
-        step.ranking = refine_best(fitted, step.ranking)
+        refined = refine_best(fitted, step.ranking)
+        step.ranking = with_impossible_signs(fitted, refined, effects)
         step.chosen = _worth(step, threshold)
         if step.chosen is None or step.chosen.fitted is None:
             break

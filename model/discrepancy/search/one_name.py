@@ -13,7 +13,7 @@ import numpy as np
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.search.refinement import refined
+from model.discrepancy.search.refinement.fits import refined
 from model.discrepancy.thresholds import (
     COMPARED_SINGLE_NAMES,
     FURTHER_NAME_LN,

@@ -12,7 +12,8 @@ from model.discrepancy.search.beside_others import evidence_beside, evidence_bes
 from model.discrepancy.search.evidence import Score
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
 from model.discrepancy.search.ranking import RankedCandidate, rank
-from model.discrepancy.search.refinement import refine_best, settled
+from model.discrepancy.search.refinement.best_candidates import refine_best
+from model.discrepancy.search.refinement.fits import settled
 from model.discrepancy.thresholds import (
     CERTAIN_PROBABILITY,
     EVIDENCE_TEMPERATURE,

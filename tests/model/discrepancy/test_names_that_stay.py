@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from model.discrepancy.search.refinement import STRICT
+from model.discrepancy.search.refinement.other_starts import STRICT
 from model.discrepancy.verdict import decision as module
 from model.discrepancy.verdict.decision import Judgement
 from model.discrepancy.verdict.probable_names import pieces

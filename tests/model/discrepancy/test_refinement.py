@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.search import forward_selection, refinement
+from model.discrepancy.search import forward_selection
 from model.discrepancy.search.ranking import rank
-from model.discrepancy.search.refinement import preferred, refine_best, refined, settled
+from model.discrepancy.search.refinement import best_candidates, fits, other_starts
+from model.discrepancy.search.refinement.best_candidates import refine_best
+from model.discrepancy.search.refinement.fits import preferred, refined, settled
 from model.discrepancy.verdict.messages import cut_short
 from model.effects import effect
 from model.effects.conformance import plausible
@@ -95,13 +97,13 @@ def test_the_same_candidates_of_the_same_fit_are_ranked_once():
 @pytest.mark.slow
 def test_a_name_too_weak_for_any_verdict_is_not_fitted_from_other_beginnings(monkeypatch):
     base, jointly = base_fit(), [1.0]  # evidence with the scatter estimated from the usual one on
-    monkeypatch.setattr(refinement, "_foremost", list)
-    monkeypatch.setattr(refinement, "rescored", lambda *_: (jointly[0], base.solution))
+    monkeypatch.setattr(best_candidates, "_foremost", list)
+    monkeypatch.setattr(best_candidates, "rescored", lambda *_: (jointly[0], base.solution))
     one, other = rank(base, [effect("gravity"), effect("clamp_angle")], locations=False)[:2]
 
     def promising(ranked, top=100.0):
         done = [replace(one, ln_bayes_factor=top), replace(other, ln_bayes_factor=1.0)]
-        return refinement._promising(base, done, {one.name: top, other.name: ranked}, top)
+        return best_candidates._promising(base, done, {one.name: top, other.name: ranked}, top)
 
     both = {one.name, other.name}
     assert promising(1.0) == {one.name}
@@ -118,15 +120,16 @@ def test_a_fit_that_loses_what_a_straight_line_promised_begins_elsewhere(monkeyp
     promised = ranked[0].ln_bayes_factor
     assert promised > 20.0
     ended = []
-    spy = refinement.settled
+    spy = fits.settled
 
     def first_at_a_wrong_place(*args, **limits):
         there = spy(*args, **limits)
         ended.append(there)
         return replace(there, deviance=base.deviance + 30.0) if len(ended) == 1 else there
 
-    monkeypatch.setattr(refinement, "settled", first_at_a_wrong_place)
-    monkeypatch.setattr(refinement, "_strained", lambda _fit: False)  # nor does the scatter tell
+    for where in (fits, other_starts):
+        monkeypatch.setattr(where, "settled", first_at_a_wrong_place)
+    monkeypatch.setattr(fits, "_strained", lambda _fit: False)  # nor does the scatter tell
     best = refine_best(base, [replace(c, shapes=()) for c in ranked])[0]
     assert len(best.tried) > 1
     assert best.ln_bayes_factor == pytest.approx(promised, rel=0.25)
@@ -136,15 +139,16 @@ def test_a_fit_that_loses_what_a_straight_line_promised_begins_elsewhere(monkeyp
 def test_where_a_deviation_takes_the_place_of_an_effect_its_own_form_is_fitted_too(monkeypatch):
     base = base_fit(FALLING)
     ranked = [c for c in rank(base, [effect("nonuniform_eibm")]) if c.known]
-    spy = refinement.form_share
+    spy = fits.form_share
 
     def loose_where_it_may_differ(there, index):
         return spy(there, index) if there.found[index].form < 1.0 else 0.9
 
-    monkeypatch.setattr(refinement, "form_share", loose_where_it_may_differ)
+    for where in (fits, other_starts):
+        monkeypatch.setattr(where, "form_share", loose_where_it_may_differ)
     best = refine_best(base, [replace(c, shapes=()) for c in ranked])[0]
     assert best.fitted is not None
-    assert best.fitted.found[-1].form == refinement.STRICT
+    assert best.fitted.found[-1].form == other_starts.STRICT
     assert best.ln_bayes_factor == pytest.approx(ranked[0].ln_bayes_factor, rel=0.25)
 
 
@@ -174,13 +178,13 @@ def test_a_fit_that_does_not_settle_ends_at_the_best_of_its_places(monkeypatch):
 def test_a_fit_that_was_given_up_is_not_the_fit_of_a_caller_with_another_limit(monkeypatch):
     base = replace(base_fit(), linear=replace(base_fit().linear, at_states={}))
     limits = []
-    real = refinement.fit_mixed_model
+    real = fits.fit_mixed_model
 
     def spy(*a, worthless):
         limits.append(worthless)
         return real(*a, worthless=worthless)
 
-    monkeypatch.setattr(refinement, "fit_mixed_model", spy)
+    monkeypatch.setattr(fits, "fit_mixed_model", spy)
     low, high = base.deviance - 100.0, base.deviance + 100.0
     given_up = settled(base, base.theta, (), None, low)
     assert settled(base, base.theta, (), None, low) is given_up

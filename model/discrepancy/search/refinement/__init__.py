@@ -1,0 +1,1 @@
+"""Fits of candidates with all parameters free."""
