@@ -11,6 +11,8 @@ import pytest
 
 import labrig
 from benchmarks.data_mistakes.mistakes import MISTAKES
+from benchmarks.worlds.contract import Design
+from benchmarks.worlds.generators.elements import WORLD as ELEMENTS
 from labrig.session.tables.examples import write_examples
 from model import Condition, Curve, Measurements, ModelError, Reading, predict
 from model.discrepancy import DiagnoseOptions, check_data, diagnose, next_measurement
@@ -414,3 +416,24 @@ def test_a_hopeless_change_is_given_up_after_a_few_solutions(monkeypatch):
     given_up = quick_fit(turned, tolerances, stated=stated)
     assert len(counts) == 1 + gauss_newton.FEW_STEPS < steps
     assert min(whole.squares, given_up.squares) > FAR_WORSE * stated.squares
+
+
+@pytest.mark.slow
+def test_a_heavy_elongation_is_no_sheet_that_was_straight():
+    """Its weight takes up what the initial curvature does, in the forces of the short sheet."""
+    positions = {"short": tuple(1e-3 * p for p in range(0, 35, 5))}
+    design = Design(positions_m=positions, series=False)
+    heavy = ELEMENTS.measure(design, {"gravity": 0.0273}, 5)  # N/m: a sheet of 1.2 g/cm^3
+    assert check_data(heavy).stops == ()
+
+
+@pytest.mark.parametrize(
+    ("curvature_per_m", "factors"),
+    [(28.0, [-1.0]), (0.028, [-1.0, 1e3]), (28e3, [-1.0, 1e-3]), (0.0, [])],
+)
+def test_an_initial_curvature_is_doubted_where_a_unit_may_be_mistaken(curvature_per_m, factors):
+    (sheet,) = (one for name, one in session().sheets.items() if name == "short")
+    stated = (np.zeros(1), np.array([curvature_per_m]))
+    data = Measurements(sheets={"short": replace(sheet, initial_curvature=stated)}, conditions=())
+    changes = data_checks()["initial_curvature"].changes(data)
+    assert [value for one in changes for value in one.values] == factors
