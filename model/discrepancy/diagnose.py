@@ -28,7 +28,13 @@ from model.discrepancy.verdict.messages import nothing_separates
 from model.discrepancy.verdict.result import Diagnosis, Next
 from model.effects.catalogue import catalogue, effect
 from model.effects.interface import Effect
-from model.measurements import Measurements, ModelError, Progress, silent
+from model.measurements import (
+    Measurements,
+    ModelError,
+    Progress,
+    scale_of_measurements,
+    silent,
+)
 
 _SEARCH_FROM, _SEARCH_TO = 0.05, 0.7  # of the time that a diagnosis takes
 
@@ -64,7 +70,10 @@ def next_measurement(
     checked, rested = _checked(measurements, options)
     if checked.stops:
         raise ModelError(contradiction(checked))
-    chosen = [_in_sessions(name, sessions(checked.measurements)) for name in between]
+    scale = scale_of_measurements(checked.measurements)
+    chosen = [
+        _in_sessions(name, sessions(checked.measurements)).at_scale(scale) for name in between
+    ]
     finding = _searched(checked.measurements, options, silent, rested.varied)
     found = finding.separating(chosen)
     if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:
@@ -154,8 +163,9 @@ def _effects(options: Options, measurements: Measurements) -> list[Effect]:
     asked = (one for name, one in every.items() if name not in options.exclude)
     lacking = (one if options.symmetric else one.outside_base() for one in asked)
     of_these = (one.for_sessions(count) for one in lacking if one is not None)
+    scale = scale_of_measurements(measurements)
     return [
-        one
+        one.at_scale(scale)
         for one in of_these
         if one is not None and not (one_polarity and one.needs_both_polarities)
     ]

@@ -33,6 +33,7 @@ from model.measurements import (
     FloatArray,
     Measurements,
     ModelError,
+    Scale,
     SheetGeometry,
     geometry_difference,
 )
@@ -110,7 +111,7 @@ def prepare(
         bases = _with_dynamics(forward, bases, theta, varied, options.hold_out)
         theta = np.append(theta, np.zeros(bases.size - len(theta)))
     problem = FitProblem.of(forward, bases, noise_of(forward))
-    return Prepared(problem, theta, _active(options.model, kept), tuple(notes))
+    return Prepared(problem, theta, _active(options.model, kept, forward.scale), tuple(notes))
 
 
 def _with_dynamics(
@@ -229,13 +230,13 @@ def _lacks(
     return notes
 
 
-def _active(model: SheetModel | None, names: list[str]) -> tuple[Found, ...]:
+def _active(model: SheetModel | None, names: list[str], scale: Scale) -> tuple[Found, ...]:
     """Return the effects that a model has already, to be refined with the rest."""
     if model is None:
         return ()
     result = []
     for one in model.effects:
-        entry = effect_of(one)
+        entry = effect_of(one).at_scale(scale)
         acts = [name for name in names if one.values(name) is not None]
         shared = {k.name: k.prior_scale for k in entry.parameters}
         values = {

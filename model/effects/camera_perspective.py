@@ -48,6 +48,7 @@ EFFECT = CameraPerspective(
             prior_scale=0.01,
             low=-0.5,
             high=0.5,
+            scales_as="1/m",
         ),
         EffectParameter(
             name="direction_rad",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
-from model.measurements import FloatArray
+from model.measurements import FloatArray, length_scale
 
 FLAT_PER_M = 0.1  # mean of k0 below which nothing is in proportion to it
 
@@ -30,7 +30,7 @@ def _like_stated(beam: BeamProblem) -> FloatArray:
         return np.ones_like(beam.s_m)
     k0 = np.interp(beam.s_m, *stated)
     mean = float(np.sum(k0 * beam.piece_m) / np.sum(beam.piece_m))
-    return k0 / mean if abs(mean) > FLAT_PER_M else np.ones_like(k0)
+    return k0 / mean if abs(mean) > FLAT_PER_M / length_scale(beam.sheet) else np.ones_like(k0)
 
 
 EFFECT = InitialCurvature(

@@ -21,7 +21,7 @@ sheet are values at its G nodes.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -34,7 +34,7 @@ from model.locations.quantities import (
     LoadCellInput,
     Values,
 )
-from model.measurements import FloatArray, SheetGeometry
+from model.measurements import FloatArray, Scale, SheetGeometry
 
 __all__ = [
     "AcquisitionTimes",
@@ -81,6 +81,21 @@ class EffectParameter:
     # in the parameter's unit or {degrees}; None: there is no such limit
     instrument_limit: float | None = None
     beyond: str = ""
+    # the unit by which its usual size goes with that of the session; empty: its own
+    scales_as: str = ""
+
+    def at_scale(self, scale: Scale) -> EffectParameter:
+        """Return the parameter with what is usual in a session of another size."""
+        factor = scale.of_unit(self.scales_as or self.unit)
+        if factor == 1.0:
+            return self
+        limit = self.instrument_limit
+        return replace(
+            self, prior_scale=factor * self.prior_scale, low=factor * self.low,
+            high=factor * self.high, neutral=factor * self.neutral,
+            starting_values=tuple(factor * one for one in self.starting_values),
+            instrument_limit=None if limit is None else factor * limit,
+        )  # fmt: skip
 
     def overlooked(self, value: float) -> float:
         """Return the probability that nobody in the laboratory noticed a value, without an edge."""
@@ -139,6 +154,10 @@ class Effect:
     def amplitude(self) -> EffectParameter:
         """The parameter that measures the size of the effect."""
         return self.parameters[0]
+
+    def at_scale(self, scale: Scale) -> Effect:
+        """Return the effect as it is looked for in a session of another size."""
+        return replace(self, parameters=tuple(one.at_scale(scale) for one in self.parameters))
 
     @property
     def claims(self) -> int:

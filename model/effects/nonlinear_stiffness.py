@@ -8,9 +8,10 @@ import numpy as np
 
 from model.effects._values import finite
 from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
-from model.measurements import FloatArray
+from model.measurements import FloatArray, length_scale
 
-AT_PER_M = 10.0  # the change of curvature at which the relative change is stated
+# the change of curvature at which the relative change is stated, of a sheet of the paper's size
+AT_PER_M = 10.0
 MOST = 0.8  # of the moment under which a sheet that softens would give way
 _STEPS = 30
 
@@ -31,7 +32,8 @@ class NonlinearStiffness(Effect):
         """See `Effect.beam`."""
         load = -finite(contact.normal_N / beam.stiffness)[:, None] * finite(contact.lever)
         linear = (beam.eibm + beam.bend + load) * beam.soft
-        change = p["relative_change_at_10_per_m"]
+        change, size = p["relative_change_at_10_per_m"], length_scale(beam.sheet)
+        linear = linear * size
         if p["power"] > 0.5:
             true, slope = bent_by_power(linear, change, p["power"])
         else:
@@ -39,7 +41,7 @@ class NonlinearStiffness(Effect):
             true = bent(linear, n)
             slope = steepness(true, n)
         soft = beam.soft / slope
-        return replace(beam, soft=soft, bend=true / soft - beam.eibm - load)
+        return replace(beam, soft=soft, bend=true / size / soft - beam.eibm - load)
 
 
 def exponent(relative_change: float) -> float:

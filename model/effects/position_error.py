@@ -8,8 +8,9 @@ import numpy as np
 
 from model.effects._values import MILLI
 from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
+from model.measurements import length_scale
 
-FAR_M = 0.03  # the paper's farthest position
+FAR_M = 0.03  # the farthest position, on an arc of the paper's size
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class PositionError(Effect):
     def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del contact
-        far = np.nan_to_num(beam.stated_m) / FAR_M
+        far = np.nan_to_num(beam.stated_m) / (FAR_M * length_scale(beam.sheet))
         share = 2.0 * far - 1.0 if p["scale"] > 1.5 else far if p["scale"] > 0.5 else 1.0
         return replace(beam, shift_m=beam.shift_m + p["offset_mm"] * MILLI * share)
 

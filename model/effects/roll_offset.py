@@ -8,6 +8,7 @@ import numpy as np
 
 from model.effects._values import MILLI, finite
 from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
+from model.measurements import load_scale
 
 TURNS_N = 5e-5  # of the contact force within which the sheet changes from roll to roll
 
@@ -18,7 +19,8 @@ class RollOffset(Effect):
 
     def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
-        side = np.tanh(finite(contact.normal_N) / TURNS_N) if p["at_the_pressed"] > 0.5 else 1.0
+        turns_N = TURNS_N * load_scale(beam.sheet, beam.stiffness)
+        side = np.tanh(finite(contact.normal_N) / turns_N) if p["at_the_pressed"] > 0.5 else 1.0
         return replace(beam, offset_m=beam.offset_m + p["offset_mm"] * MILLI * side)
 
 

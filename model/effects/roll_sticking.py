@@ -32,7 +32,7 @@ class RollSticking(Effect):
 
     def _kept_back_N(self, weighed: LoadCellInput, force_N: float, kind: int) -> FloatArray:
         if kind == WITH_THE_FORCE:
-            return force_N * np.tanh(weighed.force_N / TURNS_N)
+            return force_N * np.tanh(weighed.force_N / (TURNS_N * weighed.force_scale))
         if kind in (ONE_WAY, OTHER_WAY):
             return np.full_like(weighed.force_N, -force_N if kind == ONE_WAY else force_N)
         return hung(weighed.force_N, weighed.position_m, force_N, from_no_load=kind == FROM_NO_LOAD)

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from model.effects._values import finite
 from model.effects.interface import BeamProblem, ContactSolution
-from model.measurements import FloatArray
+from model.measurements import FloatArray, length_scale
 
 TURNED_M, TURNED_RAD = 10e-6, 0.02  # sliding, or leaning, that turns friction round
 
@@ -20,6 +20,7 @@ def slid(beam: BeamProblem, contact: ContactSolution) -> FloatArray:
     round leaves some of what the placing did.
     """
     s, volts = contact.s_hat_m, beam.voltage_V
+    turned_m = TURNED_M * length_scale(beam.sheet)
     same = np.abs(beam.stated_m[:, None] - beam.stated_m) < 1e-9
     same &= beam.up[:, None] == beam.up
     at_zero = same & (volts == 0.0)
@@ -30,9 +31,9 @@ def slid(beam: BeamProblem, contact: ContactSolution) -> FloatArray:
     other = _either(other, _mean(s, at_zero))
     begin = _either(_mean(s, at_zero), 0.5 * (s + other))
     far, near = np.fmax(s, other), np.fmin(s, other)
-    outward = _bounded(first + (far - begin) / TURNED_M)
-    inward = _bounded(outward - (far - near) / TURNED_M)
-    outward = _bounded(inward + (far - near) / TURNED_M)
+    outward = _bounded(first + (far - begin) / turned_m)
+    inward = _bounded(outward - (far - near) / turned_m)
+    outward = _bounded(inward + (far - near) / turned_m)
     driven = np.where(s >= other, outward, inward)
     return finite(np.where((volts == 0.0) | np.isnan(other), placed, driven))
 

@@ -15,13 +15,26 @@ from model.identification.data.data_vector import DataVector
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.drive_rise import RISE
 from model.identification.likelihood.forward_model import ForwardModel
-from model.identification.likelihood.linearisation import BaseParameters, Bases
+from model.identification.likelihood.linearisation import (
+    WIDE_EIBM_PER_M,
+    BaseParameters,
+    Bases,
+)
 from model.identification.priors.shared_widths import SharedWidth
-from model.measurements import FloatArray, ModelError, SheetGeometry, in_digits
+from model.measurements import (
+    FloatArray,
+    ModelError,
+    SheetGeometry,
+    in_digits,
+    length_scale,
+)
 from model.mechanics.field import legendre_field
 
+# of sheets of the paper's size; others are bent in proportion to 1/length
 FREE_REST_PER_M = 60.0  # prior width of k0's terms where sheet.toml does not state k0
 FORM_PER_M = 60.0  # and of a change of Me/B along the sheet
+REST_PER_M = 1.0  # and of k0's terms where it does, unless another width is asked for
+LEAST_BOW_PER_M = 1e-3  # of k0 between the nodes at which it is stated
 # Where no force was measured the shapes know Me/B alone, and B is what somebody states, or that of
 # a usual material; it is not estimated.
 USUAL_MODULUS_PA = 1e8
@@ -69,7 +82,8 @@ def with_shared_width(bases: Bases) -> Bases:
     ))  # fmt: skip
     if not places:
         return bases
-    shared = SharedWidth(places=places, largest=FORM_PER_M, width=FORM_PER_M)
+    largest = max(one.prior[i][1] for one in bases.parts for i in places if i in one.prior)
+    shared = SharedWidth(places=places, largest=largest, width=largest)
     return replace(bases, shared=(shared,))
 
 
@@ -87,11 +101,13 @@ def _part(
         B = options.stiffness_Nm2 or usual_stiffness(configuration_model.sheet)
         prior[stiffness] = (float(np.log(B)), NOT_ESTIMATED_LN)
     own: dict[float, int] = {}
+    scale = length_scale(configuration_model.sheet)
     for voltage in configuration_model.data_vector.voltages_V:
         key = abs(voltage) if options.symmetric else voltage
         if key not in own:
             own[key], place = place, place + len(forms)
-            prior |= dict.fromkeys(range(own[key] + 1, place), (0.0, FORM_PER_M))
+            prior |= dict.fromkeys(range(own[key] + 1, place), (0.0, FORM_PER_M / scale))
+            prior[own[key]] = 0.0, WIDE_EIBM_PER_M / scale
         eibm[voltage] = (own[key], -1.0 if options.symmetric and voltage < 0.0 else 1.0)
     rows, belief = _rest_rows(
         configuration_model, options.rest_sigma_per_m, curves=curves, stated=stated
@@ -114,7 +130,7 @@ def _rest_rows(
     if not stated:
         return along_sheet(configuration_model, terms(configuration_model.sheet)), (
             0.0,
-            FREE_REST_PER_M,
+            FREE_REST_PER_M / length_scale(configuration_model.sheet),
         )
     if sigma_per_m is None:
         bow = between_nodes(configuration_model.sheet, configuration_model.s_m)
@@ -174,4 +190,4 @@ def between_nodes(sheet: SheetGeometry, s_m: FloatArray) -> FloatArray | None:
     second = CubicSpline(s, k)(np.clip(s_m, s[0], s[-1]), 2)
     width = np.interp(s_m, 0.5 * (s[1:] + s[:-1]), np.diff(s))
     bow: FloatArray = -second * width**2 / 12.0
-    return bow if np.max(np.abs(bow)) > 1e-3 else None
+    return bow if np.max(np.abs(bow)) > LEAST_BOW_PER_M / length_scale(sheet) else None

@@ -12,12 +12,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from model.measurements import Curve, FloatArray, ModelError, SheetGeometry
+from model.measurements import Curve, FloatArray, ModelError, SheetGeometry, length_scale
 from model.mechanics.collocation import rule
 from model.mechanics.field import Field, legendre_field
 from model.mechanics.free_shape import free_shape
 
 PENALTY = 1e-5  # weight of int (dk/ds)^2 ds in 1e6/m^3 against squared distances in (10 um)^2
+
+LONGEST_PER_M, ENOUGH_PER_M = 40.0, 1e-6  # a step of the curvature, and one that ends it
+# all of these for sheets of the paper's size
 
 
 @dataclass(frozen=True)
@@ -98,14 +101,15 @@ def smooth(curve: Curve, sheet: SheetGeometry, where: str, terms: int | None = N
     basis, grid = _basis_and_grid(count, length, s_m.tobytes())
     c = np.zeros(count)
     c[0] = _mean_curvature(curve, length)
-    penalty = _penalty(count, length)
+    scale = length_scale(sheet)
+    penalty = _penalty(count, length) * scale**5  # squared distances by squared slopes of k
     for _ in range(25):
         distance, J = grid.distance(c, curve.x_m, curve.y_m)
         A = J.T @ J + penalty
         step = np.linalg.lstsq(A, J.T @ distance - penalty @ c, rcond=1e-13)[0]
-        step *= min(1.0, 40.0 / max(float(np.max(np.abs(step))), 1e-9))
+        step *= min(1.0, LONGEST_PER_M / scale / max(float(np.max(np.abs(step))), 1e-9 / scale))
         c = c + step
-        if np.max(np.abs(step)) < 1e-6:
+        if np.max(np.abs(step)) < ENOUGH_PER_M / scale:
             break
     else:
         raise ModelError(f"the curve of condition {where} is no smooth curve from the clamp")

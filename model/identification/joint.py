@@ -13,7 +13,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.identification.base_model import BaseOptions, bases_of, weighs, with_shared_width
+from model.identification.base_model import (
+    REST_PER_M,
+    BaseOptions,
+    bases_of,
+    weighs,
+    with_shared_width,
+)
 from model.identification.data.data_vector import data_vector_of, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
@@ -255,7 +261,11 @@ def joint_fit(
     base = BaseOptions(
         symmetric=options.symmetric,
         along=options.eibm_form == "along",
-        rest_sigma_per_m=options.initial_curvature_sigma_per_m,
+        rest_sigma_per_m=(
+            REST_PER_M / forward.scale.length
+            if options.initial_curvature_sigma_per_m is None
+            else options.initial_curvature_sigma_per_m
+        ),
         stiffness_Nm2=options.stiffness_Nm2,
     )
     bases = with_shared_width(bases_of(forward, known, base))
@@ -283,7 +293,8 @@ def _begin(
     """Return base parameters near the data, from an even EIBM or from the measured curvatures."""
     found = least_squares(forward, bases, start(observed, forward, bases, known))
     is_even = all(len(part.forms) == 1 for part in bases.parts)
-    if is_even or _curves_off_m(forward, bases, found) < FAR_M:
+    far_m = FAR_M * forward.scale.length
+    if is_even or _curves_off_m(forward, bases, found) < far_m:
         return found
     try:
         other = least_squares(forward, bases, with_measured_eibm(observed, forward, bases, found))

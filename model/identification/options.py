@@ -18,8 +18,9 @@ class FitOptions:
     eibm_form: Literal["along", "constant"] = "along"
     symmetric: bool = False  # one |EIBM| for both polarities
     measured_curvature: bool = False  # find k0 from the curves at 0 V although sheet.toml states it
-    # how far k0 may be from what sheet.toml says, each term of it; 0: exact
-    initial_curvature_sigma_per_m: float = 1.0
+    # how far k0 may be from what sheet.toml says, each term of it; 0: exact; None: 1 per m for a
+    # sheet of the paper's size
+    initial_curvature_sigma_per_m: float | None = None
     # conditions not used: (configuration, position) or (configuration, position, voltage)
     held_out: tuple[tuple[str, float] | tuple[str, float, float], ...] = ()
     # B where no force was measured, which then stays as stated; None: that of a usual material
@@ -30,7 +31,7 @@ class FitOptions:
     def __post_init__(self) -> None:
         if self.weight_exponent < 0.0:
             raise ModelError("the weight exponent q must not be negative")
-        if self.initial_curvature_sigma_per_m < 0.0:
+        if (self.initial_curvature_sigma_per_m or 0.0) < 0.0:
             raise ModelError("the tolerance of the initial curvature must not be negative")
         if self.bootstrap < 0:
             raise ModelError("the number of bootstrap samples must not be negative")

@@ -15,7 +15,7 @@ from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import BaseParameters, Bases
 from model.identification.observations import Observed
 from model.identification.paper import Sample, loaded
-from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.measurements import FloatArray, ModelError, SheetGeometry, length_scale
 from model.mechanics.field import Field
 
 LOOP_RAD = 2.0 * np.pi
@@ -206,7 +206,8 @@ def _from_forces(
     part: BaseParameters,
 ) -> None:
     """Set B so that the forces are of the right size with an EIBM of the usual size."""
-    bend = {v: USUAL_BEND_PER_M * float(np.sign(v)) for v in part.eibm}
+    usual_per_m = USUAL_BEND_PER_M / length_scale(observed.sheet)
+    bend = {v: usual_per_m * float(np.sign(v)) for v in part.eibm}
     for voltage, (place, sign) in part.eibm.items():
         theta[place] = sign * bend[voltage]
     by_B = configuration_model.forces(configuration_model.beam(1.0, bend))

@@ -164,7 +164,7 @@ def _range(at: Linearised, along: str) -> tuple[float, float]:
     if along == "force":
         return at.forces_N
     if along in ("curvature", "bending"):
-        most = max(at.bent_per_m, LEAST_BENDING_PER_M)
+        most = max(at.bent_per_m, LEAST_BENDING_PER_M / at.scale.length)
         return (0.0 if along == "curvature" else -most), most
     return 0.0, at.beam.sheet.free_length_m
 

@@ -27,7 +27,6 @@ IMAGE_X_M, IMAGE_Y_M, BELOW_M = 0.05, 0.08, 0.03  # what the waves across the im
 AMPLITUDE_OF_AGE = 0.1  # of the EIBM
 WAVES_IN_SESSION = 4  # of the whole image
 SIDE_M = 2e-4  # towards the concave side, where the sheet is bent most
-SIDES = odd_functions(1e3 * SIDE_M)  # of the curvature, from the largest one way to the other
 WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
 
 
@@ -61,7 +60,11 @@ class Camera(Location):
         for number in range(COUNT):
             for along in IMAGE:
                 term = BasisTerm(
-                    along=along, function=_only(number), low=0.0, high=COUNT - 1.0, nodes=COUNT
+                    along=along,
+                    function=_only(number, at.scale.length),
+                    low=0.0,
+                    high=COUNT - 1.0,
+                    nodes=COUNT,
                 )
                 step = perturbation(self, at, term)
                 step.points_m = step.points_m * at.has_curve[:, None]
@@ -78,8 +81,9 @@ class Camera(Location):
 
     def _by_side(self, at: Linearised) -> Iterator[Basis]:
         """Return what shows the sheet towards its concave or its convex side."""
-        most = max(at.bent_per_m, LEAST_BENDING_PER_M)
-        for function in SIDES:
+        most = max(at.bent_per_m, LEAST_BENDING_PER_M / at.scale.length)
+        # of the curvature, from the largest one way to the other
+        for function in odd_functions(1e3 * SIDE_M * at.scale.length):
             term = BasisTerm(along="curvature", function=function, low=-most, high=most)
             step = perturbation(self, at, term)
             step.points_m = step.points_m * at.has_curve[:, None]
@@ -91,7 +95,7 @@ class Camera(Location):
     def _moved(self, at: Linearised) -> Iterator[Basis]:
         """Return how the whole image moves in the course of the session."""
         for j in range(1, WAVES_IN_SESSION + 1):
-            wave = cosine_wave(j, AMPLITUDE_M)
+            wave = cosine_wave(j, AMPLITUDE_M * at.scale.length)
             off = (wave(at.measured_at) * at.has_curve)[:, None]
             for normal in (at.points.normal_x, at.points.normal_y):
                 step = at.nothing()
@@ -104,7 +108,8 @@ class Camera(Location):
 
 def _waves(points: ImagePoints) -> Iterator[FloatArray]:
     """Yield the waves across the image at points, each of their shape."""
-    x, y = points.x_m / IMAGE_X_M, (points.y_m + BELOW_M) / IMAGE_Y_M
+    scale = points.length_scale
+    x, y = points.x_m / (IMAGE_X_M * scale), (points.y_m + BELOW_M * scale) / (IMAGE_Y_M * scale)
     for i in range(DEGREE):
         for j in range(DEGREE - i):
             yield np.cos(i * np.pi * x) * np.cos(j * np.pi * y) / (1.0 + 0.5 * (i + j))
@@ -119,11 +124,11 @@ def _curvature_per_m(points: ImagePoints) -> FloatArray:
     return np.asarray(np.where(length > 0.0, turned / np.where(length > 0.0, length, 1.0), 0.0))
 
 
-def _only(number: int) -> Function:
+def _only(number: int, scale: float) -> Function:
     """Return the function of 0 .. 1 that is one wave's amplitude in mm, and nothing elsewhere."""
 
     def value(t: FloatArray) -> FloatArray:
-        return np.where(np.rint(t * (COUNT - 1)) == number, 1e3 * AMPLITUDE_M, 0.0)
+        return np.where(np.rint(t * (COUNT - 1)) == number, 1e3 * AMPLITUDE_M * scale, 0.0)
 
     return value
 

@@ -52,10 +52,11 @@ class Compliance(Location):
         few = waves[:WAVES_UNDER_VOLTAGE]
         yield from bases_of(self, at, few, along="s", part="voltage", under="voltage")
         most = float(np.max(np.abs(at.contact.curvature - at.initial_curvature_per_m)))
+        bent_per_m = BENT_PER_M / at.scale.length
         for number in (1, 2):
-            function = power(number, AMPLITUDE * (most / BENT_PER_M) ** number)
+            function = power(number, AMPLITUDE * (most / bent_per_m) ** number)
             term = BasisTerm(
-                along="curvature", function=function, low=0.0, high=max(most, BENT_PER_M * 1e-9)
+                along="curvature", function=function, low=0.0, high=max(most, bent_per_m * 1e-9)
             )
             yield Basis(
                 part="curvature", along="curvature", function=None, unit=self.unit,

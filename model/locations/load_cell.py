@@ -37,7 +37,7 @@ class LoadCell(Location):
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
-        waves = [cosine_wave(j, AMPLITUDE_MN) for j in range(7)]
+        waves = [cosine_wave(j, AMPLITUDE_MN * at.scale.force) for j in range(7)]
         for part, under, count, shared in (
             ("position", "", 7, True), ("position, each sheet", "", 5, False),
             ("polarity", "polarity", 3, True), ("voltage", "voltage", 3, True),
@@ -51,7 +51,7 @@ class LoadCell(Location):
             at, waves[0], zero, part="zero", along="position", term=constant, alone=True
         )
         for degree in DEGREES:
-            power = polynomial(degree, AMPLITUDE_MN)
+            power = polynomial(degree, AMPLITUDE_MN * at.scale.force)
             yield from bases_of(
                 self, at, [power], along="force", part="force", shared=True,
                 alone=degree == 0,  # of the whole it is a wave of the position
@@ -61,14 +61,14 @@ class LoadCell(Location):
     def _in_time(self, at: Linearised) -> Iterator[Basis]:
         session = at.clock.session
         for j in range(1, WAVES_IN_SESSION + 1 if len(session) and np.ptp(session) > 0.0 else 0):
-            wave = cosine_wave(j, AMPLITUDE_MN)
+            wave = cosine_wave(j, AMPLITUDE_MN * at.scale.force)
             yield self._added(
                 at, wave, wave(session), part="zero, session", along="time",
                 term=BasisTerm(along="session", function=wave, low=0.0, high=1.0),
             )  # fmt: skip
         if at.periodic is not None and at.periodic.what == "force":
             phase = at.periodic.phase(at.clock)
-            for wave in sinusoids(PERIODIC_MN):
+            for wave in sinusoids(PERIODIC_MN * at.scale.force):
                 yield self._added(at, wave, wave(phase), part="force, period", along="time")
 
     def _added(

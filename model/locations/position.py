@@ -45,7 +45,8 @@ class Position(Location):
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
-        waves = [cosine_wave(j, AMPLITUDE_MM) for j in range(WAVES_ON_ARC)]
+        most_mm = AMPLITUDE_MM * at.scale.length
+        waves = [cosine_wave(j, most_mm) for j in range(WAVES_ON_ARC)]
         for part, under, count in (
             ("position", "", WAVES_ON_ARC), ("polarity", "polarity", WAVES_ON_ARC), ("zero", "", 1)
         ):  # fmt: skip
@@ -53,13 +54,13 @@ class Position(Location):
                 self, at, waves[:count], along="position", part=part, under=under, shared=True,
                 alone=part == "zero",
             )  # fmt: skip
-        by_force = [polynomial(degree, AMPLITUDE_MM) for degree in DEGREES]
-        by_force += [_play(at.forces_N, full_N) for full_N in PLAY_N]
+        by_force = [polynomial(degree, most_mm) for degree in DEGREES]
+        by_force += [_play(at.forces_N, full_N * at.scale.force, most_mm) for full_N in PLAY_N]
         yield from bases_of(
             self, at, by_force, along="force", part="force", shared=True, alone=True
         )
         for under, count in MOMENTS.items():
-            moments = (cosine_wave(j, MOMENT_PER_M) for j in range(count))
+            moments = (cosine_wave(j, MOMENT_PER_M / at.scale.length) for j in range(count))
             for one in bases_of(
                 self, at, moments, along="position", part="moment", under=under, adds="moment",
                 shared=True, alone=True,
@@ -67,12 +68,12 @@ class Position(Location):
                 yield replace(one, unit="1/m")
 
 
-def _play(forces_N: tuple[float, float], full_N: float) -> Function:
+def _play(forces_N: tuple[float, float], full_N: float, most_mm: float) -> Function:
     """Return how far the force moves what has play, mm; 0 .. 1 of the range of the force."""
     low, high = forces_N
 
     def value(t: FloatArray) -> FloatArray:
-        return np.asarray(AMPLITUDE_MM * np.tanh((low + t * (high - low)) / full_N))
+        return np.asarray(most_mm * np.tanh((low + t * (high - low)) / full_N))
 
     return value
 

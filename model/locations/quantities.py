@@ -177,6 +177,7 @@ class LoadCellInput:
     pulse_s: FloatArray | float = 0.0  # since this voltage was set
     session_number: FloatArray | float = 0.0  # as of the beam problem
     overall: FloatArray | float = 0.5  # as of the acquisition times
+    force_scale: float = 1.0  # of the usual forces of such a sheet, over those of the paper's
     channels: ChannelValues = field(default_factory=dict)
 
     def channel(self, name: str, otherwise: float) -> FloatArray:
@@ -187,10 +188,10 @@ class LoadCellInput:
         """Return the readings in another order."""
         given = {
             f.name: np.broadcast_to(getattr(self, f.name), self.force_N.shape)[..., order]
-            for f in fields(self) if f.name != "channels"
+            for f in fields(self) if f.name not in ("channels", "force_scale")
         }  # fmt: skip
         channels = {name: values[order] for name, values in self.channels.items()}
-        return LoadCellInput(**given, channels=channels)
+        return LoadCellInput(**given, channels=channels, force_scale=self.force_scale)
 
 
 @dataclass(kw_only=True)
@@ -203,6 +204,7 @@ class ImagePoints:
     normal_x: FloatArray  # unit normal of the curve
     normal_y: FloatArray
     scale_m: float  # half the width of the image of the sheet
+    length_scale: float = 1.0  # of a rig of this size, over one of the paper's
     free_length_m: float = np.inf  # from here on the curve is that of the elongation
     # (K, 1) the contact's place along the sheet, and its normal force over the stiffness, 1/m^2;
     # NaN: nothing touches

@@ -31,7 +31,9 @@ class RestCurvature(Location):
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
-        waves = (cosine_wave(j, AMPLITUDE_PER_M) for j in range(waves_along_sheet(at)))
+        waves = (
+            cosine_wave(j, AMPLITUDE_PER_M / at.scale.length) for j in range(waves_along_sheet(at))
+        )
         yield from bases_of(self, at, waves, along="s", part="s")
         length_m = at.beam.sheet.free_length_m
         turned = BasisTerm(

@@ -86,8 +86,9 @@ class Time(Location):
             step = beam_step(at, replace(at.beam, tilt_rad=tilt))
             yield self._basis(at, _times(TURN_RAD, wave), "clamp, session", step, "rad")
             return
-        force = replace(nothing(), force_N=1e-3 * FORCE_MN * course)
-        yield self._basis(at, _times(FORCE_MN, wave), f"force, {during}", force, "mN")
+        force_mN = FORCE_MN * at.scale.force
+        force = replace(nothing(), force_N=1e-3 * force_mN * course)
+        yield self._basis(at, _times(force_mN, wave), f"force, {during}", force, "mN")
         stress = replace(nothing(), force_N=at.force_at_0V_N[at.reading_of] * course)
         yield self._basis(at, wave, f"stress, {during}", stress)
 

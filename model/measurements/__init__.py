@@ -17,6 +17,13 @@ from model.measurements.display import Displayed, Summary, in_digits, in_volts, 
 from model.measurements.geometry_difference import GeometryDifference, geometry_difference
 from model.measurements.progress import Progress, silent
 from model.measurements.rms import rms
+from model.measurements.scale import (
+    Scale,
+    length_scale,
+    load_scale,
+    scale_of,
+    scale_of_measurements,
+)
 
 __all__ = [
     "Columns",
@@ -32,6 +39,7 @@ __all__ = [
     "ModelError",
     "Progress",
     "Reading",
+    "Scale",
     "SheetGeometry",
     "Summary",
     "TimeSeries",
@@ -39,7 +47,11 @@ __all__ = [
     "geometry_difference",
     "in_digits",
     "in_volts",
+    "length_scale",
+    "load_scale",
     "rms",
+    "scale_of",
+    "scale_of_measurements",
     "signed",
     "silent",
 ]

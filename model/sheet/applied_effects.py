@@ -12,9 +12,9 @@ import numpy as np
 
 from model.effects import Effect, catalogue
 from model.effects.between_sessions import sessions_for
-from model.effects.interface import BeamProblem, ContactSolution
+from model.effects.interface import BeamProblem, ContactSolution, EffectParameter
 from model.locations import location
-from model.measurements import FloatArray, ModelError, SheetGeometry
+from model.measurements import FloatArray, ModelError, Scale, SheetGeometry
 from model.mechanics.collocation import rule
 from model.mechanics.field import Field, for_each_field
 from model.sheet.beam_problem import UNKNOWN, ActiveEffect, ConditionProblem
@@ -66,13 +66,19 @@ def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
             raise ModelError(f"the effect '{effect.name}' of the model lacks its {parameter.name}")
         usual = parameter.neutral if parameter.estimated else parameter.prior_scale
         value = values.get(parameter.name, usual)
-        if not parameter.low <= value <= parameter.high:
+        # lengths and forces have the bounds of their session, which a model does not know
+        if not _has_size(parameter) and not parameter.low <= value <= parameter.high:
             raise ModelError(
                 f"the effect '{effect.name}' of the model has {parameter.name} = {value:g}; it must"
                 f" be within {parameter.low:g} and {parameter.high:g}"
             )
         result[parameter.name] = value
     return result
+
+
+def _has_size(parameter: EffectParameter) -> bool:
+    unit = parameter.scales_as or parameter.unit
+    return Scale(length=2.0, force=3.0).of_unit(unit) != 1.0
 
 
 def with_effects(

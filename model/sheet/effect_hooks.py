@@ -23,7 +23,7 @@ from model.effects.interface import (
     Values,
 )
 from model.effects.sliding import slid
-from model.measurements import FloatArray
+from model.measurements import FloatArray, load_scale
 from model.sheet.form import Form
 
 MOST_LOST = 0.95  # of EIBM and stiffness
@@ -230,6 +230,7 @@ def load_cell_input(
         pulse_s=np.broadcast_to(clock.pulse_s, of.shape),
         session_number=np.broadcast_to(beam.session_number, beam.voltage_V.shape)[of],
         overall=np.broadcast_to(clock.overall, of.shape), channels=clock.channels,
+        force_scale=load_scale(beam.sheet, beam.stiffness),
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.effects.interface import BeamProblem, ContactSolution, Effect, ImagePoints
-from model.measurements import FloatArray
+from model.measurements import FloatArray, length_scale
 from model.mechanics.equilibrium import Shapes
 from model.sheet.applied_effects import acting, beam_problem, contact_solution
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
@@ -106,6 +106,7 @@ def camera_m(
     points = ImagePoints(
         s_m=s_m[None], x_m=x_m[None], y_m=y_m[None], normal_x=-np.sin(phi_rad)[None],
         normal_y=np.cos(phi_rad)[None], scale_m=setup.sheet.free_length_m,
+        length_scale=length_scale(setup.sheet),
         free_length_m=setup.sheet.free_length_m, contact_m=found.s_hat_m[row],
         pressed_per_m2=found.nu[row], session_number=float(setup.session),
     )  # fmt: skip

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from model.measurements import FloatArray, ModelError
+from model.measurements import FloatArray, ModelError, length_scale
 from model.mechanics.equilibrium import (
     Equilibria,
     Problems,
@@ -33,7 +33,7 @@ from model.mechanics.field import (
 from model.mechanics.free_shape import free_shape
 from model.sheet.beam_problem import ConditionProblem
 
-SPACING_M = 0.5e-3
+SPACING_M = 0.5e-3  # of a shape's points, of a sheet of the paper's size
 RIGID = 1e-7  # B over the stiffness of an elongation that does not bend, beside others that do
 _BESIDE = 4  # rounds of placing a contact beside the arc; each gains a factor of offset/R
 
@@ -107,8 +107,9 @@ def _longer(field: Field, by_m: float, value: float) -> Field:
 def sampled_s(setup: ConditionProblem) -> FloatArray:
     """Points from the clamp to the visible end, the sheet's end among them."""
     length, end = setup.sheet.free_length_m, setup.sheet.free_length_m + setup.sheet.elongation_m
-    inner = np.linspace(0.0, length, max(2, int(np.ceil(length / SPACING_M - 1e-9)) + 1))
-    outer = np.linspace(length, end, int(np.ceil((end - length) / SPACING_M - 1e-9)) + 1)[1:]
+    spacing_m = SPACING_M * length_scale(setup.sheet)
+    inner = np.linspace(0.0, length, max(2, int(np.ceil(length / spacing_m - 1e-9)) + 1))
+    outer = np.linspace(length, end, int(np.ceil((end - length) / spacing_m - 1e-9)) + 1)[1:]
     return np.concatenate([inner, outer])
 
 

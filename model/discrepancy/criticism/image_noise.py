@@ -27,7 +27,7 @@ from model.identification.data.data_vector import Index
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from model.measurements import FloatArray
+from model.measurements import FloatArray, length_scale
 
 PART = "each picture"
 LOCATION = "camera"
@@ -141,7 +141,7 @@ def _candidate(fitted: MixedModelFit, name: str) -> Candidate:
     forward = fitted.problem.forward
     rows = _rows(fitted, name)
     columns = np.zeros((forward.row_index.size, rows.size))
-    columns[rows.ravel(), np.arange(rows.size)] = UNIT_M
+    columns[rows.ravel(), np.arange(rows.size)] = UNIT_M * forward.scale.length
     return Candidate(
         name=f"unknown:{LOCATION}", values={}, columns=columns, sizes=SIZES, location=LOCATION,
         part=f"{PART}, {name}",
@@ -173,12 +173,13 @@ class Aside:
 
 def aside(configuration_model: ConfigurationModel, beta: FloatArray, C: FloatArray) -> Aside:
     """Return the curve that a term's sizes (images x MODES) move most; C is their covariance."""
-    images, size = np.flatnonzero(configuration_model.has_curve), UNIT_M * beta.reshape(-1, MODES)
+    unit_m = UNIT_M * length_scale(configuration_model.sheet)
+    images, size = np.flatnonzero(configuration_model.has_curve), unit_m * beta.reshape(-1, MODES)
     first = int(np.argmax(np.sum(size**2, axis=1)))
     k, own = int(images[first]), slice(MODES * first, MODES * (first + 1))
     s, keep = np.unique(configuration_model.curve_s[k], return_index=True)
     by = np.stack([_shape(configuration_model, k, m) for m in range(MODES)], axis=1)[keep]
-    band = UNIT_M * np.sqrt(np.maximum(np.einsum("sm,mn,sn->s", by, C[own, own], by), 0.0))
+    band = unit_m * np.sqrt(np.maximum(np.einsum("sm,mn,sn->s", by, C[own, own], by), 0.0))
     return Aside(_name(configuration_model, k), s, by @ size[first], band)
 
 

@@ -24,7 +24,15 @@ from model.identification.likelihood.gauss_newton import (
 from model.identification.likelihood.linearisation import Bases, priors_of, sensitivities
 from model.identification.observations import observe
 from model.identification.starting_values import rest_field
-from model.measurements import Condition, Curve, FloatArray, Measurements, ModelError, Reading
+from model.measurements import (
+    Condition,
+    Curve,
+    FloatArray,
+    Measurements,
+    ModelError,
+    Reading,
+    scale_of_measurements,
+)
 
 CURVE_POINTS = 40
 LEAST_FORCE_N, FORCE_SHARE = 3e-5, 0.03  # tolerance of a mean force: the larger of both
@@ -48,11 +56,12 @@ class Tolerances:
     def of(measurements: Measurements) -> Tolerances:
         """From how far the forces of a configuration spread, and how long its sheet is."""
         force_N, curve_m = dict[str, float](), dict[str, float]()
+        least_N = LEAST_FORCE_N * scale_of_measurements(measurements).force
         for name, sheet in measurements.sheets.items():
             own = [c for c in measurements.conditions if c.configuration == name]
             means = [c.readings[0].force_N for c in own if c.position_m is not None and c.readings]
             spread = float(np.std(means)) if means else 0.0
-            force_N[name] = max(LEAST_FORCE_N, FORCE_SHARE * spread)
+            force_N[name] = max(least_N, FORCE_SHARE * spread)
             curve_m[name] = CURVE_SHARE * (sheet.free_length_m + sheet.elongation_m)
         return Tolerances(force_N, curve_m)
 

@@ -156,7 +156,7 @@ def linearised(fitted: MixedModelFit, c: int) -> Linearised:
         measured_at=measured_at, has_curve=configuration_model.has_curve,
         positions_m=_ends(np.concatenate([one.stated_m for one in forward.configuration_models])),
         forces_N=_force_range_N(forward),
-        bent_per_m=_most_bent_per_m(fitted),
+        bent_per_m=_most_bent_per_m(fitted), scale=forward.scale,
         bin_clock=block.bin_clock, bin_sample=block.bin_sample,
         bin_mean=block.bin_mean, periodic=forward.periodic_term,
         nothing=lambda: forward.blank_step(c),
@@ -176,4 +176,4 @@ def _most_bent_per_m(fitted: MixedModelFit) -> float:
 
 def _force_range_N(forward: ForwardModel) -> tuple[float, float]:
     low, high = _ends(np.concatenate([block.measured_N for block in forward.row_index.blocks]))
-    return low, max(high, low + LEAST_RANGE_N)
+    return low, max(high, low + LEAST_RANGE_N * forward.scale.force)

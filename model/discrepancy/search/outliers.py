@@ -28,11 +28,15 @@ def outlier_candidates(fitted: MixedModelFit) -> list[Candidate]:
             columns = []
             own = block.trend_rows[(block.trend_of == k) & block.is_mean]
             if len(own):
-                columns.append(_at(forward.row_index.size, own, FORCE_N))
+                columns.append(_at(forward.row_index.size, own, FORCE_N * forward.scale.force))
             if configuration_model.has_curve[k]:
                 rows = block.mode_rows[k]
                 columns += [
-                    _at(forward.row_index.size, rows[m : m + 1], MODE_M / (1 + m))
+                    _at(
+                        forward.row_index.size,
+                        rows[m : m + 1],
+                        MODE_M * forward.scale.length / (1 + m),
+                    )
                     for m in range(min(4, configuration_model.modes))
                 ]
                 if configuration_model.voltage_V[k] != 0.0:  # its EIBM was another one

@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.measurements import Condition, FloatArray, Measurements, Reading, in_volts
+from model.measurements import (
+    Condition,
+    FloatArray,
+    Measurements,
+    Reading,
+    in_volts,
+    scale_of_measurements,
+)
 
 FEWEST = 5  # readings of a condition
 SIGMA = 15.0  # of a reading's noise, beyond which it is none of its condition's
@@ -48,7 +55,8 @@ def without_outliers(measurements: Measurements) -> WithoutOutliers:
     the same place, as the first pulses may, is no outlier.
     """
     noise_N = _noise_N(measurements)
-    wild = [_wild(one, noise_N) for one in measurements.conditions]
+    least_N = LEAST_N * scale_of_measurements(measurements).force
+    wild = [_wild(one, noise_N, least_N) for one in measurements.conditions]
     asked = sum(len(_ordered(one)) >= FEWEST for one in measurements.conditions)
     times = Counter(place for own in wild for place in own)
     usual = {place for place, count in times.items() if count > max(2, SAME_PLACE_SHARE * asked)}
@@ -81,14 +89,14 @@ def _place(one: Condition, places: set[int], *, of_several: bool) -> str:
     return f"{one.configuration}, {where}, {in_volts(one.voltage_V)}{session}, {readings}"
 
 
-def _wild(one: Condition, noise_N: float) -> set[int]:
+def _wild(one: Condition, noise_N: float, least_N: float) -> set[int]:
     """Return the places of far readings in the order of a condition's readings."""
     readings = _ordered(one)
     if len(readings) < FEWEST or not noise_N:
         return set()
     off = _off_line(np.array([r.force_N for r in readings]))
     own_N = PER_MAD * float(np.median(np.abs(off)))
-    far = np.abs(off) > SIGMA * max(noise_N, own_N, LEAST_N)
+    far = np.abs(off) > SIGMA * max(noise_N, own_N, least_N)
     return set() if far.sum() > MOST_SHARE * len(readings) else set(np.flatnonzero(far).tolist())
 
 

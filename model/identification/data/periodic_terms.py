@@ -153,11 +153,16 @@ class _Series:
         return a, b, (a * cy + b * sy) / max(float(y @ y), 1e-300)
 
 
-def periodic_term_in(data_vectors: Sequence[DataVector]) -> PeriodicTerm | None:
-    """Return the periodic term that explains most of the detrended readings, or None."""
+def periodic_term_in(
+    data_vectors: Sequence[DataVector], least_N: float = LEAST_N
+) -> PeriodicTerm | None:
+    """Return the periodic term that explains most of the detrended readings, or None.
+
+    `least_N`: amplitude in the forces of which it has to be.
+    """
     session_s = max(data_vector.session_s for data_vector in data_vectors)
     forces = _Series.of(
-        [x for data_vector in data_vectors for x in _forces(data_vector)], session_s, LEAST_N
+        [x for data_vector in data_vectors for x in _forces(data_vector)], session_s, least_N
     )
     curves = _Series.of(
         [x for data_vector in data_vectors for x in _curves(data_vector)], session_s

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.measurements import Condition, FloatArray, Measurements
+from model.measurements import Condition, FloatArray, Measurements, length_scale
 
 USUAL_M = 3e-5  # scatter of a curve's end from picture to picture, where none is stated
 TIMES = 8.0  # that it may be exceeded
@@ -57,9 +57,10 @@ def swings_m(measurements: Measurements) -> dict[Place, float]:
     """
     found = dict[Place, float]()
     for one in measurements.conditions:
-        size = _moves_m(one, _ends_m(one)) if one.position_m is None else 0.0
+        scale = length_scale(measurements.sheets[one.configuration])
+        size = _moves_m(one, _ends_m(one), scale) if one.position_m is None else 0.0
         if size and one.voltage_V:
-            size = min(size, _moves_m(one, _as_steady(measurements, one)))
+            size = min(size, _moves_m(one, _as_steady(measurements, one), scale))
         if size:
             place = one.configuration, one.voltage_V
             found[place] = max(size, found.get(place, 0.0))
@@ -86,7 +87,7 @@ def _ends_m(one: Condition) -> FloatArray:
     return np.array([[c.x_m[-1], c.y_m[-1]] for c in curves]).reshape(-1, 2)
 
 
-def _moves_m(one: Condition, ends: FloatArray) -> float:
+def _moves_m(one: Condition, ends: FloatArray, scale: float) -> float:
     """Return the RMS distance of the ends about their line in time, m; 0: not unusual."""
     if len(ends) < 2:
         return 0.0
@@ -94,8 +95,8 @@ def _moves_m(one: Condition, ends: FloatArray) -> float:
     found = float(np.sqrt(np.mean(np.sum(apart**2, axis=1))))
     curves = [r.curve for r in one.readings if r.valid and r.curve is not None]
     stated = [float(c.sigma_m[-1]) for c in curves if c.sigma_m is not None]
-    usual = max(USUAL_M, float(np.mean(stated)) if stated else 0.0)
-    return found if found > max(LEAST_M, TIMES * usual) else 0.0
+    usual = max(USUAL_M * scale, float(np.mean(stated)) if stated else 0.0)
+    return found if found > max(LEAST_M * scale, TIMES * usual) else 0.0
 
 
 def _course(measurements: Measurements, configuration: str, voltage_V: float) -> FloatArray:

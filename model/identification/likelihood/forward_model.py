@@ -10,7 +10,7 @@ import numpy as np
 from model.effects.interface import BeamProblem, ContactSolution, Effect, ImagePoints, Values
 from model.effects.rise import rise_left
 from model.identification.data.data_vector import DataVector
-from model.identification.data.periodic_terms import PeriodicTerm, periodic_term_in
+from model.identification.data.periodic_terms import LEAST_N, PeriodicTerm, periodic_term_in
 from model.identification.likelihood.contact_solution import (
     ConfigurationModel,
     SolvedConditions,
@@ -31,7 +31,7 @@ from model.identification.likelihood.time_courses import (
     of_free_shapes,
 )
 from model.locations.quantities import Perturbation
-from model.measurements import FloatArray
+from model.measurements import FloatArray, Scale, length_scale, scale_of
 from model.mechanics.field import Field
 from model.sheet.effect_hooks import (
     Acting,
@@ -67,9 +67,12 @@ class ForwardModel:
         ]
         self.row_index = RowIndex(data_vectors, self.configuration_models)
         self.names = [one.sheet.configuration for one in data_vectors]
+        self.scale: Scale = like.scale if like is not None else _scale(data_vectors)
         self._nothing: dict[int, Perturbation] = {}
         self.periodic_term: PeriodicTerm | None = (
-            periodic_term_in(data_vectors) if like is None else like.periodic_term
+            periodic_term_in(data_vectors, LEAST_N * self.scale.force)
+            if like is None
+            else like.periodic_term
         )
         # by configuration: change of the rows (N,) where data at rest are those of a sheet in
         # motion less what dynamics explain, for each metre of its contacts along the arc
@@ -183,7 +186,7 @@ class ForwardModel:
             own = block.reading_of == k
             if curves.shape[1] < np.count_nonzero(own):
                 own &= block.share > 0.0
-            sizes[own] = modes @ u / max(state.reach_m[k], LEAST_M)
+            sizes[own] = modes @ u / max(state.reach_m[k], LEAST_M * self.scale.length)
         result: FloatArray = block.sway @ sizes
         return result
 
@@ -259,7 +262,9 @@ class ForwardModel:
         force = np.einsum("kg,kg->k", state.answers.force[:, :G], shape)
         modes = np.einsum("kmg,kg->km", state.answers.modes[:, :, :G], shape)
         u = state.modes_by_eibm
-        size = np.sum(modes * u, axis=1) / np.maximum(state.reach_m, LEAST_M) ** 2
+        size = (
+            np.sum(modes * u, axis=1) / np.maximum(state.reach_m, LEAST_M * self.scale.length) ** 2
+        )
         return force[of] * much, size[of] * much
 
     def _rise_step(self, c: int) -> Perturbation:
@@ -348,7 +353,8 @@ def _points(
     held = solved.contact
     return ImagePoints(
         s_m=solved.s_m, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx, normal_y=solved.ny,
-        scale_m=configuration_model.length, free_length_m=configuration_model.length,
+        scale_m=configuration_model.length,
+        length_scale=length_scale(configuration_model.sheet), free_length_m=configuration_model.length,
         contact_m=held.s_hat_m[:, None],
         pressed_per_m2=(held.normal_N / beam.stiffness)[:, None],
         session_number=configuration_model.session_number[:, None],
@@ -368,6 +374,7 @@ def _imaged(
     is compared with the place whose picture is nearest to it (orthogonal distance regression:
     Boggs, Byrd and Schnabel 1987, SIAM J. Sci. Stat. Comput. 8, 1052).
     """
+    close_m = CLOSE_M * length_scale(configuration_model.sheet)
     for _ in range(PLACED):
         dx, dy = image_displacement_m(inner, _points(configuration_model, beam, solved))
         if not (np.any(dx) or np.any(dy)):
@@ -378,7 +385,7 @@ def _imaged(
         )
         step = beyond_x * solved.ny - beyond_y * solved.nx  # along the sheet
         s_m = _in_order(configuration_model, solved.s_m + step)
-        if np.max(np.abs(s_m - solved.s_m), initial=0.0) < CLOSE_M:
+        if np.max(np.abs(s_m - solved.s_m), initial=0.0) < close_m:
             break
         solved = configuration_model.at(beam, solved, s_m)
     return solved
@@ -403,3 +410,9 @@ def _modes(
     off = off + (curves[1] - solved.y_m[k, :n]) * solved.ny[k, :n]
     result: FloatArray = off @ configuration_model.project[k, :, :n].T
     return result
+
+
+def _scale(data_vectors: Sequence[DataVector]) -> Scale:
+    """Return the size of the session that data vectors are of."""
+    kept = [one.kept_N for data_vector in data_vectors for one in data_vector.seen if not one.free]
+    return scale_of([one.sheet for one in data_vectors], np.concatenate([np.zeros(0), *kept]))

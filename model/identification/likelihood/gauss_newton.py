@@ -74,6 +74,8 @@ def _weights(forward: ForwardModel) -> FloatArray:
     for block, configuration_model in zip(
         forward.row_index.blocks, forward.configuration_models, strict=True
     ):
-        weights[block.trend_rows[block.is_mean]] = 1.0 / FORCE_SIGMA_N
-        weights[block.mode_rows[configuration_model.has_curve]] = 1.0 / MODE_SIGMA_M
+        weights[block.trend_rows[block.is_mean]] = 1.0 / (FORCE_SIGMA_N * forward.scale.force)
+        weights[block.mode_rows[configuration_model.has_curve]] = 1.0 / (
+            MODE_SIGMA_M * forward.scale.length
+        )
     return weights

@@ -387,9 +387,10 @@ def _tried(
 def _bounded(problem: FitProblem, step: FloatArray) -> FloatArray:
     """No step leaps where the linearisation means nothing: neither of ln B nor of the others."""
     stiffness = [one.stiffness for one in problem.bases.parts]
+    longest = LONGEST_STEP * max(1.0, problem.forward.scale.per_length)
     too_far = max(
         1.0,
-        float(np.max(np.abs(step))) / LONGEST_STEP,
+        float(np.max(np.abs(step))) / longest,
         float(np.max(np.abs(step[stiffness]))) / LONGEST_LOG_B,
     )
     return step / too_far

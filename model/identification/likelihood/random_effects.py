@@ -15,7 +15,7 @@ from model.effects.rise import rise_left
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import ModelState, Mounting
 from model.locations.quantities import Perturbation
-from model.measurements import FloatArray
+from model.measurements import FloatArray, Scale
 
 # Standard deviations from one set-up to the next, as assumed, and how sure that is (of its ln).
 ASSUMED = {
@@ -32,6 +32,11 @@ ASSUMED = {
     "pulse_level": (5e-6, 1.5),
     "pulse_edge": (1.0, 0.3),  # in units of what is known of the edges' times
 }
+# which of them are lengths or forces, and in proportion to those of a session
+UNITS = {
+    "position": "m", "registration": "m", "force_zero": "mN", "sway_slow": "mN",
+    "sway_quick": "mN", "pulse_level": "mN",
+}  # fmt: skip
 WANDER_S = {"sway_slow": 40.0, "sway_quick": 3.0}  # correlation times
 PULSES = ("pulse_level", "pulse_edge")
 EACH = ("eibm_condition", "eibm_free")  # of which each condition has its own
@@ -52,6 +57,14 @@ class NoisePriors:
     # noise of a condition's mean force beside that of its readings; 0: a misfit is not noise
     misfit_N: float = 0.0
     misfit_unsure: float = 0.0  # of its logarithm
+
+    def at_scale(self, scale: Scale) -> NoisePriors:
+        """Return those of a session of another size."""
+        sizes = {
+            name: (size * scale.of_unit(UNITS.get(name, "")), unsure)
+            for name, (size, unsure) in self.random_effects.items()
+        }
+        return replace(self, random_effects=sizes, misfit_N=self.misfit_N * scale.force)
 
 
 # A diagnosis tells effects from scatter by how large scatter usually is.

@@ -272,6 +272,21 @@ def test_forces_in_another_unit_are_told(falling, factor, unit):
             )
 
 
+@pytest.mark.slow
+def test_a_strip_under_voltages_that_no_polymer_bears_may_be_of_metal(falling):
+    """Forces of newtons and the modulus of a metal: 100 V are of a piezoelectric bimorph."""
+    metal = forces_changed(falling, lambda _, forces: 1e3 * forces)
+    bimorph = replace(
+        metal,
+        conditions=tuple(replace(c, voltage_V=50.0 * c.voltage_V) for c in metal.conditions),
+        series=(),
+    )
+    assert {one.severity for one in check_data(metal).suspicions} == {"stop"}
+    found = check_data(bimorph)
+    assert {(one.check, one.severity) for one in found.suspicions} == {("force_unit", "warn")}
+    assert not found.stops
+
+
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_a_wrong_thickness_is_no_unit_of_the_forces(falling):

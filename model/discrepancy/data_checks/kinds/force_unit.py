@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from model.discrepancy.data_checks.contract import DataCheck, Suspicion
+from model.discrepancy.data_checks.contract import DataCheck, Severity, Suspicion
 from model.discrepancy.data_checks.kinds._data import quoted
 from model.discrepancy.data_checks.shape_compliance import shape_compliance
 from model.discrepancy.thresholds import (
     LARGEST_FORCE_N,
+    MOST_ON_POLYMER_V,
     SMALLEST_FORCE_N,
     SOFTEST_MODULUS_PA,
     STIFFEST_BY_CURVES_PA,
     STIFFEST_METAL_PA,
     SURE_COMPLIANCE_SIGMA,
 )
-from model.measurements import Measurements, SheetGeometry, in_digits
+from model.measurements import Measurements, SheetGeometry, in_digits, length_scale
 
 METAL = "; where the strip is of metal they may be right"
 UNITS = {1e3: "N", 1e-3: "µN, or in mN and taken for N"}
@@ -26,27 +27,34 @@ UNITS = {1e3: "N", 1e-3: "µN, or in mN and taken for N"}
 class ForceUnit(DataCheck):
     """Newtons among millinewtons.
 
-    Where only the modulus is odd, width or thickness may be wrong; that is the material's check.
+    A strip of metal is as stiff. No ionic polymer bears its voltages, so that above these it is
+    only asked about. Where only the modulus is odd, width or thickness may be wrong; that is the material's check.
     """
 
     def suspicions(self, measurements: Measurements) -> Iterator[Suspicion]:
         """See `DataCheck.suspicions`."""
         for name, sheet in measurements.sheets.items():
             largest_N = _largest_N(measurements, name)
-            if not largest_N or SMALLEST_FORCE_N < largest_N < LARGEST_FORCE_N:
+            area = length_scale(sheet) ** 2  # forces go with the section of a strip
+            if not largest_N or SMALLEST_FORCE_N < largest_N / area < LARGEST_FORCE_N:
                 continue
             modulus_Pa = _modulus_Pa(measurements, sheet)
             if modulus_Pa is None or SOFTEST_MODULUS_PA < modulus_Pa < STIFFEST_BY_CURVES_PA:
                 continue
-            factor = 1e3 if largest_N <= SMALLEST_FORCE_N else 1e-3
+            factor = 1e3 if largest_N / area <= SMALLEST_FORCE_N else 1e-3
             if SOFTEST_MODULUS_PA < factor * modulus_Pa < STIFFEST_BY_CURVES_PA:
-                yield self._suspicion(name, largest_N, modulus_Pa, factor)
+                may_be_metal = factor < 1.0 and modulus_Pa < STIFFEST_METAL_PA
+                no_polymer = _largest_V(measurements, name) > MOST_ON_POLYMER_V
+                yield self._suspicion(
+                    name, largest_N, modulus_Pa, factor,
+                    "warn" if may_be_metal and no_polymer else "stop",
+                )  # fmt: skip
 
     def _suspicion(
-        self, name: str, largest_N: float, modulus_Pa: float, factor: float
+        self, name: str, largest_N: float, modulus_Pa: float, factor: float, severity: Severity
     ) -> Suspicion:
         return Suspicion(
-            check=self.name, severity="stop", where="force_mN", configurations=(name,),
+            check=self.name, severity=severity, where="force_mN", configurations=(name,),
             value=factor,
             sentence=(
                 f"the forces of {quoted([name])} (force_mN) are {in_digits(1e3 * largest_N, 3)} mN"
@@ -60,6 +68,11 @@ class ForceUnit(DataCheck):
 def _largest_N(measurements: Measurements, name: str) -> float:
     own = (c for c in measurements.conditions if c.configuration == name)
     return max((abs(r.force_N) for c in own for r in c.used()), default=0.0)
+
+
+def _largest_V(measurements: Measurements, name: str) -> float:
+    own = (c for c in measurements.conditions if c.configuration == name)
+    return max((abs(c.voltage_V) for c in own), default=0.0)
 
 
 def _modulus_Pa(measurements: Measurements, sheet: SheetGeometry) -> float | None:

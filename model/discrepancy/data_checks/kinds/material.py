@@ -7,7 +7,11 @@ from dataclasses import dataclass
 
 from model.discrepancy.data_checks.contract import DataCheck, Suspicion
 from model.discrepancy.data_checks.kinds._data import quoted
-from model.discrepancy.thresholds import SOFTEST_MODULUS_PA, STIFFEST_MODULUS_PA
+from model.discrepancy.thresholds import (
+    SOFTEST_MODULUS_PA,
+    STIFFEST_METAL_PA,
+    STIFFEST_MODULUS_PA,
+)
 from model.measurements import Measurements
 
 APART = 4.0  # ratio of the moduli of two sheets of one session, which are of one material as a rule
@@ -36,8 +40,8 @@ class Material(DataCheck):
             configurations=(name,),
             sentence=(
                 f"the stiffness of '{name}' would mean a Young's modulus of {modulus_Pa:.1e} Pa,"
-                " which no sheet has; check that forces are in mN, and width and thickness of the"
-                " sheet in mm"
+                f" {_unlike_what(modulus_Pa)}; check that forces are in mN, and width and thickness"
+                " of the sheet in mm"
             ),
         )  # fmt: skip
 
@@ -55,6 +59,14 @@ class Material(DataCheck):
                 f" {1e3 * measurements.sheets[stiff].width_m * ratio:.3g} mm"
             ),
         )  # fmt: skip
+
+
+def _unlike_what(modulus_Pa: float) -> str:
+    if modulus_Pa < SOFTEST_MODULUS_PA:
+        return "as that of a gel, and no rubber"
+    if modulus_Pa < STIFFEST_METAL_PA:
+        return "as that of a metal, and no polymer"
+    return "which no sheet has"
 
 
 CHECK = Material(name="material", meaning="width and thickness against the stiffness", order=90)

@@ -87,7 +87,9 @@ def by_forces(fitted: MixedModelFit) -> FloatArray:
     for block, configuration_model in zip(
         forward.row_index.blocks, forward.configuration_models, strict=True
     ):
-        vague[block.mode_rows[configuration_model.voltage_V != 0.0].ravel()] = VAGUE_M**2
+        vague[block.mode_rows[configuration_model.voltage_V != 0.0].ravel()] = (
+            VAGUE_M * forward.scale.length
+        ) ** 2
     noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
     theta = fitted.theta
     with suppress(ModelError, np.linalg.LinAlgError):

@@ -16,11 +16,13 @@ APART_M = 1e-9  # by which the sheet may lie elsewhere, so that forces keep six 
 BETWEEN = 8  # points of a piece of the table
 
 
-def on_few_elements(field: Field, breaks_m: FloatArray, degree: int) -> Field:
+def on_few_elements(
+    field: Field, breaks_m: FloatArray, degree: int, apart_m: float = APART_M
+) -> Field:
     """Return a field on `breaks_m`, each element divided where the sheet would lie elsewhere.
 
     On an element it is the polynomial of `degree` coefficients that is nearest (least squares), so
-    the sheet turns as far, and ends where it would; in between it lies within `APART_M`.
+    the sheet turns as far, and ends where it would; in between it lies within `apart_m`.
     """
     todo = list(zip(breaks_m[:-1].tolist(), breaks_m[1:].tolist(), strict=True))[::-1]
     ends, rows = [float(breaks_m[0])], list[FloatArray]()
@@ -32,7 +34,7 @@ def on_few_elements(field: Field, breaks_m: FloatArray, degree: int) -> Field:
             rows.append(padded(field.on(piece).coefficients, degree)[0])
         else:
             near = _nearest(field, piece, degree)
-            if _apart_m(field, Field(piece[[0, -1]], near[None]), piece) > APART_M:
+            if _apart_m(field, Field(piece[[0, -1]], near[None]), piece) > apart_m:
                 middle = float(inside[np.argmin(np.abs(inside - 0.5 * (low + high)))])
                 todo += [(middle, high), (low, middle)]
                 continue

@@ -7,8 +7,8 @@ from numpy.polynomial import legendre
 
 from model.effects.interface import BeamProblem
 from model.identification.data.data_vector import Index
-from model.identification.likelihood.configuration.few_elements import on_few_elements
-from model.measurements import FloatArray, SheetGeometry
+from model.identification.likelihood.configuration.few_elements import APART_M, on_few_elements
+from model.measurements import FloatArray, SheetGeometry, length_scale
 from model.mechanics.collocation import rule
 from model.mechanics.equilibrium import finer
 from model.mechanics.field import Field, legendre_field, merged_breaks, padded
@@ -42,7 +42,7 @@ class SheetElements:
         self.piece_m = self.length * self.weights
         self.at_rest = rest(self.s_m)  # k0 at the nodes
         degree = max(G, rest.coefficients.shape[1])
-        breaks, initial = self._of_rest(rest, degree, sheet.arc_radius_m)
+        breaks, initial = self._of_rest(rest, degree, sheet)
         basis = [legendre_field(i, self.length).on(breaks) for i in range(G)]
         rows = np.stack([padded(f.coefficients, degree) for f in basis])
         P = len(breaks) - 1
@@ -62,11 +62,14 @@ class SheetElements:
             self.stiff_end[-1, 0] = 1.0
         self._free: dict[bytes, SharedFreeShapes] = {}
 
-    def _of_rest(self, rest: Field, degree: int, radius_m: float) -> tuple[FloatArray, FloatArray]:
+    def _of_rest(
+        self, rest: Field, degree: int, sheet: SheetGeometry
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the elements, and k0 on them (P, D): few where k0 is smooth, else its own."""
-        whole = finer(np.array([0.0, self.length]), STEEPEST_PER_M, radius_m)
-        own = finer(merged_breaks([rest.breaks_m]), STEEPEST_PER_M, radius_m)
-        few = on_few_elements(rest, whole, degree)
+        steepest_per_m, radius_m = STEEPEST_PER_M / length_scale(sheet), sheet.arc_radius_m
+        whole = finer(np.array([0.0, self.length]), steepest_per_m, radius_m)
+        own = finer(merged_breaks([rest.breaks_m]), steepest_per_m, radius_m)
+        few = on_few_elements(rest, whole, degree, APART_M * length_scale(sheet))
         on = few if len(few.breaks_m) < len(own) else rest.on(own)
         return on.breaks_m, padded(on.coefficients, degree)
 

@@ -12,10 +12,10 @@ from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.random_effects import USUAL, NoisePriors, constant_groups
 from model.identification.likelihood.row_index import RowBlock
-from model.measurements import FloatArray
+from model.measurements import FloatArray, Scale
 
 LEAST_MODE_M = 1e-7
-LEAST_PULSE_N = 1e-8
+LEAST_PULSE_N, LEAST_READING_N = 1e-8, 1e-7
 CURVE_M = 2e-5  # of a curve's point where none is stated
 READING_N = 3e-5  # of a reading where repeats do not say it
 SWAY_M = 5e-6  # of how far out a reading's curve is
@@ -50,7 +50,8 @@ class _Kind:
 
 def noise_of(forward: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
     """Return the noise of readings, modes, sways and pulses, each configuration on its own."""
-    N = forward.row_index.size
+    N, scale = forward.row_index.size, forward.scale
+    priors = priors.at_scale(scale)
     fixed, kinds = np.zeros(N), list[_Kind]()
     for name, block, configuration_model, data_vector in zip(
         forward.names,
@@ -63,8 +64,9 @@ def noise_of(forward: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
             0.0 if forward.periodic_term is None else forward.periodic_term.added_N(block.clock)
         )
         kinds += _kinds(
-            name, block, configuration_model, data_vector, block.measured_N - periodic_N, priors
-        )
+            name, block, configuration_model, data_vector, block.measured_N - periodic_N,
+            priors, scale,
+        )  # fmt: skip
     masks = []
     for kind in kinds:
         mask = np.zeros(N)
@@ -101,13 +103,13 @@ def scatter_precision(noise: RowNoise) -> FloatArray:
 
 def _kinds(
     name: str, block: RowBlock, configuration_model: ConfigurationModel, data_vector: DataVector,
-    reading_N: FloatArray, priors: NoisePriors,
+    reading_N: FloatArray, priors: NoisePriors, scale: Scale,
 ) -> Iterator[_Kind]:  # fmt: skip
     if len(block.trend_rows):
         # of independent readings: those of a mean are fewer times as noisy
         in_mean = np.array([one.mean_of for one in data_vector.seen])[block.trend_of]
         weight = np.sum(block.trend**2, axis=1) / in_mean
-        size, unsure = _reading_noise(block, reading_N, data_vector)
+        size, unsure = _reading_noise(block, reading_N, data_vector, scale.force)
         yield _Kind(
             name=f"{name} reading", rows=block.trend_rows, weight=weight, size=size, unsure=unsure
         )
@@ -122,7 +124,8 @@ def _kinds(
         )
     stated = [o.curve.sigma_m for o in data_vector.seen if o.curve is not None]
     known = [float(np.mean(s)) for s in stated if s is not None]
-    typical = max(float(np.mean(known)) if known else CURVE_M, 5.0 * LEAST_MODE_M)
+    least_m = LEAST_MODE_M * scale.length
+    typical = max(float(np.mean(known)) if known else CURVE_M * scale.length, 5.0 * least_m)
     for m in range(configuration_model.modes):
         rows = block.mode_rows[configuration_model.has_curve, m]
         if len(rows):
@@ -133,28 +136,30 @@ def _kinds(
                 size=typical / (1.0 + m),
                 unsure=priors.mode_unsure,
                 level=name,
-                least=LEAST_MODE_M,
+                least=least_m,
             )
     if len(block.sway_rows):
         weight = np.sum(block.sway**2, axis=1)
         yield _Kind(
-            name=f"{name} sway", rows=block.sway_rows, weight=weight, size=SWAY_M, unsure=2.0
-        )
+            name=f"{name} sway", rows=block.sway_rows, weight=weight,
+            size=SWAY_M * scale.length, unsure=2.0,
+        )  # fmt: skip
     if len(block.bin_rows):
         # the scatter of the pulses says how sure each part is, up to a factor near one
-        pooled = _pooled(block.bin_variance, block.bin_set)
+        least_N = LEAST_PULSE_N * scale.force
+        pooled = _pooled(block.bin_variance, block.bin_set, least_N)
         yield _Kind(
             name=f"{name} pulse",
             rows=block.bin_rows,
             weight=pooled,
             size=1.0,
             unsure=1.5,
-            least=LEAST_PULSE_N,
+            least=least_N,
         )
 
 
 def _reading_noise(
-    block: RowBlock, reading_N: FloatArray, data_vector: DataVector
+    block: RowBlock, reading_N: FloatArray, data_vector: DataVector, force_scale: float
 ) -> tuple[float, float]:
     """Return the standard deviation of a reading about its trend in time, and of its logarithm."""
     total, degrees = 0.0, 0
@@ -174,12 +179,13 @@ def _reading_noise(
         total += float(values @ values) - smooth
         degrees += n - len(rows)
     if not degrees:
-        return READING_N, 1.5
-    return max(float(np.sqrt(max(total, 0.0) / degrees)), 1e-7), max(0.05, (2.0 * degrees) ** -0.5)
+        return READING_N * force_scale, 1.5
+    size_N = max(float(np.sqrt(max(total, 0.0) / degrees)), LEAST_READING_N * force_scale)
+    return size_N, max(0.05, (2.0 * degrees) ** -0.5)
 
 
-def _pooled(variance: FloatArray, sets: Index) -> FloatArray:
+def _pooled(variance: FloatArray, sets: Index, least_N: float) -> FloatArray:
     """Return the pooled variance: the same part of a pulse scatters equally in all runs."""
     count = int(np.bincount(sets)[0])
     table = variance.reshape(-1, count)
-    return np.maximum(np.tile(np.median(table, axis=0), len(table)), LEAST_PULSE_N**2)
+    return np.maximum(np.tile(np.median(table, axis=0), len(table)), least_N**2)
