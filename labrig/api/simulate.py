@@ -63,7 +63,9 @@ class SimulatedConditions(Displayed, Sequence[Prediction]):
     def summary(self) -> Summary:
         """Return the table that `labrig simulate` prints."""
         columns = ("sheet", "p mm", "V", "F mN", "N mN", "contact at mm", "angle deg", "remark")
-        return Summary("SimulatedConditions", columns, [_cells(one) for one in self.conditions])
+        forces_mN = [1e3 * force for one in self.conditions for force in (one.F_N, one.N_N)]
+        rows = [_cells(one, forces_mN) for one in self.conditions]
+        return Summary("SimulatedConditions", columns, rows)
 
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each condition as a pandas data frame, in SI units."""
@@ -246,11 +248,14 @@ def simulate_in_time(
     return found
 
 
-def _cells(found: Prediction) -> tuple[str, ...]:
-    from labrig.report.parts.table import fixed
+def _cells(found: Prediction, forces_mN: list[float]) -> tuple[str, ...]:
+    from labrig.report.parts.table import decimals_for, fixed
+
+    decimals = decimals_for(forces_mN, 3)
 
     return (
         found.configuration, f"{1e3 * found.position_m:g}", signed(found.voltage_V),
-        fixed(1e3 * found.F_N, 3), fixed(1e3 * found.N_N, 3), fixed(1e3 * found.s_hat_m, 2),
+        fixed(1e3 * found.F_N, decimals), fixed(1e3 * found.N_N, decimals),
+        fixed(1e3 * found.s_hat_m, 2),
         fixed(float(np.degrees(found.phi_hat_rad)), 2), found.why or "-",
     )  # fmt: skip

@@ -33,7 +33,7 @@ from model.measurements import (
     FloatArray,
     Measurements,
     ModelError,
-    Scale,
+    RigScale,
     SheetGeometry,
     geometry_difference,
 )
@@ -230,7 +230,7 @@ def _lacks(
     return notes
 
 
-def _active(model: SheetModel | None, names: list[str], scale: Scale) -> tuple[Found, ...]:
+def _active(model: SheetModel | None, names: list[str], scale: RigScale) -> tuple[Found, ...]:
     """Return the effects that a model has already, to be refined with the rest."""
     if model is None:
         return ()

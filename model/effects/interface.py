@@ -34,7 +34,7 @@ from model.locations.quantities import (
     LoadCellInput,
     Values,
 )
-from model.measurements import FloatArray, Scale, SheetGeometry
+from model.measurements import FloatArray, RigScale, SheetGeometry
 
 __all__ = [
     "AcquisitionTimes",
@@ -84,7 +84,7 @@ class EffectParameter:
     # the unit by which its usual size goes with that of the session; empty: its own
     scales_as: str = ""
 
-    def at_scale(self, scale: Scale) -> EffectParameter:
+    def at_scale(self, scale: RigScale) -> EffectParameter:
         """Return the parameter with what is usual in a session of another size."""
         factor = scale.of_unit(self.scales_as or self.unit)
         if factor == 1.0:
@@ -155,7 +155,7 @@ class Effect:
         """The parameter that measures the size of the effect."""
         return self.parameters[0]
 
-    def at_scale(self, scale: Scale) -> Effect:
+    def at_scale(self, scale: RigScale) -> Effect:
         """Return the effect as it is looked for in a session of another size."""
         return replace(self, parameters=tuple(one.at_scale(scale) for one in self.parameters))
 

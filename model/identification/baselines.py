@@ -23,14 +23,15 @@ from model.identification.observations import Observation, Observed, observe
 from model.identification.options import FitOptions
 from model.identification.residuals import distance_to
 from model.identification.starting_values import rest_field
-from model.measurements import FloatArray, Measurements, ModelError
+from model.measurements import FloatArray, Measurements, ModelError, scale_of
 from model.mechanics.arc import arc_contact, arc_points
 from model.mechanics.equilibrium import SolverStatus, problems, solve
 from model.mechanics.field import Field
 from model.mechanics.linear_beam import LinearBeam
 
 PLACES = 201  # of a shape
-FORCE_SCALE_N, CURVE_SCALE_M = 1e-4, 3e-4  # what is weighed as one: the paper's own order of error
+# of sessions of the paper's size: what is weighed as one, its own order of error, and a rough B
+FORCE_SCALE_N, CURVE_SCALE_M, USUAL_B_NM2 = 1e-4, 3e-4, 1e-6
 
 
 @dataclass(frozen=True)
@@ -153,6 +154,7 @@ def _fitted(label: str, simple: Simple, observed: Observed, rest: Field) -> Base
             " models"
         )
     volts = observed.voltages_V
+    scale = scale_of([observed.sheet], np.array([o.force_N for o in used]))
     conditions = [
         (o, _errors_of(o, observed, simple(observed, rest, _angle(observed, o)))) for o in used
     ]
@@ -169,10 +171,13 @@ def _fitted(label: str, simple: Simple, observed: Observed, rest: Field) -> Base
 
     def residual(theta: FloatArray) -> FloatArray:
         force, curve = errors(theta)
-        return np.concatenate([force / FORCE_SCALE_N, curve / CURVE_SCALE_M])
+        in_force, in_curve = FORCE_SCALE_N * scale.force, CURVE_SCALE_M * scale.length
+        return np.concatenate([force / in_force, curve / in_curve])
 
-    begin = np.array([np.log(1e-6), *(20.0 * np.sign(v) for v in volts)])
-    found = least_squares(residual, begin, x_scale=[0.1, *(5.0 for _ in volts)])
+    usual_B = USUAL_B_NM2 * scale.force * scale.length**2
+    begin = np.array([np.log(usual_B), *(20.0 / scale.length * np.sign(v) for v in volts)])
+    steps = [0.1, *(5.0 / scale.length for _ in volts)]
+    found = least_squares(residual, begin, x_scale=steps)
     force, curve = errors(np.asarray(found.x))
     return BaselineRow(
         configuration=observed.sheet.configuration, model=label, B_Nm2=float(np.exp(found.x[0])),

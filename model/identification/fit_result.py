@@ -10,7 +10,14 @@ from model.identification.joint import Joint
 from model.identification.options import FitOptions
 from model.identification.paper import PaperFit
 from model.identification.residuals import ConditionResidual, Rmse
-from model.measurements import Displayed, FloatArray, ModelError, Summary, dataframe
+from model.measurements import (
+    Displayed,
+    FloatArray,
+    ModelError,
+    Summary,
+    dataframe,
+    in_decimals,
+)
 from model.measurements.columns import of_rows
 from model.parameter import Parameter
 from model.sheet import misfit
@@ -57,8 +64,8 @@ class ConfigurationFit(Displayed):
             for name, p in self.parameters().items()
         ]
         notes = tuple(
-            f"{kind} EIBM, RMS error: force {1e3 * one.force_N:.3f} mN, neutral curve "
-            f"{1e3 * one.curve_m:.3f} mm"
+            f"{kind} EIBM, RMS error: force {in_decimals(1e3 * one.force_N, 3)} mN, neutral curve "
+            f"{in_decimals(1e3 * one.curve_m, 3)} mm"
             for kind, one in self.rmse.items()
         )
         columns = ("parameter", "value", "90 % from", "to", "unit")
@@ -95,8 +102,8 @@ class Fit(Displayed):
             if what in ("B", "E") or what.startswith("EIBM_")
         ]
         errors = tuple(
-            f"{kind} EIBM, RMS error: force {1e3 * one.force_N:.3f} mN, neutral curve "
-            f"{1e3 * one.curve_m:.3f} mm"
+            f"{kind} EIBM, RMS error: force {in_decimals(1e3 * one.force_N, 3)} mN, neutral curve "
+            f"{in_decimals(1e3 * one.curve_m, 3)} mm"
             for kind, one in self.rmse.items()
         )
         columns = ("sheet", "parameter", "value", "90 % from", "to", "unit")

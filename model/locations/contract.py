@@ -35,7 +35,7 @@ from model.locations.quantities import (
     LoadCellInput,
     Perturbation,
 )
-from model.measurements import FloatArray, Scale
+from model.measurements import FloatArray, RigScale
 
 Function = Callable[[FloatArray], FloatArray]  # of a coordinate 0 .. 1
 
@@ -148,7 +148,7 @@ class Linearised:
     positions_m: tuple[float, float]  # range over all configurations
     forces_N: tuple[float, float]  # range of what was measured
     bent_per_m: float  # the largest bending over all configurations
-    scale: Scale  # of the session: amplitudes that are lengths or forces go with it
+    scale: RigScale  # of the session: amplitudes that are lengths or forces go with it
     bin_clock: AcquisitionTimes  # parts of the pulses (m,)
     bin_sample: AcquisitionTimes  # the sampling points of the same pulses (m,)
     bin_mean: Function  # mean over the pulses, (m,) to (b,)

@@ -17,7 +17,7 @@ from model.locations.quantities import (
     LoadCellInput,
     Perturbation,
 )
-from model.measurements import FloatArray, Scale, SheetGeometry
+from model.measurements import FloatArray, RigScale, SheetGeometry
 
 NODES, READINGS, DISCARDED = 14, 32, 2
 B_NM2, RADIUS_M, LENGTH_M = 1.27e-6, 0.04, 0.05
@@ -184,7 +184,7 @@ def example_linearised() -> Linearised:
         position_m=beam.stated_m[of], reading_of=of, initial_curvature_per_m=np.full(NODES, 20.0),
         force_at_0V_N=np.full(7, 1e-3), measured_at=np.linspace(0.0, 1.0, 7),
         has_curve=np.ones(7, dtype=bool), positions_m=(0.005, 0.025), forces_N=(-3e-3, 3e-3),
-        bent_per_m=25.0, scale=Scale(),
+        bent_per_m=25.0, scale=RigScale(),
         bin_clock=pulse, bin_sample=pulse, bin_mean=np.asarray, periodic=None, nothing=nothing,
         change=change,
     )  # fmt: skip

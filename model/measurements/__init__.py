@@ -13,12 +13,12 @@ from model.measurements.data import (
     SheetGeometry,
     TimeSeries,
 )
-from model.measurements.display import Displayed, Summary, in_digits, in_volts, signed
+from model.measurements.display import Displayed, Summary, in_decimals, in_digits, in_volts, signed
 from model.measurements.geometry_difference import GeometryDifference, geometry_difference
 from model.measurements.progress import Progress, silent
 from model.measurements.rms import rms
 from model.measurements.scale import (
-    Scale,
+    RigScale,
     length_scale,
     load_scale,
     scale_of,
@@ -39,12 +39,13 @@ __all__ = [
     "ModelError",
     "Progress",
     "Reading",
-    "Scale",
+    "RigScale",
     "SheetGeometry",
     "Summary",
     "TimeSeries",
     "dataframe",
     "geometry_difference",
+    "in_decimals",
     "in_digits",
     "in_volts",
     "length_scale",

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from model.measurements.columns import Columns, dataframe, of_rows
-from model.measurements.display import Displayed, Summary, signed
+from model.measurements.display import Displayed, Summary, in_decimals, signed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -334,4 +334,4 @@ def _mm(length_m: float) -> str:
 
 
 def _mN(force_N: float) -> str:
-    return f"{1e3 * force_N:.3f}" if np.isfinite(force_N) else "-"
+    return in_decimals(1e3 * force_N, 3) if np.isfinite(force_N) else "-"

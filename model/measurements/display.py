@@ -10,6 +10,7 @@ from html import escape
 MOST_ROWS = 16  # of a table; with title, columns and notes it fits a screen of 24 lines
 MOST_NOTES = 4
 MOST_LETTERS = 100  # of a line
+_ROUNDING = 1e-9  # what is no larger is 0
 _PLAIN = 1e7  # up to here without an exponent
 _CELL = 'style="text-align: {}; padding: 0 0.7em"'
 
@@ -18,6 +19,12 @@ def in_digits(value: float, digits: int) -> str:
     """Return a number to so many significant digits, as people read it: 1230, not 1.23e+03."""
     text = f"{value:.{digits}g}"
     return f"{float(text):.0f}" if "e+" in text and abs(value) < _PLAIN else text
+
+
+def in_decimals(value: float, decimals: int) -> str:
+    """Return a number with so many decimals, and to two digits where these would show none."""
+    shows_none = _ROUNDING < abs(value) < 0.5 * 10.0**-decimals
+    return f"{value:.2g}" if shows_none else f"{value:.{decimals}f}"
 
 
 def signed(value: float) -> str:

@@ -23,7 +23,7 @@ HIGH = 90.0  # per cent of the forces that are smaller than the one that counts
 
 
 @dataclass(frozen=True)
-class Scale:
+class RigScale:
     """Lengths and forces of a session over those of the paper, in steps."""
 
     length: float = 1.0
@@ -54,17 +54,17 @@ def load_scale(sheet: SheetGeometry, B_Nm2: FloatArray) -> float:
     return _in_steps(natural_N / LEAST_LOAD_N, FORCE_STEP)
 
 
-def scale_of(sheets: Iterable[SheetGeometry], forces_N: FloatArray) -> Scale:
+def scale_of(sheets: Iterable[SheetGeometry], forces_N: FloatArray) -> RigScale:
     """Return the scale of a session by its sheets and all its forces."""
     sizes = np.abs(forces_N[np.isfinite(forces_N)])
     force_N = float(np.percentile(sizes, HIGH)) if len(sizes) else 0.0
     lengths = [length_scale(one) for one in sheets]
-    return Scale(
+    return RigScale(
         length=max(lengths, default=1.0), force=_in_steps(force_N / LEAST_FORCE_N, FORCE_STEP)
     )
 
 
-def scale_of_measurements(measurements: Measurements) -> Scale:
+def scale_of_measurements(measurements: Measurements) -> RigScale:
     """Return the scale by the readings in use."""
     used = [c for c in measurements.conditions if c.position_m is not None]
     forces: npt.NDArray[np.float64] = np.array([r.force_N for c in used for r in c.used()])

@@ -14,7 +14,7 @@ from model.effects import Effect, catalogue
 from model.effects.between_sessions import sessions_for
 from model.effects.interface import BeamProblem, ContactSolution, EffectParameter
 from model.locations import location
-from model.measurements import FloatArray, ModelError, Scale, SheetGeometry
+from model.measurements import FloatArray, ModelError, RigScale, SheetGeometry
 from model.mechanics.collocation import rule
 from model.mechanics.field import Field, for_each_field
 from model.sheet.beam_problem import UNKNOWN, ActiveEffect, ConditionProblem
@@ -78,7 +78,7 @@ def _numbers(effect: Effect, values: dict[str, float]) -> dict[str, float]:
 
 def _has_size(parameter: EffectParameter) -> bool:
     unit = parameter.scales_as or parameter.unit
-    return Scale(length=2.0, force=3.0).of_unit(unit) != 1.0
+    return RigScale(length=2.0, force=3.0).of_unit(unit) != 1.0
 
 
 def with_effects(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from model.measurements import in_decimals
 from model.sheet.sheet_model import SheetModel
 
 # keys of a model's figures of merit
@@ -87,6 +88,6 @@ def misfit(model: SheetModel, configuration: str) -> Misfit:
 
 
 def _said(force_N: float | None, curve_m: float | None) -> str:
-    parts = [f"{1e3 * force_N:.3f} mN"] if force_N is not None else []
-    parts += [f"{1e3 * curve_m:.3f} mm"] if curve_m is not None else []
+    parts = [f"{in_decimals(1e3 * force_N, 3)} mN"] if force_N is not None else []
+    parts += [f"{in_decimals(1e3 * curve_m, 3)} mm"] if curve_m is not None else []
     return " and ".join(parts)

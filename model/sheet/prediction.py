@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any, Protocol, TypedDict
 
 import numpy as np
 
-from model.measurements import Displayed, FloatArray, Summary, dataframe, in_volts
+from model.measurements import (
+    Displayed,
+    FloatArray,
+    Summary,
+    dataframe,
+    in_decimals,
+    in_volts,
+)
 from model.mechanics.contact_range import limit_m, other_solutions, stable
 from model.mechanics.equilibrium import Equilibria
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
@@ -69,8 +76,8 @@ class Prediction(Displayed):
         if not self.reachable:
             return Summary(f"Prediction {where}: {self.why}")
         rows = [
-            ("force F along the arc", f"{1e3 * self.F_N:.4f}", "mN"),
-            ("force N normal to the sheet", f"{1e3 * self.N_N:.4f}", "mN"),
+            ("force F along the arc", in_decimals(1e3 * self.F_N, 4), "mN"),
+            ("force N normal to the sheet", in_decimals(1e3 * self.N_N, 4), "mN"),
             ("contact along the sheet", f"{1e3 * self.s_hat_m:.3f}", "mm"),
             ("direction of the sheet there", f"{np.degrees(self.phi_hat_rad):.3f}", "degrees"),
             ("points of the shape", f"{len(self.s_m)}", ""),
@@ -219,6 +226,6 @@ def _remarks(found: Equilibria, setup: ConditionProblem) -> list[str]:
         remarks.append("not stable: the sheet would jump away from this shape")
     others = other_solutions(found)
     if others:
-        forces = ", ".join(f"{setup.B_Nm2 * nu * 1e3:.2f} mN" for nu in others)
+        forces = ", ".join(f"{in_decimals(setup.B_Nm2 * nu * 1e3, 2)} mN" for nu in others)
         remarks.append(f"more than one solution: also with N = {forces}")
     return remarks

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from model.discrepancy import diagnose
+from model.identification.baselines import compare
 from model.identification.fit import fit
-from model.measurements import Scale, scale_of_measurements
+from model.measurements import Measurements, RigScale, scale_of_measurements
 from tests.cases import few
 from tests.fits_unchecked import fits_unchecked
 from tests.model.discrepancy.sessions import Case, Hiding, session
@@ -47,6 +50,25 @@ def test_a_diagnosis_of_another_size_names_the_same_with_the_same_probability(le
 
 
 def test_sessions_of_about_the_paper_s_size_have_its_numbers():
-    assert scale_of_measurements(session()) == Scale()
-    assert scale_of_measurements(scaled(session(), 1.5, 2.0)) == Scale()
-    assert scale_of_measurements(scaled(session(), 10.0, 1e4)) == Scale(length=10.0, force=1e4)
+    assert scale_of_measurements(session()) == RigScale()
+    assert scale_of_measurements(scaled(session(), 1.5, 2.0)) == RigScale()
+    assert scale_of_measurements(scaled(session(), 10.0, 1e4)) == RigScale(length=10.0, force=1e4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("length", "force"), SIZES)
+def test_simpler_models_are_fitted_alike_at_another_size(length, force):
+    """The full model's B is that of the fit: forces and curves both count."""
+    rows = {row.model: row for row in compare(scaled(short(), length, force))}
+    for row in compare(short()):
+        same = rows[row.model]
+        assert same.B_Nm2 / (force * length**2) == pytest.approx(row.B_Nm2, rel=1e-3)
+        assert same.force_rmse_N / force == pytest.approx(row.force_rmse_N, rel=1e-3)
+        assert same.curve_rmse_m / length == pytest.approx(row.curve_rmse_m, rel=1e-2)
+
+
+def short() -> Measurements:
+    """The session's short sheet, of 4.5 mm."""
+    m = session()
+    conditions = tuple(one for one in m.conditions if one.configuration == "short")
+    return replace(m, sheets={"short": m.sheets["short"]}, conditions=conditions, series=())

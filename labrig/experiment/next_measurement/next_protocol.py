@@ -50,6 +50,8 @@ def with_protocol(
 def protocol_text(found: Next, measurements: Measurements, session: Path | None = None) -> str:
     """Return the text of protocol.toml; it has passed the loader's own checks.
 
+    Of tables whose voltages no rig of labrig applies it is a comment that says so.
+
     It is the protocol stored with the proposal. Where none is, it is a variation of the one of
     `session`, where one is given and holds its protocol.
     """
@@ -57,7 +59,12 @@ def protocol_text(found: Next, measurements: Measurements, session: Path | None 
     for line in textwrap.wrap(f"To tell effects apart: {found.why}", 96):
         document.add(tomlkit.comment(line))
     stored = found.protocol if "places" in found.protocol else None
-    for key, value in (stored or _tables(found, measurements, session)).items():
+    try:
+        tables = stored or _tables(found, measurements, session)
+    except ScheduleError as error:  # another laboratory's voltages
+        document.add(tomlkit.comment(f"labrig cannot run it: {error}."))
+        return tomlkit.dumps(document)
+    for key, value in tables.items():
         document.add(key, tomlkit.item(value))
     text = tomlkit.dumps(document)
     parse_protocol(text, "protocol.toml").schedule("protocol.toml")

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from labrig.report.parts.table import Table, volts, with_sigma
+from labrig.report.parts.table import Table, fixed, volts, with_sigma
 from model import ModelError, Parameter, SheetModel
 from model.design.force_map import keeping_maps, known_voltages
 from model.design.linear_models import (
@@ -234,7 +234,7 @@ def _control_table(control: LinearControl, wanted: Wanted) -> Table:
     rows = (
         ("stiffness dF/dp, mN/mm", _said(plane.stiffness_N_per_m, 1.0)),
         ("gain dF/dV, mN/V", _said(plane.gain_N_per_V, 1e3)),
-        ("error over section and voltages, RMS, mN", f"{1e3 * control.plane_error_N:.3f}"),
+        ("error over section and voltages, RMS, mN", fixed(1e3 * control.plane_error_N, 3)),
         ("part of it where the error is below 5 %, %", f"{valid:.0f}"),
         ("feedforward V = a + b p: a, V", f"{gains.feedforward_V:.4f}"),
         ("feedforward: b, V/mm", f"{gains.feedforward_V_per_m / 1e3:.4f}"),

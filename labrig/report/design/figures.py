@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from labrig.report.design.answers import DesignAnswers
-from labrig.report.parts.style import colour_of, figure, label_of, save
+from labrig.report.parts.style import colour_of, figure, label_of, legend_below, save
 from model import SheetModel, predict
 from model.design.force_map import force_map, known_voltages, section
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
 
 
 def draw_design(model: SheetModel, found: DesignAnswers, folder: Path) -> list[Path]:
@@ -75,13 +78,16 @@ def draw_shapes(model: SheetModel, found: DesignAnswers, path: Path) -> None:
     shapes = answered(found.shapes)
     with figure(5.4, 3.2) as fig:
         axes = fig.subplots()
+        lines: list[Artist] = []
         for volt in shapes.voltages_V:
             one = predict(model, found.wanted.configuration, shapes.position_m, volt, as_seen=False)
-            axes.plot(1e3 * one.x_m, 1e3 * one.y_m, color=colour_of(volt), label=label_of(volt))
+            lines += axes.plot(
+                1e3 * one.x_m, 1e3 * one.y_m, color=colour_of(volt), label=label_of(volt)
+            )
         axes.set(xlabel="x (mm)", ylabel="y (mm)", aspect="equal")
         apart_mm = 1e3 * shapes.distance_m.value
         axes.set_title(f"{apart_mm:.2f} mm apart at {1e3 * shapes.position_m:.1f} mm", loc="left")
-        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.6), ncols=2)
+        legend_below(fig, lines)
         save(fig, path)
 
 

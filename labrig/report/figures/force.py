@@ -19,13 +19,14 @@ from labrig.report.parts.style import (
     panels_width_in,
 )
 from model import Measurements, SheetModel
-from model.measurements import FloatArray
+from model.measurements import FloatArray, length_scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _LINES = {ALONG: "-", CONSTANT: (0, (4, 2.5))}
+# of sheets of the paper's size
 _BEYOND_M = 1e-3  # simulated lines go on beyond the outer positions
 _STEP_M = 0.5e-3
 
@@ -78,8 +79,9 @@ def _range(measurements: Measurements, name: str) -> FloatArray:
     places = positions_m(measurements, name)
     if not places:
         return np.empty(0)
-    low, high = places[0] - _BEYOND_M, places[-1] + _BEYOND_M
-    return np.linspace(low, high, max(2, round((high - low) / _STEP_M) + 1))
+    scale = length_scale(measurements.sheets[name])
+    low, high = places[0] - _BEYOND_M * scale, places[-1] + _BEYOND_M * scale
+    return np.linspace(low, high, max(2, round((high - low) / (_STEP_M * scale)) + 1))
 
 
 def _simulated(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 
@@ -28,10 +29,20 @@ def number(value: float | None, digits: int = 3) -> str:
 
 
 def fixed(value: float | None, decimals: int) -> str:
-    """Return a number with so many decimals; a dash for what is not known."""
+    """Return a number with so many decimals, two digits if they show none; a dash: not known."""
     if value is None or value != value:
         return "-"
-    return f"{value:.{decimals}f}"
+    from model.measurements import in_decimals  # which imports NumPy
+
+    return in_decimals(value, decimals)
+
+
+def decimals_for(values: Iterable[float], least: int) -> int:
+    """Return `least` decimals, or what shows four digits of the largest where these show one."""
+    largest = max((abs(one) for one in values if math.isfinite(one)), default=0.0)
+    if largest <= 0.0 or largest >= 10.0 ** (1 - least):
+        return least
+    return min(12, 3 - math.floor(math.log10(largest)))
 
 
 def with_sigma(value: float, sigma: float) -> str:

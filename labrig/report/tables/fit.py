@@ -99,7 +99,10 @@ def against_table(title: str, conditions: Sequence[ConditionResidual]) -> Table:
         (
             f"{row.configuration}, {place(row.position_m)}, {volts(row.voltage_V)}",
             with_sigma(1e3 * row.force_N, 1e3 * row.force_sigma_N),
-            *(_signed(1e3 * (row.predicted_N[k] - row.force_N)) for k in ("varying", "constant")),
+            *(
+                _signed(1e3 * (row.predicted_N[k] - row.force_N), 1e3 * row.force_sigma_N)
+                for k in ("varying", "constant")
+            ),
             *(fixed(1e3 * row.curve_rmse_m[k], 3) for k in ("varying", "constant")),
         )
         for row in conditions
@@ -122,8 +125,13 @@ def repeats_table(fit: Fit) -> Table | None:
     )
 
 
-def _signed(value: float) -> str:
-    return f"{value:+.3f}" if np.isfinite(value) else "-"
+def _signed(value: float, sigma: float) -> str:
+    """Return a difference with its sign, to two digits of an uncertainty, or three decimals."""
+    if not np.isfinite(value):
+        return "-"
+    known = np.isfinite(sigma) and sigma > 0.0
+    decimals = min(12, max(3, 1 - int(np.floor(np.log10(sigma))))) if known else 3
+    return f"{value:+.{decimals}f}"
 
 
 def _widths(one: ConfigurationFit) -> list[str]:

@@ -21,6 +21,7 @@ from model.discrepancy.verdict.result import (
 from model.effects import catalogue, title
 from model.effects.between_sessions import session_of
 from model.identification.likelihood.effort import Effort
+from model.measurements import in_decimals
 from model.parameter import Parameter
 
 DIFFERS = {
@@ -292,14 +293,17 @@ def _gap(left_out: BeforeAfter) -> str:
         )
         if math.isfinite(old) and math.isfinite(new)
     ]
-    changes = [f"{what} {old:.3f} → {new:.3f} {unit}" for what, old, new, unit in means]
+    changes = [
+        f"{what} {in_decimals(old, 3)} → {in_decimals(new, 3)} {unit}"
+        for what, old, new, unit in means
+    ]
     old, new = (math.sqrt(g.chi2_per_dof) for g in (before, after))
     if old > REPORTED_GAP_RATIO * new and not any(
         one > REPORTED_GAP_RATIO * other for _, one, other, _ in means
     ):
         changes.append(f"{old:.2f} → {new:.2f} times the noise")  # it is in fine shapes
     changes += [
-        f"{what} {old:.{digits}f} → {new:.{digits}f} {unit}"
+        f"{what} {in_decimals(old, digits)} → {in_decimals(new, digits)} {unit}"
         for what, old, new, unit, digits in (
             ("force along a run", before.drift_rmse_mN, after.drift_rmse_mN, "mN", 3),
             ("neutral curve along a run", before.drift_rmse_mm, after.drift_rmse_mm, "mm", 4),

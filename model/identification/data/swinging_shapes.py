@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.measurements import Condition, FloatArray, Measurements, length_scale
+from model.measurements import Condition, FloatArray, Measurements, scale_of_measurements
 
 USUAL_M = 3e-5  # scatter of a curve's end from picture to picture, where none is stated
 TIMES = 8.0  # that it may be exceeded
@@ -55,9 +55,8 @@ def swings_m(measurements: Measurements) -> dict[Place, float]:
     A transient of the first pulses moves the end from picture to picture, too. It is one of the
     EIBM, and the forces in contact have it: what they tell of each pulse is no swing.
     """
-    found = dict[Place, float]()
+    found, scale = dict[Place, float](), scale_of_measurements(measurements).length
     for one in measurements.conditions:
-        scale = length_scale(measurements.sheets[one.configuration])
         size = _moves_m(one, _ends_m(one), scale) if one.position_m is None else 0.0
         if size and one.voltage_V:
             size = min(size, _moves_m(one, _as_steady(measurements, one), scale))

@@ -31,7 +31,7 @@ from model.identification.likelihood.time_courses import (
     of_free_shapes,
 )
 from model.locations.quantities import Perturbation
-from model.measurements import FloatArray, Scale, length_scale, scale_of
+from model.measurements import FloatArray, RigScale, length_scale, scale_of
 from model.mechanics.field import Field
 from model.sheet.effect_hooks import (
     Acting,
@@ -67,7 +67,7 @@ class ForwardModel:
         ]
         self.row_index = RowIndex(data_vectors, self.configuration_models)
         self.names = [one.sheet.configuration for one in data_vectors]
-        self.scale: Scale = like.scale if like is not None else _scale(data_vectors)
+        self.scale: RigScale = like.scale if like is not None else _scale(data_vectors)
         self._nothing: dict[int, Perturbation] = {}
         self.periodic_term: PeriodicTerm | None = (
             periodic_term_in(data_vectors, LEAST_N * self.scale.force)
@@ -354,7 +354,8 @@ def _points(
     return ImagePoints(
         s_m=solved.s_m, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx, normal_y=solved.ny,
         scale_m=configuration_model.length,
-        length_scale=length_scale(configuration_model.sheet), free_length_m=configuration_model.length,
+        length_scale=length_scale(configuration_model.sheet),
+        free_length_m=configuration_model.length,
         contact_m=held.s_hat_m[:, None],
         pressed_per_m2=(held.normal_N / beam.stiffness)[:, None],
         session_number=configuration_model.session_number[:, None],
@@ -412,7 +413,7 @@ def _modes(
     return result
 
 
-def _scale(data_vectors: Sequence[DataVector]) -> Scale:
+def _scale(data_vectors: Sequence[DataVector]) -> RigScale:
     """Return the size of the session that data vectors are of."""
     kept = [one.kept_N for data_vector in data_vectors for one in data_vector.seen if not one.free]
     return scale_of([one.sheet for one in data_vectors], np.concatenate([np.zeros(0), *kept]))

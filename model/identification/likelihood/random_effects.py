@@ -15,7 +15,7 @@ from model.effects.rise import rise_left
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import ModelState, Mounting
 from model.locations.quantities import Perturbation
-from model.measurements import FloatArray, Scale
+from model.measurements import FloatArray, RigScale
 
 # Standard deviations from one set-up to the next, as assumed, and how sure that is (of its ln).
 ASSUMED = {
@@ -58,7 +58,7 @@ class NoisePriors:
     misfit_N: float = 0.0
     misfit_unsure: float = 0.0  # of its logarithm
 
-    def at_scale(self, scale: Scale) -> NoisePriors:
+    def at_scale(self, scale: RigScale) -> NoisePriors:
         """Return those of a session of another size."""
         sizes = {
             name: (size * scale.of_unit(UNITS.get(name, "")), unsure)

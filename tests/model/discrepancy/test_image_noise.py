@@ -97,7 +97,8 @@ def test_the_picture_that_is_farthest_off_is_named_with_its_session():
             for k in range(3)
         ]
         configuration_model = SimpleNamespace(
-            data_vector=SimpleNamespace(seen=seen), sheet=session().sheets["short"], has_curve=np.ones(3, dtype=bool), modes=2,
+            data_vector=SimpleNamespace(seen=seen), sheet=session().sheets["short"],
+            has_curve=np.ones(3, dtype=bool), modes=2,
             curve_s=np.tile(s, (3, 1)), along=lambda _, m: m[0] * np.ones(4) + m[1] * s,
         )  # fmt: skip
         found = aside(

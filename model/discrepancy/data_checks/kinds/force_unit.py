@@ -28,7 +28,8 @@ class ForceUnit(DataCheck):
     """Newtons among millinewtons.
 
     A strip of metal is as stiff. No ionic polymer bears its voltages, so that above these it is
-    only asked about. Where only the modulus is odd, width or thickness may be wrong; that is the material's check.
+    only asked about. Where only the modulus is odd, width or thickness may be wrong; that is the
+    material's check.
     """
 
     def suspicions(self, measurements: Measurements) -> Iterator[Suspicion]:

@@ -9,7 +9,11 @@ import numpy as np
 
 from model.discrepancy.data_checks.contract import Change, DataCheck
 from model.discrepancy.data_checks.kinds._data import with_forces
-from model.measurements import Measurements, scale_of_measurements
+from model.measurements import (
+    Measurements,
+    in_decimals,
+    scale_of_measurements,
+)
 
 LEAST_N = 1e-3  # smaller ones are a drift of the zero, which diagnose finds as such
 LEAST_SHARE = 0.5  # of how far the forces spread
@@ -28,8 +32,9 @@ class Tare(DataCheck):
             where="force_mN",
             apply=lambda m, value: with_forces(m, lambda force_N: force_N - value),
             sentence=lambda names, value, sigma: (
-                f"the forces of {names} (force_mN) fit with {1e3 * value:.2f} ±"
-                f" {1e3 * sigma:.2f} mN less each: the load cell seems not to have been tared"
+                f"the forces of {names} (force_mN) fit with {in_decimals(1e3 * value, 2)} ±"
+                f" {in_decimals(1e3 * sigma, 2)} mN less each: the load cell seems not to"
+                " have been tared"
             ),
             values=(0.0, mean_N),
             step=1e-5 * scale,

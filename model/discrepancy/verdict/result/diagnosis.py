@@ -16,7 +16,13 @@ from model.discrepancy.verdict.result.effects import Named, Unknown
 from model.discrepancy.verdict.result.errors import BeforeAfter, ClosedGap, ErrorRow, Gap, Where
 from model.discrepancy.verdict.result.json_numbers import json_number
 from model.discrepancy.verdict.result.proposals import Next, Promise
-from model.measurements import Displayed, ModelError, Summary, dataframe
+from model.measurements import (
+    Displayed,
+    ModelError,
+    Summary,
+    dataframe,
+    in_decimals,
+)
 from model.measurements.columns import of_rows
 from model.parameter import Parameter
 from model.sheet.sheet_model import SheetModel
@@ -80,8 +86,9 @@ class Diagnosis(Displayed):
         before, after = self.held_out.before, self.held_out.after
         errors = (
             "prediction error on left-out positions, RMS, before and after: force "
-            f"{before.force_rmse_mN:.3f} and {after.force_rmse_mN:.3f} mN, neutral curve "
-            f"{before.curve_rmse_mm:.3f} and {after.curve_rmse_mm:.3f} mm"
+            f"{in_decimals(before.force_rmse_mN, 3)} and"
+            f" {in_decimals(after.force_rmse_mN, 3)} mN, neutral curve "
+            f"{in_decimals(before.curve_rmse_mm, 3)} and {in_decimals(after.curve_rmse_mm, 3)} mm"
         )
         sentences = textwrap.wrap(f"{self.sentence} {errors}" if self.searched else self.sentence)
         return Summary(f"Diagnosis: {self.verdict}", columns, rows, tuple(sentences))

@@ -12,7 +12,7 @@ from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.random_effects import USUAL, NoisePriors, constant_groups
 from model.identification.likelihood.row_index import RowBlock
-from model.measurements import FloatArray, Scale
+from model.measurements import FloatArray, RigScale
 
 LEAST_MODE_M = 1e-7
 LEAST_PULSE_N, LEAST_READING_N = 1e-8, 1e-7
@@ -103,7 +103,7 @@ def scatter_precision(noise: RowNoise) -> FloatArray:
 
 def _kinds(
     name: str, block: RowBlock, configuration_model: ConfigurationModel, data_vector: DataVector,
-    reading_N: FloatArray, priors: NoisePriors, scale: Scale,
+    reading_N: FloatArray, priors: NoisePriors, scale: RigScale,
 ) -> Iterator[_Kind]:  # fmt: skip
     if len(block.trend_rows):
         # of independent readings: those of a mean are fewer times as noisy
