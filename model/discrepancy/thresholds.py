@@ -22,7 +22,7 @@ SHORTEST_CURVE_RATIO, LONGEST_CURVE_RATIO = 0.1, 1.5
 # Young's moduli outside which a unit is likely to be wrong: softer than rubber, stiffer than steel.
 SOFTEST_MODULUS_PA, STIFFEST_MODULUS_PA = 1e6, 1e11
 # Largest force of a configuration, N, outside which its unit is likely to be wrong: what its load
-# cell resolves, and far more than a sheet of such a rig pushes, on an arc of 12 to 120 mm. The
+# cell resolves, and far more than a sheet of such a rig pushes, on an arc of 40 mm. The
 # modulus by the curves must be odd, too: too soft for any sheet, or stiffer than a polymer's times
 # a hundred.
 SMALLEST_FORCE_N, LARGEST_FORCE_N = 2e-5, 1.0

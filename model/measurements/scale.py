@@ -2,8 +2,7 @@
 
 Numbers of model and search that are lengths or forces (scatter of set-ups, noise before it is
 estimated, amplitudes that would surprise nobody) were found on sheets of the paper's size. For
-others they are multiplied by these factors. Factors go in steps, so that all sessions of about the
-paper's size have exactly its numbers.
+others they are multiplied by these factors. Sessions of about the paper's size have its numbers.
 """
 
 from __future__ import annotations
@@ -16,15 +15,16 @@ import numpy.typing as npt
 
 from model.measurements.data import FloatArray, Measurements, SheetGeometry
 
-LEAST_RADIUS_M, LENGTH_STEP = 0.012, 10.0  # arcs of 12 to 120 mm are of the paper's size
-LEAST_FORCE_N, FORCE_STEP = 3e-4, 100.0  # forces of 0.3 to 30 mN are
-LEAST_LOAD_N = 8e-5  # B over the square of the arc's radius, for the same forces
+# the paper's, and within which factor of them a session is of its size
+RADIUS_M, ABOUT_RADIUS = 0.04, 1.4
+FORCE_N, ABOUT_FORCE = 3e-3, 10.0
+LOAD_N = 8e-4  # B over the square of the arc's radius, for the same forces
 HIGH = 90.0  # per cent of the forces that are smaller than the one that counts
 
 
 @dataclass(frozen=True)
 class RigScale:
-    """Lengths and forces of a session over those of the paper, in steps."""
+    """Lengths and forces of a session over those of the paper."""
 
     length: float = 1.0
     force: float = 1.0
@@ -45,13 +45,13 @@ class RigScale:
 
 def length_scale(sheet: SheetGeometry) -> float:
     """Return the factor of lengths of a sheet, by its arc: sheets of one rig have the same."""
-    return _in_steps(sheet.arc_radius_m / LEAST_RADIUS_M, LENGTH_STEP)
+    return _unless_about(sheet.arc_radius_m / RADIUS_M, ABOUT_RADIUS)
 
 
 def load_scale(sheet: SheetGeometry, B_Nm2: FloatArray) -> float:
     """Return the factor of forces by a sheet's stiffness, where no measured ones are known."""
     natural_N = float(np.median(B_Nm2)) / sheet.arc_radius_m**2
-    return _in_steps(natural_N / LEAST_LOAD_N, FORCE_STEP)
+    return _unless_about(natural_N / LOAD_N, ABOUT_FORCE)
 
 
 def scale_of(sheets: Iterable[SheetGeometry], forces_N: FloatArray) -> RigScale:
@@ -60,7 +60,7 @@ def scale_of(sheets: Iterable[SheetGeometry], forces_N: FloatArray) -> RigScale:
     force_N = float(np.percentile(sizes, HIGH)) if len(sizes) else 0.0
     lengths = [length_scale(one) for one in sheets]
     return RigScale(
-        length=max(lengths, default=1.0), force=_in_steps(force_N / LEAST_FORCE_N, FORCE_STEP)
+        length=max(lengths, default=1.0), force=_unless_about(force_N / FORCE_N, ABOUT_FORCE)
     )
 
 
@@ -71,9 +71,6 @@ def scale_of_measurements(measurements: Measurements) -> RigScale:
     return scale_of(measurements.sheets.values(), forces)
 
 
-def _in_steps(ratio: float, step: float) -> float:
-    """Return the power of `step` at or below a ratio; 1 of a ratio that says nothing."""
-    if not 0.0 < ratio < np.inf:
-        return 1.0
-    exponent = int(np.floor(np.log(ratio) / np.log(step) + 1e-9))
-    return float(step**exponent)
+def _unless_about(ratio: float, factor: float) -> float:
+    """Return a ratio; 1 of one that is within a factor of 1, or that says nothing."""
+    return ratio if 0.0 < ratio < np.inf and not 1.0 / factor < ratio < factor else 1.0
