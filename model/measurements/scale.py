@@ -15,9 +15,9 @@ import numpy.typing as npt
 
 from model.measurements.data import FloatArray, Measurements, SheetGeometry
 
-# the paper's, and within which factor of them a session is of its size
-RADIUS_M, ABOUT_RADIUS = 0.04, 1.4
-FORCE_N, ABOUT_FORCE = 3e-3, 10.0
+# the paper's, and between which factors of them a session is of its size
+RADIUS_M, ABOUT_RADIUS = 0.04, (0.29, 1.4)
+FORCE_N, ABOUT_FORCE = 3e-3, (0.1, 10.0)
 LOAD_N = 8e-4  # B over the square of the arc's radius, for the same forces
 HIGH = 90.0  # per cent of the forces that are smaller than the one that counts
 
@@ -71,6 +71,6 @@ def scale_of_measurements(measurements: Measurements) -> RigScale:
     return scale_of(measurements.sheets.values(), forces)
 
 
-def _unless_about(ratio: float, factor: float) -> float:
-    """Return a ratio; 1 of one that is within a factor of 1, or that says nothing."""
-    return ratio if 0.0 < ratio < np.inf and not 1.0 / factor < ratio < factor else 1.0
+def _unless_about(ratio: float, about: tuple[float, float]) -> float:
+    """Return a ratio; 1 of one that is about 1, or that says nothing."""
+    return ratio if 0.0 < ratio < np.inf and not about[0] < ratio < about[1] else 1.0
