@@ -125,7 +125,10 @@ EFFECT = NonlinearStiffness(
     parameters=(
         EffectParameter(
             name="relative_change_at_10_per_m",
-            meaning="of the stiffness where bent by 10 per m",
+            meaning=(
+                "of the stiffness where bent by 10 per m; on arcs far from 40 mm, by 0.4 over the"
+                " arc's radius"
+            ),
             unit="",
             prior_scale=0.05,
             low=-0.22,

@@ -42,7 +42,10 @@ EFFECT = PositionError(
     parameters=(
         EffectParameter(
             name="offset_mm",
-            meaning="true less stated position along the arc, at 30 mm",
+            meaning=(
+                "true less stated position along the arc, at 30 mm; on arcs far from 40 mm, at"
+                " three quarters of the radius"
+            ),
             unit="mm",
             prior_scale=0.3,
             low=-10.0,
@@ -52,7 +55,7 @@ EFFECT = PositionError(
         ),
         EffectParameter(
             name="scale",
-            meaning="0: the same everywhere; 1: in proportion to the position; 2: none at 15 mm",
+            meaning="0: the same everywhere; 1: in proportion to the position; 2: none half-way",
             unit="",
             prior_scale=0.0,
             low=0.0,
