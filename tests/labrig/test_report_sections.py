@@ -180,6 +180,24 @@ def test_content_that_the_page_cannot_show_is_left_out(make, says, findings, tmp
     assert content_faults(make())
 
 
+@pytest.mark.parametrize(
+    ("made_of", "says"),
+    [
+        (
+            Section((Table(title="T", columns=("a", "b"), rows=(("1", 2.5),)),)),
+            "a cell of the table 'T' must be a text, not 2.5 (float)",
+        ),
+        (Section(sentences=("All is well.", None)), "a sentence must be a text, not None"),
+    ],
+)
+def test_a_section_with_what_is_no_text_is_left_out_and_the_page_is_written(
+    made_of, says, findings, tmp_path
+):
+    found = content(findings, tmp_path, made("Odd", lambda *_: made_of))
+    assert found.sections == ()
+    assert says in found.left_out[0]
+
+
 def dot():
     with figure(1.0, 1.0) as fig:
         fig.subplots().plot([0], [0], "o")

@@ -43,7 +43,8 @@ def content_faults(made: object, figures: tuple[str, ...] = ()) -> list[str]:
         return [] if made.strip() else ["its sentence is empty"]
     if not isinstance(made, Section):
         return [f"make returned {type(made).__name__}, neither a Section nor a sentence"]
-    return [text for item in made.items for text in _item_faults(item, figures)]
+    sentences = [text for each in made.sentences for text in _text_faults("a sentence", each)]
+    return sentences + [text for item in made.items for text in _item_faults(item, figures)]
 
 
 def _item_faults(item: object, figures: tuple[str, ...]) -> Iterator[str]:
@@ -55,5 +56,17 @@ def _item_faults(item: object, figures: tuple[str, ...]) -> Iterator[str]:
         yield f"{type(item).__name__} is neither a table nor a figure nor a detail"
         return
     table = item if isinstance(item, Table) else item.table
-    if table is not None and any(len(row) != len(table.columns) for row in table.rows):
-        yield f"a row of the table '{table.title or item.title}' has not as many cells as columns"
+    if table is None:
+        return
+    of_table = f"of the table '{table.title or item.title}'"
+    if any(len(row) != len(table.columns) for row in table.rows):
+        yield f"a row {of_table} has not as many cells as columns"
+    cells = [("a column", name) for name in table.columns]
+    cells += [("a cell", cell) for row in table.rows for cell in row]
+    wrong = [text for what, cell in cells for text in _text_faults(f"{what} {of_table}", cell)]
+    yield from wrong[:1]  # a table of numbers has hundreds
+
+
+def _text_faults(what: str, text: object) -> Iterator[str]:
+    if not isinstance(text, str):
+        yield f"{what} must be a text, not {text!r:.40} ({type(text).__name__})"
