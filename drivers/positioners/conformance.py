@@ -65,7 +65,7 @@ def _beyond_travel(checks: Checks, positioner: Positioner) -> tuple[float, ...]:
     stated: object = checks.call("travel_m", positioner.travel_m, 1.0)
     if not checks.answered:
         return ()
-    ends_m = _two_numbers(stated)
+    ends_m = two_numbers(stated)
     if ends_m is None:
         checks.note(f"travel_m returned {stated!r}, not the lower and the upper end in m")
         return ()
@@ -79,7 +79,8 @@ def _beyond_travel(checks: Checks, positioner: Positioner) -> tuple[float, ...]:
     return low_m - BEYOND_M, high_m + BEYOND_M
 
 
-def _two_numbers(stated: Any) -> tuple[float, float] | None:
+def two_numbers(stated: Any) -> tuple[float, float] | None:
+    """Return both ends of a travel; None: it is not two finite numbers."""
     try:
         low, high = map(float, stated)
     except (TypeError, ValueError):

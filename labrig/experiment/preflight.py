@@ -18,8 +18,10 @@ from drivers.interfaces import (
     Frame,
     LimitedTravel,
     Positioner,
+    in_words,
 )
 from drivers.load_cell import LoadState
+from drivers.positioners.conformance import LARGEST_TRAVEL_M, two_numbers
 from labrig.check import Check
 from labrig.config.templates import template_path
 from labrig.errors import BadInputError, NotReadyError
@@ -29,6 +31,7 @@ from labrig.experiment.precautions import precautions
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.identities import acquisition_of
 from labrig.experiment.rig.rig import DRIVE, FORCE, Rig, opened
+from labrig.foreign_code import foreign_place
 from labrig.plausibility import SetUp, calibration_age, set_up_checks
 from labrig.session.format.devices import NOT_KNOWN, acquisition_in_words
 from protocols import Schedule, positions_m, time_under_voltage_s
@@ -245,7 +248,16 @@ def stage_checks(stage: Positioner, schedule: Schedule) -> Iterator[Check]:
     wanted_m, repeats_m = positions_m(schedule.runs), positions_m(schedule.repeats)
     if not wanted_m or not isinstance(stage, LimitedTravel):
         return
-    low_m, high_m = stage.travel_m()
+    ends_m = _travel_m(stage)
+    if isinstance(ends_m, str):
+        yield Check(
+            name="travel of the stage",
+            ok=False,
+            found=ends_m,
+            wanted="its lower and its upper end, in m",
+        )
+        return
+    low_m, high_m = ends_m
     missed, to_repeat = (
         ", ".join(f"{at_m * 1e3:g}" for at_m in some if not low_m <= at_m <= high_m)
         for some in (wanted_m, repeats_m)
@@ -260,6 +272,24 @@ def stage_checks(stage: Positioner, schedule: Schedule) -> Iterator[Check]:
         wanted=f"{wanted_m[0] * 1e3:g} to {wanted_m[-1] * 1e3:g} mm (protocol.toml)",
         warning=bool(without) and not missed,
     )
+
+
+def _travel_m(stage: LimitedTravel) -> tuple[float, float] | str:
+    """Return both ends, or why they are not known: the code may be another distribution's."""
+    try:
+        stated: object = stage.travel_m()
+    except DeviceError:
+        raise
+    except (Exception, SystemExit) as fault:  # noqa: BLE001 - named with its place
+        place = foreign_place(fault)
+        return f"its travel_m failed: {in_words(fault)}{f', in {place}' if place else ''}"
+    ends_m = two_numbers(stated)
+    if ends_m is None:
+        return f"its travel_m returned {stated!r:.60}"
+    low_m, high_m = ends_m
+    if abs(high_m - low_m) > LARGEST_TRAVEL_M:
+        return f"{low_m:g} to {high_m:g} m: is it in mm?"
+    return ends_m
 
 
 def camera_checks(rig: Rig, camera: Camera, plan: Plan) -> Iterator[Check]:

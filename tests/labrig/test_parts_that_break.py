@@ -49,11 +49,21 @@ class Shut:
     def open(self):
         broken()
 
+    def move_to(self, position_m):
+        return True
+
+    def position(self):
+        return None
+
     def close(self):
         pass
 
 
 SHUT = PositionerKind(kind="shut", help="a stage", settings=Settings, make=Shut)
+NO_STAGE = PositionerKind(kind="none", help="a stage", settings=Settings, make=lambda *_: None)
+NO_CAMERA = CameraKind(kind="none", help="a camera", settings=CameraSettings, prefix="none:",
+                       make=lambda *_: None)
+NO_METER = ForceSensorKind(kind="none", help="a meter", settings=Settings, make=Shut)
 METER = ForceSensorKind(kind="broken", help="a meter", settings=Settings, make=broken)
 
 
@@ -76,11 +86,14 @@ UNKNOWN = family(inputs=broken)
 POINTS = """
 [labrig.cameras]
 broken = broken_parts:CAMERA
+none = broken_parts:NO_CAMERA
 [labrig.positioners]
 broken = broken_parts:STAGE
 shut = broken_parts:SHUT
+none = broken_parts:NO_STAGE
 [labrig.force_sensors]
 broken = broken_parts:METER
+none = broken_parts:NO_METER
 [labrig.boards]
 unconnected = broken_parts:UNCONNECTED
 unwired = broken_parts:UNWIRED
@@ -133,6 +146,28 @@ def test_a_camera_that_cannot_be_made_is_named(check: Check) -> None:
 def test_a_stage_that_cannot_be_made_is_named(check: Check) -> None:
     code, said = check(LOCAL, SEEN, ('"manual"', '"broken"'))
     assert "the positioner 'broken' of broken-parts 2.0 cannot be used: KeyError" in said
+    assert code == 3
+
+
+def test_a_camera_that_is_not_returned_is_named(check: Check) -> None:
+    code, said = check(LOCAL, ('source = "simulated"', 'source = "none:1"'))
+    assert "the camera 'none' of broken-parts 2.0 cannot be used: its make returned None" in said
+    assert code == 3
+
+
+def test_a_stage_that_is_not_returned_is_named(check: Check) -> None:
+    code, said = check(LOCAL, SEEN, ('"manual"', '"none"'))
+    assert (
+        "the positioner 'none' of broken-parts 2.0 cannot be used: its make returned None, which "
+        "has no open, move_to, position, close"
+    ) in said
+    assert code == 3
+
+
+def test_a_meter_without_a_method_is_named(check: Check) -> None:
+    code, said = check(LOCAL, SEEN, tables='[force_sensor]\nkind = "none"\n')
+    assert "the force sensor 'none' of broken-parts 2.0 cannot be used: its make returned" in said
+    assert "which has no read_force, tare, range_N" in said
     assert code == 3
 
 

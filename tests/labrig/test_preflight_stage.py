@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from labrig.experiment.preflight import stage_checks
@@ -48,6 +50,32 @@ def test_the_travel_holds_all_positions(low_m, high_m, found, ok, warning):
     (check,) = stage_checks(Limited(low_m, high_m), SCHEDULE)
     assert (check.found, check.ok, check.warning) == (found, ok, warning)
     assert check.wanted == "0 to 30 mm (protocol.toml)"
+
+
+@pytest.mark.parametrize("ends", [None, 0.06, (0.0, 0.03, 0.06), (0.0, math.nan)])
+def test_a_travel_that_is_no_two_numbers_is_not_ready_and_says_what_was_returned(ends):
+    stage = Limited(0.0, 0.0)
+    stage.ends_m = ends
+    (check,) = stage_checks(stage, SCHEDULE)
+    assert not check.ok
+    assert check.found == f"its travel_m returned {ends!r}"
+    assert check.wanted == "its lower and its upper end, in m"
+
+
+def test_a_travel_of_many_metres_is_asked_for_its_unit():
+    (check,) = stage_checks(Limited(0.0, 60.0), SCHEDULE)
+    assert not check.ok
+    assert check.found == "0 to 60 m: is it in mm?"
+
+
+def test_a_stage_whose_travel_cannot_be_asked_is_not_ready_and_says_why():
+    class Lost(Stage):
+        def travel_m(self) -> tuple[float, float]:
+            raise RuntimeError("no answer")
+
+    (check,) = stage_checks(Lost(), SCHEDULE)
+    assert not check.ok
+    assert check.found.startswith("its travel_m failed: no answer")
 
 
 def test_a_stage_that_does_not_know_its_travel_is_not_asked():

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from inspect import getattr_static
+from typing import TYPE_CHECKING, Any, cast
 
 from drivers.amplifier import Amplifier, SheetDrive
 from drivers.boards import BOARD_FAMILIES, BoardConnection
 from drivers.cameras import CAMERAS, SoftwareTrigger
+from drivers.cameras.conformance import METHODS as CAMERA_METHODS
 from drivers.force_sensors import FORCE_SENSORS
+from drivers.force_sensors.conformance import METHODS as FORCE_SENSOR_METHODS
 from drivers.force_sensors.metered_input import MeteredInput
 from drivers.interfaces import (
     FREE,
@@ -27,6 +30,7 @@ from drivers.interfaces import (
 )
 from drivers.plugins import PluginFolder
 from drivers.positioners import POSITIONERS
+from drivers.positioners.conformance import METHODS as POSITIONER_METHODS
 from drivers.positioners.contract import Surroundings
 from labrig.config import RigConfig
 from labrig.config.derived import SIMULATED
@@ -98,11 +102,31 @@ def _part(folder: PluginFolder[Any], kind: str) -> Iterator[None]:
     except (DeviceError, LabrigError):
         raise
     except (Exception, SystemExit) as fault:
-        origin = folder.origins().get(kind)
         raise NotReadyError(
-            f"the {folder.what} '{kind}'{f' of {origin}' if origin else ''} cannot be used: "
-            f"{type(fault).__name__}: {fault}"
+            f"{_named(folder, kind)} cannot be used: {type(fault).__name__}: {fault}"
         ) from fault
+
+
+def _complete(folder: PluginFolder[Any], kind: str, made: object, methods: tuple[str, ...]) -> Any:
+    """Return a device that a part has made, where it has what labrig calls.
+
+    Without this a camera that is None would be none: a session without images.
+    """
+    # statically: a property may ask a device that is not open yet
+    lacks = [name for name in methods if getattr_static(made, name, None) is None]
+    lacks = [name for name in lacks if not hasattr(made, name)]  # one that hands everything on
+    if lacks:
+        what = "None" if made is None else type(made).__name__
+        raise NotReadyError(
+            f"{_named(folder, kind)} cannot be used: its make returned {what}, which has no "
+            f"{', '.join(lacks)}"
+        )
+    return made
+
+
+def _named(folder: PluginFolder[Any], kind: str) -> str:
+    origin = folder.origins().get(kind)
+    return f"the {folder.what} '{kind}'{f' of {origin}' if origin else ''}"
 
 
 def _wired(
@@ -159,6 +183,7 @@ def _signals(
         return read
     with _part(FORCE_SENSORS, sensor.kind):
         meter = make(sensor.settings(), clock, _line(stand_ins, "force_sensor", sensor.kind))
+    meter = _complete(FORCE_SENSORS, sensor.kind, meter, (*FORCE_SENSOR_METHODS, "range_N"))
     return MeteredInput(read, meter, clock, sensor.kind)
 
 
@@ -170,7 +195,8 @@ def _camera(plan: Plan, clock: Clock, stand_ins: StandIns | None) -> Camera | No
         return stand_ins.camera()
     make = CAMERAS.get(camera.kind).make
     with _part(CAMERAS, camera.kind):
-        return make(camera.settings(), clock, plan.schedule.frame_rate_hz)
+        made = make(camera.settings(), clock, plan.schedule.frame_rate_hz)
+    return cast("Camera", _complete(CAMERAS, camera.kind, made, CAMERA_METHODS))
 
 
 def _trigger(
@@ -200,7 +226,8 @@ def _stage(plan: Plan, clock: Clock, operator: Operator, stand_ins: StandIns | N
         transport=_line(stand_ins, "stage", stage.kind) if hasattr(stage, "port") else None,
     )
     with _part(POSITIONERS, stage.kind):
-        return POSITIONERS.get(stage.kind).make(stage.settings(), around)
+        made = POSITIONERS.get(stage.kind).make(stage.settings(), around)
+    return cast("Positioner", _complete(POSITIONERS, stage.kind, made, POSITIONER_METHODS))
 
 
 def _line(stand_ins: StandIns | None, table: str, kind: str) -> Callable[..., Any] | None:
