@@ -19,11 +19,11 @@ from labrig.experiment.resume import Resumption
 from labrig.experiment.rig.rig import Step, no_step
 from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
-from labrig.experiment.signals import stop_signals
+from labrig.experiment.signals import SignalledStop, stop_signals
 from labrig.files import check_session_name
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event
-from protocols.execution.stop import StopLevel, StopRequest
+from protocols.execution.stop import StopRequest
 
 
 def run(
@@ -135,11 +135,6 @@ def recorded(
 @contextmanager
 def _stopping(stop: StopRequest) -> Iterator[None]:
     """Let Ctrl-C ask for a stop; a thread other than the main one gets no signals."""
-
-    def on_stop(name: str, count: int) -> None:
-        level = StopLevel.AFTER_PULSE if count == 1 and name == "SIGINT" else StopLevel.NOW
-        stop.request(level, f"stopped by {'Ctrl-C' if name == 'SIGINT' else name}")
-
     main = threading.current_thread() is threading.main_thread()
-    with stop_signals(on_stop) if main else nullcontext():
+    with stop_signals(SignalledStop(stop)) if main else nullcontext():
         yield

@@ -21,7 +21,7 @@ from labrig.experiment.plan import ControlFiles, Plan, load_plan
 from labrig.experiment.replay import replay_plan, replay_rig
 from labrig.experiment.resume import Resumption, output_beside, resumed_plan
 from labrig.experiment.run import Result, run_session
-from labrig.experiment.signals import stop_signals
+from labrig.experiment.signals import SignalledStop, stop_signals
 from labrig.session import open_session
 from protocols import PlannedRun, Schedule
 from protocols.execution.channels import FORCE_N
@@ -140,9 +140,10 @@ def finish(result: Result) -> None:
 
 @contextmanager
 def _stopping(stop: StopRequest, operator: ConsoleOperator | NoOperator | None) -> Iterator[None]:
+    ask = SignalledStop(stop)
+
     def on_stop(name: str, count: int) -> None:
-        level = StopLevel.AFTER_PULSE if count == 1 and name == "SIGINT" else StopLevel.NOW
-        stop.request(level, f"stopped by {'Ctrl-C' if name == 'SIGINT' else name}")
+        ask(name, count)
         if operator is not None and operator.waiting:
             raise KeyboardInterrupt
 

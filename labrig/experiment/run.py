@@ -104,7 +104,7 @@ def run_session(
     if check_first:
         refuse_implausible(plan)
     try:
-        with opened(rig, on_step), _ending_safely(rig) as shutdown:
+        with opened(rig, on_step), _ending_safely(rig, stop) as shutdown:
             if check_first:
                 on_step("checking boards, load cell and camera")
                 _require_ready(rig, plan, path)
@@ -127,9 +127,9 @@ def run_session(
 
 
 @contextmanager
-def _ending_safely(rig: Rig) -> Iterator[SafeShutdown]:
+def _ending_safely(rig: Rig, stop: StopRequest) -> Iterator[SafeShutdown]:
     """Shut down safely; an error that ends the run, or its recording, says how the output is."""
-    with safe_shutdown(rig) as shutdown:
+    with safe_shutdown(rig, stop.obey) as shutdown:
         try:
             yield shutdown
         except BaseException as error:

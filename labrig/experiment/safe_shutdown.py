@@ -24,8 +24,10 @@ _NOT_YET = f"{NOT_SAFE} yet: switch the amplifier off by hand; labrig keeps tryi
 class SafeShutdown:
     """Makes an opened rig safe: by its own devices, else by the watchdog."""
 
-    def __init__(self, rig: Rig) -> None:
+    def __init__(self, rig: Rig, on_begin: Callable[[], object] = lambda: None) -> None:
+        """`on_begin` is called whenever it begins; it must not raise."""
         self._rig = rig
+        self._on_begin = on_begin
         self.watchdog: Watchdog = NoWatchdog()  # set once there is one
         self.report: SafetyReport | None = None  # the last one
         self.tell: Callable[[str], object] = lambda _text: None  # the operator, while it tries on
@@ -33,6 +35,7 @@ class SafeShutdown:
 
     def make_safe(self) -> SafetyReport:
         """Write 0 V and read it back; return what is known of the output. Never raises."""
+        self._on_begin()
         end_s, self._is_told = self._rig.clock.now() + _ALL_S, False
         report = self._by_our_devices()
         if not report.is_safe:
@@ -81,9 +84,11 @@ class SafeShutdown:
 
 
 @contextmanager
-def safe_shutdown(rig: Rig) -> Iterator[SafeShutdown]:
+def safe_shutdown(
+    rig: Rig, on_begin: Callable[[], object] = lambda: None
+) -> Iterator[SafeShutdown]:
     """End the block, and the program within it, with `make_safe`, whatever ends them."""
-    shutdown = SafeShutdown(rig)
+    shutdown = SafeShutdown(rig, on_begin)
     atexit.register(shutdown.make_safe)
     try:
         yield shutdown

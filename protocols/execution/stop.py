@@ -32,6 +32,7 @@ class StopRequest:
 
     def __init__(self) -> None:
         self._asked = (StopLevel.NONE, "", FinishReason.STOP_REQUESTED)
+        self._is_obeyed = False
 
     def request(
         self, level: StopLevel, why: str, finish: FinishReason = FinishReason.STOP_REQUESTED
@@ -42,6 +43,15 @@ class StopRequest:
         """
         if level > self._asked[0]:
             self._asked = (level, why, finish)
+
+    def obey(self) -> None:
+        """Note that the safe shutdown has begun."""
+        self._is_obeyed = True
+
+    @property
+    def is_obeyed(self) -> bool:
+        """Whether the safe shutdown has begun, for this reason or another one."""
+        return self._is_obeyed
 
     @property
     def level(self) -> StopLevel:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
@@ -15,6 +18,7 @@ from labrig.experiment.replay import on_simulated_boards
 from labrig.experiment.rig.channels import inputs_of
 
 CODE = """
+import threading
 from dataclasses import dataclass, field
 
 from drivers.boards.contract import BoardFamily, BoardInput
@@ -80,6 +84,11 @@ def family(**other):
 
 
 UNCONNECTED = family()
+def never(*arguments):
+    threading.Event().wait(60)
+
+
+DEAF = family(connect=never, rescue=never)
 UNWIRED = family(inputs=lambda _: (BoardInput("force", "a/1", 1.0),))
 UNKNOWN = family(inputs=broken)
 """
@@ -97,6 +106,7 @@ none = broken_parts:NO_METER
 [labrig.boards]
 unconnected = broken_parts:UNCONNECTED
 unwired = broken_parts:UNWIRED
+deaf = broken_parts:DEAF
 unknown = broken_parts:UNKNOWN
 """
 Check = Callable[..., tuple[int, str]]
@@ -118,7 +128,9 @@ def check(
     write_templates(tmp_path / "rig", simulated=True)
     rig = tmp_path / "rig" / "rig.toml"
 
-    def checked(*others: tuple[str, str], boards: str = "", tables: str = "") -> tuple[int, str]:
+    def checked(
+        *others: tuple[str, str], boards: str = "", tables: str = "", run_it: bool = False
+    ) -> tuple[int, str]:
         text = rig.read_text().split("[simulated]")[0]
         if boards:
             head, _, rest = text.partition("[ni]")
@@ -127,7 +139,9 @@ def check(
             assert old in text
             text = text.replace(old, new)
         rig.write_text(text + tables)
-        code = run(["check", str(rig)])
+        files = [str(rig.parent / name) for name in ("rig.toml", "protocol.toml", "sheet.toml")]
+        session = str(tmp_path / "session.h5")
+        code = run(["run", *files, "-o", session, "--yes"] if run_it else ["check", str(rig)])
         return code, " ".join(capsys.readouterr().err.split())
 
     return checked
@@ -174,7 +188,7 @@ def test_a_meter_without_a_method_is_named(check: Check) -> None:
 @pytest.mark.slow
 def test_a_stage_that_cannot_be_opened_is_named_with_the_place_in_its_code(check: Check) -> None:
     code, said = check(('"manual"', '"shut"'))
-    where = "in broken-parts 2.0 (broken_parts.py, line 12)"
+    where = "in broken-parts 2.0 (broken_parts.py, line 13)"
     assert f"opening the stage failed: KeyError: 'no such thing', {where}" in said
     assert code == 3
 
@@ -208,6 +222,29 @@ def test_settings_that_their_part_cannot_read_are_refused(check: Check) -> None:
     assert "force_sensor" in said
     assert "its part failed with TypeError: too high" in said
     assert code == 2
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGTERM that can be handled")
+def test_boards_that_never_answer_are_left_by_a_second_signal(
+    check: Check, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("labrig.experiment.signals.DEAF_S", 0.2)
+    ended = threading.Event()
+
+    def press() -> None:
+        while not ended.wait(0.5):
+            if signal.getsignal(signal.SIGTERM) is not signal.SIG_DFL:
+                os.kill(os.getpid(), signal.SIGTERM)
+
+    pressing = threading.Thread(target=press)
+    pressing.start()
+    try:
+        code, said = check(SEEN, boards="deaf", run_it=True)
+    finally:
+        ended.set()
+        pressing.join()
+    assert (code, said.endswith("labrig: stopped.")) == (4, True), said
 
 
 def test_further_channels_of_other_boards_are_replayed_by_inputs_of_the_default_ones(
