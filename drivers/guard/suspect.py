@@ -14,7 +14,7 @@ from types import FrameType
 IN_THE_PROGRAM, AT_THE_BOARDS, AT_A_DEVICE = b"p", b"b", b"d"
 SIGNS = frozenset({IN_THE_PROGRAM, AT_THE_BOARDS, AT_A_DEVICE})
 
-_BOARDS = ("drivers.boards.", "drivers.amplifier")
+_BOARDS = ("drivers.boards.", "drivers.amplifier", "drivers.safe_shutdown")  # of the boards only
 _NO_DEVICE = ("drivers.interfaces", "drivers.guard")
 
 

@@ -1,13 +1,15 @@
 """When the guard acts, on a clock and a pipe made of plain data."""
 
 import queue
+import threading
 
 import pytest
 
 from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, NEW_RUN, GuardSettings
-from drivers.guard.suspect import AT_A_DEVICE, AT_THE_BOARDS, IN_THE_PROGRAM, what_hangs
+from drivers.guard.suspect import AT_A_DEVICE, AT_THE_BOARDS, IN_THE_PROGRAM, sign_of, what_hangs
 from drivers.guard.watch import Ending, ParentWatchdog
-from drivers.interfaces import DeviceError
+from drivers.interfaces import DeviceError, RealClock
+from drivers.safe_shutdown import in_time
 
 SETTINGS = GuardSettings(
     boards="ni",
@@ -230,3 +232,21 @@ def test_the_newest_life_sign_tells_where_the_loop_hangs(given, kept):
 )
 def test_the_words_say_what_has_hung(sign, address, answer, words):
     assert what_hangs(sign, address, boards_answer=answer).startswith(words)
+
+
+def test_a_safe_shutdown_that_tries_again_waits_for_the_boards():
+    began, over = threading.Event(), threading.Event()
+
+    def refused() -> None:
+        began.set()
+        over.wait(10)
+
+    clock = RealClock()
+    loop = threading.Thread(target=in_time, args=(clock, "writing 0 V", refused, 10.0))
+    loop.start()
+    try:
+        assert began.wait(10)
+        assert sign_of(loop.ident) == AT_THE_BOARDS
+    finally:
+        over.set()
+        loop.join()

@@ -16,7 +16,7 @@ from labrig.testing.fake_rig import FakeRig, short_schedule
 from protocols.execution.events import Event, RunStopped, VoltageSet
 from protocols.execution.stop import StopLevel
 
-AT_ONCE = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand (the run was broken off)"
+AT_ONCE = "0 V COULD NOT BE WRITTEN: switch the amplifier off by hand (the run was broken off: "
 
 
 def said_while(rig: FakeRig, capsys: pytest.CaptureFixture[str]) -> str:

@@ -135,6 +135,15 @@ def test_an_output_that_recovers_is_tried_again():
     assert rig.events[-1].output is OutputState.SAFE
 
 
+def test_where_0_V_is_refused_the_operator_learns_at_once_why():
+    rig = FakeRig()
+    rig.faults["output"].fail_at = lambda index: 2 <= index < 5
+    rig.scheduler().run(short_schedule())
+    (told,) = (e.why for e in rig.of_kind(OutputChanged) if "COULD NOT BE WRITTEN" in e.why)
+    assert told.startswith("0 V COULD NOT BE WRITTEN: switch the amplifier off by hand (")
+    assert "broken off: call 2 (write) failed)" in told
+
+
 def test_a_voltage_that_stays_at_the_sheet_is_found_by_the_read_back():
     rig = FakeRig()
     rig.signals.spoil = lambda times_s, volts: volts.__setitem__(2, 1.9)

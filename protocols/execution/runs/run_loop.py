@@ -11,6 +11,7 @@ from drivers.interfaces import (
     DeviceTimeoutError,
     FrameTrigger,
     VoltageWrite,
+    in_words,
 )
 from protocols.execution.devices import StageMove
 from protocols.execution.events import (
@@ -78,8 +79,8 @@ class RunLoop:
             maker = self._begin()
             completed = self._steps(maker)
             self._tail(maker)
-        except BaseException:
-            self._return_to_zero("the run was broken off")
+        except BaseException as fault:
+            self._return_to_zero("the run was broken off", fault)
             self._end(completed=False)
             raise
         self._end(completed=completed)
@@ -322,8 +323,11 @@ class RunLoop:
                 "check its connection; 0 V is written to the output"
             )
 
-    def _return_to_zero(self, why: str) -> None:
+    def _return_to_zero(self, why: str, fault: BaseException | None = None) -> None:
         """Write 0 V first, then emit the events about it; never raise.
+
+        `fault` has ended the run. Where 0 V is refused its reason is reported at once: the guard
+        may end the program before the session's reason is written.
 
         It counts as the last step, which is the planned return to 0 V, done early.
         """
@@ -337,7 +341,8 @@ class RunLoop:
                     write.after_s, run=self._run.index, step=last, due_s=write.before_s, write=write
                 )
             )
-        text = why if write is not None else NOT_ZERO.format(why=why)
+        cause = "" if fault is None else f": {in_words(fault)}"
+        text = why if write is not None else NOT_ZERO.format(why=f"{why}{cause}")
         loop.guarded("reporting the output", lambda: loop.output.report(text))
 
     def _end(self, *, completed: bool) -> None:
