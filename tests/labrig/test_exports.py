@@ -63,6 +63,11 @@ def test_xarray_has_named_dimensions_units_and_the_values_of_the_session(session
     np.testing.assert_array_equal(tree["signals/force"].values, samples)
     for coordinate in (force.run, force.reading_index, tree["signals/force"].run):
         assert coordinate.attrs["comment"].startswith("counted from 0; labrig show and labrig mark")
+    with h5py.File(session) as file:  # a time in the run, and one in the session
+        np.testing.assert_allclose(force.session_s.values, file["session/data/time_s"][:])
+    assert force.session_s.attrs == {"units": "s", "comment": "since the session's first event"}
+    for times in (force.time_s, tree["signals/time_s"]):
+        assert times.attrs == {"units": "s", "comment": "since time zero of the run"}
     curves = tree["curves"]
     measured = [c for c in load_measurements(session).conditions if c.curve is not None]
     first = curves["x_m"].values[curves["reading_index"].values == -1][0]

@@ -17,6 +17,7 @@ from labrig.session.reading.run_record import RunRecord
 from labrig.session.recording.hdf5 import unit_of
 from model.measurements import Condition, Curve, Measurements
 
+_IN_RUN = "since time zero of the run"
 _CURVE_UNITS = {
     "x_m": "m",
     "y_m": "m",
@@ -28,15 +29,19 @@ _CURVE_UNITS = {
 
 
 def labelled_session(
-    runs: Sequence[RunRecord], attributes: Mapping[str, str], measurements: Measurements | None
+    runs: Sequence[RunRecord],
+    attributes: Mapping[str, str],
+    measurements: Measurements | None,
+    began_s: float,
 ) -> Any:
     """Return the `xarray.DataTree` of an open session's runs; `measurements` of an analysed one.
 
+    `began_s`: time of the session's first event.
     Raises ModuleNotFoundError where xarray is missing.
     """
     import xarray
 
-    parts = {"readings": _readings(runs), "signals": _signals(runs)}
+    parts = {"readings": _readings(runs, began_s), "signals": _signals(runs)}
     if measurements is not None:
         parts["curves"] = _curves(measurements)
     whole = xarray.Dataset(attrs=dict(attributes))
@@ -52,7 +57,7 @@ def _place(run: RunRecord) -> tuple[str, float]:
     return run.planned.configuration, np.nan if at is None else at
 
 
-def _readings(recorded: Sequence[RunRecord]) -> Any:
+def _readings(recorded: Sequence[RunRecord], began_s: float) -> Any:
     import xarray
 
     runs = [run for run in recorded if run.started and len(run.readings)]
@@ -63,6 +68,10 @@ def _readings(recorded: Sequence[RunRecord]) -> Any:
     own = {"index": "reading_index", "kind": "kind", "voltage_V": "voltage_V", "time_s": "time_s"}
     coords = {new: _variable("reading", rows[old], unit_of(old)) for old, new in own.items()}
     coords["reading_index"][2]["comment"] = FROM_0
+    coords["time_s"][2]["comment"] = _IN_RUN
+    zeros_s = np.repeat([run.time_zero_s - began_s for run in runs], counts)
+    coords["session_s"] = _variable("reading", zeros_s + rows["time_s"], "s")
+    coords["session_s"][2]["comment"] = "since the session's first event"
     coords |= _places("reading", runs, counts)
     coords["valid"] = ("reading", rows["valid"], {"comment": "with the marks of until now"})
     values = {
@@ -94,6 +103,7 @@ def _signals(recorded: Sequence[RunRecord]) -> Any:
         return xarray.Dataset()
     coords = _places("sample", runs, [run.samples for run in runs])
     coords["time_s"] = _variable("sample", np.concatenate([run.time_s for run in runs]), "s")
+    coords["time_s"][2]["comment"] = _IN_RUN
     values = {
         channel.name: _variable(
             "sample", np.concatenate([run.signal_V(channel.name) for run in runs]), channel.raw_unit

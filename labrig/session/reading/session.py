@@ -345,7 +345,8 @@ class RecordedSession(Displayed):
         try:
             attributes = {"identifier": self.identifier, "start_time": self.started}
             attributes |= {"title": self.about.title} if self.about.title else {}
-            return labelled_session(self.runs, attributes, measurements)
+            began_s = self.events[0].time_s if self.events else 0.0
+            return labelled_session(self.runs, attributes, measurements, began_s)
         except ModuleNotFoundError as error:
             raise BadInputError(
                 f"to_xarray() needs the package {error.name}; install it with: "
