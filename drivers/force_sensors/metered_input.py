@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import threading
 from collections import deque
 from collections.abc import Sequence
+from contextlib import suppress
+from numbers import Real
+from typing import TypeGuard
 
 import numpy as np
 
@@ -79,6 +83,7 @@ class MeteredInput:
             return
         try:
             self._sensor.open()
+            self._require_range()
         except BaseException:
             self.board.close()
             raise
@@ -138,6 +143,14 @@ class MeteredInput:
                 )
             self._sensor.close()
 
+    def _require_range(self) -> None:
+        """Raise DeviceError, with the meter closed, where its range is none."""
+        range_N: object = self._sensor.range_N
+        if not (_is_real(range_N) and 0 < range_N < math.inf):
+            with suppress(Exception):  # what is wrong is said below
+                self._sensor.close()
+            raise DeviceError(f"{self._name} states the range {range_N!r}, not one in N above 0")
+
     def _append(self, block: SignalBlock) -> None:
         """Put a block behind the waiting samples; those that never came are NaN."""
         lost = block.first_index - self._first_index - self._waiting.shape[1]
@@ -193,7 +206,9 @@ class MeteredInput:
 
     def _read_once(self, began_s: float) -> None:
         try:
-            force_N = self._sensor.read_force()
+            force_N: object = self._sensor.read_force()
+            if not _is_real(force_N):
+                raise DeviceError(f"its read_force returned {force_N!r:.60}, not a force in N")
         except DeviceError as fault:
             self._fault = fault
         except BaseException as fault:  # noqa: BLE001 - a thread has nobody to raise to
@@ -202,5 +217,12 @@ class MeteredInput:
         else:
             self._good_s = self._clock.now()
             with self._lock:
-                self._readings.append((0.5 * (began_s + self._good_s), force_N))
+                self._readings.append((0.5 * (began_s + self._good_s), float(force_N)))
             self._fault = None
+
+
+def _is_real(value: object) -> TypeGuard[float]:
+    """Whether it is a number, or an array that is one."""
+    if isinstance(value, np.ndarray):
+        return value.ndim == 0 and value.dtype.kind in "fiu"
+    return isinstance(value, Real) and not isinstance(value, bool)

@@ -179,6 +179,33 @@ def test_a_meter_that_breaks_its_contract_is_the_cause_of_the_silence(bench, fau
     assert told.value.__cause__.__cause__ is fault
 
 
+@pytest.mark.parametrize("returned", [None, "1.25", np.array([1e-3]), True])
+def test_a_meter_that_returns_no_number_has_given_no_reading(bench, returned):
+    bench.signals.start()
+    bench.meter.read_force = lambda: returned
+    bench.wait(SILENT_S + 0.2)
+    with pytest.raises(DeviceTimeoutError, match=r"its read_force returned .*, not a force in N"):
+        bench.signals.read_available()
+
+
+@pytest.mark.parametrize("returned", [np.float32(0.25), np.array(0.25)])
+def test_a_reading_may_be_any_real_number(bench, returned):
+    bench.signals.start()
+    bench.meter.read_force = lambda: returned
+    bench.wait(0.3)
+    assert bench.signals.read_available().volts[0][-1] == 0.25
+
+
+@pytest.mark.parametrize("range_N", [None, float("nan"), 0.0, "2"])
+def test_a_meter_without_a_range_is_named_and_everything_is_let_go(range_N):
+    bench = Bench()
+    bench.meter.range_N = range_N
+    with pytest.raises(DeviceError, match="the force meter 'scale' states the range"):
+        bench.signals.open()
+    assert not bench.board.is_open
+    assert not bench.meter.is_open
+
+
 def test_an_overload_is_raised_at_the_next_read(bench):
     bench.signals.start()
     bench.meter.fault = OverloadError("unload the cell")
