@@ -11,8 +11,11 @@ from starlette.requests import HTTPConnection
 from labrig.panel.core.panel import Panel
 
 
-def panel_of(connection: HTTPConnection) -> Panel:
-    """Return the panel that a request or socket is for."""
+async def panel_of(connection: HTTPConnection) -> Panel:
+    """Return the panel that a request or socket is for.
+
+    Async, so that it needs no thread: STOP is answered where all threads are busy.
+    """
     panel: Panel = connection.app.state.panel
     return panel
 

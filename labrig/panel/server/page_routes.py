@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from pathlib import Path
 from typing import Any
 
+from anyio import CapacityLimiter, to_thread
 from fastapi import FastAPI
 from fastapi.responses import FileResponse, JSONResponse
 
 from drivers.plugins import OWN, Part, PluginWarning
 from labrig.errors import LabrigError
+from labrig.panel.core.panel import Panel
 from labrig.panel.core.requests import Here
 from labrig.panel.errors import MissingError
 from labrig.panel.pages.conformance import content_faults, json_faults
@@ -25,6 +27,8 @@ MEDIA_TYPES = {
     ".svg": "image/svg+xml",
     ".png": "image/png",
 }
+
+_MOST_ANSWERS = 8  # of one page, at a time
 
 
 def add_page_routes(app: FastAPI) -> None:
@@ -63,13 +67,17 @@ def _file(folders: dict[str, Path], address: str, path: str) -> Path:
     return file
 
 
-def _data_route(part: Part[PanelPage]) -> Callable[[Here], Any]:
+def _data_route(part: Part[PanelPage]) -> Callable[[Here], Coroutine[Any, Any, Any]]:
+    """Return what answers a request for a page's data, in threads of that page.
+
+    A page that never answers would else take those of all others.
+    """
     ask = part.part.data
     origin = "" if part.distribution == OWN else f" of {part.distribution} {part.version}"
     name, has_script = f"the page '{part.name}'{origin}", part.part.script is not None
     assert ask is not None  # noqa: S101 - checked by the caller
 
-    def data(panel: Here) -> Any:
+    def answer(panel: Panel) -> Any:
         try:
             content = ask(panel)
             faults = list(json_faults(content)) if has_script else content_faults(content)
@@ -81,5 +89,10 @@ def _data_route(part: Part[PanelPage]) -> Callable[[Here], Any]:
         except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
             why = " ".join(f"{type(error).__name__}: {error}".split()).rstrip(".")
             return JSONResponse({"error": f"{name} has no data: {why}."}, 500)
+
+    threads = CapacityLimiter(_MOST_ANSWERS)
+
+    async def data(panel: Here) -> Any:
+        return await to_thread.run_sync(answer, panel, limiter=threads)
 
     return data

@@ -14,6 +14,7 @@ import pytest
 from tests.labrig.panel.page import Server, panel
 
 PLUGIN = """
+import threading
 from pathlib import Path
 from fastapi import APIRouter, Request
 from labrig.errors import BadInputError
@@ -38,6 +39,9 @@ def fail(panel):
 def leave(panel):
     raise SystemExit(1)
 
+def wait(panel):
+    threading.Event().wait(15)
+
 def table(panel):
     rows = [["data folder", panel.settings.data.name, 1], ["pages", 3, 2]]
     return {"sentences": ["All is noted."], "tables": [
@@ -49,6 +53,7 @@ PLAIN = PanelPage(title="Plain notes", order=26, data=table)
 FAILING = PanelPage(title="Failing", order=27, data=fail)
 LEAVING = PanelPage(title="Leaving", order=29, data=leave)
 BAD = PanelPage(title="Bad", order=28, script=WEB / "missing.js")
+SLOW = PanelPage(title="Slow", order=32, data=wait)
 ODD = PanelPage(title="Odd", order=30, data=lambda panel: [1])
 HOLES = PanelPage(title="Holes", order=31, script=WEB / "page.js",
     data=lambda panel: {"rooms": [{"humidity": [41.0, float("nan")]}]})
@@ -75,6 +80,7 @@ leaving = labrig_notes:LEAVING
 bad = labrig_notes:BAD
 odd = labrig_notes:ODD
 holes = labrig_notes:HOLES
+slow = labrig_notes:SLOW
 list = labrig_list:PAGE
 """
 DOCS = Path(__file__).parents[3] / "docs" / "howto" / "panel.md"
@@ -93,7 +99,7 @@ def documented_points() -> dict[str, str]:
 
 
 def install(where: Path) -> None:
-    """`labrig-notes` 0.3, with the pages of the docs and seven more, of which one is faulty."""
+    """`labrig-notes` 0.3, with the pages of the docs and eight more, of which one is faulty."""
     (where / "labrig_humidity.py").write_text(documented("python"))
     (where / "humidity_web").mkdir()
     (where / "humidity_web" / "page.js").write_text(documented("js"))

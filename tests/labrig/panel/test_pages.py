@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -235,3 +236,21 @@ def test_the_log_of_the_panel_names_every_part_that_is_left_out_and_why(installe
         "the page of the panel 'bad' of labrig-notes (labrig_notes:BAD) is left out: "
     )
     assert len(said) == len(set(said))
+
+
+@pytest.mark.slow
+def test_a_page_that_does_not_answer_keeps_neither_stop_nor_other_pages_waiting(installed):
+    waiting = [http.client.HTTPConnection(installed.netloc, timeout=20) for _ in range(50)]
+    try:
+        for each in waiting:
+            own = {"Cookie": f"labrig_token={installed.token}"}
+            each.request("GET", "/api/pages/slow", headers=own)
+        time.sleep(1)  # noqa: TID251 - until a server on the real clock has all of them
+        began_s = time.monotonic()
+        assert installed.ask("POST", "/api/stop", {"why": "a test"})[0] == 200
+        assert installed.ask("GET", "/api/pages/notes")[0] == 200
+        assert installed.ask("GET", "/api/status")[0] == 200
+        assert time.monotonic() - began_s < 5
+    finally:
+        for each in waiting:
+            each.close()
