@@ -164,6 +164,12 @@ MANY_NAMES, SHARE_OF_MANY = 3, 0.5
 NONPARAMETRIC_MARGIN_LN = 4.5
 # Scatter between set-ups over the usual one, beyond which no verdict 'nothing missing' is given.
 EXCESSIVE_SCATTER_RATIO = 6.0
+# The same of where camera and sheet are after each set-up, where it has no order: 0.2 mm in the
+# picture. How well they come back is a matter of the rig.
+EXCESSIVE_MOUNTING_RATIO = 40.0
+# Readings far from the others of their condition beyond which no verdict 'nothing missing' is
+# given: so many, and such a share of all. A disturbance now and then is usual.
+FEWEST_OUTLIERS, MOST_OUTLIERS_SHARE = 4, 0.03
 # Pictures of a configuration from which on their noise is compared with the usual one. What is
 # usual is known within a factor, whose ln has this standard deviation; and images that are taken
 # one after the other show so much of it. With nothing hidden, in 48 sessions of open worlds, the

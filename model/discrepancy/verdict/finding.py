@@ -36,8 +36,10 @@ from model.discrepancy.thresholds import (
     COMPARISON_SIGMA,
     CROSS_VALIDATED_NAMES,
     EXCESSIVE_SCATTER_RATIO,
+    FEWEST_OUTLIERS,
     FEWEST_SETUPS,
     LEAST_GAIN_SIGMA,
+    MOST_OUTLIERS_SHARE,
     NONPARAMETRIC_MARGIN_LN,
 )
 from model.discrepancy.verdict import prediction_error as gaps
@@ -46,21 +48,20 @@ from model.discrepancy.verdict.decision import Decision, Judgement
 from model.discrepancy.verdict.inferred_form import form_of
 from model.discrepancy.verdict.localisation import places
 from model.discrepancy.verdict.messages import (
-    DIFFERS,
     cut_short,
     improbable,
+    many_left_out,
     noisy,
     not_written,
     notes,
     open_answers,
     promise_note,
     refused,
-    scattered,
     sentence,
     too_few,
     worse,
 )
-from model.discrepancy.verdict.ordered_scatter import followed
+from model.discrepancy.verdict.ordered_scatter import unusual_scatter
 from model.discrepancy.verdict.posterior import (
     Choice,
     chosen_values,
@@ -83,6 +84,7 @@ from model.discrepancy.verdict.written_model.chosen import Writer, WrittenModel
 from model.discrepancy.verdict.written_model.fitted_model import base_parameters, parameters_of
 from model.effects import Effect, catalogue
 from model.effects import origins as origins_of_effects
+from model.identification.data.outlier_readings import left_out_readings
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.random_effects import ASSUMED
@@ -246,11 +248,11 @@ class Finding:
         against = [one for one in criticism.failures if one.consequence != Consequence.REMARK]
         if against:  # what is wrong with the names has no place of its own
             return against[0].sentence
-        log_sigma, usual = decision.final.solution.log_sigma, decision.final.problem.guess
-        times = dict(zip(ASSUMED, np.exp(log_sigma - usual).tolist(), strict=False))
-        most = max(DIFFERS, key=lambda name: times[name])
-        if times[most] > EXCESSIVE_SCATTER_RATIO:
-            return scattered(most, times[most], followed(decision.final, most))
+        if scatter := unusual_scatter(decision.final):
+            return scatter
+        left_out, readings = left_out_readings(self.measurements)
+        if left_out > max(FEWEST_OUTLIERS, MOST_OUTLIERS_SHARE * readings):
+            return many_left_out(left_out, readings)
         noise = unusual_cell_noise(decision.final)
         if noise is not None and noise.times > EXCESSIVE_SCATTER_RATIO:
             return noisy(noise.name, noise.times)

@@ -26,7 +26,8 @@ from model.parameter import Parameter
 
 DIFFERS = {
     "stiffness": "the sheet's stiffness", "eibm": "the EIBM", "position": "the place on the arc",
-    "force_zero": "the load cell's zero",
+    "force_zero": "the load cell's zero", "clamp_tilt": "the direction at the clamp",
+    "registration": "the place in the picture",
 }  # fmt: skip
 
 
@@ -259,6 +260,15 @@ def noisy(name: str, times: float) -> str:
     return (
         f"the {CELL[name]} is {times:.0f} times the usual one, so that a missing force may hide"
         " in it"
+    )
+
+
+def many_left_out(count: int, of: int) -> str:
+    """Return why readings that are far from the others allow no verdict."""
+    return (
+        f"{count} of {of} readings are far from the others of their condition and were left out,"
+        " too many for chance; something acts on single readings, such as a contact that opens or"
+        " a disturbance of the load cell: look at their signals"
     )
 
 

@@ -5,13 +5,36 @@ Chance has no order: what goes with a coordinate is something that the model lac
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
-from model.discrepancy.thresholds import EVIDENCE_THRESHOLD_LN
+from model.discrepancy.thresholds import (
+    EVIDENCE_THRESHOLD_LN,
+    EXCESSIVE_MOUNTING_RATIO,
+    EXCESSIVE_SCATTER_RATIO,
+)
+from model.discrepancy.verdict.messages import DIFFERS, scattered
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.random_effects import ASSUMED
 from model.measurements import FloatArray
 
+# where camera and sheet are after each set-up: how far off depends on the rig
+MOUNTED = ("registration", "clamp_tilt")
 COORDINATES = {"position": "the position", "session": "the time in the session"}
+
+
+def unusual_scatter(fitted: MixedModelFit) -> str:
+    """Return the message that set-ups differ by more than is usual; empty: they do not."""
+    log_ratio = fitted.solution.log_sigma - fitted.problem.guess
+    times = dict(zip(ASSUMED, np.exp(log_ratio).tolist(), strict=False))
+    for name in sorted(DIFFERS, key=lambda one: -times[one]):
+        if times[name] < EXCESSIVE_SCATTER_RATIO:
+            break
+        follows = followed(fitted, name)
+        if name not in MOUNTED or follows or times[name] > EXCESSIVE_MOUNTING_RATIO:
+            return scattered(name, times[name], follows)
+    return ""
 
 
 def followed(fitted: MixedModelFit, name: str) -> tuple[str, float] | None:
@@ -19,9 +42,9 @@ def followed(fitted: MixedModelFit, name: str) -> tuple[str, float] | None:
 
     None: nothing, as a straight line has to be worth as much evidence as a name.
     """
-    found = fitted.added()[name][:, 0]
     worth = []
-    for what, at in _coordinates(fitted).items():
+    places = product(_coordinates(fitted).items(), fitted.added()[name].T)
+    for (what, at), found in places:
         use = np.isfinite(at[:, 1])
         count, value = int(use.sum()), _correlation(at[use, 0], at[use, 1], found[use])
         gain = -0.5 * (count * np.log1p(-min(value**2, 1.0 - 1e-9)) + np.log(max(count, 1)))

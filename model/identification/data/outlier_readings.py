@@ -47,6 +47,12 @@ class WithoutOutliers:
         return (told,)
 
 
+def left_out_readings(measurements: Measurements) -> tuple[int, int]:
+    """Return how many readings were left out so, and of how many."""
+    left_out = sum(r.why == WHY for c in measurements.conditions for r in c.readings)
+    return left_out, left_out + sum(len(_ordered(one)) for one in measurements.conditions)
+
+
 def without_outliers(measurements: Measurements) -> WithoutOutliers:
     """Mark readings as not valid that are far from the others of their condition.
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model import ModelError, SheetGeometry
+from model import Measurements, ModelError, SheetGeometry
 from model.discrepancy import DiagnoseOptions, diagnose, next_measurement
 from model.discrepancy.prepare import Options, prepare, setups
 from tests.cases import few
@@ -325,6 +325,64 @@ def test_a_scatter_that_no_rig_has_allows_no_verdict():
     found = diagnose(replace(m, conditions=tuple(moved)))
     assert (found.verdict, names(found), found.unknown) == ("cannot_tell", [], None)
     assert "the load cell's zero differs from set-up to set-up" in found.sentence
+
+
+def shifted(m: Measurements, off_m) -> Measurements:
+    """The same with the curves of each set-up elsewhere in the picture, by `off_m` of it."""
+
+    def moved(curve, by):
+        return (
+            None if curve is None else replace(curve, x_m=curve.x_m + by[0], y_m=curve.y_m + by[1])
+        )
+
+    conditions = [
+        replace(
+            c,
+            curve=moved(c.curve, off_m[_place(c)]),
+            readings=tuple(replace(r, curve=moved(r.curve, off_m[_place(c)])) for r in c.readings),
+        )
+        for c in m.conditions
+    ]
+    return replace(m, conditions=tuple(conditions))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("off_m", "why"),
+    [
+        pytest.param(
+            lambda places, random: 4e-4 * random.standard_normal((len(places), 2)),
+            "repeat three positions", id="anywhere",
+        ),
+        pytest.param(  # 0.06 mm: what chance may do, were it not one knock amid the session
+            lambda places, _: [(0.0, 6e-5 if at > 0.012 else -6e-5) for _, at in places],
+            "that is no chance", id="knocked once",
+        ),
+    ],
+)  # fmt: skip
+def test_pictures_that_lie_elsewhere_in_each_set_up_allow_no_verdict(off_m, why: str):
+    m = session()
+    places = list(dict.fromkeys(_place(c) for c in m.conditions))
+    off = dict(zip(places, off_m(places, np.random.default_rng(2)), strict=True))
+    found = diagnose(shifted(m, off))
+    assert (found.verdict, names(found)) == ("cannot_tell", [])
+    assert "the place in the picture differs from set-up to set-up" in found.sentence
+    assert why in found.sentence
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("every", "verdict"), [(12, "cannot_tell"), (120, "nothing_missing")])
+def test_readings_that_are_left_out_too_often_allow_no_verdict(every: int, verdict: str):
+    m, number, conditions = session(), 0, []
+    for c in m.conditions:
+        readings = []
+        for r in c.readings:
+            number += 1
+            readings.append(r if number % every else replace(r, force_N=0.0, curve=None))
+        conditions.append(replace(c, readings=tuple(readings)))
+    found = diagnose(replace(m, conditions=tuple(conditions)))
+    assert (found.verdict, names(found)) == (verdict, [])
+    assert ("something acts on single readings" in found.sentence) == (verdict == "cannot_tell")
 
 
 def _place(c) -> tuple:
