@@ -19,11 +19,11 @@ from labrig.experiment.resume import Resumption
 from labrig.experiment.rig.rig import Step, no_step
 from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
-from labrig.experiment.signals import SignalledStop, stop_signals
+from labrig.experiment.signals import stop_signals
 from labrig.files import check_session_name
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event
-from protocols.execution.stop import StopRequest
+from protocols.execution.stop import SignalledStop, StopRequest
 
 
 def run(

@@ -21,7 +21,7 @@ from labrig.experiment.plan import ControlFiles, Plan, load_plan
 from labrig.experiment.replay import replay_plan, replay_rig
 from labrig.experiment.resume import Resumption, output_beside, resumed_plan
 from labrig.experiment.run import Result, run_session
-from labrig.experiment.signals import SignalledStop, stop_signals
+from labrig.experiment.signals import stop_signals
 from labrig.session import open_session
 from protocols import PlannedRun, Schedule
 from protocols.execution.channels import FORCE_N
@@ -37,7 +37,7 @@ from protocols.execution.events import (
     SessionStopped,
     Warned,
 )
-from protocols.execution.stop import StopLevel, StopRequest
+from protocols.execution.stop import SignalledStop, StopLevel, StopRequest
 from protocols.reasons import in_short
 
 _MOST_LINES = 3  # of readings that do not count, in one run; then its end says how many

@@ -13,6 +13,7 @@ from protocols.execution.output import MadeSafe
 from protocols.execution.states import FinishReason
 
 _POLL_S = 0.1
+DEAF_S = 3.0  # who has not obeyed a request to stop at once by then waits for a device
 
 
 class StopLevel(IntEnum):
@@ -93,3 +94,30 @@ def wait_for_end(request: PauseRequest, stop: StopRequest) -> float:
     while request.asked_by() and stop.level is StopLevel.NONE:
         never.wait(_POLL_S)
     return time.monotonic() - began_s
+
+
+class SignalledStop:
+    """Asks for a stop at each signal: Ctrl-C once after the pulse, all others at once.
+
+    A device whose code does not return, where no voltage is on and so no guard acts, would keep the
+    program for ever. So a signal interrupts it, once, where a stop at once is not obeyed for
+    `DEAF_S`. Not during the safe shutdown, which has limits of its own.
+    """
+
+    def __init__(self, stop: StopRequest, now: Callable[[], float] = time.monotonic) -> None:
+        self._stop = stop
+        self._now = now  # s
+        self._urgent_s: float | None = None  # since when a stop at once is asked for
+        self._has_interrupted = False
+
+    def __call__(self, name: str, count: int) -> None:
+        """Take a signal. Raises KeyboardInterrupt."""
+        level = StopLevel.AFTER_PULSE if count == 1 and name == "SIGINT" else StopLevel.NOW
+        self._stop.request(level, f"stopped by {'Ctrl-C' if name == 'SIGINT' else name}")
+        now = self._now()
+        if self._urgent_s is None and level is StopLevel.NOW:
+            self._urgent_s = now
+        deaf = self._urgent_s is not None and now - self._urgent_s >= DEAF_S
+        if deaf and not (self._has_interrupted or self._stop.is_obeyed):
+            self._has_interrupted = True
+            raise KeyboardInterrupt

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from labrig.experiment.signals import DEAF_S, SignalledStop
-from protocols.execution.stop import StopLevel, StopRequest
+from protocols.execution.stop import DEAF_S, SignalledStop, StopLevel, StopRequest
 
 
 class Pressed:
