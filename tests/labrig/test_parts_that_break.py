@@ -229,7 +229,7 @@ def test_settings_that_their_part_cannot_read_are_refused(check: Check) -> None:
 def test_boards_that_never_answer_are_left_by_a_second_signal(
     check: Check, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("labrig.experiment.signals.DEAF_S", 0.2)
+    monkeypatch.setattr("protocols.execution.stop.DEAF_S", 0.2)
     ended = threading.Event()
 
     def press() -> None:
