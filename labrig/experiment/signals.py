@@ -1,4 +1,4 @@
-"""Turn Ctrl-C and other signals into requests to stop; instrument calls are never interrupted."""
+"""Turn Ctrl-C and other signals into requests to stop."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ _NAMES = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
 def stop_signals(on_stop: Callable[[str, int], None]) -> Iterator[None]:
     """While inside, call `on_stop(signal's name, how many came so far)` for each stop signal.
 
-    The handler runs between two steps of the main thread, so it must only set a flag (or raise,
-    where the main thread does nothing but wait for a person).
+    The handler runs between two steps of the main thread, so it should only set a flag. It may
+    raise where the main thread waits for a person, or for a device that does not answer
+    (`SignalledStop`).
     """
     count = 0
 

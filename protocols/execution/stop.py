@@ -97,7 +97,7 @@ def wait_for_end(request: PauseRequest, stop: StopRequest) -> float:
 
 
 class SignalledStop:
-    """Asks for a stop at each signal: Ctrl-C once after the pulse, all others at once.
+    """Asks for a stop at each signal: after the pulse at the first Ctrl-C, else at once.
 
     A device whose code does not return, where no voltage is on and so no guard acts, would keep the
     program for ever. So a signal interrupts it, once, where a stop at once is not obeyed for

@@ -42,6 +42,7 @@ def with_impossible_signs(
         if effect.location in free
         and effect.name not in ranked
         and candidates(fitted, [effect])  # not without times, where it needs these
+        and not fitted.problem.effort.spent()
     ]
     some = [one for one in found if one.fitted is not None and one.ln_bayes_factor > 0.0]
     return sorted([*ranking, *some], key=lambda one: -one.ln_bayes_factor)
