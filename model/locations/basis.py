@@ -35,6 +35,15 @@ def cosine_wave(j: int, amplitude: float = 1.0) -> Function:
     return value
 
 
+def step_at(place: float, amplitude: float) -> Function:
+    """Return a step at a place of a coordinate 0 .. 1: nothing before it."""
+
+    def value(t: FloatArray) -> FloatArray:
+        return np.asarray(amplitude * np.heaviside(t - place, 1.0))
+
+    return value
+
+
 def polynomial(degree: int, amplitude: float) -> Function:
     """Return Legendre's of a coordinate 0 .. 1, of unit mean square; higher ones are smaller."""
     share = amplitude / (1.0 + FALLING * degree)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +13,7 @@ from model.locations.basis import (
     cosine_wave,
     odd_functions,
     perturbation,
+    step_at,
     time_span,
 )
 from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
@@ -20,12 +21,14 @@ from model.locations.quantities import AcquisitionTimes, ImagePoints
 from model.measurements import FloatArray
 
 AMPLITUDE_M = 5e-4  # of a distortion of the image
-DEGREE = 4  # waves across the image: those with i + j < DEGREE
-COUNT = DEGREE * (DEGREE + 1) // 2
-IMAGE = ("image_x", "image_y")  # coordinates of terms that move points one way
+# waves across the image, those with i + j below a degree, by the coordinates of terms that move
+# points in x and in y
+DEGREES = {("image_x", "image_y"): 4, ("fine_x", "fine_y"): 8}
+IN_X, IN_Y = (tuple(names) for names in zip(*DEGREES, strict=True))
 IMAGE_X_M, IMAGE_Y_M, BELOW_M = 0.05, 0.08, 0.03  # what the waves across the image span
 AMPLITUDE_OF_AGE = 0.1  # of the EIBM
 WAVES_IN_SESSION = 4  # of the whole image
+KNOCK, KNOCKS, KNOCK_WAYS = "knock", 20, 3  # times at which it may be knocked: moved and turned
 SIDE_M = 2e-4  # towards the concave side, where the sheet is bent most
 WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
 
@@ -36,12 +39,14 @@ class Camera(Location):
 
     def curve(self, points: ImagePoints, term: Term) -> tuple[FloatArray, FloatArray] | None:
         """See `Location.curve`."""
-        if term.along in IMAGE:
-            sizes = term(np.arange(COUNT, dtype=float))
-            waves = zip(sizes, _waves(points), strict=True)
-            off = 1e-3 * np.sum([size * wave for size, wave in waves], axis=0)
-            none = np.zeros_like(off)
-            return (off, none) if term.along == "image_x" else (none, off)
+        for names, degree in DEGREES.items():
+            if term.along in names:
+                sizes = term(np.arange(_count(degree), dtype=float))
+                waves = zip(sizes, _waves(points, degree), strict=True)
+                moved = 1e-3 * np.sum([size * wave for size, wave in waves], axis=0)
+                # how far along the curve is seen by nothing
+                off = moved * (points.normal_x if term.along in IN_X else points.normal_y)
+                return off * points.normal_x, off * points.normal_y
         if term.along not in ("s", "curvature"):
             return None
         off = 1e-3 * term(points.s_m if term.along == "s" else _curvature_per_m(points))
@@ -57,27 +62,30 @@ class Camera(Location):
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
-        for number in range(COUNT):
-            for along in IMAGE:
-                term = BasisTerm(
-                    along=along,
-                    function=_only(number, at.scale.length),
-                    low=0.0,
-                    high=COUNT - 1.0,
-                    nodes=COUNT,
-                )
-                step = perturbation(self, at, term)
-                step.points_m = step.points_m * at.has_curve[:, None]
-                yield Basis(
-                    part="place", along="place", function=None, unit="mm",
-                    span=(0.0, 1e3 * at.beam.sheet.free_length_m, "mm"), step=step, shared=True,
-                    term=term,
-                )  # fmt: skip
+        for (in_x, in_y), part in zip(DEGREES, ("place", "place, fine"), strict=True):
+            for number in range(_count(DEGREES[in_x, in_y])):
+                for along in (in_x, in_y):
+                    yield self._wave(at, number, along, part)
         yield from self._by_side(at)
         yield from self._moved(at)
         waves = (cosine_wave(j, AMPLITUDE_OF_AGE) for j in range(WAVES_OF_AGE))
         for one in bases_of(self, at, waves, along="position", part="age"):
             yield replace(one, unit="relative")
+
+    def _wave(self, at: Linearised, number: int, along: str, part: str) -> Basis:
+        """Return one wave across the image; fine ones are looked for by themselves only."""
+        count = _count(next(degree for names, degree in DEGREES.items() if along in names))
+        term = BasisTerm(
+            along=along, function=_only(number, count, at.scale.length), low=0.0, high=count - 1.0,
+            nodes=count,
+        )  # fmt: skip
+        step = perturbation(self, at, term)
+        step.points_m = step.points_m * at.has_curve[:, None]
+        return Basis(
+            part=part, along="place", function=None, unit="mm",
+            span=(0.0, 1e3 * at.beam.sheet.free_length_m, "mm"), step=step, shared=True, term=term,
+            alone=part != "place",
+        )  # fmt: skip
 
     def _by_side(self, at: Linearised) -> Iterator[Basis]:
         """Return what shows the sheet towards its concave or its convex side."""
@@ -93,25 +101,51 @@ class Camera(Location):
             )  # fmt: skip
 
     def _moved(self, at: Linearised) -> Iterator[Basis]:
-        """Return how the whole image moves in the course of the session."""
+        """Return how the whole image moves, turns and grows in the course of the session.
+
+        Slowly; or at once, where the camera is knocked, which may be at any of some times.
+        """
+        size, similar = AMPLITUDE_M * at.scale.length, list(_similar(at.points))
         for j in range(1, WAVES_IN_SESSION + 1):
-            wave = cosine_wave(j, AMPLITUDE_M * at.scale.length)
-            off = (wave(at.measured_at) * at.has_curve)[:, None]
-            for normal in (at.points.normal_x, at.points.normal_y):
-                step = at.nothing()
-                step.points_m = off * normal
-                yield Basis(
-                    part="place, session", along="time", function=wave, unit="mm",
-                    span=time_span(at, "place, session"), step=step, shared=True, alone=True,
-                )  # fmt: skip
+            yield from self._in_session(at, "place, session", cosine_wave(j, size), similar)
+        for j in range(1, KNOCKS + 1):
+            knock = step_at(j / (KNOCKS + 1), size)
+            yield from self._in_session(at, f"{KNOCK} {j}, session", knock, similar[:KNOCK_WAYS])
+
+    def _in_session(
+        self, at: Linearised, part: str, course: Function, ways: Iterable[FloatArray]
+    ) -> Iterator[Basis]:
+        off = (course(at.measured_at) * at.has_curve)[:, None]
+        for along_normal in ways:
+            step = at.nothing()
+            step.points_m = off * along_normal
+            yield Basis(
+                part=part, along="time", function=course, unit="mm", span=time_span(at, part),
+                step=step, shared=True, alone=True,
+            )  # fmt: skip
 
 
-def _waves(points: ImagePoints) -> Iterator[FloatArray]:
+def _similar(points: ImagePoints) -> Iterator[FloatArray]:
+    """Yield how far points go along their normals where the image moves, turns and grows."""
+    normal_x, normal_y = points.normal_x, points.normal_y
+    x = points.x_m / (IMAGE_X_M * points.length_scale) - 0.5
+    y = points.y_m / (IMAGE_X_M * points.length_scale)
+    yield normal_x
+    yield normal_y
+    yield x * normal_y - y * normal_x
+    yield x * normal_x + y * normal_y
+
+
+def _count(degree: int) -> int:
+    return degree * (degree + 1) // 2
+
+
+def _waves(points: ImagePoints, degree: int) -> Iterator[FloatArray]:
     """Yield the waves across the image at points, each of their shape."""
     scale = points.length_scale
     x, y = points.x_m / (IMAGE_X_M * scale), (points.y_m + BELOW_M * scale) / (IMAGE_Y_M * scale)
-    for i in range(DEGREE):
-        for j in range(DEGREE - i):
+    for i in range(degree):
+        for j in range(degree - i):
             yield np.cos(i * np.pi * x) * np.cos(j * np.pi * y) / (1.0 + 0.5 * (i + j))
 
 
@@ -124,11 +158,11 @@ def _curvature_per_m(points: ImagePoints) -> FloatArray:
     return np.asarray(np.where(length > 0.0, turned / np.where(length > 0.0, length, 1.0), 0.0))
 
 
-def _only(number: int, scale: float) -> Function:
+def _only(number: int, count: int, scale: float) -> Function:
     """Return the function of 0 .. 1 that is one wave's amplitude in mm, and nothing elsewhere."""
 
     def value(t: FloatArray) -> FloatArray:
-        return np.where(np.rint(t * (COUNT - 1)) == number, 1e3 * AMPLITUDE_M * scale, 0.0)
+        return np.where(np.rint(t * (count - 1)) == number, 1e3 * AMPLITUDE_M * scale, 0.0)
 
     return value
 

@@ -22,14 +22,16 @@ WAVES_ON_ARC = 7  # one for each position of the paper: a screw's error may be a
 
 @dataclass(frozen=True, kw_only=True)
 class Position(Location):
-    """An error of the position, from position to position or by the force, and a moment there."""
+    """An error of the position, along the arc or off it, or by the force, and a moment there."""
 
     def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
         """See `Location.beam`."""
         if term.along != "position" or term.adds == "moment":
             return beam
-        on_arc = term.share(beam.voltage_V) * term(np.nan_to_num(beam.stated_m))
-        return replace(beam, shift_m=beam.shift_m + 1e-3 * on_arc)
+        moved = 1e-3 * term.share(beam.voltage_V) * term(np.nan_to_num(beam.stated_m))
+        if term.adds == "reach":
+            return replace(beam, reach_m=beam.reach_m + moved)
+        return replace(beam, shift_m=beam.shift_m + moved)
 
     def bent(self, beam: BeamProblem, contact: ContactSolution, term: Term) -> BeamProblem:
         """See `Location.bent`: what takes the force up, and a moment from clamp to contact."""
@@ -53,6 +55,14 @@ class Position(Location):
             yield from bases_of(
                 self, at, waves[:count], along="position", part=part, under=under, shared=True,
                 alone=part == "zero",
+            )  # fmt: skip
+        yield from bases_of(
+            self, at, waves, along="position", part="reach", adds="reach", shared=True, alone=True
+        )
+        for adds in ("", "reach"):
+            yield from bases_of(
+                self, at, waves, along="position", part="position and reach", adds=adds,
+                shared=True, alone=True,
             )  # fmt: skip
         by_force = [polynomial(degree, most_mm) for degree in DEGREES]
         by_force += [_play(at.forces_N, full_N * at.scale.force, most_mm) for full_N in PLAY_N]

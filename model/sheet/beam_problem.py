@@ -17,10 +17,10 @@ from model.parameter import Parameter, finite
 
 Coordinate = Literal[
     "s", "curvature", "bending", "position", "voltage", "configuration", "force", "pulse", "run",
-    "session", "driven", "time", "clamp", "image_x", "image_y",
+    "session", "driven", "time", "clamp", "image_x", "image_y", "fine_x", "fine_y",
 ]  # fmt: skip
 Under = Literal["", "voltage", "polarity"]
-Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp", "moment"]
+Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp", "moment", "reach"]
 UNKNOWN = "unknown"  # the name of what is in no catalogue
 TINY = 1e-12
 STANDARD = 0.6827  # probability of an interval of one standard uncertainty to each side
@@ -57,7 +57,8 @@ class Profile:
     Coordinates: s, m from the clamp; curvature, 1/m by which the sheet is bent; bending, the same
     with its sign; position, m on the arc; voltage, V; force, N; pulse, run, s since the voltage was
     set, since the run began; driven, s under voltage since the sheet was wetted; session, 0 .. 1;
-    image_x, image_y, the number of a wave across the image; configuration and clamp have one node.
+    image_x, image_y, fine_x, fine_y, the number of a wave across the image; configuration and clamp
+    have one node.
     What goes with `time`, as older files have it, is in no mean.
     """
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.search.evidence import Candidate, Projected, score
+from model.discrepancy.search.evidence import Candidate, Projected, scored
+from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     EVIDENCE_THRESHOLD_LN,
@@ -102,19 +103,27 @@ def _of_repeats(fitted: MixedModelFit, c: int) -> FloatArray | None:
     return np.sqrt(total / count) if count else None
 
 
-def unusual_images(fitted: MixedModelFit) -> RankedCandidate | None:
-    """Return the term of the configuration whose curves are noisier than usual; None: none are."""
+def unusual_images(fitted: MixedModelFit) -> list[RankedCandidate]:
+    """Return the term of the configuration whose curves are noisier than usual; empty: none are.
+
+    With it are nonparametric terms of all locations at the usual noise, the best of them all first:
+    what goes with a coordinate explains more with fewer numbers than pictures each by themselves.
+    """
     found = {
         name: one for name, one in image_noise(fitted).items()
         if one.evidence > EVIDENCE_THRESHOLD_LN and _many(fitted, name) > FEWEST_UNUSUAL_IMAGES
     }  # fmt: skip
     if not found:
-        return None
+        return []
     name = max(found, key=lambda n: found[n].evidence)
-    candidate = _candidate(fitted, name)
     forward, solution = fitted.problem.forward, weigh(fitted.linear.data, _usual(fitted, found))
-    one = score(forward, Projected.of(forward, fitted.linear, solution), candidate)
-    return RankedCandidate(score=one, ln_bayes_factor=one.log_bayes, solution=solution)
+    pool = [_candidate(fitted, name), *unknowns(fitted)]
+    scores = scored(forward, Projected.of(forward, fitted.linear, solution), pool)
+    best = dict[str, RankedCandidate]()
+    for one in sorted(scores, key=lambda one: -one.log_bayes):
+        ranked = RankedCandidate(score=one, ln_bayes_factor=one.log_bayes, solution=solution)
+        best.setdefault(one.candidate.name, ranked)
+    return list(best.values())
 
 
 def _many(fitted: MixedModelFit, name: str) -> float:

@@ -15,6 +15,7 @@ from model.discrepancy.criticism.cell_noise import unusual_cell_noise
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.image_noise import of_images, unusual_images
 from model.discrepancy.criticism.named_model import NamedModel
+from model.discrepancy.criticism.set_up_scatter import unusual_set_ups
 from model.discrepancy.search.cross_validation import predictive_gains
 from model.discrepancy.search.forward_selection import SearchResult, supported
 from model.discrepancy.search.ranking import RankedCandidate
@@ -261,7 +262,7 @@ class Judgement:
         if rejected:
             kept = self._kept(known.found, rejected)
             known = fit_mixed_model(known.problem, known.theta, kept) if named else base
-        residual = self._with_images(residual_terms(self.outcome, known, self.effects), known)
+        residual = self._with_hidden(residual_terms(self.outcome, known, self.effects), known)
         if residual is not None and self._alone(residual, named, known):
             named, known = [], base
         hidden = unusual_cell_noise(known) if named else None
@@ -296,18 +297,20 @@ class Judgement:
         """Return what nonparametric terms find beside the names."""
         if not self.enough:
             return None
-        return self._with_images(residual_terms(self.outcome, known, self.effects), known)
+        return self._with_hidden(residual_terms(self.outcome, known, self.effects), known)
 
-    def _with_images(
+    def _with_hidden(
         self, residual: ResidualTerms | None, known: MixedModelFit
     ) -> ResidualTerms | None:
-        """Return the rest with what hides in the noise of curves, unless it is another one."""
+        """Return the rest with what hides in noise or scatter, unless it is another one.
+
+        That is in the noise of curves; or, where nothing is named, in the scatter of set-ups.
+        """
         if residual is None or self._unexplained(residual):
             return residual
-        pictures = unusual_images(known)
-        return (
-            residual if pictures is None else residual.instead([pictures], known, self.outcome.base)
-        )
+        base = self.outcome.base
+        hidden = unusual_images(known) or (unusual_set_ups(known) if known is base else [])
+        return residual.instead(hidden, known, base) if hidden else residual
 
     def _alone(
         self, residual: ResidualTerms, named: Sequence[Choice], known: MixedModelFit

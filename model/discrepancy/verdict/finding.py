@@ -16,6 +16,7 @@ from model.discrepancy.criticism.catalogue import origins as origins_of_checks
 from model.discrepancy.criticism.cell_noise import unusual_cell_noise
 from model.discrepancy.criticism.check_result import Consequence
 from model.discrepancy.criticism.image_noise import of_images
+from model.discrepancy.criticism.set_up_scatter import of_set_ups
 from model.discrepancy.next_measurement.choice import next_measurement
 from model.discrepancy.next_measurement.separation import Suspect, separated
 from model.discrepancy.prepare import Options, Prepared, setups
@@ -350,7 +351,7 @@ class Finding:
             self.outcome.steps[0].ranking if self.outcome.steps else []
         )
         free = decision.free
-        if free is not None and of_images(free):
+        if free is not None and _at_usual_size(free):
             others = [c for c in first if c.name != free.name]
             first = sorted([free, *others], key=lambda c: -c.ln_bayes_factor)
         return tuple(
@@ -360,11 +361,18 @@ class Finding:
                 log_bayes=c.ln_bayes_factor,
                 size=c.score.amplitude,
                 detectability=lengths.get(c.name, c.score.length),
-                why_not="reported, at the usual noise of curves" if of_images(c) else "",
+                why_not=_at_usual_size(c),
             )
             for c in first
             if c.score.candidate.location != "outlier"
         )
+
+
+def _at_usual_size(one: RankedCandidate) -> str:
+    """Return at which noise or scatter a term was compared; empty: at the estimated one."""
+    if of_images(one):
+        return "reported, at the usual noise of curves"
+    return "reported, at the usual scatter of set-ups" if of_set_ups(one) else ""
 
 
 def _not_reported(some: Mapping[str, Said], named: Sequence[Named]) -> dict[str, Said]:

@@ -8,9 +8,11 @@ from typing import cast
 import numpy as np
 
 from model.discrepancy.criticism.image_noise import aside, image_noise, of_images
+from model.discrepancy.criticism.set_up_scatter import apart, of_set_ups
 from model.discrepancy.search.form_share import form_share, steps_of
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
+from model.discrepancy.verdict.ordered_scatter import followed
 from model.discrepancy.verdict.prediction_error import variance
 from model.discrepancy.verdict.result import FormCurve, Unknown
 from model.identification.data.data_vector import Index
@@ -20,6 +22,7 @@ from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location
 from model.locations.basis import EACH_POLARITY, WHICH_WAY
+from model.locations.camera import KNOCK
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from model.sheet.beam_problem import Under
@@ -29,6 +32,12 @@ LOOK_AT_PICTURES = (
     "How one picture is off says nothing of the next one, so the model file does not have it. Look"
     " at the pictures with their curves: does each curve follow the sheet, does an elongation stay"
     " straight, do clamp and camera stand still?"
+)
+NOT_FORETOLD = (
+    "How one set-up is off says nothing of the next one, so the model file does not have it."
+)
+REPEAT_SET_UPS = (
+    "Repeat three positions: what comes back with the position, or with the time, is no chance."
 )
 ALONG = {  # coordinates that follow from the sheet's state
     "force": ", a function of the force",
@@ -46,6 +55,8 @@ def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     name = candidate.score.candidate.location
     if of_images(candidate):
         return _in_images(fitted, candidate)
+    if of_set_ups(candidate):
+        return _of_set_ups(fitted, candidate)
     found = shapes(fitted, name, candidate.score.candidate.part)
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(
@@ -100,6 +111,25 @@ def _in_images(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     )  # fmt: skip
 
 
+def _of_set_ups(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
+    """Return how far set-ups are off, of the configuration where they are so most."""
+    one, where = with_free_form(fitted, candidate), candidate.score.candidate.location
+    span, solution = one.spans[-1], one.solution
+    name = of_set_ups(candidate)
+    found = apart(fitted, name, solution.beta[span], solution.covariance[span, span])
+    depends = (
+        f"of its own in each set-up, with {found.times:.0f} times the usual standard deviation"
+    )
+    order = followed(fitted, name)
+    if order is not None:
+        depends += f", and follows {order[0]} (correlation {order[1]:.2f})"
+    return Unknown(
+        location=where, configuration=found.configuration, s_mm=found.position_mm,
+        profile=found.off, band=found.sigma, unit=found.unit, along="position", depends=depends,
+        advice=NOT_FORETOLD if order else f"{NOT_FORETOLD} {REPEAT_SET_UPS}",
+    )  # fmt: skip
+
+
 def _strongest(
     fitted: MixedModelFit, found: list[BasisShape], columns: FloatArray, beta: FloatArray
 ) -> Key:
@@ -139,7 +169,7 @@ def _seen_wrong(
     return Unknown(
         location=location_name, configuration=name, s_mm=s * 1e3, profile=moved[k][keep] * 1e3,
         band=band * 1e3, unit="mm", along="s",
-        depends=dependence(location_name, found[moving[0]].part, "s", ""),
+        depends=dependence(location_name, found[moving[0]].part, found[moving[0]].along, ""),
     )  # fmt: skip
 
 
@@ -160,6 +190,8 @@ def with_free_form(fitted: MixedModelFit, candidate: RankedCandidate) -> MixedMo
 def dependence(location_name: str, part: str, along: str, under: str) -> str:
     """Return the coordinate a nonparametric term depends on, for messages."""
     depends = location(location_name).depends
+    if part.startswith(KNOCK):
+        return f"{depends}; at one time in the session the whole picture moves at once"
     if along == "time":
         during = part.rpartition(", ")[2]
         depends += f", in the course of {'each' if during != 'session' else 'the'} {during}"

@@ -75,9 +75,36 @@ def glare(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
     return replace(forward.no_step(c), points_m=1e-4 * np.tanh(curvature / 40.0))
 
 
+def crooked_rail(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    at = np.nan_to_num(state.beam.stated_m)
+    return beam(forward, c, state, reach_m=5e-4 * np.sin(at / 0.004))
+
+
+def wavy_window(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    points = forward.points(c, state.beam, state.solved)
+    return replace(forward.no_step(c), points_m=1e-4 * np.sin(points.x_m / 0.003))
+
+
+def knocked_camera(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    block = forward.row_block(c)
+    after = block.mean(block.clock.session) > 1.0 / 3.0
+    return replace(forward.no_step(c), points_m=5e-4 * state.solved.ny * after[:, None])
+
+
+def zooming_lens(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    points, block = forward.points(c, state.beam, state.solved), forward.row_block(c)
+    along = points.x_m * points.normal_x + points.y_m * points.normal_y
+    return replace(
+        forward.no_step(c), points_m=0.02 * block.mean(block.clock.session)[:, None] * along
+    )
+
+
 @pytest.mark.parametrize(
     ("made", "location", "part"),
     [
+        (crooked_rail, "position", "reach"), (wavy_window, "camera", "place, fine"),
+        (knocked_camera, "camera", "knock 7, session"),
+        (zooming_lens, "camera", "place, session"),
         (play_of_the_stage, "position", "force"), (rocking_rolls, "position", "moment"),
         (stretched_electrodes, "eibm", "curvature"),
         (moment_by_bending, "even_moment", "curvature"), (wrinkles, "compliance", "bending"),

@@ -36,7 +36,7 @@ def judgement(monkeypatch) -> Judgement:
     monkeypatch.setattr(module, "alone", lambda *_: False)
     monkeypatch.setattr(module, "misses_much", lambda *_: True)
     monkeypatch.setattr(module, "of_images", lambda _: "")
-    monkeypatch.setattr(module, "unusual_images", lambda _: None)
+    monkeypatch.setattr(module, "unusual_images", lambda _: [])
     monkeypatch.setattr(module, "unusual_cell_noise", lambda _: None)
     told = {"_with_names": "names", "_with_unknown": "unknown"}
     for method, what in told.items():

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.criticism.image_noise import of_images
+from model.discrepancy.criticism.set_up_scatter import of_set_ups
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.verdict.decision import Decision
@@ -58,7 +59,7 @@ class Writer:
         """
         base, reported, unsolved = self.outcome.base, decision.known, ""
         final, free = decision.final, decision.free
-        if free is not None and of_images(free):
+        if free is not None and (of_images(free) or of_set_ups(free)):
             final, free = decision.known, None  # how each is off says nothing of the next one
         for reported in written(decision.known, final, free):
             model = sheet_model(reported, self.measurements, self.options)

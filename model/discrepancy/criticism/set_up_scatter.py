@@ -1,0 +1,115 @@
+"""Set-ups that differ by more than set-ups do: something unknown changes with each of them.
+
+The scatter of stiffness, EIBM, place on the arc and zero of the load cell is estimated from the
+data, so what is another one in each set-up, without an order that a nonparametric term describes,
+is taken up by it. Where it is many times as large as usual, a term in which each set-up has an
+amount of its own competes at the usual scatter. How well camera and sheet come back to their places
+is a matter of the rig: of these nothing is usual.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from model.discrepancy.search.evidence import Candidate, Projected, scored
+from model.discrepancy.search.ranking import RankedCandidate
+from model.discrepancy.thresholds import EXCESSIVE_SCATTER_RATIO
+from model.identification.likelihood.mixed_model import weigh
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.measurements import FloatArray
+
+PART = "each set-up"
+# where each acts, and its unit as it is reported, with the factor from that of the scatter
+LOCATIONS = {
+    "stiffness": ("compliance", "relative", 1.0), "eibm": ("eibm", "relative", 1.0),
+    "position": ("position", "mm", 1e3), "force_zero": ("load_cell", "mN", 1e3),
+}  # fmt: skip
+SIZES = (1.0, 3.0, 10.0, 30.0, 100.0)  # of the usual scatter
+
+
+def unusual_set_ups(fitted: MixedModelFit) -> list[RankedCandidate]:
+    """Return terms of what differs between set-ups by too much, the best first; empty: nothing."""
+    unusual = {name: one for name, one in _times(fitted).items() if one > EXCESSIVE_SCATTER_RATIO}
+    if not unusual:
+        return []
+    forward, names = fitted.problem.forward, list(fitted.problem.noise.random_effects)
+    usual = fitted.solution.log_sigma.copy()
+    for name in unusual:
+        usual[names.index(name)] = fitted.problem.guess[names.index(name)]
+    solution = weigh(fitted.linear.data, usual)
+    pool = [_candidate(fitted, name) for name in unusual]
+    scores = scored(forward, Projected.of(forward, fitted.linear, solution), pool)
+    return [
+        RankedCandidate(score=one, ln_bayes_factor=one.log_bayes, solution=solution)
+        for one in sorted(scores, key=lambda one: -one.log_bayes)
+    ]
+
+
+def of_set_ups(candidate: RankedCandidate) -> str:
+    """Return which scatter a term of each set-up is; empty: it is another term."""
+    part = candidate.score.candidate.part
+    return part.removeprefix(f"{PART}, ") if part.startswith(f"{PART}, ") else ""
+
+
+@dataclass(frozen=True)
+class Apart:
+    """How far the set-ups of a configuration are off, in the unit that is reported; (n,)."""
+
+    configuration: str
+    position_mm: FloatArray
+    off: FloatArray
+    sigma: FloatArray
+    unit: str
+    times: float  # of the usual standard deviation
+
+
+def apart(fitted: MixedModelFit, name: str, beta: FloatArray, C: FloatArray) -> Apart:
+    """Return the configuration whose set-ups a term's sizes (runs,) move most; C: covariance."""
+    forward = fitted.problem.forward
+    unit_size = _usual(fitted, name) * LOCATIONS[name][2]
+    places = [_positions(fitted, c) for c in range(len(forward.names))]
+    sums = [float(np.sum(beta[list(own)] ** 2)) for own in places]
+    c = int(np.argmax(sums))
+    runs = sorted(places[c], key=lambda run: places[c][run])
+    sigma = np.sqrt(np.maximum(np.diag(C)[runs], 0.0))
+    return Apart(
+        forward.names[c], 1e3 * np.array([places[c][run] for run in runs]),
+        unit_size * beta[runs], unit_size * sigma, LOCATIONS[name][1], _times(fitted)[name],
+    )  # fmt: skip
+
+
+def _positions(fitted: MixedModelFit, c: int) -> Mapping[int, float]:
+    """Return the position of each run of a configuration, m; without free shapes."""
+    runs = fitted.problem.forward.row_index.runs
+    seen = fitted.problem.forward.data_vectors[c].seen
+    return {runs.index(one.run): one.position_m for one in seen if np.isfinite(one.position_m)}
+
+
+def _times(fitted: MixedModelFit) -> dict[str, float]:
+    """Return each scatter over its usual size."""
+    above = np.exp(fitted.solution.log_sigma - fitted.problem.guess)
+    names = fitted.problem.noise.random_effects
+    return {name: float(above[k]) for k, name in enumerate(names) if name in LOCATIONS}
+
+
+def _usual(fitted: MixedModelFit, name: str) -> float:
+    names = list(fitted.problem.noise.random_effects)
+    return float(np.exp(fitted.problem.guess[names.index(name)]))
+
+
+def _candidate(fitted: MixedModelFit, name: str) -> Candidate:
+    """Return the term in which each run has an amount of its own: columns (N, runs)."""
+    row_index, names = fitted.problem.forward.row_index, list(fitted.problem.noise.random_effects)
+    group = fitted.linear.data.groups[names.index(name)]
+    columns = np.zeros((row_index.size, len(row_index.runs)))
+    columns[np.arange(row_index.size), row_index.run_of] = (
+        _usual(fitted, name) * group[row_index.run_of, row_index.row_of, 0]
+    )
+    location = LOCATIONS[name][0]
+    return Candidate(
+        name=f"unknown:{location}", values={}, columns=columns, sizes=SIZES, location=location,
+        part=f"{PART}, {name}",
+    )  # fmt: skip
