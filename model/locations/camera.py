@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.locations.basis import (
+    EACH_POLARITY,
     LEAST_BENDING_PER_M,
     bases_of,
     cosine_wave,
@@ -27,6 +28,7 @@ DEGREES = {("image_x", "image_y"): 4, ("fine_x", "fine_y"): 8}
 IN_X, IN_Y = (tuple(names) for names in zip(*DEGREES, strict=True))
 IMAGE_X_M, IMAGE_Y_M, BELOW_M = 0.05, 0.08, 0.03  # what the waves across the image span
 AMPLITUDE_OF_AGE = 0.1  # of the EIBM
+WAVES_ALONG_CURVE = 5
 WAVES_IN_SESSION = 4  # of the whole image
 KNOCK, KNOCKS, KNOCK_WAYS = "knock", 20, 3  # times at which it may be knocked: moved and turned
 SIDE_M = 2e-4  # towards the concave side, where the sheet is bent most
@@ -50,6 +52,7 @@ class Camera(Location):
         if term.along not in ("s", "curvature"):
             return None
         off = 1e-3 * term(points.s_m if term.along == "s" else _curvature_per_m(points))
+        off = term.share(np.asarray(points.voltage_V)) * off
         return off * points.normal_x, off * points.normal_y
 
     def in_image(
@@ -66,6 +69,7 @@ class Camera(Location):
             for number in range(_count(DEGREES[in_x, in_y])):
                 for along in (in_x, in_y):
                     yield self._wave(at, number, along, part)
+        yield from self._along_curve(at)
         yield from self._by_side(at)
         yield from self._moved(at)
         waves = (cosine_wave(j, AMPLITUDE_OF_AGE) for j in range(WAVES_OF_AGE))
@@ -86,6 +90,20 @@ class Camera(Location):
             span=(0.0, 1e3 * at.beam.sheet.free_length_m, "mm"), step=step, shared=True, term=term,
             alone=part != "place",
         )  # fmt: skip
+
+    def _along_curve(self, at: Linearised) -> Iterator[Basis]:
+        """Return what goes with the sheet: a stain that is taken for it, an edge that turns up."""
+        end_m = at.beam.sheet.free_length_m + at.beam.sheet.elongation_m
+        for part, under in (("s", ""), (EACH_POLARITY, "voltage"), (EACH_POLARITY, "polarity")):
+            for j in range(WAVES_ALONG_CURVE):
+                wave = cosine_wave(j, 1e3 * AMPLITUDE_M * at.scale.length)
+                term = BasisTerm(along="s", function=wave, low=0.0, high=end_m, under=under)
+                step = perturbation(self, at, term)
+                step.points_m = step.points_m * at.has_curve[:, None]
+                yield Basis(
+                    part=part, along="s", function=wave, unit="mm", span=(0.0, 1e3 * end_m, "mm"),
+                    step=step, term=term, alone=True,
+                )  # fmt: skip
 
     def _by_side(self, at: Linearised) -> Iterator[Basis]:
         """Return what shows the sheet towards its concave or its convex side."""

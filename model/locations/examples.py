@@ -145,6 +145,7 @@ def example_points() -> ImagePoints:
         normal_x=-np.sin(k * s), normal_y=np.cos(k * s), scale_m=LENGTH_M,
         free_length_m=0.8 * LENGTH_M, contact_m=np.array([[0.9 * LENGTH_M], [np.nan]]),
         pressed_per_m2=np.array([[40.0], [np.nan]]), session_number=np.array([[1.0], [2.0]]),
+        voltage_V=np.array([[2.0], [-2.0]]),
     )  # fmt: skip
 
 
@@ -162,6 +163,7 @@ def example_linearised() -> Linearised:
     points = ImagePoints(
         s_m=np.broadcast_to(beam.s_m, contact.x_m.shape), x_m=contact.x_m, y_m=contact.y_m,
         normal_x=-np.sin(contact.phi_rad), normal_y=np.cos(contact.phi_rad), scale_m=LENGTH_M,
+        voltage_V=beam.voltage_V[:, None],
     )  # fmt: skip
 
     def change(other: BeamProblem) -> FloatArray:

@@ -7,13 +7,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.locations.basis import bases_of, cosine_wave, polynomial, sinusoids, time_span
+from model.locations.basis import (
+    bases_of,
+    cosine_wave,
+    perturbation,
+    polynomial,
+    sinusoids,
+    time_span,
+)
 from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
 from model.locations.quantities import LoadCellInput
 from model.measurements import FloatArray
 
 AMPLITUDE_MN = 0.2
 PERIODIC_MN = 2.0
+GAIN = 0.1  # relative
 DEGREES = range(6)  # of the force: a curve of response may have a zero of its own
 WAVES_IN_SESSION = 8
 
@@ -32,6 +40,8 @@ class LoadCell(Location):
         at = places.get(term.along)
         if at is None:
             return None
+        if term.adds == "gain":
+            return np.asarray(term(at) * weighed.force_N)
         acting = term.share(weighed.voltage_V) * weighed.touching
         return np.asarray(1e-3 * term(at) * acting)
 
@@ -65,6 +75,14 @@ class LoadCell(Location):
             yield self._added(
                 at, wave, wave(session), part="zero, session", along="time",
                 term=BasisTerm(along="session", function=wave, low=0.0, high=1.0),
+            )  # fmt: skip
+            gain = BasisTerm(
+                along="session", function=cosine_wave(j, GAIN), low=0.0, high=1.0, adds="gain"
+            )
+            yield Basis(
+                part="gain, session", along="time", function=gain.function, unit="relative",
+                span=time_span(at, "gain, session"), step=perturbation(self, at, gain),
+                shared=True, term=gain, alone=True,
             )  # fmt: skip
         if at.periodic is not None and at.periodic.what == "force":
             phase = at.periodic.phase(at.clock)

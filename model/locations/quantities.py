@@ -211,6 +211,7 @@ class ImagePoints:
     contact_m: FloatArray | float = np.nan
     pressed_per_m2: FloatArray | float = np.nan
     session_number: FloatArray | float = 0.0  # (K, 1) as of the beam problem
+    voltage_V: FloatArray | float = 0.0  # (K, 1)
 
 
 @dataclass(kw_only=True)

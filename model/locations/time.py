@@ -25,7 +25,7 @@ from model.locations.quantities import (
 from model.measurements import FloatArray
 
 AMPLITUDE = 0.1  # relative
-FORCE_MN, TURN_RAD = 2.0, 0.3  # times AMPLITUDE
+FORCE_MN, TURN_RAD, CURL_PER_M = 2.0, 0.3, 30.0  # times AMPLITUDE
 WAVES = {"session": 8, "run": 3}
 DECAYS_PULSES, PULSES = (1.0, 3.0, 9.0), 22.0  # to 1/e, of the train's
 WAVES_IN_PULSE = 3
@@ -51,10 +51,12 @@ class Time(Location):
 
     def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
         """See `Location.beam`."""
-        if term.adds != "clamp":
+        if term.adds not in ("clamp", "curvature"):
             return beam
         count, session = len(beam.voltage_V), beam.share * beam.clock.session
         at = np.asarray(np.bincount(beam.reading_of, session, count), dtype=float)
+        if term.adds == "curvature":
+            return replace(beam, rest=beam.rest + term(at)[:, None])
         return replace(beam, tilt_rad=beam.tilt_rad + term(at))
 
     def force(self, weighed: LoadCellInput, term: Term) -> FloatArray | None:
@@ -82,15 +84,26 @@ class Time(Location):
         yield self._basis(at, wave, f"EIBM, {during}", replace(nothing(), eibm=course * _on(at)))
         yield self._basis(at, wave, f"stiffness, {during}", replace(nothing(), stiffness=course))
         if during == "session":
-            tilt = at.beam.tilt_rad + TURN_RAD * wave(at.measured_at)
-            step = beam_step(at, replace(at.beam, tilt_rad=tilt))
-            yield self._basis(at, _times(TURN_RAD, wave), "clamp, session", step, "rad")
+            yield from self._set_up(at, wave)
             return
         force_mN = FORCE_MN * at.scale.force
         force = replace(nothing(), force_N=1e-3 * force_mN * course)
         yield self._basis(at, _times(force_mN, wave), f"force, {during}", force, "mN")
         stress = replace(nothing(), force_N=at.force_at_0V_N[at.reading_of] * course)
         yield self._basis(at, wave, f"stress, {during}", stress)
+
+    def _set_up(self, at: Linearised, wave: Function) -> Iterator[Basis]:
+        """Return a course of the clamp, and of the initial curvature: a sheet that dries curls."""
+        course = wave(at.measured_at)
+        tilted = replace(at.beam, tilt_rad=at.beam.tilt_rad + TURN_RAD * course)
+        step = beam_step(at, tilted)
+        yield self._basis(at, _times(TURN_RAD, wave), "clamp, session", step, "rad")
+        per_m = CURL_PER_M / at.scale.length
+        curled = replace(at.beam, rest=at.beam.rest + per_m * course[:, None])
+        one = self._basis(
+            at, _times(per_m, wave), "curvature, session", beam_step(at, curled), "1/m"
+        )
+        yield replace(one, alone=True)
 
     def _train(self, at: Linearised) -> Iterator[Basis]:
         """Return what goes with the time under voltage: of the EIBM, of one polarity, of B."""

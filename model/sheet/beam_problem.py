@@ -20,7 +20,9 @@ Coordinate = Literal[
     "session", "driven", "time", "clamp", "image_x", "image_y", "fine_x", "fine_y",
 ]  # fmt: skip
 Under = Literal["", "voltage", "polarity"]
-Adds = Literal["", "EIBM", "stiffness", "force", "stress", "clamp", "moment", "reach"]
+Adds = Literal[
+    "", "EIBM", "stiffness", "force", "stress", "gain", "clamp", "curvature", "moment", "reach"
+]
 UNKNOWN = "unknown"  # the name of what is in no catalogue
 TINY = 1e-12
 STANDARD = 0.6827  # probability of an interval of one standard uncertainty to each side

@@ -109,6 +109,7 @@ def camera_m(
         length_scale=length_scale(setup.sheet),
         free_length_m=setup.sheet.free_length_m, contact_m=found.s_hat_m[row],
         pressed_per_m2=found.nu[row], session_number=float(setup.session),
+        voltage_V=setup.voltage_V,
     )  # fmt: skip
     (dx,), (dy,) = image_displacement_m(acting(effects, setup.sheet.configuration), points)
     return dx, dy

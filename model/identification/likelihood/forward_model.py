@@ -359,6 +359,7 @@ def _points(
         contact_m=held.s_hat_m[:, None],
         pressed_per_m2=(held.normal_N / beam.stiffness)[:, None],
         session_number=configuration_model.session_number[:, None],
+        voltage_V=configuration_model.voltage_V[:, None],
     )  # fmt: skip
 
 

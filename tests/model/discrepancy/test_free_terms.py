@@ -99,9 +99,28 @@ def zooming_lens(forward: ForwardModel, c: int, state: ModelState) -> Perturbati
     )
 
 
+def twisting_sheet(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    sign = np.sign(forward.configuration_models[c].voltage_V)[:, None]
+    s = state.solved.s_m
+    return replace(forward.no_step(c), points_m=2e-4 * sign * (s / np.max(s)) ** 2)
+
+
+def drying_sheet(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    block = forward.row_block(c)
+    at = block.mean(block.clock.session)
+    return beam(forward, c, state, rest=state.beam.rest + 3.0 * (at[:, None] - 0.5))
+
+
+def warming_bridge(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    at = forward.row_block(c).clock.session
+    return replace(forward.no_step(c), force_N=0.05 * np.sin(9.0 * at) * state.weighed.force_N)
+
+
 @pytest.mark.parametrize(
     ("made", "location", "part"),
     [
+        (twisting_sheet, "camera", "each polarity"), (drying_sheet, "time", "curvature, session"),
+        (warming_bridge, "load_cell", "gain, session"),
         (crooked_rail, "position", "reach"), (wavy_window, "camera", "place, fine"),
         (knocked_camera, "camera", "knock 7, session"),
         (zooming_lens, "camera", "place, session"),
