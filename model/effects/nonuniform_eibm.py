@@ -67,7 +67,7 @@ EFFECT = NonuniformEibm(
             high=1000.0,
             neutral=np.inf,
             log=True,
-            starting_values=(5, 8, 12, 20, 35, 60, 120),
+            starting_values=(5, 8, 12, 20, 35, 60, 120, 250),
         ),
     ),
     explained_by_dynamics=True,

@@ -44,8 +44,7 @@ class Camera(Location):
         for names, degree in DEGREES.items():
             if term.along in names:
                 sizes = term(np.arange(_count(degree), dtype=float))
-                waves = zip(sizes, _waves(points, degree), strict=True)
-                moved = 1e-3 * np.sum([size * wave for size, wave in waves], axis=0)
+                moved = 1e-3 * _moved_by(points, degree, sizes)
                 # how far along the curve is seen by nothing
                 off = moved * (points.normal_x if term.along in IN_X else points.normal_y)
                 return off * points.normal_x, off * points.normal_y
@@ -158,13 +157,16 @@ def _count(degree: int) -> int:
     return degree * (degree + 1) // 2
 
 
-def _waves(points: ImagePoints, degree: int) -> Iterator[FloatArray]:
-    """Yield the waves across the image at points, each of their shape."""
-    scale = points.length_scale
+def _moved_by(points: ImagePoints, degree: int, sizes: FloatArray) -> FloatArray:
+    """Return the sum of the waves across the image at points, each times its size."""
+    scale, result = points.length_scale, np.zeros_like(points.x_m)
     x, y = points.x_m / (IMAGE_X_M * scale), (points.y_m + BELOW_M * scale) / (IMAGE_Y_M * scale)
-    for i in range(degree):
-        for j in range(degree - i):
-            yield np.cos(i * np.pi * x) * np.cos(j * np.pi * y) / (1.0 + 0.5 * (i + j))
+    numbers = [(i, j) for i in range(degree) for j in range(degree - i)]
+    for (i, j), size in zip(numbers, sizes.tolist(), strict=True):
+        if size:
+            wave = np.cos(i * np.pi * x) * np.cos(j * np.pi * y)
+            result = result + size * wave / (1.0 + 0.5 * (i + j))
+    return result
 
 
 def _curvature_per_m(points: ImagePoints) -> FloatArray:

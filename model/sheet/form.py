@@ -98,16 +98,16 @@ def key_of(term: Profile) -> tuple[object, ...]:
 
 def combined(terms: Iterable[Profile]) -> tuple[Profile, ...]:
     """Return the terms with those along the same nodes added up."""
-    result: dict[tuple[object, ...], Profile] = {}
+    alike: dict[tuple[object, ...], list[Profile]] = {}
     for term in terms:
-        key = key_of(term)
-        known = result.get(key)
-        if known is not None:
-            values = (a + b for a, b in zip(known.values, term.values, strict=True))
-            sigma = (np.hypot(a, b) for a, b in zip(known.sigma, term.sigma, strict=True))
-            term = replace(known, values=tuple(values), sigma=tuple(map(float, sigma)))
-        result[key] = term
-    return tuple(result.values())
+        alike.setdefault(key_of(term), []).append(term)
+    return tuple(some[0] if len(some) == 1 else _total(some) for some in alike.values())
+
+
+def _total(some: Sequence[Profile]) -> Profile:
+    values = np.sum([one.values for one in some], axis=0)
+    sigma = np.sqrt(np.sum(np.square([one.sigma for one in some]), axis=0))
+    return replace(some[0], values=tuple(values.tolist()), sigma=tuple(sigma.tolist()))
 
 
 def scaled(term: Profile, size: float) -> Profile:

@@ -36,6 +36,7 @@ LOOK_AT_PICTURES = (
 NOT_FORETOLD = (
     "How one set-up is off says nothing of the next one, so the model file does not have it."
 )
+ONE_SESSION = "It says nothing of another session or moment, so the model file does not have it."
 REPEAT_SET_UPS = (
     "Repeat three positions: what comes back with the position, or with the time, is no chance."
 )
@@ -58,6 +59,7 @@ def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     if of_set_ups(candidate):
         return _of_set_ups(fitted, candidate)
     found = shapes(fitted, name, candidate.score.candidate.part)
+    advice = "" if foretells(fitted, candidate) else ONE_SESSION
     columns = np.stack([s.rows for s in found], axis=1)
     linear = with_columns(
         fitted.problem.forward, fitted.linear, columns, candidate.score.scale**-2.0
@@ -67,7 +69,7 @@ def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     n = len(found)
     beta, C = solution.beta[-n:], solution.covariance[-n:, -n:]
     if any(s.points_m is not None for s in found):
-        return _seen_wrong(fitted, name, found, beta, C)
+        return replace(_seen_wrong(fitted, name, found, beta, C), advice=advice)
     key = _strongest(fitted, found, columns, beta)
     own = [s for s in found if _key(s) == key and s.function is not None]
     use = np.array([_key(s) == key and s.function is not None for s in found])
@@ -80,8 +82,19 @@ def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
         location=name, configuration=configuration, s_mm=start + t * (end - start),
         profile=by @ beta[use], band=band, unit=own[0].unit, along=along,
         depends=dependence(name, part, along, under_applied_voltages(fitted, under)),
-        at_unit=at_unit, under=cast("Under", under),
+        at_unit=at_unit, under=cast("Under", under), advice=advice,
     )  # fmt: skip
+
+
+def foretells(fitted: MixedModelFit, candidate: RankedCandidate) -> bool:
+    """Return whether a prediction can show a nonparametric term: else a model file has none of it.
+
+    How one picture, one set-up, or the course of one session is off says nothing of another one.
+    """
+    if of_images(candidate) or of_set_ups(candidate):
+        return False
+    own = candidate.score.candidate
+    return any(shape.terms for shape in shapes(fitted, own.location, own.part))
 
 
 def under_applied_voltages(fitted: MixedModelFit, under: str) -> str:

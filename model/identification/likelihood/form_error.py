@@ -116,9 +116,9 @@ def _steps(
     forward: ForwardModel, linear: Linearisation, one: Found, active: tuple[AppliedEffect, ...]
 ) -> list[Perturbation]:
     """Return the perturbation by the effect in each configuration."""
-    others = tuple(a for a in active if a.effect is not one.effect)
+    others, own = tuple(a for a in active if a.effect is not one.effect), one.active
     return [
-        whole_step(forward, c, linear.states[c], linear.states[c].base, others, one.active)
+        whole_step(forward, c, linear.states[c], linear.states[c].base, others, own)
         if name in one.values else forward.no_step(c)
         for c, name in enumerate(forward.names)
     ]  # fmt: skip

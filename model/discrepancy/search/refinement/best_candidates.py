@@ -11,7 +11,7 @@ import numpy as np
 from model.discrepancy.search.evidence import Score, rescored
 from model.discrepancy.search.ranking import RankedCandidate, best_scores, usual_scatter
 from model.discrepancy.search.refinement.fits import doubtful, refined
-from model.discrepancy.search.refinement.other_starts import by_forces, refined_again
+from model.discrepancy.search.refinement.other_starts import by_forces, refined_again, weakest
 from model.discrepancy.thresholds import (
     CLEAR_EVIDENCE_LN,
     CURVATURE_SHARE,
@@ -41,7 +41,8 @@ def refine_best(
     chosen += [c for c in known if c.name in plain and c not in chosen]
     done = dict[str, RankedCandidate]()
     for c in chosen:
-        done[c.name] = refined(fitted, c, (c.score,), there, _least(done))
+        shapes = (c.score, *(weakest(fitted, c.score) if there is None else ()))
+        done[c.name] = refined(fitted, c, shapes, there, _least(done))
     ranked = {c.name: c.ln_bayes_factor for c in chosen}
     some = _promising(fitted, list(done.values()), ranked, ranking[0].ln_bayes_factor)
     promising = sorted(some, key=lambda name: (-done[name].ln_bayes_factor, name))

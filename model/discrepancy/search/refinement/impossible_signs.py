@@ -17,7 +17,7 @@ from model.discrepancy.search.evidence import candidates, members, surprise
 from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.search.refinement.other_starts import (
     by_forces,
-    middle_size,
+    of_tried_size,
     refined_again,
 )
 from model.effects.interface import Effect
@@ -49,6 +49,6 @@ def with_impossible_signs(
 
 
 def _begun(fitted: MixedModelFit, effect: Effect) -> RankedCandidate:
-    one = middle_size(fitted, effect)
+    one = of_tried_size(fitted, effect, 0.5)
     among = surprise(one) - float(np.log(len(members(effect))))
     return RankedCandidate(score=one, ln_bayes_factor=-np.inf, among=among)

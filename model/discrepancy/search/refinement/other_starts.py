@@ -9,7 +9,7 @@ from itertools import islice
 
 import numpy as np
 
-from model.discrepancy.search.evidence import Projected, Score, candidates, score
+from model.discrepancy.search.evidence import Projected, Score, candidates, scored
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.ranking import RankedCandidate, best_scores, usual_scatter
 from model.discrepancy.search.refinement.fits import (
@@ -63,17 +63,33 @@ def _begun_with(fitted: MixedModelFit, candidate: RankedCandidate) -> Iterator[S
     yield candidate.score
     effect = candidate.score.candidate.effect
     if effect is not None and effect.amplitude.starting_values:
-        middle = middle_size(fitted, effect)
+        middle = of_tried_size(fitted, effect, 0.5)
         if middle.candidate.values != candidate.score.candidate.values:
             yield middle
 
 
-def middle_size(fitted: MixedModelFit, effect: Effect) -> Score:
-    """Return an effect in the middle one of its shapes, of the size that is tried."""
-    pool = candidates(fitted, [effect])
-    projected = Projected.of(fitted.problem.forward, fitted.linear, fitted.solution)
-    one = score(fitted.problem.forward, projected, pool[len(pool) // 2])
-    return replace(one, amplitude=1.0)
+def of_tried_size(fitted: MixedModelFit, effect: Effect, rank: float) -> Score:
+    """Return an effect in one of its shapes, of the size that is tried.
+
+    `rank` 0 is the weakest one, which changes the data least; 1 the strongest.
+    """
+    pool, forward = candidates(fitted, [effect]), fitted.problem.forward
+    scores = scored(forward, Projected.of(forward, fitted.linear, fitted.solution), pool)
+    ordered = sorted(scores, key=lambda one: one.length)
+    return replace(ordered[int(np.ceil(rank * (len(ordered) - 1)))], amplitude=1.0)
+
+
+def weakest(fitted: MixedModelFit, one: Score) -> tuple[Score, ...]:
+    """Return an effect of which sizes are tried in its weakest shape; none: it has no other one.
+
+    A fit from there is near the base model, so its form bends to the data as a straight line does.
+    One from a size that is too large may settle where the form undoes a good part of it.
+    """
+    effect = one.candidate.effect
+    if effect is None or not effect.amplitude.starting_values:
+        return ()
+    weak = of_tried_size(fitted, effect, 0.0)
+    return () if weak.candidate.values == one.candidate.values else (weak,)
 
 
 def by_forces(fitted: MixedModelFit) -> FloatArray:

@@ -7,11 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.criticism.image_noise import of_images
-from model.discrepancy.criticism.set_up_scatter import of_set_ups
 from model.discrepancy.prepare import Options
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.verdict.decision import Decision
+from model.discrepancy.verdict.inferred_form import foretells
 from model.discrepancy.verdict.stated_errors import with_stated_errors
 from model.discrepancy.verdict.written_model.fitted_model import sheet_model
 from model.discrepancy.verdict.written_model.left_out_gain import (
@@ -59,8 +58,8 @@ class Writer:
         """
         base, reported, unsolved = self.outcome.base, decision.known, ""
         final, free = decision.final, decision.free
-        if free is not None and (of_images(free) or of_set_ups(free)):
-            final, free = decision.known, None  # how each is off says nothing of the next one
+        if free is not None and not foretells(decision.known, free):
+            final, free = decision.known, None
         for reported in written(decision.known, final, free):
             model = sheet_model(reported, self.measurements, self.options)
             where = "" if reported is base else unsolved_at(model, base.problem.forward)
@@ -79,7 +78,8 @@ class Writer:
                 model=self._with_errors(model),
                 unsolved=unsolved,
             )
-        plain = self._of_fit() if reported is not base else None
+        found = reported is not base or decision.free is not None
+        plain = self._of_fit() if found else None
         if plain is None:
             plain = self._with_errors(sheet_model(base, self.measurements, self.options))
         return WrittenModel(reported=reported, predicting=base, model=plain, unsolved=unsolved)
