@@ -167,23 +167,40 @@ def _seen_wrong(
     beta: FloatArray,
     C: FloatArray,
 ) -> Unknown:
-    """Return how far the camera puts a curve off, for the condition where it does so most."""
-    name = found[0].configuration
+    """Return how far the camera puts a curve off, for the condition where it does so most.
+
+    What is not the rig's has shapes of each configuration: it is told of that which is moved most.
+    """
+    every = {s.configuration: _moved(found, s.configuration, beta) for s in found}
+    name = max(every, key=lambda one: float(np.max(np.abs(every[one][1]), initial=0.0)))
+    moving, moved = every[name]
     configuration_model = fitted.problem.forward.configuration_models[
         fitted.problem.forward.names.index(name)
     ]
-    moving = [i for i, s in enumerate(found) if s.points_m is not None]
-    each = np.stack([s.points_m for s in found if s.points_m is not None], axis=2)  # (K, S, n)
-    beta, C = beta[moving], C[np.ix_(moving, moving)]
-    moved = each @ beta
+    each = np.stack([np.asarray(found[i].points_m) for i in moving], axis=2)  # (K, S, n)
+    C = C[np.ix_(moving, moving)]
     k = int(np.argmax(np.max(np.abs(moved), axis=1)))
     s, keep = np.unique(configuration_model.curve_s[k], return_index=True)
     band = np.sqrt(np.maximum(np.einsum("sn,nm,sm->s", each[k], C, each[k]), 0.0))[keep]
     return Unknown(
         location=location_name, configuration=name, s_mm=s * 1e3, profile=moved[k][keep] * 1e3,
         band=band * 1e3, unit="mm", along="s",
-        depends=dependence(location_name, found[moving[0]].part, found[moving[0]].along, ""),
+        depends=dependence(
+            location_name, found[moving[0]].part, found[moving[0]].along,
+            under_applied_voltages(fitted, found[moving[0]].under),
+        ),
     )  # fmt: skip
+
+
+def _moved(
+    found: list[BasisShape], configuration: str, beta: FloatArray
+) -> tuple[list[int], FloatArray]:
+    """Return which shapes move the curves of a configuration, and by how much in all: (K, S)."""
+    own = [
+        i for i, s in enumerate(found) if s.configuration == configuration and np.any(s.points_m)
+    ]
+    total = sum(beta[i] * np.asarray(found[i].points_m) for i in own)
+    return own, np.atleast_2d(np.asarray(total, dtype=float))
 
 
 def with_free_form(fitted: MixedModelFit, candidate: RankedCandidate) -> MixedModelFit:

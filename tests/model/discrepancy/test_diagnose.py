@@ -313,7 +313,7 @@ def test_samples_that_were_all_stamped_late_are_no_lag_of_the_sheet():
 
 
 @pytest.mark.slow
-def test_a_scatter_that_no_rig_has_allows_no_verdict():
+def test_a_zero_that_differs_between_set_ups_as_no_rig_s_does_is_something_unknown():
     m, random = session(), np.random.default_rng(1)
     zero = {key: 4e-4 * random.standard_normal() for key in {_place(c) for c in m.conditions}}
     moved = [
@@ -323,8 +323,11 @@ def test_a_scatter_that_no_rig_has_allows_no_verdict():
         for c in m.conditions
     ]
     found = diagnose(replace(m, conditions=tuple(moved)))
-    assert (found.verdict, names(found), found.unknown) == ("cannot_tell", [], None)
-    assert "the load cell's zero differs from set-up to set-up" in found.sentence
+    assert (found.verdict, names(found)) == ("unknown_effect", [])
+    assert found.unknown is not None
+    assert (found.unknown.location, found.unknown.unit) == ("load_cell", "mN")
+    assert np.max(np.abs(found.unknown.profile)) > 0.4
+    assert "of its own in each set-up" in found.sentence
 
 
 def shifted(m: Measurements, off_m) -> Measurements:
