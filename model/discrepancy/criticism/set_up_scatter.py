@@ -54,7 +54,7 @@ def of_set_ups(candidate: RankedCandidate) -> str:
     return part.removeprefix(f"{PART}, ") if part.startswith(f"{PART}, ") else ""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Apart:
     """How far the set-ups of a configuration are off, in the unit that is reported; (n,)."""
 
@@ -76,8 +76,10 @@ def apart(fitted: MixedModelFit, name: str, beta: FloatArray, C: FloatArray) -> 
     runs = sorted(places[c], key=lambda run: places[c][run])
     sigma = np.sqrt(np.maximum(np.diag(C)[runs], 0.0))
     return Apart(
-        forward.names[c], 1e3 * np.array([places[c][run] for run in runs]),
-        unit_size * beta[runs], unit_size * sigma, LOCATIONS[name][1], _times(fitted)[name],
+        configuration=forward.names[c],
+        position_mm=1e3 * np.array([places[c][run] for run in runs]),
+        off=unit_size * beta[runs], sigma=unit_size * sigma, unit=LOCATIONS[name][1],
+        times=_times(fitted)[name],
     )  # fmt: skip
 
 
