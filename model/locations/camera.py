@@ -120,14 +120,17 @@ class Camera(Location):
     def _moved(self, at: Linearised) -> Iterator[Basis]:
         """Return how the whole image moves, turns and grows in the course of the session.
 
-        Slowly; or at once, where the camera is knocked, which may be at any of some times.
+        Slowly; or at once, where the camera is knocked, which may be at any of some times. Not from
+        one sheet to the next: what differs between them may be theirs.
         """
         size, similar = AMPLITUDE_M * at.scale.length, list(_similar(at.points))
         for j in range(1, WAVES_IN_SESSION + 1):
             yield from self._in_session(at, "place, session", cosine_wave(j, size), similar)
         for j in range(1, KNOCKS + 1):
-            knock = step_at(j / (KNOCKS + 1), size)
-            yield from self._in_session(at, f"{KNOCK} {j}, session", knock, similar[:KNOCK_WAYS])
+            when = j / (KNOCKS + 1)
+            if any(first < when <= last for first, last in at.pictured):
+                part, knock = f"{KNOCK} {j}, session", step_at(when, size)
+                yield from self._in_session(at, part, knock, similar[:KNOCK_WAYS])
 
     def _in_session(
         self, at: Linearised, part: str, course: Function, ways: Iterable[FloatArray]

@@ -146,6 +146,7 @@ class Linearised:
     measured_at: FloatArray  # (K,) when each condition was measured, 0 .. 1 over the session
     has_curve: npt.NDArray[np.bool_]  # (K,)
     positions_m: tuple[float, float]  # range over all configurations
+    pictured: tuple[tuple[float, float], ...]  # first and last picture of each, as `measured_at`
     forces_N: tuple[float, float]  # range of what was measured
     bent_per_m: float  # the largest bending over all configurations
     scale: RigScale  # of the session: amplitudes that are lengths or forces go with it

@@ -145,16 +145,15 @@ def linearised(fitted: MixedModelFit, c: int) -> Linearised:
     """Return a configuration as the locations see it."""
     forward, state = fitted.problem.forward, fitted.linear.states[c]
     configuration_model, block = forward.configuration_models[c], forward.row_block(c)
-    measured_at = block.mean(block.clock.session)
-    measured_at[configuration_model.unread] = configuration_model.unread_clock.session
     return Linearised(
         beam=state.beam, contact=state.solved.contact, weighed=state.weighed,
         points=forward.points(c, state.beam, state.solved), clock=block.clock,
         position_m=configuration_model.stated_m[block.reading_of], reading_of=block.reading_of,
         initial_curvature_per_m=configuration_model.rest(configuration_model.s_m),
         force_at_0V_N=np.nan_to_num(state.solved.force_N) - state.by_eibm,
-        measured_at=measured_at, has_curve=configuration_model.has_curve,
+        measured_at=_measured_at(forward, c), has_curve=configuration_model.has_curve,
         positions_m=_ends(np.concatenate([one.stated_m for one in forward.configuration_models])),
+        pictured=tuple(_pictured(forward, each) for each in range(len(forward.names))),
         forces_N=_force_range_N(forward),
         bent_per_m=_most_bent_per_m(fitted), scale=forward.scale,
         bin_clock=block.bin_clock, bin_sample=block.bin_sample,
@@ -162,6 +161,19 @@ def linearised(fitted: MixedModelFit, c: int) -> Linearised:
         nothing=lambda: forward.blank_step(c),
         change=lambda other: configuration_model.change(state.beam, other, state.solved.contact),
     )  # fmt: skip
+
+
+def _measured_at(forward: ForwardModel, c: int) -> FloatArray:
+    """Return when each condition was measured, 0 .. 1 over the session: (K,)."""
+    configuration_model, block = forward.configuration_models[c], forward.row_block(c)
+    result = block.mean(block.clock.session)
+    result[configuration_model.unread] = configuration_model.unread_clock.session
+    return result
+
+
+def _pictured(forward: ForwardModel, c: int) -> tuple[float, float]:
+    """Return when the first and the last curve of a configuration were measured."""
+    return _ends(_measured_at(forward, c)[forward.configuration_models[c].has_curve])
 
 
 def _ends(values: FloatArray) -> tuple[float, float]:

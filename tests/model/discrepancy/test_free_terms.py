@@ -150,6 +150,15 @@ def left(base: MixedModelFit, rows: FloatArray, own: list[FloatArray]) -> FloatA
     return rows - known @ np.linalg.lstsq(known, rows, rcond=1e-9)[0]
 
 
+def test_a_knock_is_one_amid_the_pictures_of_a_sheet():
+    """What differs from one sheet to the next may be theirs."""
+    seen = {part for one in unknowns(base_fit()) if (part := one.part).startswith("knock")}
+    middle = {f"knock {j}, session" for j in (10, 11)}  # of 20, between the two sheets
+    assert seen
+    assert not seen & middle
+    assert {"knock 9, session", "knock 12, session"} <= seen
+
+
 def test_shapes_of_a_part_that_is_looked_for_alone_are_not_in_the_whole():
     base = base_fit()
     whole = {shape.part for shape in shapes(base, "position")}
