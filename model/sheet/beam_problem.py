@@ -21,7 +21,17 @@ Coordinate = Literal[
 ]  # fmt: skip
 Under = Literal["", "voltage", "polarity"]
 Adds = Literal[
-    "", "EIBM", "stiffness", "force", "stress", "gain", "clamp", "curvature", "moment", "reach"
+    "",
+    "EIBM",
+    "stiffness",
+    "force",
+    "stress",
+    "gain",
+    "clamp",
+    "curvature",
+    "bow",
+    "moment",
+    "reach",
 ]
 UNKNOWN = "unknown"  # the name of what is in no catalogue
 TINY = 1e-12

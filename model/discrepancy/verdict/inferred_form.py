@@ -47,6 +47,7 @@ ALONG = {  # coordinates that follow from the sheet's state
 OF_PARTS = {  # whose functions are of several coordinates, or of several voltages
     EACH_POLARITY: ", under voltage, and of its own at each polarity",
     WHICH_WAY: ", by how far the sheet is bent and which way",
+    "elongation": ", a bow of the elongation",
 }
 Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
 

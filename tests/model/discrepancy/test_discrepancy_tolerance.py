@@ -369,6 +369,7 @@ def test_whatever_is_unknown_can_be_told():
         assert np.all(np.isfinite(told.profile)), (one.location, one.part)
         assert np.any(told.band > 0.0), (one.location, one.part)
         in_mm = one.location in ("position", "camera") and one.part not in ("age", "moment")
+        in_mm |= one.part == "elongation"
         assert (told.unit == "mm") == in_mm
 
 

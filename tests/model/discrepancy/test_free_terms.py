@@ -116,9 +116,23 @@ def warming_bridge(forward: ForwardModel, c: int, state: ModelState) -> Perturba
     return replace(forward.no_step(c), force_N=0.05 * np.sin(9.0 * at) * state.weighed.force_N)
 
 
+def bowed_elongation(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    sheet, s_hat = state.beam.sheet, np.nan_to_num(state.solved.contact.s_hat_m)
+    if not sheet.elongation_m:
+        return forward.no_step(c)
+
+    def bow(s_m: FloatArray) -> FloatArray:
+        along = np.maximum(s_m - sheet.free_length_m, 0.0) / sheet.elongation_m
+        return 3e-4 * (1.0 - np.cos(np.pi * along / 2.0))
+
+    moved = beam(forward, c, state, offset_m=bow(s_hat))
+    return replace(moved, points_m=bow(state.solved.s_m))
+
+
 @pytest.mark.parametrize(
     ("made", "location", "part"),
     [
+        (bowed_elongation, "rest_curvature", "elongation"),
         (twisting_sheet, "camera", "each polarity"), (drying_sheet, "time", "curvature, session"),
         (warming_bridge, "load_cell", "gain, session"),
         (crooked_rail, "position", "reach"), (wavy_window, "camera", "place, fine"),
