@@ -16,7 +16,7 @@ from labrig.vision.extraction.faint_tip import BEGIN_WIDTHS, tip_beyond
 from labrig.vision.extraction.first_shape import cut, first_shape
 from labrig.vision.extraction.likeliest_paths import CLAMP_REACH_PX
 from labrig.vision.extraction.path_fit import fit_path
-from labrig.vision.extraction.tip_middle import tip_middle_px
+from labrig.vision.extraction.tip_middle import strip_shown, tip_middle_px
 from labrig.vision.fit.course import StripCourse, completed, course_along
 from labrig.vision.fit.leading_on import led_on_by_profile
 from labrig.vision.fit.outline import ROUNDS, OutlineFit, fit_outline, smooth_fit
@@ -51,6 +51,7 @@ BEGIN_SHARE = 1 / 16  # of the length, in which a clamp may hide where the strip
 LED_ON_RATIO = 1.5  # of what is led on by the profile, to how far the strip is looked for
 TIP_SIGMA_PX, TIP_ROOM_WIDTHS = 3.0, 0.5  # how well a tip is stated; how far off it may be seen
 TIP_SEEN_SIGMA_PX, TIP_SEEN_SIGMA_WIDTHS = 1.0, 0.06  # of a tip's middle, across the strip
+BORDER_WIDTHS, BORDER_ROOM_PX = 1.5, 3.0  # from where a profile leaves the image to its middle
 OWN_EDGE_WIDTHS = 0.4  # at the clamp and the tip, where these have edges of their own
 
 
@@ -160,6 +161,16 @@ class _Fitter:
         prior = _coarse_prior(self.width_px)
         return smooth_fit(fit.beside, fit.blocks, prior, fit.taper, places)
 
+    def to_its_end(self, shape: CurveShape, course: StripCourse) -> tuple[CurveShape, float, float]:
+        """Return a curve up to where a strip ends, how long it is, and the end's sigma."""
+        end, sigma = course.end
+        if _at_border(course, end):
+            return *self.to_border(shape, end), sigma
+        if course.leaves_image:
+            return shape, end, sigma
+        shape, longer_px = self.to_faint_tip(shape, end)
+        return shape, end + longer_px, math.hypot(sigma, longer_px / math.sqrt(12))
+
     def to_faint_tip(self, shape: CurveShape, end: float) -> tuple[CurveShape, float]:
         """Return a curve led on along a tip that becomes thinner or fades, and how far."""
         last, more = end, max(TIP_WIDTHS * self.width_px, TIP_MIN_PX)
@@ -174,6 +185,24 @@ class _Fitter:
             last = tip.end_px
             shape = cut(before, last, self.width_px, way=tip.way)
         return shape, last - end
+
+    def to_border(self, shape: CurveShape, end: float) -> tuple[CurveShape, float]:
+        """Return a curve led on to where its middle leaves the image, and where that is.
+
+        One of its edges leaves the image before, so that its profile is no longer seen. It stays as
+        it is where its middle does not look like the strip up to the border.
+        """
+        on = cut(shape, end + BORDER_WIDTHS * self.width_px + BORDER_ROOM_PX, self.width_px)
+        places = self.optics.world_to_pixel(np.stack([on.x, on.y], 1) / self.optics.px_per_m)
+        rows, columns = self.images[0].grey.shape
+        outside = ((places < 0) | (places > (columns - 1, rows - 1))).any(axis=1)
+        beyond = np.flatnonzero(outside & (on.basis.s > end))
+        if not len(beyond):
+            return shape, end
+        on = cut(on, float(on.basis.s[beyond[0] - 1]), self.width_px)
+        total = on.basis.total_px
+        seen = strip_shown(on, self.images, self.optics, self.width_px, last_px=total - end)
+        return (on, total) if seen else (shape, end)
 
     def _aside(self, shape: CurveShape, end: float, more: float) -> CurveShape | None:
         """Return the curve led on along the strip's profile, where more of the strip shows so."""
@@ -223,11 +252,7 @@ def fitted_outline(
         return _followed_to_stated_length(outline, shape, fitter, strip)
     if optics.tip_px is None:
         fit, course = fitter.followed(fit)
-        end, sigma = course.end
-        whole = fit.shape
-        if not course.leaves_image:
-            whole, longer_px = fitter.to_faint_tip(fit.shape, end)
-            end, sigma = end + longer_px, math.hypot(sigma, longer_px / math.sqrt(12))
+        whole, end, sigma = fitter.to_its_end(fit.shape, course)
     else:
         more = max(BEYOND_WIDTHS * width, BEYOND_MIN_PX)
         longer = cut(fit.shape, fit.shape.basis.total_px + more, width)

@@ -38,15 +38,7 @@ def tip_middle_px(
     shape: CurveShape, images: Sequence[GreyImage], optics: Optics, width_px: float
 ) -> float | None:
     """Return how far to the left of a curve's end its tip's middle lies; None where not seen."""
-    s, total = shape.basis.s, shape.basis.total_px
-    first = int(np.searchsorted(s, total - LEARNED_WIDTHS * width_px))
-    last = shape.from_node(first)
-    before_end = total - s[first:]
-    unit = min(UNIT_MAX_PX, UNIT_RATIO * width_px)
-    many = math.ceil((GROUND_WIDTHS[1] * width_px + GROUND_PX[1]) / unit)
-    across = np.asarray(np.arange(-many, many + 1) * unit, dtype=np.float64)
-    greys = greys_beside(last, images, optics, across)
-    strip = _share_of_strip(greys, across, before_end > LAST_WIDTHS * width_px, width_px)
+    before_end, across, strip = _strip_at_end(shape, images, optics, width_px)
     if strip is None:
         return None
     strip = _smoothed(strip, round(SMOOTHED_WIDTHS * width_px / shape.basis.step_px))
@@ -55,6 +47,47 @@ def tip_middle_px(
     if len(middles) < max(ROWS_MIN, TIP_MIDDLE_SEEN_SHARE_MIN * int(tip.sum())):
         return None
     return float(np.mean(middles))  # a line through them ends far aside where the end is wrong
+
+
+def strip_shown(
+    shape: CurveShape,
+    images: Sequence[GreyImage],
+    optics: Optics,
+    width_px: float,
+    *,
+    last_px: float,
+) -> bool:
+    """Return whether all of the last part of a curve looks like the strip's middle before it."""
+    before_end, across, strip = _strip_at_end(shape, images, optics, width_px, last_px=last_px)
+    if strip is None:
+        return False
+    last = before_end < last_px
+    middle = strip[last][:, np.abs(across) < INSIDE_WIDTHS * width_px].mean(axis=1)
+    return bool((middle > HALF).all())
+
+
+def _strip_at_end(
+    shape: CurveShape,
+    images: Sequence[GreyImage],
+    optics: Optics,
+    width_px: float,
+    *,
+    last_px: float = 0.0,
+) -> tuple[FloatArray, FloatArray, FloatArray | None]:
+    """Return how far before a curve's end, and across, its last part lies, and how much is strip.
+
+    `last_px`: before the end, that may not be the strip.
+    """
+    s, total = shape.basis.s, shape.basis.total_px
+    first = int(np.searchsorted(s, total - last_px - LEARNED_WIDTHS * width_px))
+    last = shape.from_node(first)
+    before_end = total - s[first:]
+    unit = min(UNIT_MAX_PX, UNIT_RATIO * width_px)
+    many = math.ceil((GROUND_WIDTHS[1] * width_px + GROUND_PX[1]) / unit)
+    across = np.asarray(np.arange(-many, many + 1) * unit, dtype=np.float64)
+    greys = greys_beside(last, images, optics, across)
+    known = before_end > last_px + LAST_WIDTHS * width_px
+    return before_end, across, _share_of_strip(greys, across, known, width_px)
 
 
 def _share_of_strip(

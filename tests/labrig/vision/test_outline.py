@@ -321,6 +321,25 @@ def test_a_strip_that_ends_under_a_mask_ends_where_it_is_seen_last():
     assert not any("border" in text for text in curve.warnings)
 
 
+@pytest.mark.parametrize(("thick_px", "turn_rad"), [(16, 0.3), (6, 1.0)])
+def test_a_strip_that_leaves_the_image_is_followed_up_to_the_border(thick_px, turn_rad):
+    """One of its edges leaves the image before its middle does."""
+    line = arc(260, turn_rad)
+    curve = neutral_curve(drawn(line, thick_px), stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    assert any("to the border of the image" in text for text in curve.warnings)
+    u, v = curve.points_px[-1]
+    assert min(u, v, SIZE[1] - 1 - u, SIZE[0] - 1 - v) < 1.1
+    assert beside_px(curve, line).max() < 0.05 * thick_px + 0.3
+
+
+def test_a_strip_that_ends_shortly_before_the_border_is_not_led_on_to_it():
+    line = arc(134, 0.0, heading_rad=-0.9)  # its middle would leave the image after 140
+    curve = neutral_curve(drawn(line, 24), stated(), UNKNOWN)
+    assert curve.ok, curve.why
+    assert curve.s_m[-1] * 2000 < 137
+
+
 def test_a_strip_on_white_paper():
     line = arc(150, 0.8)
     image = drawn(line, 4, light=40.0, ground=300.0)
