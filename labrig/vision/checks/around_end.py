@@ -56,6 +56,8 @@ LOOKS = (
     _Look(before=0.0, near=0.4, far=1.4, share=0.5),
 )
 
+FARTHEST = max(look.far for look in LOOKS)  # from the end
+
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class _StripEnd:

@@ -102,11 +102,15 @@ def require_finding(found: object, nodes: int) -> None:
     """Raise TypeError or ValueError where another distribution's finding cannot be used."""
     if not isinstance(found, CurveFinding):
         raise TypeError(f"it returned {type(found).__name__}, not a CurveFinding")
-    if not (found.refusal or found.warning) and found.widening_px is None:
+    widens = found.widening_px is not None or bool(found.end_widening_px)
+    if not (found.refusal or found.warning or widens):
         raise ValueError("its CurveFinding has neither a refusal nor a warning nor a widening")
     wide = found.widening_px
     if wide is not None and (np.shape(wide) != (nodes,) or not np.isfinite(wide).all()):
         raise ValueError(f"widening_px must be {nodes} finite numbers, one for each node")
+    end = found.end_widening_px
+    if np.shape(end) != () or not np.isfinite(end) or end < 0:
+        raise ValueError("end_widening_px must be a number of pixels, 0 or more")
     at = found.refused_at_px
     if at is not None and (np.shape(at) != (2,) or not np.isfinite(at).all()):
         raise ValueError("refused_at_px must be a pixel's column and row")

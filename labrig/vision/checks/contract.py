@@ -43,6 +43,7 @@ class CurveFinding:
     refused_at_px: Pixel | None = None  # where that shows; None: nowhere in particular
     warning: str = ""  # a sentence without its full stop; empty: none
     widening_px: FloatArray | None = None  # (nodes,): added to the uncertainty, in quadrature
+    end_widening_px: float = 0.0  # along the curve, to that of a measured end, in quadrature
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,12 +71,21 @@ class CurveCheck:
         """
         return CurveFinding(refusal=_text("refusal", self.refusal, values), refused_at_px=at_px)
 
-    def warn(self, widening_px: FloatArray | None = None, **values: float | str) -> CurveFinding:
-        """Return its warning with these values, and what it adds to the uncertainty.
+    def warn(
+        self,
+        widening_px: FloatArray | None = None,
+        end_widening_px: float = 0.0,
+        **values: float | str,
+    ) -> CurveFinding:
+        """Return its warning with these values, and what it adds to the uncertainties.
 
         Raises ValueError where it has none, or one with a place for another value.
         """
-        return CurveFinding(warning=_text("warning", self.warning, values), widening_px=widening_px)
+        return CurveFinding(
+            warning=_text("warning", self.warning, values),
+            widening_px=widening_px,
+            end_widening_px=end_widening_px,
+        )
 
 
 def _text(what: str, text: str, values: Mapping[str, float | str]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,7 @@ class StageVerdict:
     refused_at_px: Pixel | None  # where that shows; None: nowhere in particular
     warnings: tuple[str, ...]
     widening_px: FloatArray  # (nodes,): what they add to the uncertainty, in quadrature
+    end_widening_px: float  # and to that of a measured end, along the curve
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -61,6 +63,7 @@ def check_curve(
         refused_at_px=found.refused_at_px,
         warnings=found.warnings,
         widening_px=found.widening_px,
+        end_widening_px=found.end_widening_px,
         covered=seen.covered,
         residual_px=seen.residual_px,
         worth=_worth(seen) * (0.3 if found.why else 1.0),
@@ -85,6 +88,7 @@ def _together(found: list[CurveFinding], nodes: int) -> StageVerdict:
         refused_at_px=refusal.refused_at_px,
         warnings=tuple(each.warning for each in found if each.warning),
         widening_px=_widening_px(found, nodes),
+        end_widening_px=math.hypot(*(each.end_widening_px for each in found)),
     )
 
 

@@ -278,6 +278,7 @@ def outline_in_metres(
             end_measured=not (strip.length_known or optics.tip_px or outline.leaves_image),
         )
     )
+    outline = replace(outline, end_sigma_px=math.hypot(outline.end_sigma_px, said.end_widening_px))
     warned = (*_assumed(outline, optics, strip), *_turned(outline, optics))
     warned += (BY_PATH,) if outline.by_path else ()
     beyond = _beyond_px(outline, shape.basis.total_px) if strip.length_known else 0.0

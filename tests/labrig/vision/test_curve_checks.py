@@ -29,6 +29,8 @@ class Always(CurveCheck):
             return "bad"
         if self.name == "short":
             return CurveFinding(warning="never said", widening_px=np.ones(3))
+        if self.name == "endless":
+            return CurveFinding(warning="never said", end_widening_px=np.nan)
         if self.name == "mute":
             return CurveFinding()
         if self.name == "forgetful":
@@ -126,7 +128,9 @@ def test_a_check_of_another_distribution_refuses(plain, known, with_check, stage
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["broken", "wordy", "short", "nowhere", "mute", "forgetful"])
+@pytest.mark.parametrize(
+    "name", ["broken", "wordy", "short", "nowhere", "endless", "mute", "forgetful"]
+)
 def test_a_check_of_another_distribution_that_fails_costs_no_curve(plain, known, with_check, name):
     with_check(name, CheckStage.CHOSEN, warning="never said")
     curve = neutral_curve(plain.image, *known(plain))
@@ -141,6 +145,7 @@ def test_a_check_of_another_distribution_that_fails_costs_no_curve(plain, known,
         ("broken", "its code raised KeyError: 'no such thing' (test_curve_checks.py, line "),
         ("wordy", "it returned str, not a CurveFinding"),
         ("short", "widening_px must be 121 finite numbers, one for each node"),
+        ("endless", "end_widening_px must be a number of pixels, 0 or more"),
         ("mute", "its CurveFinding has neither a refusal nor a warning nor a widening"),
         ("forgetful", "its refusal is empty, so nothing can be said with it"),
         ("misspelt", "its warning has a place for 'beside_px', which is given no value"),

@@ -455,7 +455,9 @@ class Extra(CurveCheck):
         assert 0 < seen.covered <= 1
         assert seen.length_mm > 0
         wide = np.full(len(seen.sigma_px), 1.0)
-        return CurveFinding(refusal=self.refusal, warning=self.warning, widening_px=wide)
+        return CurveFinding(
+            refusal=self.refusal, warning=self.warning, widening_px=wide, end_widening_px=30.0
+        )
 
 
 @pytest.mark.parametrize(
@@ -480,9 +482,11 @@ def test_checks_of_other_distributions_are_asked_for_a_curve_between_edges(monke
         return neutral_curve(image, *told)
 
     warned = with_check(warning="it is Tuesday")
-    assert warned.warnings == (*without.warnings, "it is Tuesday")
+    assert warned.warnings[1:] == (*without.warnings[1:], "it is Tuesday")
     added = np.sqrt(warned.sigma_m**2 - without.sigma_m**2) * 2000
     assert added == pytest.approx(1.0, rel=1e-6)
+    at_end = np.sqrt(warned.end_sigma_m**2 - without.end_sigma_m**2) * 2000
+    assert at_end == pytest.approx(30.0, rel=1e-6)
     refused = with_check(refusal="check of the day failed: it is Tuesday.")
     assert not refused.ok
     assert refused.why == "check of the day failed: it is Tuesday."

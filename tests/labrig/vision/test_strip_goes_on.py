@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from labrig.vision import Optics, StripGeometry, neutral_curve
-from labrig.vision.checks.around_end import shown_beyond
+from labrig.vision.checks.around_end import FARTHEST, shown_beyond
 from labrig.vision.checks.kinds.strip_goes_on import CHECK
+from labrig.vision.extraction.extract import unconfirmed_curve
 from labrig.vision.image.image import read_grey_image
 from labrig.vision.thresholds import STRIP_GOES_ON_MIN
 from tests.cases import few
@@ -86,22 +87,24 @@ def test_outside_of_the_image_nothing_shows():
     assert beyond(picture(to_border), to_border) < STRIP_GOES_ON_MIN
 
 
-def asked(pixels, *, length_known=False, tip_px=None, free_length_m=0.04):
+def asked(pixels, *, length_known=False, tip_px=None, free_length_m=0.04, find=neutral_curve):
     optics = OPTICS.model_copy(update={"tip_px": tip_px, "clamp_angle_known": False})
     strip = StripGeometry(
         free_length_m=free_length_m, length_known=length_known, thickness_known=False
     )
-    return neutral_curve(pixels, optics, strip)
+    return find(pixels, optics, strip)
 
 
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_a_curve_that_ends_at_a_hook_says_so():
-    curve = asked(picture(hooked(150)))
+    curve = asked(picture(hooked(150)), find=unconfirmed_curve)  # a second look leads it on
     assert curve.ok
     said = [text for text in curve.warnings if text.startswith(SAID)]
     u, v = curve.points_px[-1]
     assert said == [CHECK.warning.format(u=u, v=v)]
+    assert curve.end_sigma_m * OPTICS.px_per_m > FARTHEST * THICK
+    assert f"±{1e3 * curve.end_sigma_m:.1f} mm" in curve.warnings[0]
 
 
 @pytest.mark.thorough

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import cast
 
-from labrig.vision.checks.around_end import shown_beyond
+from labrig.vision.checks.around_end import FARTHEST, shown_beyond
 from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
 from labrig.vision.checks.seen_curve import SeenCurve
 from labrig.vision.checks.seen_outline import SeenOutline
@@ -26,7 +26,8 @@ class StripGoesOn(CurveCheck):
         if shown_beyond(context.channels, path_px, fit.width_px) < STRIP_GOES_ON_MIN:
             return None
         u, v = path_px[-1]
-        return self.warn(u=float(u), v=float(v))
+        # so far it seems to go on; no further is looked, and it may be another thing
+        return self.warn(end_widening_px=FARTHEST * fit.width_px, u=float(u), v=float(v))
 
 
 CHECK = StripGoesOn(
