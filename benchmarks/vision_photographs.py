@@ -13,6 +13,7 @@ length (and 3 pixels) of its last one; where the strip leaves the picture, anywh
 `--half` takes the photographs of half of the repositories, by the hash of their names: 0 to choose
 by, 1 to judge by.
 "End doubted": it ended elsewhere, and a warning says that the strip may go on there.
+Ends inside the image are also counted that lie further than three `end_sigma_m` from the reading's.
 What each takes is counted in cold searches, too: on mixed drawn scenes, as `vision_extraction
 refusals` does, and on an easy drawn picture of its size, both in the same run.
 """
@@ -41,6 +42,8 @@ TRACES = Path(__file__).parent / "photographs" / "traces.json"
 RIGHT_PX = 2.0
 END_SHARE_MAX, END_MIN_PX = 0.03, 3.0  # of the length: where the end may be seen along the strip
 SIGMA_SHARE_MIN = 1 / 3  # of the error; a smaller sigma is a silent error
+END_SIGMAS_MAX = 3.0  # from an end to the reading's
+READING_PX = 1.0  # how well an end is read, along the strip
 CLICK_PX = 2.0  # how far off the reading a click may be
 RULER_MM = 50.0  # the length that every strip is given: scale plays no part in what is found
 
@@ -177,6 +180,13 @@ def end_doubted(curve: NeutralCurve) -> bool:
     return any(text.startswith(begin) for text in curve.warnings)
 
 
+def end_sigmas(curve: NeutralCurve, photograph: Photograph) -> float:
+    """Return how far a curve's end lies from the reading's along the strip, in its own sigmas."""
+    px_per_m = _length(curve.points_px) / curve.s_m[-1]
+    end = errors_px(curve, photograph.trace_px)[2]
+    return float(abs(end) / max(curve.end_sigma_m * px_per_m, READING_PX))
+
+
 def asked(
     photograph: Photograph, *, direction: bool, clicks: int | None = None, length: bool = False
 ) -> tuple[Optics, StripGeometry]:
@@ -226,6 +236,7 @@ def main() -> None:
     chosen = chosen_extractor(options.extractor)
     counts: dict[str, int] = {}
     right_doubted = 0
+    ends: list[float] = []
     searches, taken = ColdSearches(), list[tuple[float, float, bool]]()
     print("| photograph | kind | result | error, px | CPU s |\n|---|---|---|---|---|")
     for photograph in load(options.folder):
@@ -253,6 +264,8 @@ def main() -> None:
         taken.append((spent, searches.easy_s(*photograph.image.shape[:2]), not curve.ok))
         result, text = verdict(curve, photograph)
         counts[result] = counts.get(result, 0) + 1
+        if curve.ok and not photograph.leaves_image:
+            ends.append(end_sigmas(curve, photograph))
         right_doubted += result == "right" and end_doubted(curve)
         print(f"| {photograph.name} | {photograph.kind} | {result} | {text} | {spent:.2f} |")
         if options.overlays is not None:
@@ -261,6 +274,8 @@ def main() -> None:
             write_overlay(options.overlays / f"{name}.png", photograph.image, curve)
     print("; ".join(f"{count} {result}" for result, count in counts.items()))
     print(f"{right_doubted} of the right ones have the warning that the strip may go on")
+    far = sum(each > END_SIGMAS_MAX for each in ends)
+    print(f"{far} of {len(ends)} ends inside the image are {END_SIGMAS_MAX:g} of their sigmas off")
     if taken:
         print(summary(searches, taken))
 
