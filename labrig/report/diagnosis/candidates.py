@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 MOST = 14  # candidates that are drawn
 VISIBLE = 4.0  # sigmas from which on an effect would be found
 _REACH = 1.645  # standard uncertainties to either side: 90 %
+_FEW = 30  # points of a profile that are drawn as such
 _LINEAR = 10.0  # up to here the axis of ln Bayes factors is linear, beyond logarithmic
 _BARS_IN, _LEAST_IN = 1.6, 2.8  # widths of panels, which their titles need
 _SOFT = "#9aa4b0"
@@ -136,7 +137,11 @@ def _profile(axes: Axes, one: Unknown) -> None:
         at, one.profile - band, one.profile + band, color=CONSTANT_COLOUR, alpha=0.25, linewidth=0,
         label="90 %",
     )  # fmt: skip
-    axes.plot(at, one.profile, color=CONSTANT_COLOUR, label=f"{one.configuration} sheet")
+    # set-ups are each by itself: what lies between them is drawn to guide the eye
+    marker = "o" if len(at) <= _FEW else None
+    axes.plot(
+        at, one.profile, marker=marker, color=CONSTANT_COLOUR, label=f"{one.configuration} sheet"
+    )
     axes.set_xlabel(_coordinate(one.along, one.at_unit))
     axes.set_ylabel(f"added to the {one.location.replace('_', ' ')} ({one.unit})")
     axes.legend(fontsize=8)

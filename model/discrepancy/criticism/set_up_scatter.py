@@ -24,7 +24,7 @@ from model.measurements import FloatArray
 PART = "each set-up"
 # where each acts, and its unit as it is reported, with the factor from that of the scatter
 LOCATIONS = {
-    "stiffness": ("compliance", "relative", 1.0), "eibm": ("eibm", "relative", 1.0),
+    "stiffness": ("compliance", "relative", -1.0), "eibm": ("eibm", "relative", 1.0),
     "position": ("position", "mm", 1e3), "force_zero": ("load_cell", "mN", 1e3),
 }  # fmt: skip
 SIZES = (1.0, 3.0, 10.0, 30.0, 100.0)  # of the usual scatter
@@ -74,11 +74,11 @@ def apart(fitted: MixedModelFit, name: str, beta: FloatArray, C: FloatArray) -> 
     sums = [float(np.sum(beta[list(own)] ** 2)) for own in places]
     c = int(np.argmax(sums))
     runs = sorted(places[c], key=lambda run: places[c][run])
-    sigma = np.sqrt(np.maximum(np.diag(C)[runs], 0.0))
+    sigma = abs(unit_size) * np.sqrt(np.maximum(np.diag(C)[runs], 0.0))
     return Apart(
         configuration=forward.names[c],
         position_mm=1e3 * np.array([places[c][run] for run in runs]),
-        off=unit_size * beta[runs], sigma=unit_size * sigma, unit=LOCATIONS[name][1],
+        off=unit_size * beta[runs], sigma=sigma, unit=LOCATIONS[name][1],
         times=_times(fitted)[name],
     )  # fmt: skip
 
