@@ -34,6 +34,11 @@ def app_for(arguments: Sequence[str]) -> TyperGroup:
     return _app(all_commands() if own is None else [own])
 
 
+def prints_json(arguments: Sequence[str]) -> bool:
+    """Return whether these arguments ask one of our own commands for JSON."""
+    return "--json" in arguments and _own_command(arguments[0]) is not None
+
+
 def all_commands() -> list[Command]:
     """Return all commands in their order; warn of each that is left out."""
     from drivers.plugins import PluginWarning  # the drivers are slow to import

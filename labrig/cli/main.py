@@ -8,13 +8,14 @@ import sys
 import tempfile
 import threading
 import traceback
+from contextlib import nullcontext
 from pathlib import Path
 
 import typer
 from typer.exceptions import TyperException
 
-from labrig.cli.app import app_for
-from labrig.cli.screen import warn
+from labrig.cli.app import app_for, prints_json
+from labrig.cli.screen import json_alone, warn
 from labrig.cli.sentences.compiling import compiling_is_told
 from labrig.cli.sentences.option_names import with_options
 from labrig.cli.sentences.streams import (
@@ -88,7 +89,8 @@ def _run(arguments: list[str]) -> int:
         app = app_for(arguments)
         if said := unclear_option(app, arguments):
             raise BadInputError(said)
-        result = app.main(arguments, prog_name="labrig", standalone_mode=False)
+        with json_alone() if prints_json(arguments) else nullcontext():
+            result = app.main(arguments, prog_name="labrig", standalone_mode=False)
         sys.stdout.flush()
     except TyperException as error:
         if type(error).__name__ == "NoArgsIsHelpError":  # of a group: its help is its message

@@ -8,7 +8,7 @@ import sys
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import Any, Protocol
+from typing import Any, Protocol, TextIO
 
 from rich.console import Console
 from rich.table import Table
@@ -21,6 +21,7 @@ _TELLING = 0.1  # share of a job that tells how long the rest takes
 _SHORT_S = 15.0
 # The terminal on which a bar is drawn now: only by this does a line not end up behind the bar.
 _with_a_bar: list[Console] = []
+_json_alone: list[TextIO] = []  # standard output, while it is kept for JSON
 
 
 class _Terminal(Console):
@@ -64,7 +65,24 @@ def print_json_line(value: Any) -> None:
 def _print_json(value: Any, *, indent: int | None) -> None:
     from labrig.serialise import finite  # slow to import
 
-    sys.stdout.write(json.dumps(finite(value), indent=indent, allow_nan=False) + "\n")
+    stdout = _json_alone[-1] if _json_alone else sys.stdout
+    stdout.write(json.dumps(finite(value), indent=indent, allow_nan=False) + "\n")
+
+
+@contextmanager
+def json_alone() -> Iterator[None]:
+    """Keep standard output for JSON: what else is printed goes to standard error.
+
+    A part of another distribution may print whatever it likes, and a program reads the JSON.
+    """
+    stdout = sys.stdout
+    _json_alone.append(stdout)
+    sys.stdout = sys.stderr
+    try:
+        yield
+    finally:
+        sys.stdout = stdout
+        _json_alone.remove(stdout)
 
 
 def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
