@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Final
 
 from drivers.plugins import OWN, PluginFolder, UnknownPartError
 from labrig.errors import BadArgumentError, LabrigError
+from labrig.exports._files import new_file
 from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
 from labrig.files import make_folder
@@ -52,25 +54,53 @@ def export(
         raise BadArgumentError(f"format: {error}.", "format") from None
     with open_session(session):  # a file of another kind leaves no empty folder
         pass
+    part = FORMATS.find(format)
     with _folder(Path(folder)) as target:
-        try:
-            written: object = chosen.write(Path(session), target)
-        except ModuleNotFoundError as error:
-            raise BadArgumentError(
-                f"format {format} needs the package {_package(format, error)}.", "format"
-            ) from None
-    whose = f"the export format '{format}' of {FORMATS.origins().get(format, 'labrig')}"
+        if part is None or part.distribution == OWN:
+            return _written(format, chosen, Path(session), target)
+        with _aside(target) as aside:
+            return _moved(_written(format, chosen, Path(session), aside), aside, target)
+
+
+def _written(name: str, chosen: ExportFormat, session: Path, folder: Path) -> list[Path]:
+    """Return the files that a format wrote."""
+    try:
+        written: object = chosen.write(session, folder)
+    except ModuleNotFoundError as error:
+        raise BadArgumentError(
+            f"format {name} needs the package {_package(name, error)}.", "format"
+        ) from None
+    whose = f"the export format '{name}' of {FORMATS.origins().get(name, 'labrig')}"
     if not isinstance(written, list) or not all(isinstance(one, Path) for one in written):
         raise LabrigError(
             f"{whose} returned {type(written).__name__}, not a list of the files that it wrote; "
-            f"see {target}."
+            "nothing of it was kept."
         )
     missing = [one.name for one in written if not one.exists()]
     if missing:
         raise LabrigError(
-            f"{whose} did not write {', '.join(missing)}, which it says it wrote; see {target}."
+            f"{whose} did not write {', '.join(missing)}, which it says it wrote; nothing of it "
+            "was kept."
         )
     return written
+
+
+@contextmanager
+def _aside(folder: Path) -> Iterator[Path]:
+    """Make a folder inside one for what another distribution writes: it may fail half-way."""
+    with TemporaryDirectory(prefix=".export-", dir=folder, ignore_cleanup_errors=True) as aside:
+        yield Path(aside)
+
+
+def _moved(written: list[Path], aside: Path, folder: Path) -> list[Path]:
+    """Move everything into the folder, all or nothing, and return where the files are then."""
+    every = [one.relative_to(aside) for one in sorted(aside.rglob("*")) if not one.is_dir()]
+    for one in every:
+        new_file(folder, str(one))
+    for one in every:
+        (folder / one).parent.mkdir(parents=True, exist_ok=True)
+        (aside / one).replace(folder / one)
+    return [folder / p.relative_to(aside) if p.is_relative_to(aside) else p for p in written]
 
 
 def _package(name: str, error: ModuleNotFoundError) -> str:

@@ -33,6 +33,7 @@ class ExportFormat(Protocol):
         Called once, in the main thread; it may block for minutes. `session` is a closed session
         file, which must not be changed. Raises BadInputError where a file is there already or the
         session lacks what the format needs, and ModuleNotFoundError where a package is missing.
-        A file appears under its final name whole, or not at all (`labrig.files`).
+        A file appears under its final name whole, or not at all (`labrig.files`). Of another
+        distribution `folder` is one aside: its files are moved when all of them are written.
         """
         ...

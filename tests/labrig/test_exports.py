@@ -258,6 +258,49 @@ def test_a_format_that_names_a_file_that_is_not_there_is_named(session, tmp_path
         export(session, tmp_path, "ghostly")
 
 
+@pytest.fixture
+def of_others(monkeypatch):
+    """Make a function the format 'theirs' of another distribution."""
+
+    def made(write):
+        theirs = SimpleNamespace(summary="Theirs.", extra="", write=write)
+        parts = {"theirs": Part("theirs", theirs, "labrig-extra", "0.1")}
+        monkeypatch.setattr(type(FORMATS), "parts", lambda _: parts)
+        monkeypatch.setattr(type(FORMATS), "find", lambda _, name: parts.get(name))
+
+    return made
+
+
+def test_a_format_of_others_that_fails_half_way_leaves_nothing(session, tmp_path, of_others):
+    def write(_session, folder):
+        (folder / "half.txt").write_text("1")
+        raise ValueError("the disk of my dreams is full")
+
+    of_others(write)
+    with pytest.raises(ValueError, match="dreams"):
+        export(session, tmp_path / "new", "theirs")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_format_of_others_replaces_no_file_and_its_folders_are_kept(session, tmp_path, of_others):
+    def write(_session, folder):
+        (folder / "sub").mkdir()
+        for name in ("sub/a.txt", "b.txt"):
+            (folder / name).write_text("theirs")
+        return [folder / "sub" / "a.txt", folder / "b.txt"]
+
+    of_others(write)
+    (tmp_path / "b.txt").write_text("mine")
+    with pytest.raises(BadInputError, match=r"b\.txt exists already"):
+        export(session, tmp_path, "theirs")
+    assert [one.name for one in tmp_path.iterdir()] == ["b.txt"]
+    assert (tmp_path / "b.txt").read_text() == "mine"
+    (tmp_path / "b.txt").unlink()
+    written = export(session, tmp_path, "theirs")
+    assert written == [tmp_path / "sub" / "a.txt", tmp_path / "b.txt"]
+    assert all(one.read_text() == "theirs" for one in written)
+
+
 def test_every_format_says_what_it_writes():
     assert {"bluesky", "crate", "csv", "parquet", "xarray"} <= set(FORMATS.parts())
 
