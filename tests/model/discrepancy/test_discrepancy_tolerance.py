@@ -403,7 +403,12 @@ def test_a_profile_is_that_of_one_part_along_its_own_coordinate():
             assert (told.along, told.at_unit) == ("force", "mN")
         else:
             assert (told.s_mm[-1], told.at_unit) == (pytest.approx(30.0), "mm")
-        units = {"force, run": "mN", "clamp, session": "rad", "moment": "1/m"}
+        units = {
+            "force, run": "mN",
+            "clamp, session": "rad",
+            "moment": "1/m",
+            "curvature, session": "1/m",
+        }
         assert told.unit == units.get(one.part, "mm" if one.location == "position" else "relative")
 
 

@@ -80,13 +80,16 @@ def of_tried_size(fitted: MixedModelFit, effect: Effect, rank: float) -> Score:
 
 
 def weakest(fitted: MixedModelFit, one: Score) -> tuple[Score, ...]:
-    """Return an effect of which sizes are tried in its weakest shape; none: it has no other one.
+    """Return an effect along the sheet of which sizes are tried in its weakest shape, if another.
 
     A fit from there is near the base model, so its form bends to the data as a straight line does.
-    One from a size that is too large may settle where the form undoes a good part of it.
+    One from a size that is too large may settle where the form undoes a good part of it along the
+    sheet. Forms in time have no such place.
     """
     effect = one.candidate.effect
     if effect is None or not effect.amplitude.starting_values:
+        return ()
+    if "s" not in effect.form_error_along:
         return ()
     weak = of_tried_size(fitted, effect, 0.0)
     return () if weak.candidate.values == one.candidate.values else (weak,)
