@@ -260,7 +260,6 @@ def test_a_strip_that_becomes_thinner_is_followed_in_its_own_width(thick_px, thi
     assert beside_px(curve, line).max() < 0.3
 
 
-@pytest.mark.thorough
 def test_a_bridged_stretch_is_known_less_well():
     line = arc(150, 0.8)
     image = drawn(line, 10)

@@ -33,6 +33,7 @@ def curve_along(path: np.ndarray, sigma_px: float = 0.3) -> NeutralCurve:
         ok=True, s_m=lengths(plane), x_m=plane[:, 0], y_m=plane[:, 1], points_px=path,
         sigma_m=np.full(len(path), sigma_px / OPTICS.px_per_m), end_sigma_m=1e-4,
         thickness_m=12 / OPTICS.px_per_m, contrast=50.0, warnings=("as before",),
+        seen=np.ones(len(path), dtype=bool), covered=1.0,
     )  # fmt: skip
 
 
@@ -73,6 +74,43 @@ def test_a_curve_that_ends_early_is_led_on_to_the_tip(shows):
     assert found.curvature_per_m[len(found.s_m) // 2] == pytest.approx(
         OPTICS.px_per_m * 1.2 / 160 * (-1 if found.y_m[-1] < 0 else 1), rel=0.3
     )
+
+
+def bridged(curve: NeutralCurve, begin: int, end: int) -> NeutralCurve:
+    """Return a curve whose edges are hidden from one place to another, and known to 2 pixels."""
+    hidden = (np.arange(len(curve.s_m)) >= begin) & (np.arange(len(curve.s_m)) < end)
+    sigma_m = np.where(hidden, 2.0 / OPTICS.px_per_m, curve.sigma_m)
+    return replace(curve, seen=~hidden, sigma_m=sigma_m, covered=float((~hidden).mean()))
+
+
+@pytest.mark.parametrize("places", [400, 320])  # the other ends early, and is led on
+def test_what_was_hidden_stays_so_and_keeps_its_sigma(shows, places):
+    shows(strip_map(arc()))
+    found = shows.then(bridged(curve_along(arc()[:places]), 120, 180))
+    along_px = lengths(found.points_px)
+    hidden = (along_px > 50) & (along_px < 70)
+    assert not found.seen[hidden].any()
+    assert found.sigma_m[hidden].min() * OPTICS.px_per_m == pytest.approx(2.0, abs=0.1)
+    beside = (along_px < 46) | (along_px > 74)
+    assert found.seen[beside].all()
+    assert found.sigma_m[(along_px > 20) & (along_px < 46)].max() * OPTICS.px_per_m < 1.0
+    assert found.covered == found.seen.mean() < 0.9
+
+
+def test_a_bridge_that_leads_away_from_what_stands_out_is_none_of_it(shows):
+    shows(strip_map(arc()))
+    found = shows.then(bridged(curve_along(arc()[:300]), 255, 280))  # it had left the strip there
+    assert any("led on" in text for text in found.warnings)
+    assert found.seen.all()
+
+
+def test_where_the_strip_stands_out_in_pieces_none_of_them_shows_its_end(shows):
+    first = bridged(curve_along(arc()), 240, 300)
+    pieces = np.maximum(strip_map(arc()[:240]), strip_map(arc()[300:]))
+    shows(pieces)
+    assert shows.then(first) is first
+    shows(strip_map(arc()[:240]))  # nothing further on: it ends there
+    assert any("ceases to stand out" in text for text in shows.then(first).warnings)
 
 
 def test_what_stands_out_settles_a_doubt_and_a_look_that_shows_nothing_does_not(shows):

@@ -1,7 +1,8 @@
 """Put a curve and what stands out in the picture together, where both show one strip.
 
 The curve is known to parts of a pixel but may end at a ring, a change of colour or a bend. What
-stands out is coarse but whole. So it is followed, and drawn towards the curve by both sigmas.
+stands out is coarse but whole. So it is followed, and drawn towards the curve by both sigmas. Where
+the curve was bridged it stays so: what stands out there may be what hides the strip.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from labrig.vision.extraction.outline_report import ASSUMED
 from labrig.vision.extraction.salience.middle_line import MiddleLine, distances, left_of, lengths
 
 FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
 
 PIXEL_SHARE, WIDTH_SHARE = 0.4, 0.03  # of the map's pixel and the strip's width: the middle's sigma
 END_WIDTH_SHARE = 0.1  # of the width, and a pixel of the map: the end's sigma
@@ -27,7 +29,6 @@ SAME_WIDTH_RATIO = 1.35
 SAME_END_SHARE, SAME_END_MIN_PX = 0.015, 3.0  # of the length: the same end
 LEFT_WIDTHS = 2.0  # before the end of a curve that ends early it may have left the strip
 LEFT_SIGMAS = 2.0  # and where it lies so far beside what stands out
-COUNTS_MIN = 1e-3
 END_SIGMA_MIN_PX = 0.1
 KNOTS_WIDTHS, KNOTS_MIN, KNOTS_MAX = 1.0, 5, 60
 WAVE_CURVATURE = math.pi**2  # over the square of the resolution: of a wave of twice that length
@@ -46,11 +47,28 @@ GOES_ON = "the strip may go on"  # so a warning begins of an end that was looked
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
+class _Beside:
+    """A curve beside a path, in pixels."""
+
+    path_px: FloatArray
+    sigma_px: FloatArray  # infinite where it does not count
+    seen: BoolArray
+
+    @property
+    def bridged(self) -> BoolArray:
+        """Return where it is not seen, and is seen again further on."""
+        before = np.logical_or.accumulate(self.seen)
+        after = np.logical_or.accumulate(self.seen[::-1])[::-1]
+        return np.asarray(before & after & ~self.seen)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class _Middle:
-    """A path with its standard deviation across and at its end, in pixels."""
+    """A path with its standard deviation across and at its end, in pixels, and where it is seen."""
 
     path_px: FloatArray
     sigma_px: FloatArray
+    seen: BoolArray
     end_sigma_px: float
 
 
@@ -70,14 +88,15 @@ def merged(first: NeutralCurve, look: MiddleLine, optics: Optics) -> NeutralCurv
         return first
     more = total - float(at[-1])
     alike = max(SAME_END_SHARE * total, SAME_END_MIN_PX, 2 * own.end_sigma_px)
-    sigma = first.sigma_m * px_per_m
+    curve = _Beside(path_px=first.points_px, sigma_px=first.sigma_m * px_per_m, seen=first.seen)
     if more > alike:
         before_end = lengths(first.points_px)[-1] - lengths(first.points_px)
         counts = np.clip(before_end / width - LEFT_WIDTHS, 0.0, 1.0)
-        sigma = sigma / np.maximum(counts, COUNTS_MIN)
-        both = _drawn_towards(own, first.points_px, sigma, most=LEFT_SIGMAS)
+        with np.errstate(divide="ignore"):
+            curve = replace(curve, sigma_px=curve.sigma_px / counts)
+        both = _drawn_towards(own, curve, most=LEFT_SIGMAS)
         return _curve(both, optics, first, width_px=width, note=LED_ON) or first
-    both = _drawn_towards(own, first.points_px, sigma)
+    both = _drawn_towards(own, curve)
     if more < -alike:
         # a thin or faint tail does not stand out, and nor does another thing that was followed
         both, note = replace(both, end_sigma_px=math.hypot(own.end_sigma_px, more)), CUT
@@ -94,7 +113,12 @@ def _own_middle(look: MiddleLine) -> _Middle:
     pull = min(PULL_SHARE * width, PULL_MAX_PX) * np.exp(-np.minimum(s, s[-1] - s) / width)
     pull = np.hypot(pull, PULL_MAX_PX * np.exp(-s / width))  # what is clamped stands out, too
     end = math.hypot(look.pixel_px, END_WIDTH_SHARE * width)
-    return _Middle(path_px=look.path_px, sigma_px=np.hypot(inner, pull), end_sigma_px=end)
+    return _Middle(
+        path_px=look.path_px,
+        sigma_px=np.hypot(inner, pull),
+        seen=np.ones(len(s), dtype=bool),
+        end_sigma_px=end,
+    )
 
 
 def _along(places: FloatArray, path: FloatArray) -> FloatArray:
@@ -107,26 +131,30 @@ def _along(places: FloatArray, path: FloatArray) -> FloatArray:
     return np.asarray(lengths(path)[nearest] + np.where(nearest == len(path) - 1, beyond, 0.0))
 
 
-def _drawn_towards(
-    own: _Middle, curve: FloatArray, curve_sigma: FloatArray, *, most: float = math.inf
-) -> _Middle:
+def _drawn_towards(own: _Middle, curve: _Beside, *, most: float = math.inf) -> _Middle:
     """Return a path drawn towards a curve beside it, by what is known of both.
 
     `most`: standard deviations between both, beyond which the curve does not count.
     """
     across = left_of(own.path_px)
-    apart = curve[None] - own.path_px[:, None]
+    apart = curve.path_px[None] - own.path_px[:, None]
     nearest = np.hypot(apart[..., 0], apart[..., 1]).argmin(axis=1)
     between = apart[np.arange(len(across)), nearest]
     offset = (between * across).sum(axis=1)
     lengthwise = np.abs(between[:, 0] * across[:, 1] - between[:, 1] * across[:, 0])
-    other = np.where(lengthwise > 2 * POINT_PX, np.inf, curve_sigma[nearest])
+    other = np.where(lengthwise > 2 * POINT_PX, np.inf, curve.sigma_px[nearest])
     both = own.sigma_px**2 + other**2
     both = np.where(np.abs(offset) > most * np.sqrt(both), np.inf, both)
-    weight = np.where(np.isfinite(both), own.sigma_px**2 / both, 0.0)
-    variance = (1 - weight) * own.sigma_px**2 * np.maximum(1.0, offset**2 / both)
-    path = own.path_px + (weight * offset)[:, None] * across
-    return _Middle(path_px=path, sigma_px=np.sqrt(variance), end_sigma_px=own.end_sigma_px)
+    counts = np.isfinite(both)
+    weight = np.where(counts, own.sigma_px**2 / both, 0.0)
+    sigma = own.sigma_px * np.sqrt((1 - weight) * np.maximum(1.0, offset**2 / both))
+    hidden = counts & curve.bridged[nearest]
+    return replace(
+        own,
+        path_px=own.path_px + (weight * offset)[:, None] * across,
+        sigma_px=np.where(hidden, np.maximum(sigma, other), sigma),
+        seen=np.where(counts, curve.seen[nearest], own.seen),
+    )
 
 
 def _warnings(first: NeutralCurve, note: str, curve: NeutralCurve) -> tuple[str, ...]:
@@ -142,9 +170,11 @@ def _warnings(first: NeutralCurve, note: str, curve: NeutralCurve) -> tuple[str,
 
 def halfway(path: FloatArray, other: FloatArray) -> FloatArray:
     """Return a path moved across itself, halfway to another one beside it."""
-    evenly = np.ones(len(other))
-    own = _Middle(path_px=path, sigma_px=np.ones(len(path)), end_sigma_px=0.0)
-    return _drawn_towards(own, other, evenly).path_px
+    one, beside = (
+        {"path_px": each, "sigma_px": np.ones(len(each)), "seen": np.ones(len(each), dtype=bool)}
+        for each in (path, other)
+    )
+    return _drawn_towards(_Middle(**one, end_sigma_px=0.0), _Beside(**beside)).path_px
 
 
 def _weighted(places: tuple[float, float], sigmas: tuple[float, float]) -> tuple[float, float]:
@@ -185,6 +215,7 @@ def _curve(
     sigma_m = np.interp(at, s, sigma_px) / px_per_m
     resolution = s[-1] / pieces
     many = len(at)
+    seen = np.interp(at, s, middle.seen) > 0.5
     curve = NeutralCurve(
         ok=True,
         s_m=lengths(np.stack([x, y], axis=1)),
@@ -195,8 +226,8 @@ def _curve(
         curvature_sigma_per_m=WAVE_CURVATURE * sigma_m / resolution**2,
         curvature_resolution_m=resolution,
         points_px=optics.world_to_pixel(np.stack([x, y], axis=1)),
-        seen=np.ones(many, dtype=bool),
-        covered=1.0,
+        seen=seen,
+        covered=float(seen.mean()),
         end_sigma_m=middle.end_sigma_px / px_per_m,
         free_length_m=float(s[-1]),
         thickness_m=first.thickness_m,

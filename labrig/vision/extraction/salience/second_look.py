@@ -2,7 +2,8 @@
 
 Edges and profiles show a strip to parts of a pixel, but may end at a ring, a change of colour or a
 bend. What stands out is coarse, but whole. It counts where two looks agree: at the picture and at
-the part of it where the strip lies, or at the picture turned over.
+the part of it where the strip lies, or at the picture turned over. It does not where the strip
+stands out in pieces: it is hidden between them, and where one ends the strip does not.
 """
 
 from __future__ import annotations
@@ -18,10 +19,13 @@ from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import NeutralCurve, StripGeometry
 from labrig.vision.extraction.salience.merging import CUT, LED_ON, halfway, merged
 from labrig.vision.extraction.salience.middle_line import (
+    LEVEL,
+    MapArray,
     MiddleLine,
     distances,
     lengths,
     middle_line,
+    sampled,
 )
 from labrig.vision.extraction.salience.network import SIDE_PX, salience
 
@@ -38,6 +42,7 @@ ROOM_SHARE, ROOM_MIN_PX = 0.15, 10.0  # around a strip, that the nearer look sho
 NEARER_MAX = 0.8  # of the picture's side: else it is the same look
 AGREE_WIDTHS, AGREE_PIXELS = 0.25, 1.0  # between two looks, in the mean
 AGREE_END_SHARE, AGREE_END_PIXELS = 0.03, 2.0
+AGAIN_WIDTHS = 1.0  # of a strip that stands out again beyond a look's end
 BORDER_PIXELS = 2.0  # of the map, from the image's border: the strip leaves it
 LEAVES_PX = 10.0  # from there a curve's end: the same
 
@@ -80,15 +85,20 @@ class _PicturePart:
     turned: bool = False
 
     def look(
-        self, image: ImageArray, clamp_px: FloatArray, heading_rad: float
+        self, image: ImageArray, clamp_px: FloatArray, heading_rad: float, path_px: FloatArray
     ) -> MiddleLine | None:
-        """Return the strip that stands out in it, in pixels of the image."""
+        """Return the strip that stands out in it, in pixels of the image.
+
+        None where only a piece does: the strip's path, as it was found otherwise, leads to another.
+        """
         (u, v), (columns, rows) = self.first, self.size
         part = np.ascontiguousarray(image[v : v + rows, u : u + columns][:, :: self._step])
         shown = np.ascontiguousarray(salience(part)[:, :: self._step])
         clamp = np.asarray(clamp_px, dtype=float) - self.first
         found = middle_line(shown, clamp, heading_rad, self.pixel_px)
-        return None if found is None else replace(found, path_px=found.path_px + self.first)
+        if found is None or _stands_out_again(shown, path_px - self.first, found):
+            return None
+        return replace(found, path_px=found.path_px + self.first)
 
     @property
     def pixel_px(self) -> float:
@@ -109,20 +119,21 @@ def stands_out(
 ) -> MiddleLine | None:
     """Return the strip that stands out beside the clamp; None where it does not do so surely.
 
-    `path_px`: of the strip as it was found otherwise, where the picture as a whole shows nothing.
+    `path_px`: of the strip as it was found otherwise. It tells where to look if the picture as a
+    whole shows nothing, and whether the strip stands out beyond a place where it is hidden.
     """
     whole = _PicturePart(first=(0, 0), size=(image.shape[1], image.shape[0]))
-    once = _strip(whole.look(image, clamp_px, heading_rad))
+    once = _strip(whole.look(image, clamp_px, heading_rad, path_px))
     nearer = _around(path_px if once is None else once.path_px, image)
     near = max(nearer.size) < NEARER_MAX * max(whole.size)
     if once is None:
         whole = nearer  # what is small in a picture stands out in a part of it
-        once = _strip(whole.look(image, clamp_px, heading_rad)) if near else None
+        once = _strip(whole.look(image, clamp_px, heading_rad, path_px)) if near else None
         near = False
     if once is None:
         return None
     for part in (nearer, replace(whole, turned=True))[not near :]:
-        again = _strip(part.look(image, clamp_px, heading_rad))
+        again = _strip(part.look(image, clamp_px, heading_rad, path_px))
         if again is not None and _agree(once, again):
             if _leaves(again.path_px, image, BORDER_PIXELS * again.pixel_px):
                 return None
@@ -135,6 +146,15 @@ def _strip(found: MiddleLine | None) -> MiddleLine | None:
     if found is None or found.surely < SURELY_MIN or found.width_scatter > WIDTH_SCATTER_MAX:
         return None
     return found if found.length_px > SLENDER_MIN * found.width_px else None
+
+
+def _stands_out_again(shown: MapArray, path_px: FloatArray, found: MiddleLine) -> bool:
+    """Return whether a path leads on from where a strip ceases to stand out to where it does."""
+    nearest = int(np.hypot(*(path_px - found.path_px[-1]).T).argmin())
+    beyond = path_px[nearest:]
+    out = sampled(shown, beyond) > LEVEL
+    again = out & ~np.logical_and.accumulate(out)
+    return float(np.diff(lengths(beyond))[again[1:]].sum()) > AGAIN_WIDTHS * found.width_px
 
 
 def _around(path_px: FloatArray, image: ImageArray) -> _PicturePart:
