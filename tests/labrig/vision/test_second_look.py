@@ -105,12 +105,13 @@ def test_a_bridge_that_leads_away_from_what_stands_out_is_none_of_it(shows):
 
 
 def test_where_the_strip_stands_out_in_pieces_none_of_them_shows_its_end(shows):
-    first = bridged(curve_along(arc()), 240, 300)
-    pieces = np.maximum(strip_map(arc()[:240]), strip_map(arc()[300:]))
-    shows(pieces)
+    first = bridged(curve_along(arc()), 170, 220)
+    piece = strip_map(arc()[:170])
+    shows(np.maximum(piece, strip_map(arc()[220:])))
     assert shows.then(first) is first
-    shows(strip_map(arc()[:240]))  # nothing further on: it ends there
-    assert any("ceases to stand out" in text for text in shows.then(first).warnings)
+    for further_on in (np.zeros(SIZE), strip_map(arc()[220:280])):  # nothing, or no strip
+        shows(np.maximum(piece, further_on))
+        assert any("ceases to stand out" in text for text in shows.then(first).warnings)
 
 
 def test_what_stands_out_settles_a_doubt_and_a_look_that_shows_nothing_does_not(shows):

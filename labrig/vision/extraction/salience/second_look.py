@@ -35,14 +35,13 @@ ImageArray = npt.NDArray[Any]
 # Of the network's pixels. Of 129 curves of photographs those of thinner strips were changed five
 # times, never for the better or the worse; those that were put right had 11 at least.
 WIDTH_MIN_PIXELS = 8.0
-SLENDER_MIN = 5.0  # length over width
+SLENDER_MIN = 5.0  # length over width, also of a piece beyond a place where the strip is hidden
 WIDTH_SCATTER_MAX = 0.25
 SURELY_MIN = 0.8
 ROOM_SHARE, ROOM_MIN_PX = 0.15, 10.0  # around a strip, that the nearer look shows
 NEARER_MAX = 0.8  # of the picture's side: else it is the same look
 AGREE_WIDTHS, AGREE_PIXELS = 0.25, 1.0  # between two looks, in the mean
 AGREE_END_SHARE, AGREE_END_PIXELS = 0.03, 2.0
-AGAIN_WIDTHS = 1.0  # of a strip that stands out again beyond a look's end
 BORDER_PIXELS = 2.0  # of the map, from the image's border: the strip leaves it
 LEAVES_PX = 10.0  # from there a curve's end: the same
 
@@ -149,12 +148,15 @@ def _strip(found: MiddleLine | None) -> MiddleLine | None:
 
 
 def _stands_out_again(shown: MapArray, path_px: FloatArray, found: MiddleLine) -> bool:
-    """Return whether a path leads on from where a strip ceases to stand out to where it does."""
+    """Return whether a path leads on from where a strip ceases to stand out to where one does.
+
+    What is not slender may be another thing beyond the tip.
+    """
     nearest = int(np.hypot(*(path_px - found.path_px[-1]).T).argmin())
     beyond = path_px[nearest:]
     out = sampled(shown, beyond) > LEVEL
     again = out & ~np.logical_and.accumulate(out)
-    return float(np.diff(lengths(beyond))[again[1:]].sum()) > AGAIN_WIDTHS * found.width_px
+    return float(np.diff(lengths(beyond))[again[1:]].sum()) > SLENDER_MIN * found.width_px
 
 
 def _around(path_px: FloatArray, image: ImageArray) -> _PicturePart:
