@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import tomlkit
+from tomlkit.items import Array, Item, Trivia, Whitespace
 
 from labrig.config.base import parse_toml, read_text
 from labrig.config.file_kinds import MODEL, refuse_other_kind
@@ -86,13 +88,22 @@ def model_text(model: SheetModel) -> str:
     return tomlkit.dumps(document)
 
 
+def _array(values: Sequence[Any]) -> Array:
+    """Return numbers, words or such arrays as an array: appending to one takes the square of it."""
+    parts = list[Item]()
+    for value in values:
+        parts += [tomlkit.item(value), Whitespace(", ")]
+    return Array(parts[:-1], Trivia())
+
+
 def _plain(value: Any) -> Any:
     """Without what TOML has no word for: keys whose value is None or not a number are left out."""
     if isinstance(value, dict):
         known = {str(key): _plain(item) for key, item in value.items()}
         return {key: item for key, item in known.items() if item is not None}
     if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
+        items = [_plain(item) for item in value]
+        return items if any(isinstance(item, dict) for item in items) else _array(items)
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value
