@@ -23,7 +23,7 @@ from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location, locations
 from model.locations.basis import bending_per_m
-from model.locations.contract import BasisTerm, Function, Linearised
+from model.locations.contract import Basis, BasisTerm, Function, Linearised
 from model.measurements import FloatArray
 
 AMPLITUDES = (0.01, 0.03, 0.1, 0.3, 1.0)  # of the basis shapes, to begin with
@@ -70,18 +70,28 @@ def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
         for basis, rows in zip(bases, every, strict=True):
             number = counts[basis.part] = counts.get(basis.part, 0) + 1
             key = (basis.part, number, "" if basis.shared else configuration)
-            terms = {} if basis.term is None else {configuration: basis.term}
-            if key in result:
-                both = {**result[key].terms, **terms}
-                result[key] = replace(result[key], rows=result[key].rows + rows, terms=both)
-            else:
-                points = basis.step.points_m if np.any(basis.step.points_m) else None
-                result[key] = BasisShape(
-                    rows=rows, configuration=configuration, part=basis.part, along=basis.along,
-                    function=basis.function, unit=basis.unit, span=basis.span, points_m=points,
-                    terms=terms, alone=basis.alone,
-                )  # fmt: skip
+            one = _shape(configuration, basis, rows)
+            result[key] = _with(result[key], one) if key in result else one
     return [shape for shape in result.values() if np.any(shape.rows)]
+
+
+def _shape(configuration: str, basis: Basis, rows: FloatArray) -> BasisShape:
+    """Return a basis shape of one configuration."""
+    return BasisShape(
+        rows=rows, configuration=configuration, part=basis.part, along=basis.along,
+        function=basis.function, unit=basis.unit, span=basis.span,
+        points_m=basis.step.points_m if np.any(basis.step.points_m) else None,
+        terms={} if basis.term is None else {configuration: basis.term}, alone=basis.alone,
+    )  # fmt: skip
+
+
+def _with(shape: BasisShape, other: BasisShape) -> BasisShape:
+    """Return the shape that acts in another configuration, too.
+
+    It is told of the first one in which it moves a curve: a camera may be knocked amid the second.
+    """
+    seen = other if shape.points_m is None and other.points_m is not None else shape
+    return replace(seen, rows=shape.rows + other.rows, terms={**shape.terms, **other.terms})
 
 
 def is_nonparametric(name: str) -> bool:

@@ -11,8 +11,12 @@ import pytest
 
 from model import predict
 from model.discrepancy.criticism.kinds import voltage_structure
+from model.discrepancy.search.evidence import Projected, scored
 from model.discrepancy.search.nonparametric_terms import shapes, unknowns
+from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.verdict.free_form_or_names import alone
+from model.discrepancy.verdict.inferred_form import unknown_of
+from model.discrepancy.verdict.result import Unknown
 from model.effects import effect
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
@@ -21,7 +25,7 @@ from model.locations.basis import bending_per_m
 from model.locations.quantities import AcquisitionTimes, Perturbation
 from model.measurements import FloatArray
 from model.sheet.beam_problem import ActiveEffect, Profile
-from tests.model.discrepancy.sessions import base_fit
+from tests.model.discrepancy.sessions import base_fit, fitted, session
 
 Made = Callable[[ForwardModel, int, ModelState], Perturbation]
 
@@ -171,6 +175,34 @@ def test_a_knock_is_one_amid_the_pictures_of_a_sheet():
     assert seen
     assert not seen & middle
     assert {"knock 9, session", "knock 12, session"} <= seen
+
+
+def told(fitted: MixedModelFit, location: str, part: str) -> Unknown:
+    """What is said of a part of a location, as if it were reported."""
+    forward = fitted.problem.forward
+    pool = [one for one in unknowns(fitted) if (one.location, one.part) == (location, part)]
+    projected = Projected.of(forward, fitted.linear, fitted.solution)
+    (one,) = scored(forward, projected, pool)
+    return unknown_of(fitted, RankedCandidate(score=one, ln_bayes_factor=one.log_bayes))
+
+
+def test_a_knock_amid_the_second_sheet_is_told_of_its_curves():
+    """To the first sheet it did nothing."""
+    for part, sheet in (("knock 9, session", "long"), ("knock 12, session", "short")):
+        found = told(base_fit(), "camera", part)
+        assert (found.along, found.unit, found.configuration) == ("s", "mm", sheet)
+
+
+@pytest.mark.slow
+def test_a_camera_that_saw_the_second_sheet_alone_is_told_of_it():
+    m = session()
+    unseen = [
+        replace(c, curve=None, readings=tuple(replace(r, curve=None) for r in c.readings))
+        if c.configuration == "long" else c
+        for c in m.conditions
+    ]  # fmt: skip
+    found = told(fitted(replace(m, conditions=tuple(unseen))), "camera", "place, fine")
+    assert (found.along, found.unit, found.configuration) == ("s", "mm", "short")
 
 
 def test_shapes_of_a_part_that_is_looked_for_alone_are_not_in_the_whole():
