@@ -51,6 +51,11 @@ class BasisShape:
         """At which voltages it acts, and which way: see `BasisTerm`."""
         return next((term.under for term in self.terms.values()), "")
 
+    @property
+    def adds(self) -> str:
+        """To what it is added: see `BasisTerm`."""
+        return next((term.adds for term in self.terms.values()), "")
+
 
 def shapes(fitted: MixedModelFit, name: str, part: str = "") -> list[BasisShape]:
     """Return the basis shapes of a location as a whole, each once, or those of a part."""

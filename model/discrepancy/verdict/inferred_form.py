@@ -49,7 +49,10 @@ OF_PARTS = {  # whose functions are of several coordinates, or of several voltag
     WHICH_WAY: ", by how far the sheet is bent and which way",
     "elongation": ", a bow of the elongation",
 }
-Key = tuple[str, str, str, str]  # configuration, part, along, under which voltages
+OFF_ARC = ", off the arc (positive: farther from its centre)"
+OF_TIME = {"curvature": "initial curvature", "place": "whole picture"}  # else as the part says
+# configuration, part, along, to what it is added, under which voltages
+Key = tuple[str, str, str, str, str]
 
 
 def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
@@ -78,11 +81,11 @@ def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     by = np.stack([s.function(t) for s in own if s.function is not None], axis=1)
     band = np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
     start, end, at_unit = own[0].span
-    configuration, part, along, under = key
+    configuration, part, along, adds, under = key
     return Unknown(
         location=name, configuration=configuration, s_mm=start + t * (end - start),
         profile=by @ beta[use], band=band, unit=own[0].unit, along=along,
-        depends=dependence(name, part, along, under_applied_voltages(fitted, under)),
+        depends=dependence(name, part, along, under_applied_voltages(fitted, under), adds),
         at_unit=at_unit, under=cast("Under", under), advice=advice,
     )  # fmt: skip
 
@@ -158,7 +161,7 @@ def _strongest(
 
 
 def _key(shape: BasisShape) -> Key:
-    return shape.configuration, shape.part, shape.along, shape.under
+    return shape.configuration, shape.part, shape.along, shape.adds, shape.under
 
 
 def _seen_wrong(
@@ -218,14 +221,15 @@ def with_free_form(fitted: MixedModelFit, candidate: RankedCandidate) -> MixedMo
     )  # fmt: skip
 
 
-def dependence(location_name: str, part: str, along: str, under: str) -> str:
+def dependence(location_name: str, part: str, along: str, under: str, adds: str = "") -> str:
     """Return the coordinate a nonparametric term depends on, for messages."""
     depends = location(location_name).depends
     if part.startswith(KNOCK):
         return f"{depends}; at one time in the session the whole picture moves at once"
     if along == "time":
-        during = part.rpartition(", ")[2]
-        depends += f", in the course of {'each' if during != 'session' else 'the'} {during}"
+        what, _, during = part.rpartition(", ")
+        one = "each" if during != "session" else "the"
+        depends += f", the {OF_TIME.get(what, what)} in the course of {one} {during}"
         return depends + (", the other way at the other polarity" if under == "polarity" else "")
     if under:
         depends = depends.removesuffix(", at all voltages")
@@ -233,8 +237,16 @@ def dependence(location_name: str, part: str, along: str, under: str) -> str:
         return depends + OF_PARTS[part]
     depends += ALONG.get(along, "")
     depends += ", as a moment" if part == "moment" else ""
+    depends += _on_arc(part, adds)
     depends += ", only under voltage" if under == "voltage" else ""
     return depends + (", the other way at the other polarity" if under == "polarity" else "")
+
+
+def _on_arc(part: str, adds: str) -> str:
+    """Return which way an error of the place is that may be off the arc."""
+    if part == "position and reach":
+        return f"{OFF_ARC}, and along it" if adds else ", along the arc, and off it"
+    return OFF_ARC if adds == "reach" else ""
 
 
 def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]:

@@ -215,6 +215,19 @@ def test_what_acts_only_under_voltage_is_not_said_to_act_at_all_voltages():
 
 
 @pytest.mark.parametrize(
+    ("location", "part", "what"),
+    [
+        ("time", "curvature, session", "the initial curvature in the course of the session"),
+        ("time", "stiffness, run", "the stiffness in the course of each run"),
+        ("load_cell", "gain, session", "the gain in the course of the session"),
+        ("camera", "place, session", "the whole picture in the course of the session"),
+    ],
+)
+def test_what_changes_in_time_is_said(location: str, part: str, what: str):
+    assert dependence(location, part, "time", "").endswith(f", {what}")
+
+
+@pytest.mark.parametrize(
     ("volts", "told"), [((0.0, 2.0, -2.0), "polarity"), ((0.0, 2.0), "voltage")]
 )
 def test_of_one_polarity_alone_nothing_is_said_of_the_other(volts, told):

@@ -19,6 +19,7 @@ from model.discrepancy.verdict.inferred_form import unknown_of
 from model.discrepancy.verdict.result import Unknown
 from model.effects import effect
 from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import ModelState
 from model.locations.basis import bending_per_m
@@ -184,6 +185,35 @@ def told(fitted: MixedModelFit, location: str, part: str) -> Unknown:
     projected = Projected.of(forward, fitted.linear, fitted.solution)
     (one,) = scored(forward, projected, pool)
     return unknown_of(fitted, RankedCandidate(score=one, ln_bayes_factor=one.log_bayes))
+
+
+def test_a_cell_off_its_place_along_the_arc_and_off_it_is_told_of_one_of_them():
+    """Both are lengths along the arc; their sum would be none."""
+
+    def off(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+        wave_m = 5e-4 * np.cos(3.0 * np.pi * np.nan_to_num(state.beam.stated_m) / 0.03)
+        return beam(forward, c, state, reach_m=wave_m, shift_m=-wave_m)
+
+    found = told(with_more(base_fit(), off), "position", "position and reach")
+    assert (found.along, found.unit) == ("position", "mm")
+    assert np.max(np.abs(found.profile)) == pytest.approx(0.5, abs=0.15)
+    assert "off the arc" in found.depends or "along the arc" in found.depends
+
+
+def test_a_cell_off_its_arc_says_so():
+    found = told(with_more(base_fit(), crooked_rail), "position", "reach")
+    assert found.depends.endswith(", off the arc (positive: farther from its centre)")
+
+
+def with_more(base: MixedModelFit, made: Made) -> MixedModelFit:
+    """The same fit of data with something more in them."""
+    forward, linear = base.problem.forward, base.linear
+    steps = ((c, state, made(forward, c, state)) for c, state in enumerate(linear.states))
+    rows = np.sum([forward.rows_of(*one) for one in steps], axis=0)
+    data = replace(linear.data, y=linear.data.y + forward.row_index.pad(rows))
+    return replace(
+        base, linear=replace(linear, data=data), solution=weigh(data, base.solution.log_sigma)
+    )
 
 
 def test_a_knock_amid_the_second_sheet_is_told_of_its_curves():
