@@ -20,6 +20,7 @@ from labrig.errors import StoppedError
 from labrig.version import version
 
 PACKAGE = "labrig.cli.commands"
+HELP = {"--help", "-h"}
 
 
 def app_for(arguments: Sequence[str]) -> TyperGroup:
@@ -35,8 +36,10 @@ def app_for(arguments: Sequence[str]) -> TyperGroup:
 
 
 def prints_json(arguments: Sequence[str]) -> bool:
-    """Return whether these arguments ask one of our own commands for JSON."""
-    return "--json" in arguments and _own_command(arguments[0]) is not None
+    """Return whether these arguments ask one of our own commands for JSON, and not for help."""
+    if "--json" not in arguments or not HELP.isdisjoint(arguments):
+        return False
+    return _own_command(arguments[0]) is not None
 
 
 def all_commands() -> list[Command]:
@@ -101,7 +104,7 @@ def _app(commands: Iterable[Command]) -> TyperGroup:
         name="labrig",
         cls=_Application,
         no_args_is_help=True,
-        context_settings={"help_option_names": ["--help", "-h"]},
+        context_settings={"help_option_names": sorted(HELP)},
         pretty_exceptions_enable=False,
         rich_markup_mode=None,
         help="Run, record and understand force and shape experiments on ionic-polymer actuator "

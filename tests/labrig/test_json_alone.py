@@ -40,3 +40,13 @@ def test_standard_output_is_what_it_was_after_a_command(
     json.loads(capsys.readouterr().out)
     print("later")
     assert capsys.readouterr().out == "later\n"
+
+
+@pytest.mark.parametrize("option", ["-h", "--help"])
+def test_help_is_no_json_and_stays_on_standard_output(
+    option: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["effects", "--json", option]) == 0
+    said = capsys.readouterr()
+    assert said.out.startswith("Usage: labrig effects")
+    assert said.err == ""
