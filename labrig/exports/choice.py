@@ -95,12 +95,23 @@ def _aside(folder: Path) -> Iterator[Path]:
 def _moved(written: list[Path], aside: Path, folder: Path) -> list[Path]:
     """Move everything into the folder, all or nothing, and return where the files are then."""
     every = [one.relative_to(aside) for one in sorted(aside.rglob("*")) if not one.is_dir()]
+    named = [_moved_to(one, aside, folder) for one in written]
     for one in every:
+        for parent in one.parents:
+            if not (folder / parent).is_dir():  # a file in the way of a folder
+                new_file(folder, str(parent))
         new_file(folder, str(one))
     for one in every:
         (folder / one).parent.mkdir(parents=True, exist_ok=True)
         (aside / one).replace(folder / one)
-    return [folder / p.relative_to(aside) if p.is_relative_to(aside) else p for p in written]
+    return named
+
+
+def _moved_to(path: Path, aside: Path, folder: Path) -> Path:
+    """Return where a file will be; a format may name it by another way to the folder aside."""
+    there = path.parent.resolve() / path.name
+    within = aside.resolve()
+    return folder / there.relative_to(within) if there.is_relative_to(within) else path
 
 
 def _package(name: str, error: ModuleNotFoundError) -> str:

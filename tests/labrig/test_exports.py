@@ -301,6 +301,35 @@ def test_a_format_of_others_replaces_no_file_and_its_folders_are_kept(session, t
     assert all(one.read_text() == "theirs" for one in written)
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="there a link needs a privilege")
+def test_files_of_others_are_found_where_they_are_if_the_folder_is_a_link(
+    session, tmp_path, of_others
+):
+    def write(_session, folder):
+        path = folder.resolve() / "a.txt"
+        path.write_text("theirs")
+        return [path]
+
+    of_others(write)
+    (tmp_path / "there").mkdir()
+    (tmp_path / "link").symlink_to("there")
+    assert export(session, tmp_path / "link", "theirs") == [tmp_path / "link" / "a.txt"]
+
+
+def test_a_file_in_the_way_of_a_folder_of_others_is_named(session, tmp_path, of_others):
+    def write(_session, folder):
+        (folder / "sub").mkdir()
+        for name in ("a.txt", "sub/b.txt"):
+            (folder / name).write_text("theirs")
+        return [folder / "a.txt", folder / "sub" / "b.txt"]
+
+    of_others(write)
+    (tmp_path / "sub").write_text("mine")
+    with pytest.raises(BadInputError, match=r"sub exists already"):
+        export(session, tmp_path, "theirs")
+    assert [one.name for one in tmp_path.iterdir()] == ["sub"]
+
+
 def test_every_format_says_what_it_writes():
     assert {"bluesky", "crate", "csv", "parquet", "xarray"} <= set(FORMATS.parts())
 
