@@ -127,7 +127,7 @@ class Camera(Location):
         for j in range(1, WAVES_IN_SESSION + 1):
             yield from self._in_session(at, "place, session", cosine_wave(j, size), similar)
         for j in range(1, KNOCKS + 1):
-            when = j / (KNOCKS + 1)
+            when = knocked_at(j)
             if any(first < when <= last for first, last in at.pictured):
                 part, knock = f"{KNOCK} {j}, session", step_at(when, size)
                 yield from self._in_session(at, part, knock, similar[:KNOCK_WAYS])
@@ -143,6 +143,11 @@ class Camera(Location):
                 part=part, along="time", function=course, unit="mm", span=time_span(at, part),
                 step=step, shared=True, alone=True,
             )  # fmt: skip
+
+
+def knocked_at(number: int) -> float:
+    """Return when a knock is, 0 .. 1 over the session."""
+    return number / (KNOCKS + 1)
 
 
 def _similar(points: ImagePoints) -> Iterator[FloatArray]:

@@ -12,6 +12,7 @@ from model.discrepancy.criticism.set_up_scatter import apart, of_set_ups
 from model.discrepancy.search.form_share import form_share, steps_of
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
+from model.discrepancy.verdict.messages import percent
 from model.discrepancy.verdict.ordered_scatter import followed
 from model.discrepancy.verdict.prediction_error import variance
 from model.discrepancy.verdict.result import FormCurve, Unknown
@@ -22,7 +23,7 @@ from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location
 from model.locations.basis import EACH_POLARITY, WHICH_WAY
-from model.locations.camera import KNOCK
+from model.locations.camera import KNOCK, knocked_at
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from model.sheet.beam_problem import Under
@@ -225,7 +226,8 @@ def dependence(location_name: str, part: str, along: str, under: str, adds: str 
     """Return the coordinate a nonparametric term depends on, for messages."""
     depends = location(location_name).depends
     if part.startswith(KNOCK):
-        return f"{depends}; at one time in the session the whole picture moves at once"
+        when = knocked_at(int(part.removeprefix(KNOCK).partition(",")[0]))
+        return f"{depends}; about {percent(when)} into the session the whole picture moves at once"
     if along == "time":
         what, _, during = part.rpartition(", ")
         one = "each" if during != "session" else "the"

@@ -227,6 +227,13 @@ def test_what_changes_in_time_is_said(location: str, part: str, what: str):
     assert dependence(location, part, "time", "").endswith(f", {what}")
 
 
+def test_it_is_said_when_a_camera_was_knocked():
+    """At the 14th of 20 times between the session's ends."""
+    assert dependence("camera", "knock 14, session", "time", "").endswith(
+        "; about 67 % into the session the whole picture moves at once"
+    )
+
+
 @pytest.mark.parametrize(
     ("volts", "told"), [((0.0, 2.0, -2.0), "polarity"), ((0.0, 2.0), "voltage")]
 )
