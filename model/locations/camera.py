@@ -18,14 +18,16 @@ from model.locations.basis import (
     time_span,
 )
 from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
-from model.locations.quantities import AcquisitionTimes, ImagePoints
+from model.locations.quantities import (
+    WAVE_DEGREES,
+    AcquisitionTimes,
+    ImagePoints,
+    wave_count,
+)
 from model.measurements import FloatArray
 
 AMPLITUDE_M = 5e-4  # of a distortion of the image
-# waves across the image, those with i + j below a degree, by the coordinates of terms that move
-# points in x and in y
-DEGREES = {("image_x", "image_y"): 4, ("fine_x", "fine_y"): 8}
-IN_X, IN_Y = (tuple(names) for names in zip(*DEGREES, strict=True))
+IN_X, IN_Y = (tuple(names) for names in zip(*WAVE_DEGREES, strict=True))
 IMAGE_X_M, IMAGE_Y_M, BELOW_M = 0.05, 0.08, 0.03  # what the waves across the image span
 AMPLITUDE_OF_AGE = 0.1  # of the EIBM
 WAVES_ALONG_CURVE = 5
@@ -41,9 +43,9 @@ class Camera(Location):
 
     def curve(self, points: ImagePoints, term: Term) -> tuple[FloatArray, FloatArray] | None:
         """See `Location.curve`."""
-        for names, degree in DEGREES.items():
+        for names, degree in WAVE_DEGREES.items():
             if term.along in names:
-                sizes = term(np.arange(_count(degree), dtype=float))
+                sizes = term(np.arange(wave_count(term.along), dtype=float))
                 moved = 1e-3 * _moved_by(points, degree, sizes)
                 # how far along the curve is seen by nothing
                 off = moved * (points.normal_x if term.along in IN_X else points.normal_y)
@@ -64,8 +66,8 @@ class Camera(Location):
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
-        for (in_x, in_y), part in zip(DEGREES, ("place", "place, fine"), strict=True):
-            for number in range(_count(DEGREES[in_x, in_y])):
+        for (in_x, in_y), part in zip(WAVE_DEGREES, ("place", "place, fine"), strict=True):
+            for number in range(wave_count(in_x)):
                 for along in (in_x, in_y):
                     yield self._wave(at, number, along, part)
         yield from self._along_curve(at)
@@ -77,7 +79,7 @@ class Camera(Location):
 
     def _wave(self, at: Linearised, number: int, along: str, part: str) -> Basis:
         """Return one wave across the image; fine ones are looked for by themselves only."""
-        count = _count(next(degree for names, degree in DEGREES.items() if along in names))
+        count = wave_count(along)
         term = BasisTerm(
             along=along, function=_only(number, count, at.scale.length), low=0.0, high=count - 1.0,
             nodes=count,
@@ -159,10 +161,6 @@ def _similar(points: ImagePoints) -> Iterator[FloatArray]:
     yield normal_y
     yield x * normal_y - y * normal_x
     yield x * normal_x + y * normal_y
-
-
-def _count(degree: int) -> int:
-    return degree * (degree + 1) // 2
 
 
 def _moved_by(points: ImagePoints, degree: int, sizes: FloatArray) -> FloatArray:

@@ -194,6 +194,17 @@ class LoadCellInput:
         return LoadCellInput(**given, channels=channels, force_scale=self.force_scale)
 
 
+# waves across the image, those with i + j below a degree, by the coordinates of terms that move
+# points in x and in y; such a term has an amplitude for each of them
+WAVE_DEGREES = {("image_x", "image_y"): 4, ("fine_x", "fine_y"): 8}
+
+
+def wave_count(along: str) -> int:
+    """Return how many waves across the image a coordinate numbers; 0: it is another one."""
+    degree = next((degree for names, degree in WAVE_DEGREES.items() if along in names), 0)
+    return degree * (degree + 1) // 2
+
+
 @dataclass(kw_only=True)
 class ImagePoints:
     """Points of curves as the camera should see them, (K, S), metres from the clamp."""

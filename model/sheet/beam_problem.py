@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from model.locations.quantities import wave_count
 from model.measurements import FloatArray, ModelError, SheetGeometry
 from model.mechanics.field import Field
 from model.parameter import Parameter, finite
@@ -137,27 +138,21 @@ class Profile:
             raise ModelError(
                 f"{where}: a table with along (one of {allowed}), at and value is wanted"
             )
-        rows = {}
-        for key in ("at", "value", "sigma"):
-            row = data.get(key)
-            if not isinstance(row, list) or not row:
-                raise ModelError(f"{where}.{key}: a list of numbers is wanted")
-            rows[key] = tuple(finite(v, f"{where}.{key}") for v in row)
-        if not len(rows["at"]) == len(rows["value"]) == len(rows["sigma"]):
-            raise ModelError(f"{where}: at, value and sigma must be equally long")
-        if any(b <= a for a, b in zip(rows["at"], rows["at"][1:], strict=False)):
-            raise ModelError(f"{where}.at: the places must ascend")
+        rows = _nodes(data, where)
         words = {}
         for key, choices in (("under", get_args(Under)), ("adds", get_args(Adds))):
             words[key] = data.get(key, "")
             if words[key] not in choices:
                 some = ", ".join(choices[1:])
                 raise ModelError(f"{where}.{key}: one of {some} is wanted, or none")
+        full_V = finite(data.get("full_V", 0.0), f"{where}.full_V")
+        if full_V < 0.0:
+            raise ModelError(f"{where}.full_V: a voltage above 0 is wanted, or none")
         return Profile(
             along=data["along"], at=rows["at"], values=rows["value"], sigma=rows["sigma"],
             unit=str(data.get("unit", "")), under=words["under"], adds=words["adds"],
             configurations=_names(data, where),
-            full_V=finite(data.get("full_V", 0.0), f"{where}.full_V"),
+            full_V=full_V,
         )  # fmt: skip
 
 
@@ -288,6 +283,27 @@ class ActiveEffect:
             beside_dynamics=_names(data, where, "beside_dynamics"),
             distribution=str(data.get("distribution", "")),
         )
+
+
+def _nodes(data: dict[str, Any], where: str) -> dict[str, tuple[float, ...]]:
+    """Return nodes, values and sigmas of a term, by their keys."""
+    rows = {}
+    for key in ("at", "value", "sigma"):
+        row = data.get(key)
+        if not isinstance(row, list) or not row:
+            raise ModelError(f"{where}.{key}: a list of numbers is wanted")
+        rows[key] = tuple(finite(v, f"{where}.{key}") for v in row)
+    if not len(rows["at"]) == len(rows["value"]) == len(rows["sigma"]):
+        raise ModelError(f"{where}: at, value and sigma must be equally long")
+    if any(b <= a for a, b in zip(rows["at"], rows["at"][1:], strict=False)):
+        raise ModelError(f"{where}.at: the places must ascend")
+    waves = wave_count(data["along"])
+    if waves and rows["at"] != tuple(range(waves)):
+        raise ModelError(
+            f"{where}.at: the numbers of the {waves} waves across the image are wanted, 0 to"
+            f" {waves - 1}"
+        )
+    return rows
 
 
 def _names(data: dict[str, Any], where: str, key: str = "configurations") -> tuple[str, ...]:

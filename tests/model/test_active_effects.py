@@ -427,6 +427,14 @@ def test_an_effect_that_makes_no_sense_is_refused_with_its_name(truth: SheetMode
         ({"profile": {"along": "up"}}, "one of s, curvature, bending, position"),
         ({"profile": {"along": "s", "at": [0.0, 0.0], "value": [1, 1], "sigma": [0, 0]}}, "ascend"),
         ({"profile": {"along": "s", "at": [0.0], "value": [1, 1], "sigma": [0]}}, "equally long"),
+        (
+            {"form": [{"along": "fine_y", "at": [0.0], "value": [0.1], "sigma": [0.0]}]},
+            r"form\[0\].at: the numbers of the 36 waves across the image are wanted, 0 to 35",
+        ),
+        (
+            {"form": [{"along": "s", "at": [0.0], "value": [1.0], "sigma": [0.0], "full_V": -2.0}]},
+            r"form\[0\].full_V: a voltage above 0 is wanted, or none",
+        ),
         ({"by_configuration": 3}, "by_configuration: a table"),
         ({"configurations": [3]}, "a list of names"),
     ],
