@@ -52,3 +52,6 @@ def test_it_is_told_with_what_each_set_up_had_and_is_not_in_the_model_file():
     assert found.sentence.endswith("is no chance.")
     assert found.ranking[0].why_not == "reported, at the usual scatter of set-ups"
     assert not found.model.effects
+    told = found.unknown.to_json()
+    assert (told["at_unit"], told["under"]) == ("mm", "")
+    assert told["advice"] in found.sentence

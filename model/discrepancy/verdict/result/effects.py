@@ -146,8 +146,11 @@ class Unknown:
             "band": self.band.tolist(),
             "unit": self.unit,
             "along": self.along,
+            "at_unit": self.at_unit,
             "configuration": self.configuration,
             "depends": self.depends,
+            "under": self.under,
+            "advice": self.advice,
             "confusable_with": list(self.confusable_with),
             "probabilities": {k: round(p, 6) for k, p in self.probabilities.items()},
         }
