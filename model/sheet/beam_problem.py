@@ -285,6 +285,11 @@ class ActiveEffect:
         )
 
 
+def _counts(numbers: tuple[float, ...], many: int) -> bool:
+    """Return whether they are 0, 1, 2 and so on: as a file has them, up to rounding."""
+    return len(numbers) == many and bool(np.allclose(numbers, np.arange(many), atol=1e-6))
+
+
 def _nodes(data: dict[str, Any], where: str) -> dict[str, tuple[float, ...]]:
     """Return nodes, values and sigmas of a term, by their keys."""
     rows = {}
@@ -298,7 +303,7 @@ def _nodes(data: dict[str, Any], where: str) -> dict[str, tuple[float, ...]]:
     if any(b <= a for a, b in zip(rows["at"], rows["at"][1:], strict=False)):
         raise ModelError(f"{where}.at: the places must ascend")
     waves = wave_count(data["along"])
-    if waves and rows["at"] != tuple(range(waves)):
+    if waves and not _counts(rows["at"], waves):
         raise ModelError(
             f"{where}.at: the numbers of the {waves} waves across the image are wanted, 0 to"
             f" {waves - 1}"

@@ -11,6 +11,7 @@ import pytest
 from model import Along, ModelError, Parameter, SheetModel, predict, predict_free
 from model.design.force_map import force_map
 from model.effects import catalogue
+from model.identification.likelihood.form_ways import sampled
 from model.sheet.beam_problem import ActiveEffect, Profile
 from tests.cases import few
 
@@ -454,3 +455,10 @@ def test_friction_that_only_the_load_cell_feels_is_in_the_predicted_force(truth:
         lean = two.phi_hat_rad - POSITION_M / truth.sheet("long").sheet.arc_radius_m
         most = 0.1 * abs(two.N_N * np.sin(lean))
         assert 0.5 * most < abs(one.F_N - two.F_N) <= most * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize(("along", "waves"), [("image_x", 10), ("fine_y", 36)])
+def test_waves_across_the_image_are_read_as_a_diagnosis_writes_them(along, waves):
+    """Their numbers are those of a division, which ends beside whole numbers."""
+    made = sampled(np.cos, along, 0.0, waves - 1.0, nodes=waves, unit="mm")
+    assert Profile.from_dict(made.to_dict(), "form[0]") == made
