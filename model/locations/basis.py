@@ -133,6 +133,7 @@ def bases_of(
     adds: str = "",
     shared: bool = False,
     alone: bool = False,
+    shows: str = "",
 ) -> Iterator[Basis]:
     """Return basis shapes that act as the location's terms do."""
     low, high = _range(at, along)
@@ -143,6 +144,7 @@ def bases_of(
             part=part, along=along, function=function, unit=location.unit,
             span=(factor * low, factor * high, unit),
             step=perturbation(location, at, term), shared=shared, term=term, alone=alone,
+            shows=shows,
         )  # fmt: skip
 
 

@@ -129,10 +129,13 @@ class Camera(Location):
         for j in range(1, WAVES_IN_SESSION + 1):
             yield from self._in_session(at, "place, session", cosine_wave(j, size), similar)
         for j in range(1, KNOCKS + 1):
-            when = knocked_at(j)
+            when = j / (KNOCKS + 1)
             if any(first < when <= last for first, last in at.pictured):
                 part, knock = f"{KNOCK} {j}, session", step_at(when, size)
-                yield from self._in_session(at, part, knock, similar[:KNOCK_WAYS])
+                share = f"{100.0 * when:.0f} %"
+                shows = f"; about {share} into the session the whole picture moves at once"
+                for one in self._in_session(at, part, knock, similar[:KNOCK_WAYS]):
+                    yield replace(one, shows=shows)
 
     def _in_session(
         self, at: Linearised, part: str, course: Function, ways: Iterable[FloatArray]
@@ -145,11 +148,6 @@ class Camera(Location):
                 part=part, along="time", function=course, unit="mm", span=time_span(at, part),
                 step=step, shared=True, alone=True,
             )  # fmt: skip
-
-
-def knocked_at(number: int) -> float:
-    """Return when a knock is, 0 .. 1 over the session."""
-    return number / (KNOCKS + 1)
 
 
 def _similar(points: ImagePoints) -> Iterator[FloatArray]:

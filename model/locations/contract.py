@@ -113,6 +113,8 @@ class Basis:
     alone: bool = False
     # what a model file has of it; None: nothing that a prediction of means could show
     term: BasisTerm | None = None
+    # how it shows, for messages: follows what the location says; empty: its coordinate says it
+    shows: str = ""
 
 
 class Periodic(Protocol):

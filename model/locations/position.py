@@ -17,6 +17,7 @@ DEGREES = range(1, 4)  # of the force
 PLAY_N = (3e-4, 1.5e-3)  # forces that take up the play of a stage
 MOMENT_PER_M = 1.0  # of the rolls, over the stiffness
 MOMENTS = {"": 4, "voltage": 3, "polarity": 3}  # waves on the arc, by the voltages that turn them
+OFF_ARC = ", off the arc (positive: farther from its centre)"
 WAVES_ON_ARC = 7  # one for each position of the paper: a screw's error may be anything
 
 
@@ -56,13 +57,14 @@ class Position(Location):
                 self, at, waves[:count], along="position", part=part, under=under, shared=True,
                 alone=part == "zero",
             )  # fmt: skip
-        yield from bases_of(
-            self, at, waves, along="position", part="reach", adds="reach", shared=True, alone=True
-        )
-        for adds in ("", "reach"):
+        for part, adds, shows in (
+            ("reach", "reach", OFF_ARC),
+            ("position and reach", "", ", along the arc, and off it"),
+            ("position and reach", "reach", f"{OFF_ARC}, and along it"),
+        ):
             yield from bases_of(
-                self, at, waves, along="position", part="position and reach", adds=adds,
-                shared=True, alone=True,
+                self, at, waves, along="position", part=part, adds=adds, shared=True, alone=True,
+                shows=shows,
             )  # fmt: skip
         by_force = [polynomial(degree, most_mm) for degree in DEGREES]
         by_force += [_play(at.forces_N, full_N * at.scale.force, most_mm) for full_N in PLAY_N]

@@ -76,6 +76,7 @@ class RestCurvature(Location):
                 part="elongation", along="s", function=function, unit="mm",
                 span=(1e3 * begin, 1e3 * (begin + length_m), "mm"),
                 step=perturbation(self, at, term), term=term, alone=True,
+                shows=", a bow of the elongation",
             )  # fmt: skip
 
 

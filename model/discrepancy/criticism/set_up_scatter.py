@@ -55,7 +55,7 @@ def of_set_ups(candidate: RankedCandidate) -> str:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Apart:
+class SetUpOffsets:
     """How far the set-ups of a configuration are off, in the unit that is reported; (n,)."""
 
     configuration: str
@@ -66,7 +66,9 @@ class Apart:
     times: float  # of the usual standard deviation
 
 
-def apart(fitted: MixedModelFit, name: str, beta: FloatArray, C: FloatArray) -> Apart:
+def largest_offsets(
+    fitted: MixedModelFit, name: str, beta: FloatArray, C: FloatArray
+) -> SetUpOffsets:
     """Return the configuration whose set-ups a term's sizes (runs,) move most; C: covariance."""
     forward = fitted.problem.forward
     unit_size = _usual(fitted, name) * LOCATIONS[name][2]
@@ -75,7 +77,7 @@ def apart(fitted: MixedModelFit, name: str, beta: FloatArray, C: FloatArray) -> 
     c = int(np.argmax(sums))
     runs = sorted(places[c], key=lambda run: places[c][run])
     sigma = abs(unit_size) * np.sqrt(np.maximum(np.diag(C)[runs], 0.0))
-    return Apart(
+    return SetUpOffsets(
         configuration=forward.names[c],
         position_mm=1e3 * np.array([places[c][run] for run in runs]),
         off=unit_size * beta[runs], sigma=sigma, unit=LOCATIONS[name][1],

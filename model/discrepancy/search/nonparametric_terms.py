@@ -42,6 +42,7 @@ class BasisShape:
     unit: str
     span: tuple[float, float, str]
     alone: bool = False  # see `Basis`
+    shows: str = ""  # see `Basis`
     points_m: FloatArray | None = None  # (K, S) where the camera moves points along the normal
     # by configuration, as a model file has it; none: no prediction of means could show it
     terms: Mapping[str, BasisTerm] = field(default_factory=dict)
@@ -87,6 +88,7 @@ def _shape(configuration: str, basis: Basis, rows: FloatArray) -> BasisShape:
         function=basis.function, unit=basis.unit, span=basis.span,
         points_m=basis.step.points_m if np.any(basis.step.points_m) else None,
         terms={} if basis.term is None else {configuration: basis.term}, alone=basis.alone,
+        shows=basis.shows,
     )  # fmt: skip
 
 

@@ -8,11 +8,10 @@ from typing import cast
 import numpy as np
 
 from model.discrepancy.criticism.image_noise import aside, image_noise, of_images
-from model.discrepancy.criticism.set_up_scatter import apart, of_set_ups
+from model.discrepancy.criticism.set_up_scatter import largest_offsets, of_set_ups
 from model.discrepancy.search.form_share import form_share, steps_of
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.verdict.messages import percent
 from model.discrepancy.verdict.ordered_scatter import followed
 from model.discrepancy.verdict.prediction_error import variance
 from model.discrepancy.verdict.result import FormCurve, Unknown
@@ -23,7 +22,6 @@ from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.locations import location
 from model.locations.basis import EACH_POLARITY, WHICH_WAY
-from model.locations.camera import KNOCK, knocked_at
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
 from model.sheet.beam_problem import Under
@@ -48,9 +46,7 @@ ALONG = {  # coordinates that follow from the sheet's state
 OF_PARTS = {  # whose functions are of several coordinates, or of several voltages
     EACH_POLARITY: ", under voltage, and of its own at each polarity",
     WHICH_WAY: ", by how far the sheet is bent and which way",
-    "elongation": ", a bow of the elongation",
 }
-OFF_ARC = ", off the arc (positive: farther from its centre)"
 OF_TIME = {"curvature": "initial curvature", "place": "whole picture"}  # else as the part says
 # configuration, part, along, to what it is added, under which voltages
 Key = tuple[str, str, str, str, str]
@@ -82,11 +78,11 @@ def unknown_of(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     by = np.stack([s.function(t) for s in own if s.function is not None], axis=1)
     band = np.sqrt(np.maximum(np.einsum("ti,ij,tj->t", by, C[np.ix_(use, use)], by), 0.0))
     start, end, at_unit = own[0].span
-    configuration, part, along, adds, under = key
+    configuration, part, along, _, under = key
     return Unknown(
         location=name, configuration=configuration, s_mm=start + t * (end - start),
         profile=by @ beta[use], band=band, unit=own[0].unit, along=along,
-        depends=dependence(name, part, along, under_applied_voltages(fitted, under), adds),
+        depends=dependence(name, part, along, under_applied_voltages(fitted, under), own[0].shows),
         at_unit=at_unit, under=cast("Under", under), advice=advice,
     )  # fmt: skip
 
@@ -134,7 +130,7 @@ def _of_set_ups(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     one, where = with_free_form(fitted, candidate), candidate.score.candidate.location
     span, solution = one.spans[-1], one.solution
     name = of_set_ups(candidate)
-    found = apart(fitted, name, solution.beta[span], solution.covariance[span, span])
+    found = largest_offsets(fitted, name, solution.beta[span], solution.covariance[span, span])
     depends = (
         f"of its own in each set-up, with {found.times:.0f} times the usual standard deviation"
     )
@@ -192,7 +188,7 @@ def _seen_wrong(
         band=band * 1e3, unit="mm", along="s",
         depends=dependence(
             location_name, found[moving[0]].part, found[moving[0]].along,
-            under_applied_voltages(fitted, found[moving[0]].under),
+            under_applied_voltages(fitted, found[moving[0]].under), found[moving[0]].shows,
         ),
     )  # fmt: skip
 
@@ -222,12 +218,11 @@ def with_free_form(fitted: MixedModelFit, candidate: RankedCandidate) -> MixedMo
     )  # fmt: skip
 
 
-def dependence(location_name: str, part: str, along: str, under: str, adds: str = "") -> str:
+def dependence(location_name: str, part: str, along: str, under: str, shows: str = "") -> str:
     """Return the coordinate a nonparametric term depends on, for messages."""
     depends = location(location_name).depends
-    if part.startswith(KNOCK):
-        when = knocked_at(int(part.removeprefix(KNOCK).partition(",")[0]))
-        return f"{depends}; about {percent(when)} into the session the whole picture moves at once"
+    if shows:
+        return depends + shows
     if along == "time":
         what, _, during = part.rpartition(", ")
         one = "each" if during != "session" else "the"
@@ -239,16 +234,8 @@ def dependence(location_name: str, part: str, along: str, under: str, adds: str 
         return depends + OF_PARTS[part]
     depends += ALONG.get(along, "")
     depends += ", as a moment" if part == "moment" else ""
-    depends += _on_arc(part, adds)
     depends += ", only under voltage" if under == "voltage" else ""
     return depends + (", the other way at the other polarity" if under == "polarity" else "")
-
-
-def _on_arc(part: str, adds: str) -> str:
-    """Return which way an error of the place is that may be off the arc."""
-    if part == "position and reach":
-        return f"{OFF_ARC}, and along it" if adds else ", along the arc, and off it"
-    return OFF_ARC if adds == "reach" else ""
 
 
 def form_of(fitted: MixedModelFit, index: int) -> tuple[float, FormCurve | None]:

@@ -10,6 +10,7 @@ import pytest
 
 from model import Parameter
 from model.discrepancy.answers.calibrated_answers import Judged
+from model.discrepancy.search.nonparametric_terms import shapes
 from model.discrepancy.verdict.inferred_form import dependence, under_applied_voltages
 from model.discrepancy.verdict.messages import (
     improbable,
@@ -28,6 +29,7 @@ from model.discrepancy.verdict.result import (
     Promise,
     Unknown,
 )
+from tests.model.discrepancy.sessions import base_fit
 
 NAN = float("nan")
 NAMED = Named(
@@ -229,7 +231,8 @@ def test_what_changes_in_time_is_said(location: str, part: str, what: str):
 
 def test_it_is_said_when_a_camera_was_knocked():
     """At the 14th of 20 times between the session's ends."""
-    assert dependence("camera", "knock 14, session", "time", "").endswith(
+    shows = shapes(base_fit(), "camera", "knock 14, session")[0].shows
+    assert dependence("camera", "knock 14, session", "time", "", shows).endswith(
         "; about 67 % into the session the whole picture moves at once"
     )
 
