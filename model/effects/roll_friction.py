@@ -35,7 +35,7 @@ class RollFriction(Effect):
         """See `Effect.beam`."""
         if p["force_alone"] > 0.5:
             return beam
-        lean, outward = np.tan(contact.gamma_rad), p["coefficient"] * slid(beam, contact)
+        lean, outward = np.tan(contact.gamma_rad), p["coefficient"] * _way(slid(beam, contact), p)
         # N without friction's share of it
         pressed = np.abs(contact.normal_N)
         pressed = pressed / np.maximum(1.0 - outward * np.sign(contact.normal_N) * lean, _JAM)
@@ -48,8 +48,15 @@ class RollFriction(Effect):
         """See `Effect.force`."""
         if p["force_alone"] < 0.5:
             return np.zeros_like(weighed.force_N)
-        rub = p["coefficient"] * _pressed_N(np.abs(weighed.normal_N), p) * weighed.slid
+        rub = p["coefficient"] * _pressed_N(np.abs(weighed.normal_N), p)
+        rub = rub * _way(weighed.slid, p)
         return np.asarray(-rub * np.sin(weighed.gamma_rad))
+
+
+def _way(slid: FloatArray, p: Values) -> FloatArray:
+    """Return the sense of the force: that of the sliding, or always the same."""
+    always = p.get("one_way", 0.0)
+    return slid if always == 0.0 else np.full_like(slid, always)
 
 
 def _pressed_N(force_N: FloatArray, p: Values) -> FloatArray:
@@ -64,7 +71,8 @@ EFFECT = RollFriction(
     form=(
         "a force mu |N| along the sheet, against the way it last slid: under voltage from where the"
         " opposite voltage held it, at 0 V from the side from which the position was approached;"
-        " 20 um of sliding turn it round; or mu times 1 mN, whatever the contact force"
+        " 20 um of sliding turn it round; or always the same way, as of rolls that are driven or"
+        " wound up; or mu times 1 mN, whatever the contact force"
     ),
     location="position",
     signature=(
@@ -105,6 +113,16 @@ EFFECT = RollFriction(
             low=0.0,
             high=1.0,
             starting_values=(0.0, 1.0),
+        ),
+        EffectParameter(
+            name="one_way",
+            meaning="0: against the way it last slid; 1: always towards the sheet's end; -1: always"
+            " towards the clamp",
+            unit="",
+            prior_scale=0.0,
+            low=-1.0,
+            high=1.0,
+            starting_values=(0.0, 1.0, -1.0),
         ),
     ),
     form_error_along=("position", "voltage", "approach"),

@@ -39,7 +39,7 @@ TABLE: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "clamp_compliance": ("compliance", ("rotation_rad_per_Nm",), ()),
     "clamp_angle": ("rest_curvature", ("angle_rad",), ()),
     "arc_error": ("position", ("offset_mm",), ("of",)),
-    "roll_friction": ("position", ("coefficient",), ("force_alone", "at_force_mN")),
+    "roll_friction": ("position", ("coefficient",), ("force_alone", "at_force_mN", "one_way")),
     "roll_sticking": ("position", ("from_position_mm", "force_mN"), ("kind",)),
     "roll_offset": ("position", ("offset_mm",), ("at_the_pressed",)),
     "force_offset": ("load_cell", ("force_mN",), ()),

@@ -333,6 +333,20 @@ def test_friction_may_be_the_same_whatever_the_contact_force():
     assert moment == pytest.approx(-turned, rel=1e-12)
 
 
+def test_friction_may_pull_one_way_whatever_slid_before():
+    beam, contact = example_beam()
+    turned = replace(contact, s_hat_m=0.042 - (contact.s_hat_m - 0.042))
+    friction = effect("roll_friction")
+    for way in (1.0, -1.0):
+        p = values("roll_friction", coefficient=0.1, at_force_mN=1.0, one_way=way)
+        moment = (friction.beam(beam, contact, p).bend - beam.bend)[1] * beam.stiffness[1]
+        T = 1e-4 * way
+        lever = np.tan(contact.gamma_rad[1]) * contact.lever[1] + contact.offset[1]
+        assert moment == pytest.approx(-T * lever, rel=1e-12)
+        same = friction.beam(beam, turned, p)
+        assert np.array_equal(same.bend, friction.beam(beam, contact, p).bend)
+
+
 def test_friction_in_the_cell_alone_takes_its_share_of_the_force_and_bends_nothing():
     beam, contact = example_beam()
     w = replace(example_weighed(), slid=np.where(np.arange(32) % 2, 1.0, -1.0))
@@ -342,6 +356,8 @@ def test_friction_in_the_cell_alone_takes_its_share_of_the_force_and_bends_nothi
     np.testing.assert_allclose(effect("roll_friction").force(w, p), pulled, atol=1e-15)
     always = effect("roll_friction").force(w, {**p, "at_force_mN": 1.0})
     np.testing.assert_allclose(always, -1e-4 * w.slid * np.sin(w.gamma_rad), atol=1e-15)
+    one_way = effect("roll_friction").force(w, {**p, "one_way": -1.0})
+    np.testing.assert_allclose(one_way, 0.1 * np.abs(w.normal_N) * np.sin(w.gamma_rad), atol=1e-15)
     in_the_beam = values("roll_friction", coefficient=0.1, force_alone=0.0)
     assert not np.any(effect("roll_friction").force(w, in_the_beam))
 
