@@ -8,7 +8,7 @@ for all positions; the short sheet is a cantilever with a rigid lever.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -293,11 +293,33 @@ def cantilever(one: World) -> Fault:
         yield f"the short sheet's force falls by {slope:.4f} N/m, a cantilever's by {wanted:.4f}"
 
 
+def resisting(one: World) -> Fault:
+    """Friction holds back what the voltages do: it brings their forces nearer to each other."""
+    rubbing = {n: kind for n, kind in one.kinds.items() if kind.known_as == "roll_friction"}
+    bare = _swing_N(one, {}) if rubbing else 0.0
+    for name, kind in rubbing.items():
+        if (more := _swing_N(one, {name: kind.typical}) - bare) > SAME_N:
+            yield (
+                f"{name}: forces at both voltages are {more:.1e} N farther apart than without it:"
+                " friction that pushes"
+            )
+
+
+def _swing_N(one: World, hidden: Mapping[str, float]) -> float:
+    """Return how far apart the forces of both voltages are, summed over the positions."""
+    found = one.measure(FEW, hidden, SEED, exact=True)
+    return sum(
+        float(np.sign(c.voltage_V)) * _mean(c)
+        for c in found.conditions
+        if c.position_m is not None
+    )  # fmt: skip
+
+
 CHECKS: dict[str, Callable[[World], Fault]] = {
     check.__name__: check
     for check in (
         described, repeatable, same_noise, refuses, designed, noiseless, arcs, one_stiffness,
-        placed, cantilever,
+        placed, cantilever, resisting,
     )
 }  # fmt: skip
 

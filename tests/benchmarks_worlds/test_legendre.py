@@ -148,6 +148,24 @@ def test_rolls_that_rub_hold_the_sheet_along_itself() -> None:
     np.testing.assert_allclose(along, 0.1 * np.abs(across), rtol=1e-6)
 
 
+def test_rolls_that_rub_narrow_the_swing_of_the_force_at_each_position() -> None:
+    design = Design(positions_m={"long": Design().positions_m["long"]}, readings=2, series=False)
+    rubbing = {n: k.typical for n, k in WORLD.kinds.items() if k.known_as == "roll_friction"}
+    bare, rubbed = (swings_N(design, hidden) for hidden in ({}, rubbing))
+    assert len(bare) == 7
+    assert np.all(rubbed < bare - 1e-6)
+
+
+def swings_N(design: Design, hidden: dict[str, float]) -> np.ndarray:  # type: ignore[type-arg]
+    """Return force at +V less that at -V, at each position."""
+    conditions = WORLD.measure(design, hidden, 4, exact=True).conditions
+    high, low = (
+        [np.mean([r.force_N for r in c.used()]) for c in conditions if c.voltage_V == volts]
+        for volts in design.voltages_V
+    )
+    return np.array(high) - np.array(low)
+
+
 def test_without_rubbing_the_cell_feels_the_normal_force_by_its_lean() -> None:
     one, at = ritz(50e-3), cases([0.0, 0.01, 0.03], [30.0, -20.0, 10.0])
     along, across, lean = felt(one, held(one, at)[0], at).T

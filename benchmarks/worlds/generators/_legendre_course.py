@@ -133,10 +133,10 @@ def play(load: Load, half_N: float) -> Array:
 
 
 def slid(contact_m: Array, at: Samples, dead_m: float) -> Array:
-    """Return the sense in which the sheet last slid through the rolls: outwards is 1."""
+    """Return the sense in which the contact last went along the sheet: 1 is to its end."""
     way = np.zeros(len(contact_m))
     for rows in at.each_run():
-        last, sense = float(contact_m[rows[0]]), -1.0
+        last, sense = float(contact_m[rows[0]]), 1.0  # as it was placed
         for row in rows.tolist():
             moved = float(contact_m[row]) - last
             if abs(moved) > dead_m:

@@ -14,8 +14,11 @@ DEAD_M = 1e-5
 
 
 def rubs(contact_m: Array, at: Samples, size: float) -> Array:
-    """Return the rolls' drag over the normal force: against the way the sheet last slid."""
-    return np.asarray(-size * course.slid(contact_m, at, DEAD_M))
+    """Return the rolls' drag over the normal force: against the way the sheet last slid.
+
+    A contact that goes towards the sheet's end is a sheet that slides towards the clamp.
+    """
+    return np.asarray(size * course.slid(contact_m, at, DEAD_M))
 
 
 def stuck(load: Load, size: float) -> Array:
@@ -94,9 +97,9 @@ RIG: dict[str, Acting] = {
         ("position",), (0.4, 6.0), "mm", cases=course.place(lambda p, _, c: c * p / 30.0),
         parameters=lambda c: {"offset_mm": c, "scale": 1.0}),
     "rolls_rub": acting(
-        "The rolls' bearings drag on the sheet with c |N|, against the way it last slid by 10 um.",
-        "roll_friction", ("position", "load_cell"), (0.08, 0.7), "-",
-        setting=lambda _: {"friction": 1.0}, slides=rubs),
+        "The rolls' bearings drag on the sheet with c |N|, against the way it last slid by 10 um;"
+        " placed, it slid towards the clamp.", "roll_friction", ("position", "load_cell"),
+        (0.08, 0.7), "-", setting=lambda _: {"friction": 1.0}, slides=rubs),
     "thick_roll": acting(
         "The sheet passes beside the arc's point, c along its normal.", "roll_offset",
         ("position",), (0.3, 3.0), "mm", setting=lambda c: {"beside_m": 1e-3 * c},
