@@ -122,12 +122,15 @@ class Camera(Location):
     def _moved(self, at: Linearised) -> Iterator[Basis]:
         """Return how the whole image moves, turns and grows in the course of the session.
 
-        Slowly; or at once, where the camera is knocked, which may be at any of some times. Not from
-        one sheet to the next: what differs between them may be theirs.
+        Slowly, all of it or in scale alone; or at once, where the camera is knocked, which may be
+        at any of some times. Not from one sheet to the next: what differs between them may be
+        theirs.
         """
         size, similar = AMPLITUDE_M * at.scale.length, list(_similar(at.points))
         for j in range(1, WAVES_IN_SESSION + 1):
-            yield from self._in_session(at, "place, session", cosine_wave(j, size), similar)
+            wave, grown = cosine_wave(j, size), [_grown(at.points)]
+            yield from self._in_session(at, "place, session", wave, similar)
+            yield from self._in_session(at, "scale, session", wave, grown)
         for j in range(1, KNOCKS + 1):
             when = j / (KNOCKS + 1)
             if any(first < when <= last for first, last in at.pictured):
@@ -159,6 +162,15 @@ def _similar(points: ImagePoints) -> Iterator[FloatArray]:
     yield normal_y
     yield x * normal_y - y * normal_x
     yield x * normal_x + y * normal_y
+
+
+def _grown(points: ImagePoints) -> FloatArray:
+    """Return how far points go along their normals where the image grows about the clamp.
+
+    The clamp is found in each picture, so that it stays where it is when a lens breathes.
+    """
+    along = points.x_m * points.normal_x + points.y_m * points.normal_y
+    return along / (IMAGE_X_M * points.length_scale)
 
 
 def _moved_by(points: ImagePoints, degree: int, sizes: FloatArray) -> FloatArray:

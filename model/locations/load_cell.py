@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ PERIODIC_MN = 2.0
 GAIN = 0.1  # relative
 DEGREES = range(6)  # of the force: a curve of response may have a zero of its own
 WAVES_IN_SESSION = 8
+WAVES_OF_GAIN = 5  # from position to position: the same everywhere is the sheet's stiffness
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +56,12 @@ class LoadCell(Location):
             yield from bases_of(
                 self, at, waves[:count], along="position", part=part, under=under, shared=shared
             )
+        gain = (cosine_wave(j, GAIN) for j in range(1, WAVES_OF_GAIN + 1))
+        for one in bases_of(
+            self, at, gain, along="position", part="gain", adds="gain", shared=True, alone=True,
+            shows=", the gain from position to position",
+        ):  # fmt: skip
+            yield replace(one, unit="relative")
         zero = np.full_like(at.weighed.force_N, waves[0](np.array(0.0)))
         constant = BasisTerm(along="configuration", function=waves[0], low=0.0, high=1.0, nodes=1)
         yield self._added(

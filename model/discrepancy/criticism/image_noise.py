@@ -16,7 +16,7 @@ import numpy as np
 
 from model.discrepancy.search.evidence import Candidate, Projected, scored
 from model.discrepancy.search.nonparametric_terms import unknowns
-from model.discrepancy.search.ranking import RankedCandidate
+from model.discrepancy.search.ranking import RankedCandidate, best_of_each
 from model.discrepancy.thresholds import (
     EVIDENCE_THRESHOLD_LN,
     FEWEST_IMAGES,
@@ -119,11 +119,7 @@ def unusual_images(fitted: MixedModelFit) -> list[RankedCandidate]:
     forward, solution = fitted.problem.forward, weigh(fitted.linear.data, _usual(fitted, found))
     pool = [_candidate(fitted, name), *unknowns(fitted)]
     scores = scored(forward, Projected.of(forward, fitted.linear, solution), pool)
-    best = dict[str, RankedCandidate]()
-    for one in sorted(scores, key=lambda one: -one.log_bayes):
-        ranked = RankedCandidate(score=one, ln_bayes_factor=one.log_bayes, solution=solution)
-        best.setdefault(one.candidate.name, ranked)
-    return list(best.values())
+    return best_of_each(scores, solution)
 
 
 def _many(fitted: MixedModelFit, name: str) -> float:

@@ -1,10 +1,11 @@
 """Set-ups that differ by more than set-ups do: something unknown changes with each of them.
 
 The scatter of stiffness, EIBM, place on the arc and zero of the load cell is estimated from the
-data, so what is another one in each set-up, without an order that a nonparametric term describes,
-is taken up by it. Where it is many times as large as usual, a term in which each set-up has an
-amount of its own competes at the usual scatter. How well camera and sheet come back to their places
-is a matter of the rig: of these nothing is usual.
+data, and so is that of the EIBM from one condition of a set-up to the next. What is missing may be
+taken up by them. Where one is many times as large as usual, nonparametric terms compete at the
+usual scatter, and with them a term in which each set-up has an amount of its own, without an order.
+How well camera and sheet come back to their places is a matter of the rig: of these nothing is
+usual.
 """
 
 from __future__ import annotations
@@ -15,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate, Projected, scored
-from model.discrepancy.search.ranking import RankedCandidate
+from model.discrepancy.search.nonparametric_terms import unknowns
+from model.discrepancy.search.ranking import RankedCandidate, best_of_each
 from model.discrepancy.thresholds import EXCESSIVE_SCATTER_RATIO
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
@@ -27,11 +29,12 @@ LOCATIONS = {
     "stiffness": ("compliance", "relative", -1.0), "eibm": ("eibm", "relative", 1.0),
     "position": ("position", "mm", 1e3), "force_zero": ("load_cell", "mN", 1e3),
 }  # fmt: skip
+CONDITION = "eibm_condition"  # has no term of its own: there are as many as forces
 SIZES = (1.0, 3.0, 10.0, 30.0, 100.0)  # of the usual scatter
 
 
 def unusual_set_ups(fitted: MixedModelFit) -> list[RankedCandidate]:
-    """Return terms of what differs between set-ups by too much, the best first; empty: nothing."""
+    """Return terms of what differs by too much, of each location the best; empty: nothing does."""
     unusual = {name: one for name, one in _times(fitted).items() if one > EXCESSIVE_SCATTER_RATIO}
     if not unusual:
         return []
@@ -40,12 +43,9 @@ def unusual_set_ups(fitted: MixedModelFit) -> list[RankedCandidate]:
     for name in unusual:
         usual[names.index(name)] = fitted.problem.guess[names.index(name)]
     solution = weigh(fitted.linear.data, usual)
-    pool = [_candidate(fitted, name) for name in unusual]
+    pool = [_candidate(fitted, name) for name in unusual if name != CONDITION] + unknowns(fitted)
     scores = scored(forward, Projected.of(forward, fitted.linear, solution), pool)
-    return [
-        RankedCandidate(score=one, ln_bayes_factor=one.log_bayes, solution=solution)
-        for one in sorted(scores, key=lambda one: -one.log_bayes)
-    ]
+    return best_of_each(scores, solution)
 
 
 def of_set_ups(candidate: RankedCandidate) -> str:
@@ -96,7 +96,8 @@ def _times(fitted: MixedModelFit) -> dict[str, float]:
     """Return each scatter over its usual size."""
     above = np.exp(fitted.solution.log_sigma - fitted.problem.guess)
     names = fitted.problem.noise.random_effects
-    return {name: float(above[k]) for k, name in enumerate(names) if name in LOCATIONS}
+    asked = (*LOCATIONS, CONDITION)
+    return {name: float(above[k]) for k, name in enumerate(names) if name in asked}
 
 
 def _usual(fitted: MixedModelFit, name: str) -> float:

@@ -62,6 +62,15 @@ class RankedCandidate:
         return self.score.candidate.effect is not None
 
 
+def best_of_each(scores: Sequence[Score], solution: Solution) -> list[RankedCandidate]:
+    """Return the best candidate of each name at a given noise, the best of them all first."""
+    best = dict[str, RankedCandidate]()
+    for one in sorted(scores, key=lambda one: -one.log_bayes):
+        ranked = RankedCandidate(score=one, ln_bayes_factor=one.log_bayes, solution=solution)
+        best.setdefault(one.candidate.name, ranked)
+    return list(best.values())
+
+
 def rank(
     fitted: MixedModelFit, effects: Sequence[Effect], locations: bool = True
 ) -> list[RankedCandidate]:

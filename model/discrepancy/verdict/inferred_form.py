@@ -47,7 +47,9 @@ OF_PARTS = {  # whose functions are of several coordinates, or of several voltag
     EACH_POLARITY: ", under voltage, and of its own at each polarity",
     WHICH_WAY: ", by how far the sheet is bent and which way",
 }
-OF_TIME = {"curvature": "initial curvature", "place": "whole picture"}  # else as the part says
+OF_TIME = {  # else as the part says
+    "curvature": "initial curvature", "place": "whole picture", "scale": "scale of the picture",
+}  # fmt: skip
 # configuration, part, along, to what it is added, under which voltages
 Key = tuple[str, str, str, str, str]
 

@@ -100,7 +100,8 @@ def zooming_lens(forward: ForwardModel, c: int, state: ModelState) -> Perturbati
     points, block = forward.points(c, state.beam, state.solved), forward.row_block(c)
     along = points.x_m * points.normal_x + points.y_m * points.normal_y
     return replace(
-        forward.no_step(c), points_m=0.02 * block.mean(block.clock.session)[:, None] * along
+        forward.no_step(c),
+        points_m=0.02 * (block.mean(block.clock.session) - 0.5)[:, None] * along,
     )
 
 
@@ -119,6 +120,11 @@ def drying_sheet(forward: ForwardModel, c: int, state: ModelState) -> Perturbati
 def warming_bridge(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
     at = forward.row_block(c).clock.session
     return replace(forward.no_step(c), force_N=0.05 * np.sin(9.0 * at) * state.weighed.force_N)
+
+
+def gain_of_the_place(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    at = np.nan_to_num(state.weighed.position_m) / 0.03
+    return replace(forward.no_step(c), force_N=0.05 * at**2 * state.weighed.force_N)
 
 
 def bowed_elongation(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
@@ -142,7 +148,8 @@ def bowed_elongation(forward: ForwardModel, c: int, state: ModelState) -> Pertur
         (warming_bridge, "load_cell", "gain, session"),
         (crooked_rail, "position", "reach"), (wavy_window, "camera", "place, fine"),
         (knocked_camera, "camera", "knock 7, session"),
-        (zooming_lens, "camera", "place, session"),
+        (zooming_lens, "camera", "place, session"), (zooming_lens, "camera", "scale, session"),
+        (gain_of_the_place, "load_cell", "gain"),
         (play_of_the_stage, "position", "force"), (rocking_rolls, "position", "moment"),
         (stretched_electrodes, "eibm", "curvature"),
         (moment_by_bending, "even_moment", "curvature"), (wrinkles, "compliance", "bending"),

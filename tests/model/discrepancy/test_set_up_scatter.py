@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -11,6 +12,7 @@ from benchmarks.hidden_effects.recipe import Recipe
 from benchmarks.hidden_effects.sessions import hidden_session
 from model.discrepancy import diagnose
 from model.discrepancy.criticism.set_up_scatter import of_set_ups, unusual_set_ups
+from model.identification.likelihood.mixed_model import weigh
 from model.measurements import Measurements
 from tests.fits_unchecked import fits_unchecked
 from tests.model.discrepancy.sessions import NOTHING, base_fit, fitted
@@ -30,6 +32,32 @@ def scattered(what: str) -> Measurements:
 
 def test_set_ups_that_differ_as_usual_are_no_evidence():
     assert unusual_set_ups(base_fit(NOTHING)) == []
+
+
+def test_an_eibm_of_its_own_at_each_condition_is_told_by_what_it_goes_with():
+    """The scatter takes it up, at 20 times its usual size: to the search nothing is missing."""
+    base = base_fit(NOTHING)
+    forward = base.problem.forward
+    rows = np.zeros(forward.row_index.size)
+    for c, state in enumerate(base.linear.states):
+        at = np.nan_to_num(state.beam.stated_m)[:, None] / 0.03
+        more = replace(state.beam, eibm=state.beam.eibm * (1.0 + 0.05 * np.sin(9.0 * at)))
+        by = forward.configuration_models[c].change(state.beam, more, state.solved.contact)
+        rows += forward.rows_of(c, state, replace(forward.no_step(c), beam=by))
+    data = replace(base.linear.data, y=base.linear.data.y + forward.row_index.pad(rows))
+    log_sigma = base.solution.log_sigma.copy()
+    log_sigma[base.problem.noise_names().index("eibm_condition")] += np.log(TIMES)
+    found = unusual_set_ups(
+        replace(
+            base,
+            linear=replace(base.linear, data=data),
+            solution=weigh(data, log_sigma),
+        )
+    )
+    assert found[0].name == "unknown:eibm"
+    assert found[0].ln_bayes_factor > 100.0
+    assert of_set_ups(found[0]) == ""
+    assert len({one.name for one in found}) == len(found)  # of each location the best
 
 
 @pytest.mark.slow
