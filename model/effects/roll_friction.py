@@ -49,7 +49,7 @@ class RollFriction(Effect):
         if p["force_alone"] < 0.5:
             return np.zeros_like(weighed.force_N)
         rub = p["coefficient"] * _pressed_N(np.abs(weighed.normal_N), p)
-        rub = rub * _way(weighed.slid, p)
+        rub = rub * _way(np.asarray(weighed.slid), p)
         return np.asarray(-rub * np.sin(weighed.gamma_rad))
 
 
