@@ -10,6 +10,8 @@ from model.effects.interface import Effect, EffectParameter, ImagePoints, Values
 from model.measurements import FloatArray
 
 OVER_M = 0.05  # a length of the sheet's plane, not of one sheet: all are seen by the same camera
+# an eighth of half a turn apart: halfway between two, a fifth of it is left
+DIRECTIONS_RAD = tuple((np.pi * np.arange(8) / 8.0).tolist())
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ EFFECT = CameraPerspective(
             prior_scale=0.0,
             low=-np.pi,
             high=np.pi,
-            starting_values=(0.0, 0.25 * np.pi, 0.5 * np.pi, 0.75 * np.pi),
+            starting_values=DIRECTIONS_RAD,
         ),
     ),
     form_error_along=("place",),
