@@ -22,7 +22,10 @@ class CameraScale(Effect):
 EFFECT = CameraScale(
     name="camera_scale",
     meaning="Lengths in the picture come out too long by a constant share.",
-    form="r seen = (1 + c) r, from the clamp; or x alone, or y alone (pixels that are not square)",
+    form=(
+        "r seen = (1 + c) r, from the clamp; or x alone, or y alone, or one longer and the"
+        " other shorter (pixels that are not square)"
+    ),
     location="camera",
     signature=(
         "Curves that are everywhere too large, the same share at every voltage and position; the"
@@ -43,12 +46,13 @@ EFFECT = CameraScale(
         ),
         EffectParameter(
             name="axis",
-            meaning="0: both alike; -1: x alone; 1: y alone; between: the other one less",
+            meaning="0: both alike; -1: x alone; 1: y alone; between: the other one less; 2: y too"
+            " long, and x too short by the same share",
             unit="",
             prior_scale=0.0,
             low=-1.0,
-            high=1.0,
-            starting_values=(0.0, -1.0, -0.5, 0.5, 1.0),
+            high=2.0,
+            starting_values=(0.0, -1.0, -0.5, 0.5, 1.0, 2.0),
         ),
     ),
     form_error_along=("place",),

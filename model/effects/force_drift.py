@@ -13,12 +13,13 @@ from model.measurements import FloatArray
 
 TARED_AT = EffectParameter(
     name="tared_at",
-    meaning="0: at the session's start; 0.5: in its middle; 1: at its end",
+    meaning="0: at the session's start; 0.25: a quarter into it; 0.5: in its middle; 0.75: a"
+    " quarter before its end; 1: at its end",
     unit="",
     prior_scale=0.0,
     low=0.0,
     high=1.0,
-    starting_values=(0.0, 0.5, 1.0),
+    starting_values=(0.0, 0.25, 0.5, 0.75, 1.0),
 )
 
 
