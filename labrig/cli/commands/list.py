@@ -11,6 +11,7 @@ from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, progress, say, warn
 from labrig.report.parts.table import fixed, volts
+from protocols.execution.events import Outcome
 
 if TYPE_CHECKING:
     from labrig.library import CatalogueEntry
@@ -29,7 +30,7 @@ def list_sessions(
     text: Annotated[
         str, typer.Option(help="words in name, protocol, people, sample or notes")
     ] = "",
-    outcome: Annotated[str, typer.Option(help="completed, aborted, failed, crashed, running")] = "",
+    outcome: Annotated[Outcome | None, typer.Option(help="how it ended")] = None,
     sheet: Annotated[str, typer.Option(help="a configuration, such as long")] = "",
     limit: Annotated[
         int | None,
@@ -51,8 +52,8 @@ def list_sessions(
 
     most = limit if limit is not None else (0 if as_json else _MOST_LINES)
     wanted = SessionQuery(
-        sort=sort, down=not up, text=text, outcome=outcome, sheet=sheet, limit=most or None,
-        offset=offset,
+        sort=sort, down=not up, text=text, outcome=outcome or "", sheet=sheet,
+        limit=most or None, offset=offset,
     )  # fmt: skip
     library = Library(folder)
     with progress("list") as advance:
@@ -67,15 +68,24 @@ def list_sessions(
     print_table(f"{folder}", _COLUMNS, [_row(entry) for entry in found.entries])
     if any(entry.fit for entry in found.entries):
         say(_NOTE)
-    if len(found.entries) < found.total:
-        first = offset + 1 if found.entries else offset
+    if not found.entries:
+        say(_why_none(found.total, chosen=bool(text or outcome or sheet)))
+    elif len(found.entries) < found.total:
         last = offset + len(found.entries)
-        say(f"These are {first} to {last} of {found.total}; see --limit, --offset and --text.")
+        say(f"These are {offset + 1} to {last} of {found.total}; see --limit, --offset and --text.")
     for entry in found.entries:
         if entry.error:
             say(f"{entry.name}: {entry.error}")
         elif outdated := _outdated(entry):
             say(f"{entry.name}: {outdated} out of date: runs or readings were marked since.")
+
+
+def _why_none(total: int, *, chosen: bool) -> str:
+    if total:
+        return f"There are {total} in all; --offset leaves them out."
+    if chosen:
+        return "No session fits --text, --outcome and --sheet."
+    return "There is no session in this folder, nor in the folders in it."
 
 
 def _outdated(entry: CatalogueEntry) -> str:

@@ -39,7 +39,7 @@ def queue(
     """
     from labrig.experiment.queue import QueuedRun, faults_of
 
-    sheet = sheet or rig.with_name("sheet.toml")
+    sheet = sheet or rig.parent / "sheet.toml"
     runs = [
         QueuedRun(
             rig=rig,

@@ -6,6 +6,7 @@ much set-ups scatter, which is a property of the rig.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -20,7 +21,7 @@ def labels(paths: Sequence[Path]) -> list[str]:
     """Return a short name of each file."""
     for short in (
         [path.stem for path in paths],
-        [f"{path.resolve().parent.name}-{path.stem}" for path in paths],
+        [f"{Path(os.path.realpath(path)).parent.name}-{path.stem}" for path in paths],
     ):
         if len(set(short)) == len(short):
             return short

@@ -24,7 +24,7 @@ _SESSION = "notes_of"
 
 def waiting_path(session: Path) -> Path:
     """Where the notes of a session wait."""
-    return session.with_name(session.name + ".notes")
+    return session.parent / f"{session.name}.notes"
 
 
 def holds_notes(session: Path) -> bool:

@@ -27,7 +27,7 @@ _NO_SETUP = (AttributeError, KeyError, OverflowError, TypeError, ValueError)
 
 def journal_path(session: Path) -> Path:
     """Where the journal of a session lies."""
-    return session.with_name(session.name + ".journal")
+    return session.parent / f"{session.name}.journal"  # `.` has no name that could be another
 
 
 class Journal:

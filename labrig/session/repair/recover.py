@@ -94,7 +94,7 @@ def recover(path: Path, output: Path | None = None, in_place: bool = False) -> R
     journal = read_journal(beside)
     if _is_whole(path):
         return _nothing_to_do(path, beside, in_place)
-    target = path if in_place else (output or path.with_name(f"{path.stem}-recovered{path.suffix}"))
+    target = path if in_place else (output or path.parent / f"{path.stem}-recovered{path.suffix}")
     if target.exists() and not in_place:
         raise BadInputError(f"{target} exists already; choose another name with -o.")
     notes: list[str] = []

@@ -15,7 +15,7 @@ import h5py
 
 from labrig.session.format import layout
 from labrig.session.format.checksums import SUPPLEMENT_SUM, supplement_digest, version_of
-from labrig.session.reading.opening import open_file
+from labrig.session.reading.opening import check_is_hdf5, open_file
 from labrig.session.reading.values import damage_told, text_attribute
 from labrig.session.recording.disk import written_beside
 from labrig.session.recording.hdf5 import set_attributes
@@ -28,6 +28,7 @@ def replaced(path: Path, *, without: str = "") -> Iterator[Any]:
 
     Nothing changes when the caller raises. Raises BadInputError, LabrigError.
     """
+    check_is_hdf5(path)
     # Left in the reverse order: a file that is open cannot be replaced everywhere.
     with (
         only_writer(path),
@@ -42,6 +43,7 @@ def replaced(path: Path, *, without: str = "") -> Iterator[Any]:
 
 def check_can_be_added_to(path: Path) -> None:
     """Raise BadInputError where a session cannot be replaced: before the work that it is for."""
+    check_is_hdf5(path)
     with only_writer(path):
         pass
 

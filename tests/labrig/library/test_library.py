@@ -202,6 +202,21 @@ def test_the_command_says_what_it_does_not_show(folder, capsys):
 
 
 @pytest.mark.slow
+def test_the_command_says_why_its_table_is_empty(folder, tmp_path, capsys):
+    from labrig.cli.main import run
+
+    for asked, told in (
+        ([str(tmp_path / "none")], "There is no session in this folder"),
+        ([str(folder), "--text", "nobody"], "No session fits --text, --outcome and --sheet."),
+        ([str(folder), "--outcome", "failed"], "No session fits --text, --outcome and --sheet."),
+        ([str(folder), "--offset", "9"], "There are 4 in all; --offset leaves them out."),
+    ):
+        (tmp_path / "none").mkdir(exist_ok=True)
+        assert run(["list", *asked]) == 0
+        assert told in capsys.readouterr().out
+
+
+@pytest.mark.slow
 def test_a_scan_that_has_no_time_says_how_many_files_are_left(folder):
     library = Library(folder)
     left = library.refresh(budget_s=0.0)

@@ -28,6 +28,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name, text in TABLES.items():
         (folder / name).write_text(text)
     (folder / "binary.dat").write_bytes(bytes(range(256)))
+    (folder / "loop.h5").symlink_to("loop.h5")
     return folder
 
 
@@ -40,10 +41,10 @@ def before(files: Path) -> dict[str, int]:
 def state(folder: Path) -> dict[str, int]:
     """When each file was written."""
     return {
-        file.path: file.stat().st_mtime_ns
+        file.path: file.stat(follow_symlinks=False).st_mtime_ns
         for place, _, _ in os.walk(folder)
         for file in os.scandir(place)
-        if file.is_file()
+        if file.is_file(follow_symlinks=False)
     }
 
 
