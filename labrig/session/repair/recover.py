@@ -42,7 +42,7 @@ class RecoverReport:
     """What was found, and what was made of it."""
 
     source: Path
-    output: Path | None  # None: the session was whole, nothing was written
+    output: Path | None  # None: the session was closed, nothing was written
     outcome: Outcome
     from_journal: bool
     runs_completed: int
@@ -55,7 +55,10 @@ class RecoverReport:
     def text(self) -> str:
         """What was saved, in one sentence."""
         if self.output is None:
-            return f"{self.source}: is whole; there is nothing to recover."
+            return (
+                f"{self.source}: was closed, so there is nothing to recover; labrig verify checks "
+                "what it holds."
+            )
         runs, readings, frames = (
             f"{count} {what}{'' if count == 1 else 's'}"
             for count, what in (
