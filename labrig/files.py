@@ -32,7 +32,7 @@ def check_free(path: Path, *, force: bool = False) -> None:
         raise BadArgumentError(f"{path}: is already there; give force to overwrite it.", "force")
     if not path.parent.is_dir():
         raise BadInputError(f"{path.parent}: there is no such folder.")
-    if not os.access(path.parent, os.W_OK):
+    if not os.access(path if _is_device(path) else path.parent, os.W_OK):
         raise not_written(path, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
 
 

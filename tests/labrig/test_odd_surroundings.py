@@ -18,7 +18,7 @@ from labrig.batch.rows import PieceOutcome, Row, row_of
 from labrig.batch.table import write_csv
 from labrig.cli.main import run
 from labrig.errors import BadInputError
-from labrig.files import write_text, write_zip
+from labrig.files import check_free, write_text, write_zip
 from labrig.panel.job.host import Host
 from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
 from tests.cases import few
@@ -170,6 +170,15 @@ def test_a_pipe_is_written_into_and_not_replaced(folder: Path) -> None:
     assert fifo.is_fifo()
     assert os.read(reader, 100) == b"image,state\n"
     os.close(reader)
+
+
+@POSIX
+def test_a_pipe_is_free_in_a_folder_that_takes_no_file(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    os.mkfifo(folder / "free")
+    monkeypatch.setattr(os, "access", lambda path, _mode: Path(path) != folder)
+    check_free(folder / "free", force=True)
 
 
 @POSIX

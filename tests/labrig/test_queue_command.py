@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sys
 from types import SimpleNamespace
@@ -54,6 +55,24 @@ def test_a_fault_in_the_last_protocol_is_found_before_the_first_begins(rig, caps
     assert labrig("queue", "first.toml", "second.toml", "third.toml", "-o", "night") == 2
     assert "nothing was begun" in capsys.readouterr().err
     assert not (rig / "night").exists()
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        ("queue", "first.toml", "-o", "night"),
+        ("run", "rig.toml", "first.toml", "sheet.toml", "-o", "night/s.h5"),
+    ],
+)
+def test_a_folder_that_takes_no_file_is_told_before_the_rig_is_started(
+    rig, capsys, monkeypatch, asked
+):
+    (rig / "night").mkdir()
+    monkeypatch.setattr(os, "access", lambda _path, how: how != os.W_OK)  # root may do anything
+    assert labrig(*asked) == 2
+    said = capsys.readouterr().err
+    assert "cannot be written (Permission denied)" in said
+    assert "starting" not in said
 
 
 def test_the_disk_must_have_room_for_all_sessions_together(rig, capsys, monkeypatch):

@@ -11,7 +11,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
-from labrig.files import keep_replaced, write_text
+from labrig.files import check_free, keep_replaced, write_text
 
 if TYPE_CHECKING:
     from labrig.vision import Calibration, CalibrationBoard
@@ -53,6 +53,7 @@ def load_cell(
     plan = plan_of(rig)
     path = output or plan.rig.load_cell.calibration
     refuse_to_replace(path, LOAD_CELL)
+    check_free(path, force=True)
     operator = NoOperator(warn) if yes else ConsoleOperator(warn)
     found = weigh(wire(plan, operator), plan, [load / 1000 for load in weight_mN], warn)
     rows = [

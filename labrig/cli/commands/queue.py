@@ -10,7 +10,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError, LabrigError
-from labrig.files import make_folder
+from labrig.files import check_free, make_folder
 
 if TYPE_CHECKING:
     from labrig.experiment.queue import QueuedRun
@@ -53,6 +53,7 @@ def queue(
     if faults:
         raise BadInputError("\n".join(["nothing was begun:", *faults]))
     make_folder(output)
+    check_free(runs[0].session)
     for number, run in enumerate(runs):
         say(f"session {number + 1} of {len(runs)}: {run.protocol} -> {run.session}")
         _run(run, runs[number + 1 :], yes=yes)

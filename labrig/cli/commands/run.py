@@ -10,7 +10,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import AboutFile
 from labrig.errors import BadInputError
-from labrig.files import check_session_name
+from labrig.files import check_free, check_session_name
 
 
 def run(
@@ -117,8 +117,7 @@ def _free(output: Path | None) -> Path:
     check_session_name(output)
     if output.exists():
         raise BadInputError(f"{output} exists already; choose another name with -o.")
-    if not output.parent.is_dir():
-        raise BadInputError(f"{output.parent}: there is no such folder.")
+    check_free(output)
     return output
 
 
