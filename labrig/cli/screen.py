@@ -138,16 +138,20 @@ class Advance(Protocol):
 
 
 @contextmanager
-def progress(title: str) -> Iterator[Advance]:
-    """Draw a progress bar on a terminal; elsewhere print a plain line at each tenth."""
+def progress(title: str, *, estimated: bool = True) -> Iterator[Advance]:
+    """Draw a progress bar on a terminal; elsewhere print a plain line at each tenth.
+
+    With `estimated`, how long the job still takes is added; without, its texts say so themselves.
+    """
     if not sys.stderr.isatty():
-        yield _PlainProgress(title)
+        yield _PlainProgress(title, estimated=estimated)
         return
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}", markup=False), BarColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}", markup=False), BarColumn())
+    left = (TimeRemainingColumn(),) if estimated else ()
     terminal = _terminal(stderr=True)
-    bar = Progress(*columns, console=terminal, transient=True)
+    bar = Progress(*columns, *left, console=terminal, transient=True)
     task = bar.add_task(title, total=1.0)
 
     def advance(fraction: float, text: str, *, last: bool = False) -> None:
@@ -167,8 +171,8 @@ def progress(title: str) -> Iterator[Advance]:
 
 
 class _PlainProgress:
-    def __init__(self, title: str) -> None:
-        self._title = title
+    def __init__(self, title: str, *, estimated: bool) -> None:
+        self._title, self._estimated = title, estimated
         self._tenth = -1
         self._began_s = time.monotonic()
 
@@ -178,7 +182,8 @@ class _PlainProgress:
             warn(_line(self._title, fraction, text))
         elif tenth > self._tenth:
             self._tenth = tenth
-            left = time_left(time.monotonic() - self._began_s, fraction)
+            taken_s = time.monotonic() - self._began_s
+            left = time_left(taken_s, fraction) if self._estimated else ""
             warn(_line(self._title, tenth / 10, text) + left)
 
 

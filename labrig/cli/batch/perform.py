@@ -113,7 +113,10 @@ def _work(name: str, task: BatchTask, planned: BatchPlan, request: BatchRequest)
     if request.scheduler is None and count > 1:
         task.warm_up()  # else each worker would compile it for itself
     try:
-        with _workers(request.scheduler, count) as workers, progress(name) as advance:
+        with (
+            _workers(request.scheduler, count) as workers,
+            progress(name, estimated=False) as advance,
+        ):
             told = _Told(advance)
             run_batch(planned, workers.executor, workers.places, told)
             told.end()

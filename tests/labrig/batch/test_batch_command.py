@@ -8,15 +8,19 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from labrig.batch.conformance import faults
 from labrig.batch.contract import BatchInput, BatchItem, BatchTask, InputKind
+from labrig.batch.run import BatchProgress
 from labrig.batch.tasks.fit import FitEach
 from labrig.batch.worker import Piece, do
+from labrig.cli.batch import perform
 from labrig.cli.main import run
 from labrig.config import load_sheet
 from labrig.errors import BadInputError
@@ -310,6 +314,18 @@ def test_a_session_is_reported(tmp_path, monkeypatch):
     (row,) = table(tmp_path / "batch" / "report")
     assert row["outcome"] == "done", row["why"]
     assert (tmp_path / "batch/report/each/made.h5/index.html").exists()
+
+
+def test_how_long_a_batch_still_takes_is_said_once(monkeypatch, capsys):
+    def a_slow_batch(_planned, _executor, _places, tell):
+        began_s = time.monotonic()
+        monkeypatch.setattr(time, "monotonic", lambda: began_s + 100.0)
+        tell(BatchProgress(wanted=10, done=2, began_s=began_s), SimpleNamespace(sentence=""))
+
+    monkeypatch.setattr("labrig.batch.run.run_batch", a_slow_batch)
+    planned, request = SimpleNamespace(todo=[1]), SimpleNamespace(workers=1, scheduler=None)
+    perform._work("fit", None, planned, request)
+    assert "fit: 20 % - 2 of 10, 7 min left\n" in capsys.readouterr().err
 
 
 def test_every_task_of_ours_keeps_to_the_contract():
