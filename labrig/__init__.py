@@ -7,7 +7,7 @@ what tests of such parts need.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from labrig.lazy_imports import lazily
 from labrig.own_packages import require_own_packages
@@ -205,6 +205,12 @@ _HOMES = {
     ),
     "sim_hardware.ni.boards": ("BoardModel",),
 }
-__getattr__, __dir__, __all__ = lazily(
-    __name__, _HOMES, modules=("plot",), before=require_own_packages
-)
+_load, __dir__, __all__ = lazily(__name__, _HOMES, modules=("plot",), before=require_own_packages)
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":  # as other packages have it; what is installed is read when asked for
+        from labrig.version import version
+
+        return version()
+    return _load(name)

@@ -54,6 +54,14 @@ def warn_caller(warning: Warning) -> None:
     warnings.warn(warning, stacklevel=depth)
 
 
+def type_in_words(value: object) -> str:
+    """Return what something is, with its article: an int, a DataFrame, None."""
+    if value is None:
+        return "None"
+    name = type(value).__name__
+    return f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"
+
+
 def is_ours(module: str) -> bool:
     """Whether a module is one of labrig's packages."""
     return module.partition(".")[0] in _OURS

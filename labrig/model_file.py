@@ -12,7 +12,7 @@ from tomlkit.items import Array, Item, Trivia, Whitespace
 
 from labrig.config.base import parse_toml, read_text
 from labrig.config.file_kinds import MODEL, refuse_other_kind
-from labrig.errors import BadArgumentError, BadInputError
+from labrig.errors import BadArgumentError, BadInputError, type_in_words
 from labrig.files import write_text
 from model import ModelError, SheetModel
 
@@ -62,11 +62,22 @@ def save_model(model: SheetModel, path: Path | str) -> None:
     """Write a model file (TOML), which `load_model` and the commands read.
 
     It is written beside its place and renamed, so that a file of that name is replaced whole.
-    Raises LabrigError of one sentence where it cannot be written, or its name does not end with
-    .toml.
+    Raises LabrigError of one sentence where it cannot be written, its name does not end with
+    .toml, or it is no model.
     """
+    if not isinstance(model, SheetModel):  # a caller may give anything
+        raise no_model(model, "a model")
     check_name(Path(path))
     write_text(Path(path), model_text(model))
+
+
+def no_model(value: object, wanted: str) -> BadInputError:
+    """Return the error to raise for what is no model; it names those that a fit has."""
+    of_fit = "; a fit has three: preferred_model, model and varying_model"
+    return BadInputError(
+        f"{wanted} is needed, not {type_in_words(value)}"
+        f"{of_fit if hasattr(value, 'preferred_model') else ''}."
+    )
 
 
 def check_name(path: Path) -> None:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from labrig.api.data import AnyPath, Data, measurements_of, model_of
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, type_in_words
 from labrig.motion.simulated import SimulatedRun
 from labrig.report.data.models import ALONG, CONSTANT, kind_of
 from labrig.report.data.selection import configurations
@@ -149,7 +149,7 @@ def shapes(
         The axes, with equal aspect. Raises LabrigError where there are several configurations.
 
     """
-    every = [predictions] if isinstance(predictions, Prediction) else list(predictions)
+    every = _predictions(predictions)
     name = _only([one.configuration for one in every])
     sheet = model_of(model).sheet(name).sheet
     with _axes(ax) as axes:
@@ -165,6 +165,19 @@ def shapes(
                 draw_curve(axes, shape, sheet, colour=colour, label=label)
         axes.legend()
     return axes
+
+
+def _predictions(given: Prediction | Iterable[Prediction]) -> list[Prediction]:
+    if isinstance(given, Prediction):
+        return [given]
+    every = list(given) if isinstance(given, Iterable) else [given]
+    for one in every:
+        if not isinstance(one, Prediction):  # a caller may give anything
+            raise BadInputError(
+                "predictions are needed, as labrig.predict and labrig.simulate return them, not "
+                f"{type_in_words(one)}."
+            )
+    return every
 
 
 def diagnosis(found: Diagnosis, *, ax: Axes | None = None) -> Axes:

@@ -7,7 +7,13 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from labrig.errors import ArgumentWarning, BadInputError, LabrigWarning, warn_caller
+from labrig.errors import (
+    ArgumentWarning,
+    BadInputError,
+    LabrigWarning,
+    type_in_words,
+    warn_caller,
+)
 from labrig.progress import Progress, silent
 from model.measurements import Measurements
 
@@ -31,7 +37,7 @@ def path_of(path: AnyPath) -> Path:
     try:
         return Path(os.fspath(path))
     except TypeError:
-        raise BadInputError(f"a file is needed, not {_kind(path)}.") from None
+        raise BadInputError(f"a file is needed, not {type_in_words(path)}.") from None
 
 
 def tell_of_stiffness(measurements: Measurements, stated_Nm2: float | None) -> None:
@@ -75,13 +81,13 @@ def measurements_of(
 
 def model_of(model: AnyPath | SheetModel) -> SheetModel:
     """Return a model as it is, or that of a file."""
-    from labrig.model_file import load_model
+    from labrig.model_file import load_model, no_model
     from model.sheet.sheet_model import SheetModel
 
     if isinstance(model, SheetModel):
         return model
     if not isinstance(model, str | os.PathLike):  # a caller may give anything
-        raise _no_model(model)
+        raise no_model(model, "a model or its file")
     return load_model(path_of(model))
 
 
@@ -95,23 +101,7 @@ def _as_list(data: AnyPath | Sequence[AnyPath]) -> list[AnyPath]:
         return [data]
     if not isinstance(data, Iterable) or hasattr(data, "columns"):  # a data frame is its columns
         raise BadInputError(
-            f"a session file, several, or measurements are needed, not {_kind(data)}; for tables "
-            "see labrig.measurements_of_tables."
+            f"a session file, several, or measurements are needed, not {type_in_words(data)}; "
+            "for tables see labrig.measurements_of_tables."
         )
     return list(data)
-
-
-def _no_model(value: object) -> BadInputError:
-    of_fit = "; a fit has three: preferred_model, model and varying_model"
-    return BadInputError(
-        f"a model or its file is needed, not {_kind(value)}"
-        f"{of_fit if hasattr(value, 'preferred_model') else ''}."
-    )
-
-
-def _kind(value: object) -> str:
-    """Return what something is, with its article: an int, a DataFrame, None."""
-    if value is None:
-        return "None"
-    name = type(value).__name__
-    return f"{'an' if name[0].lower() in 'aeiou' else 'a'} {name}"

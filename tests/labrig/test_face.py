@@ -10,6 +10,7 @@ import pytest
 
 import labrig
 from labrig import testing, vision
+from labrig.version import version
 
 
 @pytest.mark.parametrize("package", [labrig, vision, testing])
@@ -18,6 +19,10 @@ def test_every_public_name_is_there(package: ModuleType) -> None:
     assert set(package.__all__) <= set(dir(package))
     for name in package.__all__:
         assert getattr(package, name) is not None, name
+
+
+def test_the_version_is_that_of_the_command() -> None:
+    assert labrig.__version__ == version()
 
 
 @pytest.mark.parametrize("package", [labrig, vision, testing])

@@ -10,7 +10,7 @@ from typing import Final, Literal, NamedTuple, cast
 
 import numpy as np
 
-from labrig.errors import BadInputError
+from labrig.errors import BadInputError, type_in_words
 from labrig.plausibility import table_warnings
 from labrig.session.tables import columns
 from labrig.session.tables.csv_rows import NUMBER, CsvRow, TextTable, integer, one_of, truth
@@ -97,9 +97,15 @@ def read_tables(
 ) -> Measurements:
     """Measurements from tables of forces, curves or both: CSV as labrig writes it, or others.
 
-    `names` says what columns of other names mean. Raises BadInputError naming file, line and
-    column.
+    `sheet`: the geometry of each configuration by its name; `labrig.measurements_of_tables` takes
+    sheet.toml itself. `names` says what columns of other names mean. Raises BadInputError naming
+    file, line and column.
     """
+    if not isinstance(sheet, Mapping):  # a caller may give anything
+        raise BadInputError(
+            f"sheets by their names are needed, not {type_in_words(sheet)}; "
+            "labrig.measurements_of_tables takes sheet.toml."
+        )
     return read_and_understood(sheet, forces, curves, signals, names=names).measurements
 
 

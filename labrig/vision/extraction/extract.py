@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from labrig.errors import BadInputError, type_in_words
 from labrig.vision.calibration.optics import ColourChannel, Optics
 from labrig.vision.checks.seen_curve import SeenCurve
 from labrig.vision.checks.verdict import Verdict
@@ -64,12 +65,24 @@ def neutral_curve(
     length, tip nor places are stated, a second look at what stands out in the picture may lead the
     curve on or cut it; a curve that is followed is looked at again only where the one before had
     been changed by that. What cannot be measured comes back with `ok` False and the
-    reason, never raised.
+    reason, never raised. `labrig.vision.read_image` and `load_optics` read image and optics.json.
     """
+    _refuse_other_types(optics, strip)
     found = unconfirmed_curve(image, optics, strip, start=start)
     if found.ok and start is not None and start.ok and not changed_by_it(start):
         return found.confirmed()
     return seen_again(found, image, optics, strip).confirmed()
+
+
+def _refuse_other_types(optics: object, strip: object) -> None:
+    """Raise BadInputError for what stands in the place of optics or strip: a caller may err."""
+    if not isinstance(optics, Optics):
+        raise BadInputError(
+            f"optics: a labrig.Optics is needed, not {type_in_words(optics)}; "
+            "labrig.vision.load_optics reads a file."
+        )
+    if not isinstance(strip, StripGeometry):
+        raise BadInputError(f"strip: a labrig.StripGeometry is needed, not {type_in_words(strip)}.")
 
 
 def unconfirmed_curve(

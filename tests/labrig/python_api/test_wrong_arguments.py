@@ -269,3 +269,40 @@ def test_a_protocol_that_is_there_already_names_the_argument(tmp_path):
     (tmp_path / "next.toml").touch()
     said = said_by(lambda: found.save(tmp_path / "next.toml"))
     assert said.endswith("next.toml: is already there; give force to overwrite it.")
+
+
+# -- what is of another kind
+
+
+def test_what_is_no_model_is_told_before_a_file_is_written(tmp_path):
+    fitted = labrig.fit(measure("long"))
+    said = said_by(lambda: labrig.save_model(fitted, tmp_path / "m.toml"))
+    three = "preferred_model, model and varying_model"
+    assert said == f"a model is needed, not a Fit; a fit has three: {three}."
+    assert said_by(lambda: labrig.save_model(None, "m.toml")) == "a model is needed, not None."
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_is_no_prediction_is_not_drawn():
+    wanted = "predictions are needed, as labrig.predict and labrig.simulate return them, not "
+    assert said_by(lambda: labrig.plot.shapes(sheet(), sheet())) == f"{wanted}a SheetModel."
+    assert said_by(lambda: labrig.plot.shapes(["long"], sheet())) == f"{wanted}a str."
+
+
+@pytest.mark.parametrize("given", ["sheet.toml", None])
+def test_tables_are_read_for_sheets_and_not_for_the_name_of_their_file(given):
+    said = said_by(lambda: labrig.read_tables(given, "forces.csv"))
+    assert "sheets by their names are needed, not" in said
+    assert "labrig.measurements_of_tables takes sheet.toml" in said
+
+
+def test_a_curve_is_looked_for_with_optics_and_a_strip():
+    strip = labrig.StripGeometry(free_length_m=0.03)
+    optics = labrig.Optics(px_per_mm=4, clamp_px=(24, 75))
+    pixels = np.zeros((150, 200), np.uint8)
+    assert said_by(lambda: labrig.neutral_curve(pixels, "optics.json", strip)) == (
+        "optics: a labrig.Optics is needed, not a str; labrig.vision.load_optics reads a file."
+    )
+    assert said_by(lambda: labrig.neutral_curve(pixels, optics, "sheet.toml")) == (
+        "strip: a labrig.StripGeometry is needed, not a str."
+    )
