@@ -11,5 +11,5 @@ def new_file(folder: Path, name: str) -> Path:
     """Return the path of a file to be written. Raises BadInputError when it is there already."""
     path = folder / name
     if path.exists():
-        raise BadInputError(f"{path} exists already; choose another folder with -o.")
+        raise BadInputError(f"{path} exists already; choose another folder.")
     return path

@@ -26,7 +26,7 @@ def check_free(session: RecordedSession, folder: Path) -> None:
     """Raise BadInputError when a file that is to be written is there already."""
     for name in file_names(session):
         if (folder / name).exists():
-            raise BadInputError(f"{folder / name} exists already; choose another folder with -o.")
+            raise BadInputError(f"{folder / name} exists already; choose another folder.")
 
 
 def file_names(session: RecordedSession) -> list[str]:

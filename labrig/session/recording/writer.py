@@ -239,11 +239,11 @@ class SessionWriter:
 def _begin(path: Path, setup: SessionSetup) -> Journal:
     """Make journal and file; the file appears at its path whole, or not at all."""
     if path.exists():
-        raise BadInputError(f"{path} exists already; choose another name with -o.")
+        raise BadInputError(f"{path} exists already; choose another name.")
     if holds_notes(path):
         raise BadInputError(
             f"{waiting_path(path)} holds notes of an earlier session; move it away, or choose "
-            "another name with -o."
+            "another name."
         )
     beside = path.with_name(f"{path.name}.{os.getpid()}.new")
     try:
@@ -251,11 +251,11 @@ def _begin(path: Path, setup: SessionSetup) -> Journal:
     except FileExistsError:
         if is_locked(journal_path(path)):
             raise BadInputError(
-                f"another labrig is making a session at {path}; choose another name with -o."
+                f"another labrig is making a session at {path}; choose another name."
             ) from None
         raise BadInputError(
             f"{journal_path(path)} is left from an earlier session; run labrig recover "
-            f"{typed(path)}, or choose another name with -o."
+            f"{typed(path)}, or choose another name."
         ) from None
     except OSError as error:
         raise BadInputError(f"{path} cannot be written: {cause(error)}.") from None

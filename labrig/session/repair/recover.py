@@ -99,7 +99,7 @@ def recover(path: Path, output: Path | None = None, in_place: bool = False) -> R
         return _nothing_to_do(path, beside, in_place)
     target = path if in_place else (output or path.parent / f"{path.stem}-recovered{path.suffix}")
     if target.exists() and not in_place:
-        raise BadInputError(f"{target} exists already; choose another name with -o.")
+        raise BadInputError(f"{target} exists already; choose another name.")
     notes: list[str] = []
     with open_waiting(path) as waiting:
         with written_beside(target) as new:

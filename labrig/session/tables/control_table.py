@@ -22,7 +22,7 @@ _COLUMNS = {  # of the file: column of the session, factor
 def check_no_control(folder: Path) -> None:
     """Raise BadInputError where the file is there already."""
     if (folder / FILE).exists():
-        raise BadInputError(f"{folder / FILE} exists already; choose another folder with -o.")
+        raise BadInputError(f"{folder / FILE} exists already; choose another folder.")
 
 
 def write_control(session: RecordedSession, folder: Path) -> list[Path]:

@@ -55,7 +55,7 @@ def _make(folder: Path) -> None:
     make_folder(folder)
     for name in TABLES:
         if (folder / name).exists():
-            raise BadInputError(f"{folder / name} exists already; choose another folder with -o.")
+            raise BadInputError(f"{folder / name} exists already; choose another folder.")
 
 
 def _write(path: Path, names: Iterable[str], rows: Iterable[Cells]) -> None:

@@ -210,7 +210,7 @@ def test_a_session_that_was_closed_is_not_called_damaged(recorded):
 
 def test_an_existing_file_is_never_overwritten(recorded):
     before = recorded.read_bytes()
-    with pytest.raises(BadInputError, match=r"exists already.*another name"):
+    with pytest.raises(BadInputError, match=r"exists already; choose another name\.$"):
         SessionWriter(recorded, **settings(small_schedule()))
     assert recorded.read_bytes() == before
 
