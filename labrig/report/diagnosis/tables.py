@@ -262,7 +262,8 @@ def next_sentence(one: Next) -> str:
     if np.isfinite(one.separation) and np.isfinite(one.expected):
         text += (
             f" Separation of the candidates: {one.separation:.1f} → {one.expected:.1f} sigma"
-            f" (now → expected), after {one.minutes:.0f} min at the rig."
+            f" (now → expected), after {one.minutes:.0f} min at the rig, mounting"
+            " not counted."
         )
     return text
 

@@ -125,7 +125,7 @@ def test_json_is_the_documented_object_whatever_the_verdict(make, finding, recor
             (made.indistinguishable, "Measure next: Six free shapes"),
             (
                 made.indistinguishable,
-                "Separation of the candidates: 1.8 → 14.0 sigma (now → expected), after 2 min",
+                "1.8 → 14.0 sigma (now → expected), after 2 min at the rig, mounting not counted.",
             ),
             (
                 made.inseparable,
