@@ -35,6 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (["curves", "good.h5", "--look", "silhouette"], "are for images"),
         (["diagnose", "good.h5", "--without", "gravty"], "no effect 'gravty'"),
         (["list", "a_file"], "this is a file, a folder is needed"),
+        (["panel", "--host", "192.0.2.1", "--insecure", "--port", "0"], "; check --host."),
         (["config", "schema", "a_file/x"], "Not a directory"),
         pytest.param(
             ["calibrate", "board", "-o", "nowhere/board.pdf"],

@@ -10,7 +10,7 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.screen import say, warn
 from labrig.errors import BadInputError
-from labrig.files import SESSION_ENDINGS
+from labrig.files import SESSION_ENDINGS, typed
 
 if TYPE_CHECKING:
     from labrig.panel.access.settings import PanelSettings
@@ -78,6 +78,13 @@ def _settings(
 
     if what is None and Path("rig.toml").is_file():
         what = Path("rig.toml")
+    if what is not None and what.is_dir():
+        raise BadInputError(
+            f"{what}: this is a folder; give a rig.toml or a session, or --data {typed(what)} for "
+            "its sessions."
+        )
+    if model is not None and model.is_dir():
+        raise BadInputError(f"{model}: this is a folder; a model file is needed.")
     for path in (what, model):
         if path is not None and not path.is_file():
             raise BadInputError(f"{path}: there is no such file.")

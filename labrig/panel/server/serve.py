@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import socket
 import subprocess
@@ -60,6 +61,12 @@ def serve(settings: PanelSettings, on_ready: Callable[[PanelSettings], None]) ->
                 PanelServer(config).run(sockets=[listening])
 
 
+_REMEDIES = {
+    errno.EADDRINUSE: "another one may be there already: give another --port",
+    errno.EACCES: "give another --port",  # one that is the system's own
+}
+
+
 @contextmanager
 def _bound(settings: PanelSettings) -> Iterator[socket.socket]:
     family = socket.AF_INET6 if ":" in settings.host else socket.AF_INET
@@ -69,7 +76,7 @@ def _bound(settings: PanelSettings) -> Iterator[socket.socket]:
     except OSError as error:
         raise BadInputError(
             f"the panel cannot listen on {settings.host}:{settings.port} ({error.strerror}); "
-            "another one may be there already: give another --port."
+            f"{_REMEDIES.get(error.errno or 0, 'check --host')}."
         ) from None
     with listening:
         yield listening

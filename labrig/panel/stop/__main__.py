@@ -7,8 +7,10 @@ library only, so that it starts at once and has little that could fail.
 from __future__ import annotations
 
 import json
+import os
 import sys
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 from labrig.panel.access.open_connections import raise_descriptor_limit
@@ -21,14 +23,17 @@ _POLL_S = 0.5
 
 def main() -> None:
     """Serve until the panel has gone and no job is going on any more."""
-    settings = StopSettings(**json.loads(sys.stdin.readline()))
+    asked = sys.stdin.readline()
+    if not asked:  # the panel has ended meanwhile
+        return
+    settings = StopSettings(**json.loads(asked))
     raise_descriptor_limit()
     line, ended = StopConnection(Path(settings.data)), threading.Event()
     server = StopServer(settings, line)
     threading.Thread(target=line.watch, args=(ended,), name="line", daemon=True).start()
     server.start()
-    sys.stdout.write(f"{server.port}\n")
-    sys.stdout.flush()
+    with suppress(BrokenPipeError):  # likewise; what is buffered would be written once more
+        os.write(sys.stdout.fileno(), f"{server.port}\n".encode())
     sys.stdin.read()  # ends with the panel
     while line.going:
         ended.wait(_POLL_S)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
 import time
 from contextlib import ExitStack
 from urllib.parse import urlsplit
@@ -18,6 +22,10 @@ PATIENCE_S = 30.0
 DEADLINE_S = 10.0  # well above what a head may take
 # The aim is 0.2 s, which `python -m benchmarks panel_stop` measures; here others use the machine.
 LIMIT_S = 1.0
+SETTINGS = {
+    "host": "127.0.0.1", "port": 0, "scheme": "http", "panel_port": 0, "hosts": None,
+    "token": "of a test", "data": "FOLDER", "certificate": None, "key": None,
+}  # fmt: skip
 
 
 @pytest.fixture(params=["panel", "stop"])
@@ -32,6 +40,23 @@ def door(request, server):
 def press(server, door):
     """One press by a page that is let in; the status."""
     return server.ask("POST", door[1], {"why": "a test"}, netloc=door[0])[0]
+
+
+@pytest.mark.parametrize("settings", ["", json.dumps(SETTINGS)])
+def test_a_panel_that_ends_while_its_stop_process_begins_leaves_no_traceback(settings, tmp_path):
+    reader, writer = os.pipe()
+    os.close(reader)
+    done = subprocess.run(
+        [sys.executable, "-m", "labrig.panel.stop"],
+        input=settings.replace("FOLDER", str(tmp_path)),
+        stdout=writer,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=PATIENCE_S,
+        check=False,
+    )
+    os.close(writer)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_flood_from_the_same_address_has_no_press_refused(server, door):
