@@ -10,13 +10,15 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from typing import Any, Protocol, TextIO
 
-from rich.console import Console
+from rich.cells import cell_len
+from rich.console import Console, JustifyMethod
 from rich.table import Table
 
 # Also with an uncertainty, an interval, a count out of another, or nothing known.
 _PLAIN_NUMBER = r"[-+\N{MINUS SIGN}]?[\d.]+"
 _NUMBER = re.compile(rf"-|{_PLAIN_NUMBER}( (±|to|of|x) {_PLAIN_NUMBER})?")
 
+_FRAME = 3  # of a column: a line and a space at each side
 _TELLING = 0.1  # share of a job that tells how long the rest takes
 _SHORT_S = 15.0
 # The terminal on which a bar is drawn now: only by this does a line not end up behind the bar.
@@ -96,12 +98,44 @@ def print_table(title: str, columns: Sequence[str], rows: Iterable[Sequence[obje
 
 
 def _draw(title: str, columns: Sequence[str], rows: list[list[str]]) -> None:
+    terminal = console()
+    widths = _widths(list(zip(columns, *rows, strict=True)), terminal.width)
+    if widths is None:
+        for line in _row_by_row(title, columns, rows):
+            say(line)
+        return
     table = Table(title=title, title_justify="left", title_style="bold")
-    for number, column in enumerate(columns):
-        table.add_column(column, justify="right" if _holds_numbers(rows, number) else "left")
+    for number, (column, width) in enumerate(zip(columns, widths, strict=True)):
+        side: JustifyMethod = "right" if _holds_numbers(rows, number) else "left"
+        table.add_column(column, justify=side, width=width)
     for row in rows:
         table.add_row(*row)
-    console().print(table)
+    terminal.print(table)
+
+
+def _widths(cells: list[tuple[str, ...]], width: int) -> list[int] | None:
+    """Return how wide the columns are drawn, each at least as its longest word.
+
+    None where the terminal is too narrow for that: words and numbers would be cut.
+    """
+    room = width - _FRAME * len(cells) - 1
+    least = [max(cell_len(word) for cell in column for word in cell.split() or [""])
+             for column in cells]  # fmt: skip
+    wanted = [max(map(cell_len, column)) - word for column, word in zip(cells, least, strict=True)]
+    spare = room - sum(least)
+    if spare < 0:
+        return None
+    share = min(1.0, spare / max(1, sum(wanted)))
+    return [word + int(share * more) for word, more in zip(least, wanted, strict=True)]
+
+
+def _row_by_row(title: str, columns: Sequence[str], rows: list[list[str]]) -> Iterator[str]:
+    """Yield the lines of a table that no line of the terminal holds: one for each cell."""
+    width = max(map(len, columns))
+    yield title
+    for row in rows:
+        yield from (f"{column:<{width}}  {cell}" for column, cell in zip(columns, row, strict=True))
+        yield ""
 
 
 def plain_table(title: str, columns: Sequence[str], rows: list[list[str]]) -> list[str]:

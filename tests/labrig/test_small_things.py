@@ -48,6 +48,16 @@ def test_what_somebody_has_named_is_printed_as_it_is(capsys, monkeypatch):
     assert "strip:a: [/red]" in said.out
 
 
+@pytest.mark.parametrize("width", [20, 60])
+def test_no_number_is_cut_where_a_table_is_wider_than_the_terminal(capsys, monkeypatch, width):
+    monkeypatch.setenv("COLUMNS", str(width))
+    monkeypatch.setattr("labrig.cli.screen.sys.stdout.isatty", lambda: True, raising=False)
+    columns = ["session", "largest force, mN", "scatter, mN"]
+    print_table("night", columns, [["01-protocol.h5", "1.9624", "0.0223"]])
+    said = capsys.readouterr().out
+    assert {"01-protocol.h5", "1.9624", "0.0223"} <= set(said.split())
+
+
 def test_sources_that_nobody_installed_have_a_version_too(monkeypatch):
     def none(name):
         raise importlib.metadata.PackageNotFoundError(name)
