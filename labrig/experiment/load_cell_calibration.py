@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import datetime as dt
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,10 +16,11 @@ from drivers.load_cell import CalibrationError, LoadCellCalibration
 from drivers.load_cell_fit import CalibrationFit, fit_calibration
 from labrig.config.load_cell import FORCE_UNIT
 from labrig.config.templates import NOT_CALIBRATED
-from labrig.errors import BadInputError, StoppedError
+from labrig.errors import BadInputError, NotReadyError, StoppedError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig.rig import Rig, opened
 from labrig.files import discard, not_written, part_of
+from protocols.execution.operator import NoAnswerError
 
 LISTEN_S = 2.0  # to each weight
 # A cell's sensitivity stays within a percent for years; a factor is a wrong weight or another cell.
@@ -57,7 +59,7 @@ def weigh(
         )
     _check_loads(loads_N, plan.calibration.capacity_N)
     volts: list[float] = []
-    with opened(rig):
+    with _answered(), opened(rig):
         for load_N in loads_N:
             volts.append(_listen(rig, load_N, tell))
             on_mean(load_N, volts[-1])
@@ -80,6 +82,15 @@ def weigh(
         serial=before.serial,
     )
     return DeadWeightSeries(tuple(loads_N), tuple(volts), fit, made)
+
+
+@contextmanager
+def _answered() -> Iterator[None]:
+    """Raise NotReadyError where the operator cannot be asked: a session ends by itself then."""
+    try:
+        yield
+    except NoAnswerError as error:
+        raise NotReadyError(f"{str(error).rstrip('.')}.") from None
 
 
 def _check_loads(loads_N: Sequence[float], capacity_N: float) -> None:

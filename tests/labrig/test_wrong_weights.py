@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from pathlib import Path
 
 import pytest
 
 from labrig.cli.main import run
 from labrig.config.templates import write_templates
+from labrig.experiment.operator import ConsoleOperator
+from sim_hardware.operator import SimulatedOperator
 
 pytestmark = pytest.mark.slow
 SENSITIVITY = "sensitivity_V_per_N = 0.15296"
@@ -53,3 +57,19 @@ def test_a_first_calibration_may_find_any_sensitivity(tmp_path: Path) -> None:
     file.write_text("\n".join(lines))
     weights = [f"--weight-mN={load}" for load in (0, 20, 50)]
     assert run(["calibrate", "load-cell", str(tmp_path / "rig.toml"), *weights]) == 0
+
+
+def test_a_calibration_that_nobody_answers_is_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_templates(tmp_path, simulated=True)
+    before = (tmp_path / "load_cell.toml").read_text()
+    monkeypatch.setattr(sys, "stdin", io.StringIO(""))
+    nobody = ConsoleOperator(lambda _text: None)
+    monkeypatch.setattr(SimulatedOperator, "ask", lambda _self, prompt: nobody.ask(prompt))
+    weights = [f"--weight-mN={load}" for load in (0, 20, 50)]
+    assert run(["calibrate", "load-cell", str(tmp_path / "rig.toml"), *weights]) == 3
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert said.startswith("labrig: Nobody is there to answer: standard input has ended.")
+    assert said.endswith("is done already.")
+    assert (tmp_path / "load_cell.toml").read_text() == before
