@@ -70,7 +70,9 @@ if TYPE_CHECKING:
     from labrig.vision import Optics as Optics
     from labrig.vision import StripGeometry as StripGeometry
     from labrig.vision import Tracker as Tracker
+    from labrig.vision import load_optics as load_optics
     from labrig.vision import neutral_curve as neutral_curve
+    from labrig.vision import read_image as read_image
     from labrig.vision.checks.contract import CurveCheck as CurveCheck
     from labrig.vision.facts.contract import StripFact as StripFact
     from model import Fit as Fit
@@ -175,7 +177,9 @@ _HOMES = {
         "Optics",
         "StripGeometry",
         "Tracker",
+        "load_optics",
         "neutral_curve",
+        "read_image",
     ),
     "labrig.vision.checks.contract": ("CurveCheck",),
     "labrig.vision.facts.contract": ("StripFact",),

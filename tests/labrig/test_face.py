@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -19,6 +20,16 @@ def test_every_public_name_is_there(package: ModuleType) -> None:
     assert set(package.__all__) <= set(dir(package))
     for name in package.__all__:
         assert getattr(package, name) is not None, name
+
+
+def test_what_a_curve_is_looked_for_with_is_read_from_files() -> None:
+    data = Path(__file__).parents[2] / "docs/tutorials/data"
+    strip = labrig.StripGeometry(free_length_m=0.03, thickness_m=0.6e-3)
+    image, optics = (
+        labrig.read_image(data / "strip.png"),
+        labrig.load_optics(data / "strip.optics.json"),
+    )
+    assert labrig.neutral_curve(image, optics, strip).ok
 
 
 def test_the_version_is_that_of_the_command() -> None:

@@ -324,5 +324,5 @@ def project(homography: FloatArray, points: FloatArray) -> FloatArray:
 
 
 def load_optics(path: Path | str) -> Optics:
-    """Read an optics.json."""
+    """Return the optics that an optics.json states. Raises BadInputError."""
     return Optics.from_json(read_text(Path(path), OPTICS), str(path))

@@ -65,7 +65,7 @@ def neutral_curve(
     length, tip nor places are stated, a second look at what stands out in the picture may lead the
     curve on or cut it; a curve that is followed is looked at again only where the one before had
     been changed by that. What cannot be measured comes back with `ok` False and the
-    reason, never raised. `labrig.vision.read_image` and `load_optics` read image and optics.json.
+    reason, never raised. `labrig.read_image` and `labrig.load_optics` read the files.
     """
     _refuse_other_types(optics, strip)
     found = unconfirmed_curve(image, optics, strip, start=start)
@@ -79,7 +79,7 @@ def _refuse_other_types(optics: object, strip: object) -> None:
     if not isinstance(optics, Optics):
         raise BadInputError(
             f"optics: a labrig.Optics is needed, not {type_in_words(optics)}; "
-            "labrig.vision.load_optics reads a file."
+            "labrig.load_optics reads a file."
         )
     if not isinstance(strip, StripGeometry):
         raise BadInputError(f"strip: a labrig.StripGeometry is needed, not {type_in_words(strip)}.")

@@ -437,7 +437,7 @@ def test_a_section_may_be_text_or_a_pair():
     ("guess", "said"),
     [
         ("open", "did you mean open_session?"),
-        ("load", "did you mean load_measurements or load_model?"),
+        ("load", "did you mean load_measurements or load_model or load_optics?"),
         ("diagnoze", "did you mean diagnose?"),
         ("forces", "has no attribute 'forces'"),
     ],

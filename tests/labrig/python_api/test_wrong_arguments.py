@@ -301,7 +301,7 @@ def test_a_curve_is_looked_for_with_optics_and_a_strip():
     optics = labrig.Optics(px_per_mm=4, clamp_px=(24, 75))
     pixels = np.zeros((150, 200), np.uint8)
     assert said_by(lambda: labrig.neutral_curve(pixels, "optics.json", strip)) == (
-        "optics: a labrig.Optics is needed, not a str; labrig.vision.load_optics reads a file."
+        "optics: a labrig.Optics is needed, not a str; labrig.load_optics reads a file."
     )
     assert said_by(lambda: labrig.neutral_curve(pixels, optics, "sheet.toml")) == (
         "strip: a labrig.StripGeometry is needed, not a str."
