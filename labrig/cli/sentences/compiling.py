@@ -8,7 +8,7 @@ from contextlib import contextmanager
 
 from labrig.cli.screen import warn
 
-TOLD = "compiling once, about half a minute; the next start finds it done"
+TOLD = "compiling what this command needs, up to half a minute; the next start of it finds it done"
 _LOGGER = logging.getLogger("labrig.compiling")  # of the modules `jit`
 
 
