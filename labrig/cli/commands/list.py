@@ -10,8 +10,8 @@ import typer
 from labrig.cli.command import Command, CommandExample
 from labrig.cli.options import Json
 from labrig.cli.screen import print_json, print_table, progress, say, warn
+from labrig.errors import BadInputError
 from labrig.report.parts.table import fixed, volts
-from protocols.execution.events import Outcome
 
 if TYPE_CHECKING:
     from labrig.library import CatalogueEntry
@@ -30,7 +30,7 @@ def list_sessions(
     text: Annotated[
         str, typer.Option(help="words in name, protocol, people, sample or notes")
     ] = "",
-    outcome: Annotated[Outcome | None, typer.Option(help="how it ended")] = None,
+    outcome: Annotated[str, typer.Option(help="completed, aborted, failed, crashed, running")] = "",
     sheet: Annotated[str, typer.Option(help="a configuration, such as long")] = "",
     limit: Annotated[
         int | None,
@@ -49,10 +49,13 @@ def list_sessions(
     the kind of EIBM are named beside them.
     """
     from labrig.library import Library, SessionQuery
+    from protocols.execution.events import Outcome
 
+    if outcome and outcome not in set(Outcome):
+        raise BadInputError(f"--outcome {outcome}: give {', '.join(Outcome)}.")
     most = limit if limit is not None else (0 if as_json else _MOST_LINES)
     wanted = SessionQuery(
-        sort=sort, down=not up, text=text, outcome=outcome or "", sheet=sheet,
+        sort=sort, down=not up, text=text, outcome=outcome, sheet=sheet,
         limit=most or None, offset=offset,
     )  # fmt: skip
     library = Library(folder)
