@@ -169,7 +169,7 @@ class NeverWaiting(SimulatedCapture):
     """Hands over a frame whenever it is asked for one."""
 
     def grab(self) -> bool:
-        self._clock.sleep_until(self._clock.now() + 1e-4)
+        self._clock.sleep_until(self._clock.now() + 5e-3)
         self._number = 0 if self._number is None else self._number + 1
         return True
 
