@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
-from model.discrepancy import diagnose
+from model.discrepancy import Diagnosis, diagnose
 from model.identification.baselines import compare
-from model.identification.fit import fit
+from model.identification.fit import Fit, fit
 from model.measurements import Measurements, RigScale, scale_of_measurements
 from tests.cases import few
 from tests.fits_unchecked import fits_unchecked
@@ -20,10 +21,23 @@ SIZES = few([(10.0, 1e4), (0.1, 1e-4)], first=2)
 HIDDEN = Case((Hiding("force_offset"), Hiding("clamp_angle")), seed=31)
 
 
+@cache
+def fitted() -> Fit:
+    """As it was made; each size is compared with it."""
+    return fit(session())
+
+
+@cache
+def diagnosed() -> Diagnosis:
+    """The same of what is hidden."""
+    with fits_unchecked():
+        return diagnose(session(HIDDEN))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("length", "force"), SIZES)
 def test_a_fit_of_another_size_has_the_same_numbers_and_intervals(length, force):
-    as_made, other = fit(session()), fit(scaled(session(), length, force))
+    as_made, other = fitted(), fit(scaled(session(), length, force))
     units = {"B": force * length**2, "B_per_width": force * length, "E": 1.0}
     for name, one in as_made.configurations.items():
         found = other.configurations[name].parameters()
@@ -39,8 +53,9 @@ def test_a_fit_of_another_size_has_the_same_numbers_and_intervals(length, force)
 @pytest.mark.slow
 @pytest.mark.parametrize(("length", "force"), SIZES)
 def test_a_diagnosis_of_another_size_names_the_same_with_the_same_probability(length, force):
+    as_made = diagnosed()
     with fits_unchecked():
-        as_made, other = diagnose(session(HIDDEN)), diagnose(scaled(session(HIDDEN), length, force))
+        other = diagnose(scaled(session(HIDDEN), length, force))
     assert as_made.effects
     assert [e.name for e in other.effects] == [e.name for e in as_made.effects]
     for one, same in zip(as_made.effects, other.effects, strict=True):

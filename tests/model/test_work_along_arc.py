@@ -76,9 +76,11 @@ def test_the_map_keeps_the_margin_of_a_model_that_is_uncertain(truth: SheetModel
 
 @pytest.mark.slow
 def test_a_section_that_no_length_reaches_has_no_sheet_without_an_elongation(truth: SheetModel):
-    found = elongation_map(truth, "long", [0.0, 0.08], [0.01, 0.084])
+    found = elongation_map(truth, "long", [0.02, 0.04], [0.025, 0.044])
     assert np.isfinite(found.alone_m2_per_N[0, 0])
-    assert found.alone_m2_per_N[1, 1] == np.inf
+    assert found.alone_m2_per_N[1, 1] == np.inf  # reached, without a force both ways
+    beyond = elongation_map(truth, "long", [0.08], [0.084])
+    assert beyond.alone_m2_per_N[0, 0] == np.inf
     with pytest.raises(ModelError, match="no length of this sheet reaches"):
         least_area(truth, "long", 0.08, 0.084, 5e-4, elongated=False)
 

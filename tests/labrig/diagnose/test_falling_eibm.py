@@ -57,6 +57,7 @@ def tables(
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("data_unchecked")
 @pytest.mark.filterwarnings("ignore::labrig.LabrigWarning")  # the order of lines without times
 @pytest.mark.parametrize(
     ("root_Nm", "decay_mm", "other"),
