@@ -85,14 +85,15 @@ compiled-mechanics: setup-dev
 compiled-pictures: setup-dev
 	@-$(COMPILE) $(PICTURES)
 
-# For CI: the tests as bytecode, once. In a fresh clone each of the four workers would compile them for
-# itself, which takes half of the time to collect them.
+# The tests as bytecode, once. In a fresh clone each of the four workers would compile them for itself,
+# which takes half of the time to collect them.
 collected: setup-dev
 	@$(PYTEST) -q --collect-only > $(VENV)/.collected
 
-# Compiled code is kept between runs; it is made first only where sources of it are newer.
+# Compiled code is kept between runs; it is made first only where sources of it are newer. The tests'
+# bytecode is made beside the longer of the two halves, when the shorter one is done.
 $(COMPILED): $(COMPILED_SOURCES)
-	@$(MAKE) --no-print-directory -j 2 compiled
+	@$(MAKE) --no-print-directory -j 2 compiled collected
 
 test: setup-dev $(COMPILED)
 	@$(MAKE) --no-print-directory test-compiled
