@@ -27,7 +27,7 @@ def light_gain(settings: OpticsSettings) -> Picture:
 def glare(settings: OpticsSettings) -> Picture:
     """Grey levels that the reflections add (rows, columns)."""
     columns, rows = settings.image_size
-    v, u = np.mgrid[0:rows, 0:columns]
+    v, u = np.ogrid[0:rows, 0:columns]
     added = np.zeros((rows, columns))
     for spot in settings.spots:
         distance2 = (u - spot.at_px[0]) ** 2 + (v - spot.at_px[1]) ** 2
@@ -53,18 +53,31 @@ def jaws(settings: OpticsSettings, geometry: Geometry) -> Patch | None:
     clamp = settings.jaws
     if not clamp.visible:
         return None
-    columns, rows = settings.image_size
-    v, u = np.mgrid[0:rows, 0:columns]
-    from_clamp = np.stack((u, v), axis=-1) - geometry.to_pixels([[0.0, 0.0]])[0]
+    start_px = geometry.to_pixels([[0.0, 0.0]])[0]
+    length, half_height = clamp.length_m * geometry.px_per_m, clamp.height_m * geometry.px_per_m / 2
+    # No further than this: to look at all pixels takes 20 ms.
+    left, top, right, bottom = _around(start_px, length + half_height + 1.0, settings.image_size)
+    v, u = np.mgrid[top:bottom, left:right]
+    from_clamp = np.stack((u, v), axis=-1) - start_px
     along = from_clamp @ geometry.turned(clamp.angle_rad)
     across = np.abs(from_clamp @ geometry.turned(clamp.angle_rad + np.pi / 2))
-    length, half_height = clamp.length_m * geometry.px_per_m, clamp.height_m * geometry.px_per_m / 2
     coverage = _soft(-along) * _soft(along + length) * _soft(half_height - across)
     lines, places = np.nonzero(coverage)
     if len(lines) == 0:
         return None
-    where = slice(lines.min(), lines.max() + 1), slice(places.min(), places.max() + 1)
-    return Patch(where, coverage[where].astype(np.float32), clamp.level)
+    first, last = (lines.min(), places.min()), (lines.max() + 1, places.max() + 1)
+    inside = slice(first[0], last[0]), slice(first[1], last[1])
+    where = slice(top + first[0], top + last[0]), slice(left + first[1], left + last[1])
+    return Patch(where, coverage[inside].astype(np.float32), clamp.level)
+
+
+def _around(
+    centre_px: FloatArray, reach_px: float, image_size: tuple[int, int]
+) -> tuple[int, int, int, int]:
+    """Return first and last (beyond) column and row that lie so near: left, top, right, bottom."""
+    first = np.clip(np.floor(centre_px - reach_px), 0, image_size).astype(int)
+    last = np.clip(np.ceil(centre_px + reach_px) + 1, 0, image_size).astype(int)
+    return int(first[0]), int(first[1]), int(last[0]), int(last[1])
 
 
 def _soft(depth_px: FloatArray) -> FloatArray:
