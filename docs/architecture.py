@@ -97,9 +97,17 @@ def parsed(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
+@cache
+def import_lines(path: Path) -> list[ast.AST]:
+    """Return what a module imports: each diagram asks for it anew."""
+    return [
+        node for node in ast.walk(parsed(path)) if isinstance(node, ast.Import | ast.ImportFrom)
+    ]
+
+
 def imports(name: str, known: dict[str, Path]) -> Iterator[str]:
     """Yield the modules of ours that a module imports."""
-    for node in ast.walk(parsed(known[name])):
+    for node in import_lines(known[name]):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name in known)
         elif isinstance(node, ast.ImportFrom) and node.module:
