@@ -23,6 +23,7 @@ from tests.model.discrepancy.sessions import (
     without_first_pulses,
 )
 
+pytestmark = pytest.mark.usefixtures("data_unchecked")
 OTHER_FORM = Case((Hiding("nonuniform_eibm", "cosh"),), seed=4)
 PAIR = Case((Hiding("gravity"), Hiding("eibm_drift")), seed=3)
 OUTSIDE = Case((Hiding("local_eibm"),), seed=5)
