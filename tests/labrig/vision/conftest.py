@@ -8,6 +8,15 @@ from benchmarks import vision_scenes
 from labrig.vision import Optics, StripGeometry
 
 
+@pytest.fixture
+def one_look(monkeypatch):
+    """Curves are found without the second look at a picture, which can take most of the time.
+
+    For tests of something else; test_second_look.py has tests of it.
+    """
+    monkeypatch.setattr("labrig.vision.extraction.extract.seen_again", lambda found, *_: found)
+
+
 @pytest.fixture(scope="session")
 def scenes():
     return vision_scenes

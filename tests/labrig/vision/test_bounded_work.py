@@ -93,6 +93,7 @@ def test_a_path_beside_a_curve_that_was_refused_is_not_fitted_again(counted, mon
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("one_look")
 def test_a_path_that_could_not_be_comparable_is_not_measured(monkeypatch):
     picture = np.full((ROWS, COLUMNS), 40, np.uint8)
     picture[78:83, 30:170] = 200

@@ -691,14 +691,14 @@ def test_a_fault_beside_the_picture_of_a_frame_refuses_none_and_a_frame_cut_shor
 
 @pytest.mark.slow
 def test_a_frame_of_a_video_that_ffmpeg_conceals_is_refused_in_our_sentence_alone(folder):
-    coloured_film(folder / "film.avi")
+    coloured_film(folder / "film.avi", frames=4)
     data = bytearray((folder / "film.avi").read_bytes())
     pictures = [at for at in range(len(data) - 3) if data[at : at + 3] == b"\xff\xd8\xff"]
     for at in range(pictures[2] + 1000, pictures[2] + 1500, 7):
         data[at] ^= 0x5A
     (folder / "film.avi").write_bytes(data)
     lines = told_of("film.avi", folder)
-    assert len(lines) == 6
+    assert len(lines) == 4
     assert [line for line in lines if "damaged" in line] == [
         "film_000002: no curve: film.avi: frame 2 is damaged; those after it may be, too."
     ]

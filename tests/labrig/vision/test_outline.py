@@ -459,6 +459,7 @@ class Extra(CurveCheck):
         )
 
 
+@pytest.mark.usefixtures("one_look")
 @pytest.mark.parametrize(
     "stage",
     few(

@@ -22,6 +22,7 @@ def bent_strip():
     return np.clip(np.round(grey), 0, 255).astype(np.uint8)
 
 
+@pytest.mark.usefixtures("one_look")
 @pytest.mark.parametrize(("turned_deg", "warned"), [(0.0, False), (14.0, True)])
 def test_a_direction_beside_the_beginning_of_the_strip_is_told(turned_deg, warned):
     optics = Optics(
