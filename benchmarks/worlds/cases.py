@@ -103,9 +103,12 @@ class Made:
     visible: Visible
 
 
-def made(task: Task) -> Made:
-    """Return the session, its sizes found so that each kind alone has the wanted d."""
-    one = world(task.world)
+def made(task: Task, other: World | None = None) -> Made:
+    """Return the session, its sizes found so that each kind alone has the wanted d.
+
+    `other`: a world in place of that of the task's name.
+    """
+    one = other or world(task.world)
     bare = one.measure(task.design, {}, task.seed)
     yardstick = Yardstick(bare)
     if not task.hidden:

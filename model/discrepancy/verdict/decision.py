@@ -188,9 +188,31 @@ class Judgement:
             if of_others(asked[name], {*names} - {name}) < PROBABLE_ALL_THE_SAME
         }  # fmt: skip
         rejected = [n for n in names if n in {*wrong, *criticism.rejected(names)}]
+        if not settled and len(rejected) == len(names) == 1 and found.unknown is None:
+            passed = self._rival_that_passes(found.named[0], criticism)
+            if passed is not None:
+                return passed
         if rejected or (criticism.incomplete and found.unknown is None):
             found = self._without(found, rejected)
         return replace(found, criticism=criticism, choice_sets=choice_sets, answers=answers)
+
+    def _rival_that_passes(self, one: Choice, criticism: Criticism) -> Decision | None:
+        """Return the decision with a name that explains as much as one that fails; None: none does.
+
+        What fails says only that it is not this one.
+        """
+        for name in criticism.rivals(one.effect.name):
+            rival = next((c for c in one.ranking if c.name == name and c.known), None)
+            if rival is None or rival.fitted is None or not supported(one.before, rival.fitted):
+                continue
+            residual = self._residual_terms(rival.fitted)
+            if self._unexplained(residual):
+                continue
+            instead = choice(rival, one.ranking, one.before)
+            other = self._revised(self._with_names([instead], rival.fitted, residual), settled=True)
+            if other.named and other.unknown is None:
+                return other
+        return None
 
     def _as_one(self, judged: NamedModel, found: Decision) -> Decision | None:
         """Return the decision with a single name that explains more than several; None: none does.
