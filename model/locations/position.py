@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.locations.basis import bases_of, cosine_wave, polynomial
+from model.locations.basis import (
+    SPANS_S,
+    bases_of,
+    beam_step,
+    cosine_wave,
+    polynomial,
+    time_span,
+)
 from model.locations.contract import Basis, Function, Linearised, Location, Term
 from model.locations.quantities import BeamProblem, ContactSolution
 from model.measurements import FloatArray
@@ -18,6 +25,7 @@ PLAY_N = (3e-4, 1.5e-3)  # forces that take up the play of a stage
 MOMENT_PER_M = 1.0  # of the rolls, over the stiffness
 MOMENTS = {"": 4, "voltage": 3, "polarity": 3}  # waves on the arc, by the voltages that turn them
 OFF_ARC = ", off the arc (positive: farther from its centre)"
+WAVES_IN_RUN = 3
 WAVES_ON_ARC = 7  # one for each position of the paper: a screw's error may be anything
 
 
@@ -71,6 +79,7 @@ class Position(Location):
         yield from bases_of(
             self, at, by_force, along="force", part="force", shared=True, alone=True
         )
+        yield from self._settling(at, most_mm)
         for under, count in MOMENTS.items():
             moments = (cosine_wave(j, MOMENT_PER_M / at.scale.length) for j in range(count))
             for one in bases_of(
@@ -78,6 +87,21 @@ class Position(Location):
                 shared=True, alone=True,
             ):  # fmt: skip
                 yield replace(one, unit="1/m")
+
+    def _settling(self, at: Linearised, most_mm: float) -> Iterator[Basis]:
+        """Return how the load cell moves in the course of each run: a stage that creeps to a stop.
+
+        The readings at 0 V come first, and have the most of it.
+        """
+        t = np.clip(at.clock.run_s / SPANS_S["run"][0], 0.0, 1.0)
+        for j in range(1, WAVES_IN_RUN + 1 if len(t) and np.ptp(t) > 0.0 else 0):
+            wave, part = cosine_wave(j, most_mm), "position, run"
+            moved = np.bincount(at.reading_of, at.beam.share * wave(t), len(at.beam.voltage_V))
+            other = replace(at.beam, shift_m=at.beam.shift_m + 1e-3 * moved)
+            yield Basis(
+                part=part, along="time", function=wave, unit=self.unit, span=time_span(at, part),
+                step=beam_step(at, other), shared=True, alone=True,
+            )  # fmt: skip
 
 
 def _play(forces_N: tuple[float, float], full_N: float, most_mm: float) -> Function:

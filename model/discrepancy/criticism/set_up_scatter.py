@@ -1,11 +1,11 @@
 """Set-ups that differ by more than set-ups do: something unknown changes with each of them.
 
 The scatter of stiffness, EIBM, place on the arc and zero of the load cell is estimated from the
-data, and so is that of the EIBM from one condition of a set-up to the next. What is missing may be
-taken up by them. Where one is many times as large as usual, nonparametric terms compete at the
-usual scatter, and with them a term in which each set-up has an amount of its own, without an order.
-How well camera and sheet come back to their places is a matter of the rig: of these nothing is
-usual.
+data, and so is that of the EIBM from one condition of a set-up to the next. So what is another one
+in each of them, without an order that a nonparametric term describes, is taken up by it. Where it
+is many times as large as usual, a term in which each has an amount of its own competes at the usual
+scatter. How well camera and sheet come back to their places is a matter of the rig: of these
+nothing is usual.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate, Projected, scored
-from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.ranking import RankedCandidate, best_of_each
 from model.discrepancy.thresholds import EXCESSIVE_SCATTER_RATIO
 from model.identification.likelihood.mixed_model import weigh
@@ -28,13 +27,13 @@ PART = "each set-up"
 LOCATIONS = {
     "stiffness": ("compliance", "relative", -1.0), "eibm": ("eibm", "relative", 1.0),
     "position": ("position", "mm", 1e3), "force_zero": ("load_cell", "mN", 1e3),
+    "eibm_condition": ("eibm", "relative", 1.0),
 }  # fmt: skip
-CONDITION = "eibm_condition"  # has no term of its own: there are as many as forces
 SIZES = (1.0, 3.0, 10.0, 30.0, 100.0)  # of the usual scatter
 
 
 def unusual_set_ups(fitted: MixedModelFit) -> list[RankedCandidate]:
-    """Return terms of what differs by too much, of each location the best; empty: nothing does."""
+    """Return terms of what differs by too much, the best first; empty: nothing does."""
     unusual = {name: one for name, one in _times(fitted).items() if one > EXCESSIVE_SCATTER_RATIO}
     if not unusual:
         return []
@@ -43,7 +42,7 @@ def unusual_set_ups(fitted: MixedModelFit) -> list[RankedCandidate]:
     for name in unusual:
         usual[names.index(name)] = fitted.problem.guess[names.index(name)]
     solution = weigh(fitted.linear.data, usual)
-    pool = [_candidate(fitted, name) for name in unusual if name != CONDITION] + unknowns(fitted)
+    pool = [_candidate(fitted, name) for name in unusual]
     scores = scored(forward, Projected.of(forward, fitted.linear, solution), pool)
     return best_of_each(scores, solution)
 
@@ -69,19 +68,23 @@ class SetUpOffsets:
 def largest_offsets(
     fitted: MixedModelFit, name: str, beta: FloatArray, C: FloatArray
 ) -> SetUpOffsets:
-    """Return the configuration whose set-ups a term's sizes (runs,) move most; C: covariance."""
+    """Return the configuration whose set-ups a term's sizes move most; C: covariance.
+
+    Where a set-up has several of them, those of the voltage at which they are largest.
+    """
     forward = fitted.problem.forward
     unit_size = _usual(fitted, name) * LOCATIONS[name][2]
     places = [_positions(fitted, c) for c in range(len(forward.names))]
-    sums = [float(np.sum(beta[list(own)] ** 2)) for own in places]
-    c = int(np.argmax(sums))
+    by_run = (len(forward.row_index.runs), -1)
+    size, variance = beta.reshape(by_run), np.maximum(np.diag(C), 0.0).reshape(by_run)
+    sums = np.array([np.sum(size[list(own)] ** 2, axis=0) for own in places])
+    c, which = (int(k) for k in np.unravel_index(np.argmax(sums), sums.shape))
     runs = sorted(places[c], key=lambda run: places[c][run])
-    sigma = abs(unit_size) * np.sqrt(np.maximum(np.diag(C)[runs], 0.0))
     return SetUpOffsets(
         configuration=forward.names[c],
         position_mm=1e3 * np.array([places[c][run] for run in runs]),
-        off=unit_size * beta[runs], sigma=sigma, unit=LOCATIONS[name][1],
-        times=_times(fitted)[name],
+        off=unit_size * size[runs, which], sigma=abs(unit_size) * np.sqrt(variance[runs, which]),
+        unit=LOCATIONS[name][1], times=_times(fitted)[name],
     )  # fmt: skip
 
 
@@ -96,8 +99,7 @@ def _times(fitted: MixedModelFit) -> dict[str, float]:
     """Return each scatter over its usual size."""
     above = np.exp(fitted.solution.log_sigma - fitted.problem.guess)
     names = fitted.problem.noise.random_effects
-    asked = (*LOCATIONS, CONDITION)
-    return {name: float(above[k]) for k, name in enumerate(names) if name in asked}
+    return {name: float(above[k]) for k, name in enumerate(names) if name in LOCATIONS}
 
 
 def _usual(fitted: MixedModelFit, name: str) -> float:
@@ -106,15 +108,16 @@ def _usual(fitted: MixedModelFit, name: str) -> float:
 
 
 def _candidate(fitted: MixedModelFit, name: str) -> Candidate:
-    """Return the term in which each run has an amount of its own: columns (N, runs)."""
+    """Return the term in which each run has amounts of its own: columns (N, runs times amounts)."""
     row_index, names = fitted.problem.forward.row_index, list(fitted.problem.noise.random_effects)
     group = fitted.linear.data.groups[names.index(name)]
-    columns = np.zeros((row_index.size, len(row_index.runs)))
+    columns = np.zeros((row_index.size, len(row_index.runs), group.shape[2]))
     columns[np.arange(row_index.size), row_index.run_of] = (
-        _usual(fitted, name) * group[row_index.run_of, row_index.row_of, 0]
+        _usual(fitted, name) * group[row_index.run_of, row_index.row_of]
     )
     location = LOCATIONS[name][0]
     return Candidate(
-        name=f"unknown:{location}", values={}, columns=columns, sizes=SIZES, location=location,
+        name=f"unknown:{location}", values={}, columns=columns.reshape(row_index.size, -1),
+        sizes=SIZES, location=location,
         part=f"{PART}, {name}",
     )  # fmt: skip

@@ -20,6 +20,7 @@ from model.identification.likelihood.form_ways import FORM, cosine, waves_along
 from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.random_effects import EACH
 from model.locations import location
 from model.locations.basis import EACH_POLARITY, WHICH_WAY
 from model.locations.quantities import Perturbation
@@ -133,9 +134,8 @@ def _of_set_ups(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     span, solution = one.spans[-1], one.solution
     name = of_set_ups(candidate)
     found = largest_offsets(fitted, name, solution.beta[span], solution.covariance[span, span])
-    depends = (
-        f"of its own in each set-up, with {found.times:.0f} times the usual standard deviation"
-    )
+    each = "at each voltage of each set-up" if name in EACH else "in each set-up"
+    depends = f"of its own {each}, with {found.times:.0f} times the usual standard deviation"
     order = followed(fitted, name)
     if order is not None:
         depends += f", and follows {order[0]} (correlation {order[1]:.2f})"

@@ -222,6 +222,7 @@ def test_what_acts_only_under_voltage_is_not_said_to_act_at_all_voltages():
         ("time", "curvature, session", "the initial curvature in the course of the session"),
         ("time", "stiffness, run", "the stiffness in the course of each run"),
         ("load_cell", "gain, session", "the gain in the course of the session"),
+        ("position", "position, run", "the position in the course of each run"),
         ("camera", "place, session", "the whole picture in the course of the session"),
         ("camera", "scale, session", "the scale of the picture in the course of the session"),
     ],

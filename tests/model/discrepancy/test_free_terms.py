@@ -127,6 +127,11 @@ def gain_of_the_place(forward: ForwardModel, c: int, state: ModelState) -> Pertu
     return replace(forward.no_step(c), force_N=0.05 * at**2 * state.weighed.force_N)
 
 
+def settling_stage(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    left = forward.row_block(c).mean(np.exp(-forward.row_block(c).clock.run_s / 5.0))
+    return beam(forward, c, state, shift_m=5e-4 * left)
+
+
 def bowed_elongation(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
     sheet, s_hat = state.beam.sheet, np.nan_to_num(state.solved.contact.s_hat_m)
     if not sheet.elongation_m:
@@ -149,7 +154,7 @@ def bowed_elongation(forward: ForwardModel, c: int, state: ModelState) -> Pertur
         (crooked_rail, "position", "reach"), (wavy_window, "camera", "place, fine"),
         (knocked_camera, "camera", "knock 7, session"),
         (zooming_lens, "camera", "place, session"), (zooming_lens, "camera", "scale, session"),
-        (gain_of_the_place, "load_cell", "gain"),
+        (gain_of_the_place, "load_cell", "gain"), (settling_stage, "position", "position, run"),
         (play_of_the_stage, "position", "force"), (rocking_rolls, "position", "moment"),
         (stretched_electrodes, "eibm", "curvature"),
         (moment_by_bending, "even_moment", "curvature"), (wrinkles, "compliance", "bending"),

@@ -83,6 +83,7 @@ def test_each_basis_shape_of_a_location_is_a_term_that_does_the_same():
         without = {part for part in parts if not part.startswith(KNOCK)}
         of_no_mean = {
             "EIBM, pulse", "EIBM, period", "force, period", "place, session", "scale, session",
+            "position, run",
         }  # fmt: skip
         assert without <= of_no_mean, name
 
