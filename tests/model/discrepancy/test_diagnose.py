@@ -44,7 +44,8 @@ NAMED_KEYS = {"name", "title", "slot", "parameters", "interval90", "by_configura
               "confidence", "confusable_with", "or_else", "form_share", "parameters_of",
               "probabilities"}  # fmt: skip
 UNKNOWN_KEYS = {"slot", "slots", "s_mm", "profile", "band", "unit", "along", "configuration",
-                "depends", "confusable_with", "probabilities"}  # fmt: skip
+                "depends", "confusable_with", "probabilities", "at_unit", "under",
+                "advice"}  # fmt: skip
 
 
 def names(found) -> list[str]:
