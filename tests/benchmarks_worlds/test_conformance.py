@@ -11,7 +11,7 @@ from benchmarks.worlds import conformance
 from benchmarks.worlds.contract import Design, HiddenKind, World
 from benchmarks.worlds.generators.chain import WORLD as CHAIN
 from benchmarks.worlds.registry import names, world
-from model.measurements import Measurements
+from model.measurements import Condition, Measurements
 
 pytestmark = pytest.mark.thorough
 
@@ -62,6 +62,32 @@ class _Spoilt:
 )
 def test_wrong_physics_is_found(spoilt: World, check: str) -> None:
     assert list(conformance.CHECKS[check](spoilt))
+
+
+class _Pushing(_Spoilt):
+    """Whatever is hidden acts the other way round on the force."""
+
+    def measure(
+        self, design: Design, hidden: Mapping[str, float], seed: int, *, exact: bool = False
+    ) -> Measurements:
+        bare, found = (CHAIN.measure(design, one, seed, exact=exact) for one in ({}, hidden))
+        pairs = zip(bare.conditions, found.conditions, strict=True)
+        return replace(bare, conditions=tuple(_turned(*pair) for pair in pairs))
+
+
+def _turned(bare: Condition, found: Condition) -> Condition:
+    readings = tuple(
+        replace(b, force_N=2.0 * b.force_N - f.force_N)
+        for b, f in zip(bare.readings, found.readings, strict=True)
+    )
+    return replace(bare, readings=readings)
+
+
+def test_friction_that_pushes_is_found() -> None:
+    assert list(conformance.resisting(CHAIN)) == []
+    found = list(conformance.resisting(_Pushing()))
+    assert found
+    assert all("friction that pushes" in fault for fault in found)
 
 
 def test_a_noise_that_depends_on_what_is_hidden_is_found() -> None:

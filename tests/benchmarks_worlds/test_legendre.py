@@ -19,6 +19,7 @@ from benchmarks.worlds.generators._legendre_specimen import specimens
 from benchmarks.worlds.generators.legendre import WORLD
 from benchmarks.worlds.session.layout import Run
 from model import fit
+from model.measurements import FloatArray
 
 pytestmark = pytest.mark.thorough
 
@@ -156,7 +157,7 @@ def test_rolls_that_rub_narrow_the_swing_of_the_force_at_each_position() -> None
     assert np.all(rubbed < bare - 1e-6)
 
 
-def swings_N(design: Design, hidden: dict[str, float]) -> np.ndarray:  # type: ignore[type-arg]
+def swings_N(design: Design, hidden: dict[str, float]) -> FloatArray:
     """Return force at +V less that at -V, at each position."""
     conditions = WORLD.measure(design, hidden, 4, exact=True).conditions
     high, low = (
