@@ -54,6 +54,12 @@ def test_without_an_output_it_only_looks(capsys, folder):
     assert sorted(folder.iterdir()) == before
 
 
+def test_where_it_only_looks_a_wrong_about_toml_is_told(capsys):
+    looked = run(["import", "--sheet", "sheet.toml", "--forces", "old.txt", "--about", "no.toml"])
+    assert looked == 2
+    assert capsys.readouterr().err == "labrig: no.toml: there is no such file.\n"
+
+
 def test_a_table_as_labrig_writes_it_needs_no_answer(capsys):
     asked = "import --sheet sheet.toml --forces forces.csv --curves curves.csv -o old.h5"
     assert run(asked.split()) == 0

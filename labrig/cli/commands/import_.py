@@ -66,6 +66,7 @@ def import_tables(
     from labrig.config import load_sheet
     from labrig.session import column_names, import_session
     from labrig.session.tables import read_and_understood
+    from labrig.session.tables.exchange import about_text
 
     if example is not None:
         _write_examples(example)
@@ -75,6 +76,7 @@ def import_tables(
     asked = sys.stdin.isatty() and not yes
     names = replace(column_names(columns, values), guesses=asked or output is None)
     if output is None:
+        about_text(about, Path(forces or curves or sheet))  # a fault in it is told now
         read_it = read_and_understood(load_sheet(sheet), forces, curves, signals, names=names)
         _show(read_it.tables)
         for text in read_it.measurements.warnings:

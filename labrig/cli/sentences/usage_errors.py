@@ -24,6 +24,7 @@ _PLAINER = (
     (r" ?\(Possible options: (.+)\)", r"; did you mean \1"),
     (r"No such command '(.+?)'", r"there is no command '\1'"),
     (r"\. Did you mean (.+)\?", r"; did you mean \1"),
+    (r"(there is no command '(version|help)').*", r"\1; did you mean --\2"),
     (r"Option '(--?[\w-]+)' requires an argument", r"\1 needs a value"),
     (r"Option '(--?[\w-]+)' requires (\d+) arguments", r"\1 needs \2 values"),
     (r"Got unexpected extra arguments?(?:\(s\))? \((.+)\)", r"\1 is one argument too many"),

@@ -66,7 +66,7 @@ def import_session(
     tables = dict(zip(TABLES, (forces, curves, signals), strict=True))
     geometry = parse_sheet(text, str(sheet))
     read = read_and_understood(geometry, forces, curves, signals, names=names)
-    stated = _about_text(about, Path(forces or curves or sheet))
+    stated = about_text(about, Path(forces or curves or sheet))
     sums = {name: _checksum(path) for name, path in tables.items() if path is not None}
     measurements = replace(read.measurements, checksum=next(iter(sums.values())))
     if output.exists():
@@ -112,7 +112,8 @@ def export_session(path: Path, folder: Path) -> list[Path]:
             return [*tables, *control, *write_about_and_notes(session, Path(folder))]
 
 
-def _about_text(about: Path | None, forces: Path) -> str:
+def about_text(about: Path | None, forces: Path) -> str:
+    """Return the text of about.toml, by default that beside the tables; empty where none is."""
     beside = forces.parent / ABOUT
     path = beside if about is None and beside.exists() else about
     if path is None:
