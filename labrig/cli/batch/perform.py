@@ -210,8 +210,9 @@ def _print_summary(summary: BatchSummary) -> None:
         for text, count in list(texts.items())[:_MOST_SHOWN]:
             low, high = wilson(count, summary.counted_rows[column])
             rows.append([text, str(count), f"{100 * low:.0f} to {100 * high:.0f}"])
-        of = summary.counted_rows[column]
-        print_table(f"{column}, of {of} row{'' if of == 1 else 's'}", ["", "rows", "90 % interval, %"], rows)
+        count = summary.counted_rows[column]
+        of = f"{count} row{'' if count == 1 else 's'}"
+        print_table(f"{column}, of {of}", ["", "rows", "90 % interval, %"], rows)
     rows = []
     for one in summary.distributions:
         told = one.to_json()
