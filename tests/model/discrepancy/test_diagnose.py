@@ -317,7 +317,9 @@ def test_samples_that_were_all_stamped_late_are_no_lag_of_the_sheet():
 @pytest.mark.slow
 def test_a_zero_that_differs_between_set_ups_as_no_rig_s_does_is_something_unknown():
     m, random = session(), np.random.default_rng(1)
-    zero = {key: 4e-4 * random.standard_normal() for key in {_place(c) for c in m.conditions}}
+    zero = {
+        key: 4e-4 * random.standard_normal() for key in dict.fromkeys(map(_place, m.conditions))
+    }
     moved = [
         replace(
             c, readings=tuple(replace(r, force_N=r.force_N + zero[_place(c)]) for r in c.readings)
