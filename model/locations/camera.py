@@ -33,6 +33,7 @@ AMPLITUDE_OF_AGE = 0.1  # of the EIBM
 WAVES_ALONG_CURVE = 5
 WAVES_IN_SESSION = 4  # of the whole image
 KNOCK, KNOCKS, KNOCK_WAYS = "knock", 20, 3  # times at which it may be knocked: moved and turned
+OUT_OF_PLANE = "place, each polarity"
 SIDE_M = 2e-4  # towards the concave side, where the sheet is bent most
 WAVES_OF_AGE = 7  # one for each position of the paper: frames fall where they happen to
 
@@ -49,6 +50,7 @@ class Camera(Location):
                 moved = 1e-3 * _moved_by(points, degree, sizes)
                 # how far along the curve is seen by nothing
                 off = moved * (points.normal_x if term.along in IN_X else points.normal_y)
+                off = off * term.share(np.asarray(points.voltage_V))
                 return off * points.normal_x, off * points.normal_y
         if term.along not in ("s", "curvature"):
             return None
@@ -66,10 +68,14 @@ class Camera(Location):
 
     def bases(self, at: Linearised) -> Iterator[Basis]:
         """See `Location.bases`."""
-        for (in_x, in_y), part in zip(WAVE_DEGREES, ("place", "place, fine"), strict=True):
-            for number in range(wave_count(in_x)):
-                for along in (in_x, in_y):
-                    yield self._wave(at, number, along, part)
+        coarse, fine = WAVE_DEGREES
+        # a sheet that twists or leans under voltage is nearer to the camera, and larger
+        for in_x_and_y, part, under in (
+            (coarse, "place", ""), (fine, "place, fine", ""), (coarse, OUT_OF_PLANE, "polarity"),
+        ):  # fmt: skip
+            for number in range(wave_count(in_x_and_y[0])):
+                for along in in_x_and_y:
+                    yield self._wave(at, number, along, part, under)
         yield from self._along_curve(at)
         yield from self._by_side(at)
         yield from self._moved(at)
@@ -77,12 +83,12 @@ class Camera(Location):
         for one in bases_of(self, at, waves, along="position", part="age"):
             yield replace(one, unit="relative")
 
-    def _wave(self, at: Linearised, number: int, along: str, part: str) -> Basis:
+    def _wave(self, at: Linearised, number: int, along: str, part: str, under: str) -> Basis:
         """Return one wave across the image; fine ones are looked for by themselves only."""
         count = wave_count(along)
         term = BasisTerm(
             along=along, function=_only(number, count, at.scale.length), low=0.0, high=count - 1.0,
-            nodes=count,
+            nodes=count, under=under,
         )  # fmt: skip
         step = perturbation(self, at, term)
         step.points_m = step.points_m * at.has_curve[:, None]

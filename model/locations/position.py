@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,10 +12,11 @@ from model.locations.basis import (
     bases_of,
     beam_step,
     cosine_wave,
+    perturbation,
     polynomial,
     time_span,
 )
-from model.locations.contract import Basis, Function, Linearised, Location, Term
+from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
 from model.locations.quantities import BeamProblem, ContactSolution
 from model.measurements import FloatArray
 
@@ -48,6 +49,9 @@ class Position(Location):
             given_way = term.share(beam.voltage_V) * term(np.nan_to_num(contact.force_N))
             given_way = np.where(np.isfinite(contact.force_N), given_way, 0.0)
             return replace(beam, shift_m=beam.shift_m + 1e-3 * given_way)
+        if term.along == "s":  # the place on the sheet that touches
+            moved = 1e-3 * term.share(beam.voltage_V) * term(np.nan_to_num(contact.s_hat_m))
+            return replace(beam, reach_m=beam.reach_m + moved)
         if term.along == "position" and term.adds == "moment":
             before = beam.s_m <= np.nan_to_num(contact.s_hat_m)[:, None]
             turned = term.share(beam.voltage_V) * term(np.nan_to_num(beam.stated_m))
@@ -79,6 +83,7 @@ class Position(Location):
         yield from bases_of(
             self, at, by_force, along="force", part="force", shared=True, alone=True
         )
+        yield from self._by_place_on_sheet(at, waves[1:])
         yield from self._settling(at, most_mm)
         for under, count in MOMENTS.items():
             moments = (cosine_wave(j, MOMENT_PER_M / at.scale.length) for j in range(count))
@@ -87,6 +92,17 @@ class Position(Location):
                 shared=True, alone=True,
             ):  # fmt: skip
                 yield replace(one, unit="1/m")
+
+    def _by_place_on_sheet(self, at: Linearised, waves: Sequence[Function]) -> Iterator[Basis]:
+        """Return what a roll that runs out does as it is turned, or a sheet that is thicker."""
+        end_m = at.beam.sheet.free_length_m + at.beam.sheet.elongation_m
+        for wave in waves:
+            term = BasisTerm(along="s", function=wave, low=0.0, high=end_m, adds="reach")
+            yield Basis(
+                part="reach, by place", along="s", function=wave, unit=self.unit,
+                span=(0.0, 1e3 * end_m, "mm"), step=perturbation(self, at, term), term=term,
+                alone=True, shows=f", by which place of the sheet is touched{OFF_ARC}",
+            )  # fmt: skip
 
     def _settling(self, at: Linearised, most_mm: float) -> Iterator[Basis]:
         """Return how the load cell moves in the course of each run: a stage that creeps to a stop.

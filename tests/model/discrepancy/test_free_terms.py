@@ -111,6 +111,19 @@ def twisting_sheet(forward: ForwardModel, c: int, state: ModelState) -> Perturba
     return replace(forward.no_step(c), points_m=2e-4 * sign * (s / np.max(s)) ** 2)
 
 
+def twisted_towards_the_camera(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    """What is nearer is larger: a point off the plane by s goes outwards in the picture."""
+    sign = np.sign(forward.configuration_models[c].voltage_V)[:, None]
+    points = forward.points(c, state.beam, state.solved)
+    along = points.x_m * points.normal_x + points.y_m * points.normal_y
+    return replace(forward.no_step(c), points_m=0.02 * sign * points.s_m / 0.05 * along)
+
+
+def eccentric_roll(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
+    turned = np.nan_to_num(state.solved.contact.s_hat_m) / 0.006
+    return beam(forward, c, state, reach_m=3e-4 * (1.0 - np.cos(turned)))
+
+
 def drying_sheet(forward: ForwardModel, c: int, state: ModelState) -> Perturbation:
     block = forward.row_block(c)
     at = block.mean(block.clock.session)
@@ -151,6 +164,8 @@ def bowed_elongation(forward: ForwardModel, c: int, state: ModelState) -> Pertur
         (bowed_elongation, "rest_curvature", "elongation"),
         (twisting_sheet, "camera", "each polarity"), (drying_sheet, "time", "curvature, session"),
         (warming_bridge, "load_cell", "gain, session"),
+        (twisted_towards_the_camera, "camera", "place, each polarity"),
+        (eccentric_roll, "position", "reach, by place"),
         (crooked_rail, "position", "reach"), (wavy_window, "camera", "place, fine"),
         (knocked_camera, "camera", "knock 7, session"),
         (zooming_lens, "camera", "place, session"), (zooming_lens, "camera", "scale, session"),
