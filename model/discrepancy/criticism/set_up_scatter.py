@@ -27,7 +27,7 @@ PART = "each set-up"
 LOCATIONS = {
     "stiffness": ("compliance", "relative", -1.0), "eibm": ("eibm", "relative", 1.0),
     "position": ("position", "mm", 1e3), "force_zero": ("load_cell", "mN", 1e3),
-    "eibm_condition": ("eibm", "relative", 1.0),
+    "eibm_condition": ("eibm", "relative", 1.0), "sway_slow": ("time", "mN", 1e3),
 }  # fmt: skip
 SIZES = (1.0, 3.0, 10.0, 30.0, 100.0)  # of the usual scatter
 

@@ -20,7 +20,7 @@ from model.identification.likelihood.form_ways import FORM, cosine, waves_along
 from model.identification.likelihood.linearisation import with_columns
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from model.identification.likelihood.random_effects import EACH
+from model.identification.likelihood.random_effects import EACH, WANDER_S
 from model.locations import location
 from model.locations.basis import EACH_POLARITY, WHICH_WAY
 from model.locations.quantities import Perturbation
@@ -36,6 +36,7 @@ LOOK_AT_PICTURES = (
 NOT_FORETOLD = (
     "How one set-up is off says nothing of the next one, so the model file does not have it."
 )
+WANDERS = "a force that wanders in the course of each run, "
 ONE_SESSION = "It says nothing of another session or moment, so the model file does not have it."
 REPEAT_SET_UPS = (
     "Repeat three positions: what comes back with the position, or with the time, is no chance."
@@ -135,7 +136,8 @@ def _of_set_ups(fitted: MixedModelFit, candidate: RankedCandidate) -> Unknown:
     name = of_set_ups(candidate)
     found = largest_offsets(fitted, name, solution.beta[span], solution.covariance[span, span])
     each = "at each voltage of each set-up" if name in EACH else "in each set-up"
-    depends = f"of its own {each}, with {found.times:.0f} times the usual standard deviation"
+    what = WANDERS if name in WANDER_S else ""
+    depends = f"{what}of its own {each}, with {found.times:.0f} times the usual standard deviation"
     order = followed(fitted, name)
     if order is not None:
         depends += f", and follows {order[0]} (correlation {order[1]:.2f})"

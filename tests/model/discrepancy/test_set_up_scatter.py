@@ -81,3 +81,30 @@ def test_it_is_told_with_what_each_set_up_had_and_is_not_in_the_model_file():
     told = found.unknown.to_json()
     assert (told["at_unit"], told["under"]) == ("mm", "")
     assert told["advice"] in found.sentence
+
+
+@pytest.mark.slow
+def test_a_force_that_wanders_slowly_in_each_run_goes_with_time():
+    """A draught: slower than what is looked for as a period, quicker than a drift."""
+    m = hidden_session(NOTHING).measurements
+
+    def swayed(at_s: float) -> float:
+        return 1.2e-4 * np.sin(at_s / 7.0) + 0.8e-4 * np.sin(at_s / 4.3)
+
+    conditions = [
+        replace(
+            c,
+            readings=tuple(
+                replace(r, force_N=r.force_N + swayed(r.session_s or 0.0)) for r in c.readings
+            ),
+        )
+        for c in m.conditions
+    ]
+    with fits_unchecked():
+        found = diagnose(replace(m, conditions=tuple(conditions)))
+    assert (found.verdict, found.effects) == ("unknown_effect", ())
+    assert found.unknown is not None
+    assert found.unknown.location == "time"
+    assert "a force that wanders in the course of each run, of its own in each set-up" in (
+        found.sentence
+    )
