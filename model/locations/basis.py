@@ -16,6 +16,7 @@ FEW_NODES, FEW_WAVES, WAVES = 8, 3, 9  # waves along a sheet of few nodes, and o
 SPANS_S = {
     "session": (1.0, "of the session"), "run": (20.0, "s into the run"),
     "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
+    "dropouts": (1.0, "of the session"),
 }  # fmt: skip
 LEAST_BENDING_PER_M = 1e-6
 # parts that several functions make up together

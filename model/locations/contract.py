@@ -156,6 +156,8 @@ class Linearised:
     bin_sample: AcquisitionTimes  # the sampling points of the same pulses (m,)
     bin_mean: Function  # mean over the pulses, (m,) to (b,)
     periodic: Periodic | None
+    # (n,) readings in which a part of the EIBM is missing at once
+    dropped: npt.NDArray[np.bool_]
     nothing: Callable[[], Perturbation]  # a change of nothing
     change: Callable[[BeamProblem], FloatArray]  # from `beam` to another one, as in a Perturbation
 

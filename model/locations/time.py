@@ -77,6 +77,7 @@ class Time(Location):
                     yield from self._slow(at, cosine_wave(j, AMPLITUDE), t, during)
         yield from self._train(at)
         yield from self._period(at)
+        yield from self._dropouts(at)
         yield from self._pulse(at)
 
     def _slow(self, at: Linearised, wave: Function, t: FloatArray, during: str) -> Iterator[Basis]:
@@ -138,6 +139,16 @@ class Time(Location):
             within = at.bin_mean(wave(parts)) - at.bin_mean(wave(sample))
             step = replace(at.nothing(), eibm=wave(reading) * _on(at), bin_eibm=within)
             yield self._basis(at, wave, "EIBM, period", step)
+
+    def _dropouts(self, at: Linearised) -> Iterator[Basis]:
+        if not np.any(at.dropped):
+            return
+        missing = cosine_wave(0, AMPLITUDE)
+        share = missing(np.zeros(len(at.dropped))) * at.dropped
+        one = self._basis(at, missing, "EIBM, dropouts", replace(at.nothing(), eibm=share))
+        number, of = int(np.sum(at.dropped)), int(np.sum(_on(at)))
+        shows = f": in {number} of {of} readings under voltage a part of the EIBM is missing"
+        yield replace(one, shows=shows)
 
     def _pulse(self, at: Linearised) -> Iterator[Basis]:
         t = np.clip(at.bin_clock.pulse_s / SPANS_S["pulse"][0], 0.0, 1.0)

@@ -174,7 +174,7 @@ def linearised(fitted: MixedModelFit, c: int) -> Linearised:
         forces_N=_force_range_N(forward),
         bent_per_m=_most_bent_per_m(fitted), scale=forward.scale,
         bin_clock=block.bin_clock, bin_sample=block.bin_sample,
-        bin_mean=block.bin_mean, periodic=forward.periodic_term,
+        bin_mean=block.bin_mean, periodic=forward.periodic_term, dropped=forward.dropped[c],
         nothing=lambda: forward.blank_step(c),
         change=lambda other: configuration_model.change(state.beam, other, state.solved.contact),
     )  # fmt: skip

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
+
 from model.discrepancy.answers.calibrated_answers import Judged
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN
 from model.discrepancy.criticism.cell_noise import CELL
@@ -30,7 +32,7 @@ DIFFERS = {
     "registration": "the place in the picture",
 }  # fmt: skip
 
-
+EVEN_SHARE = 1e-6  # of a profile's size: what it varies less is the same everywhere
 OTHER_ANSWERS = {
     UNKNOWN: "something that is not in the catalogue", NOTHING: "nothing of the kind",
 }  # fmt: skip
@@ -95,8 +97,8 @@ def _unknown_sentence(
             f"Something{more} is not in the model; it may be {names}, or {OTHER_ANSWERS[UNKNOWN]}."
         )
     text += (
-        f" Location: {located(unknown)} ({unknown.depends}); largest at"
-        f" {unknown.peak_mm:.3g} {unknown.at_unit}.{_or_elsewhere(unknown)}"
+        f" Location: {located(unknown)} ({unknown.depends}); {_largest(unknown)}."
+        f"{_or_elsewhere(unknown)}"
     )
     text += f" {_gap(left_out)}."
     if closed is not None and closed.after >= closed.before:
@@ -104,6 +106,14 @@ def _unknown_sentence(
     elif closed is not None:
         text += f" {closed_sentence(closed)}"
     return f"{text} {unknown.advice}".rstrip()
+
+
+def _largest(unknown: Unknown) -> str:
+    """Return where its profile is largest, or its size where that is the same everywhere."""
+    largest = np.max(np.abs(unknown.profile))
+    if largest > 0.0 and np.ptp(unknown.profile) < EVEN_SHARE * largest:
+        return f"its size is {unknown.profile[0]:.2g} ({unknown.unit})"
+    return f"largest at {unknown.peak_mm:.3g} {unknown.at_unit}"
 
 
 def located(unknown: Unknown) -> str:

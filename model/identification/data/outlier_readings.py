@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.identification.data.acquisition_times import run_key
+from model.identification.data.dropouts import (
+    PER_MAD,
+    ReadingsOfCondition,
+    dropouts_in,
+    off_line,
+)
 from model.measurements import (
     Condition,
-    FloatArray,
     Measurements,
     Reading,
     in_volts,
@@ -20,7 +27,6 @@ FEWEST = 5  # readings of a condition
 SIGMA = 15.0  # of a reading's noise, beyond which it is none of its condition's
 MOST_SHARE = 0.25  # of a condition's readings: more are no outliers
 SAME_PLACE_SHARE = 0.3  # of the conditions: more at the same place of the order are a transient
-PER_MAD = 1.4826  # standard deviation of Gaussian noise over its median absolute deviation
 LEAST_N = 1e-6
 NAMED = 3  # conditions
 WHY = "far from the other readings"
@@ -58,7 +64,8 @@ def without_outliers(measurements: Measurements) -> WithoutOutliers:
 
     They are compared with a robust line in time, so that a drift is none, and with the noise of
     their own condition and of all conditions: both must be exceeded. What many conditions have at
-    the same place, as the first pulses may, is no outlier.
+    the same place, as the first pulses may, is no outlier, nor what lacks the same share of the
+    EIBM as others do.
     """
     noise_N = _noise_N(measurements)
     least_N = LEAST_N * scale_of_measurements(measurements).force
@@ -66,7 +73,12 @@ def without_outliers(measurements: Measurements) -> WithoutOutliers:
     asked = sum(len(_ordered(one)) >= FEWEST for one in measurements.conditions)
     times = Counter(place for own in wild for place in own)
     usual = {place for place, count in times.items() if count > max(2, SAME_PLACE_SHARE * asked)}
-    wild = [own - usual for own in wild]
+    alike = dropouts_in(_readings_of(measurements.conditions))
+    dropped = alike or [np.zeros(0, dtype=bool)] * len(wild)
+    wild = [
+        own - usual - set(np.flatnonzero(those).tolist())
+        for own, those in zip(wild, dropped, strict=True)
+    ]
     if not any(wild):
         return WithoutOutliers(measurements, 0, ())
     sessions = max(one.session for one in measurements.conditions)
@@ -76,6 +88,25 @@ def without_outliers(measurements: Measurements) -> WithoutOutliers:
         sum(map(len, wild)),
         tuple(_place(one, own, of_several=sessions > 1) for one, own in pairs if own),
     )
+
+
+def _readings_of(conditions: Sequence[Condition]) -> list[ReadingsOfCondition]:
+    every = [np.array([r.force_N for r in _ordered(one)]) for one in conditions]
+    pairs = list(zip(conditions, every, strict=True))
+    rest_N = {
+        run_key(one): float(np.mean(found))
+        for one, found in pairs if one.voltage_V == 0.0 and len(found)
+    }  # fmt: skip
+    return [
+        ReadingsOfCondition(
+            force_N=found,
+            by_eibm_N=(
+                float(np.mean(found)) - rest_N.get(run_key(one), np.nan)
+                if one.voltage_V and len(found) else 0.0
+            ),
+        )
+        for one, found in pairs
+    ]  # fmt: skip
 
 
 def _marked(one: Condition, places: set[int]) -> Condition:
@@ -100,7 +131,7 @@ def _wild(one: Condition, noise_N: float, least_N: float) -> set[int]:
     readings = _ordered(one)
     if len(readings) < FEWEST or not noise_N:
         return set()
-    off = _off_line(np.array([r.force_N for r in readings]))
+    off = off_line(np.array([r.force_N for r in readings]))
     own_N = PER_MAD * float(np.median(np.abs(off)))
     far = np.abs(off) > SIGMA * max(noise_N, own_N, least_N)
     return set() if far.sum() > MOST_SHARE * len(readings) else set(np.flatnonzero(far).tolist())
@@ -109,7 +140,7 @@ def _wild(one: Condition, noise_N: float, least_N: float) -> set[int]:
 def _noise_N(measurements: Measurements) -> float:
     """Return the standard deviation of a reading, from all conditions; 0: not known."""
     every = [_ordered(one) for one in measurements.conditions]
-    off = [_off_line(np.array([r.force_N for r in one])) for one in every if len(one) >= FEWEST]
+    off = [off_line(np.array([r.force_N for r in one])) for one in every if len(one) >= FEWEST]
     return PER_MAD * float(np.median([np.median(np.abs(one)) for one in off])) if off else 0.0
 
 
@@ -117,12 +148,3 @@ def _ordered(one: Condition) -> list[Reading]:
     """Return the readings of the mean in time order; none of a free shape."""
     found = [r for r in one.used() if np.isfinite(r.force_N)]
     return sorted(found, key=lambda r: r.index) if one.position_m is not None else []
-
-
-def _off_line(values: FloatArray) -> FloatArray:
-    """Return distances from a robust line (Theil 1950, Sen 1968)."""
-    t = np.arange(len(values), dtype=float)
-    i, j = np.triu_indices(len(values), 1)
-    slope = float(np.median((values[j] - values[i]) / (t[j] - t[i])))
-    off = values - slope * t
-    return np.asarray(off - np.median(off))

@@ -10,6 +10,7 @@ import numpy as np
 from model.effects.interface import BeamProblem, ContactSolution, Effect, ImagePoints, Values
 from model.effects.rise import rise_left
 from model.identification.data.data_vector import DataVector
+from model.identification.data.dropouts import dropped_readings
 from model.identification.data.periodic_terms import LEAST_N, PeriodicTerm, periodic_term_in
 from model.identification.likelihood.contact_solution import (
     ConfigurationModel,
@@ -74,6 +75,8 @@ class ForwardModel:
             if like is None
             else like.periodic_term
         )
+        # by configuration: which of the readings (n,) lack a part of the EIBM
+        self.dropped = dropped_readings(data_vectors)
         # by configuration: change of the rows (N,) where data at rest are those of a sheet in
         # motion less what dynamics explain, for each metre of its contacts along the arc
         self.in_motion: dict[int, FloatArray] = {}

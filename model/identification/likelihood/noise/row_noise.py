@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.identification.data.data_vector import DataVector, Index
+from model.identification.data.dropouts import without_dropouts
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.random_effects import USUAL, NoisePriors, constant_groups
@@ -53,20 +54,19 @@ def noise_of(forward: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
     N, scale = forward.row_index.size, forward.scale
     priors = priors.at_scale(scale)
     fixed, kinds = np.zeros(N), list[_Kind]()
-    for name, block, configuration_model, data_vector in zip(
+    for name, block, configuration_model, data_vector, dropped in zip(
         forward.names,
         forward.row_index.blocks,
         forward.configuration_models,
         forward.data_vectors,
+        forward.dropped,
         strict=True,
     ):
         periodic_N = (
             0.0 if forward.periodic_term is None else forward.periodic_term.added_N(block.clock)
         )
-        kinds += _kinds(
-            name, block, configuration_model, data_vector, block.measured_N - periodic_N,
-            priors, scale,
-        )  # fmt: skip
+        reading_N = without_dropouts(block.measured_N - periodic_N, block.reading_of, dropped)
+        kinds += _kinds(name, block, configuration_model, data_vector, reading_N, priors, scale)
     masks = []
     for kind in kinds:
         mask = np.zeros(N)

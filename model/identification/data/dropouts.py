@@ -1,0 +1,143 @@
+"""Readings under voltage in which the same share of the EIBM is missing: a contact opens at times.
+
+By their means and slow trends such readings would only look noisy, and the noise would hide what
+they have in common: they stand apart from their neighbours, towards the force at 0 V, each by the
+same share of what the EIBM adds. Noise does not agree on that, and has no reason to spare 0 V.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from model.measurements import FloatArray
+
+if TYPE_CHECKING:
+    from model.identification.data.data_vector import DataVector
+
+FEWEST = 6  # dropouts
+LEAST_SHARE, MOST_SHARE = 0.03, 0.3  # of the readings under voltage, and of those of a condition
+FEWEST_READINGS = 5  # of a condition, to know which of them stand apart
+SIGMA = 4.5  # of a reading's noise, from which on it stands apart
+ONE_SIDE = 0.9  # share of those that stand apart that lack EIBM
+SPREAD = 0.4  # robust standard deviation of the missing share, over the share
+LESS_AT_REST = 0.25  # readings that stand apart at 0 V, over those under voltage, at most
+SAME_PLACE_SHARE = 0.5  # of the conditions: more at the same place of the order are a transient
+PER_MAD = 1.4826  # standard deviation of Gaussian noise over its median absolute deviation
+
+Which = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReadingsOfCondition:
+    """The readings of a condition in time order, and what the EIBM adds to them."""
+
+    force_N: FloatArray  # (n,)
+    by_eibm_N: float  # mean less that at 0 V in the same run; 0: at 0 V; NaN: not known
+
+
+def dropouts_in(conditions: Sequence[ReadingsOfCondition]) -> list[Which] | None:
+    """Return which readings of each condition are dropouts; None: there are none."""
+    off = [off_line(one.force_N) for one in conditions]
+    asked = [len(one.force_N) >= FEWEST_READINGS for one in conditions]
+    noise_N = [PER_MAD * float(np.median(np.abs(o))) for o, a in zip(off, asked, strict=True) if a]
+    if not noise_N or not np.median(noise_N):
+        return None
+    apart = [
+        _apart(o, float(np.median(noise_N))) if a else np.zeros(len(o), dtype=bool)
+        for o, a in zip(off, asked, strict=True)
+    ]
+    driven = [i for i, one in enumerate(conditions) if asked[i] and abs(one.by_eibm_N) > 0.0]
+    rest = [i for i, one in enumerate(conditions) if asked[i] and one.by_eibm_N == 0.0]
+    if not driven or _share(apart, rest) > LESS_AT_REST * _share(apart, driven):
+        return None
+    if not _is_random([apart[i] for i in driven]):
+        return None
+    missing = np.concatenate([-off[i][apart[i]] / conditions[i].by_eibm_N for i in driven])
+    enough = len(missing) >= FEWEST and _share(apart, driven) >= LEAST_SHARE
+    if not enough or np.mean(missing > 0.0) < ONE_SIDE:
+        return None
+    share = float(np.median(missing))
+    if PER_MAD * np.median(np.abs(missing - share)) > SPREAD * share:
+        return None
+    none = [np.zeros(len(o), dtype=bool) for o in off]
+    return [apart[i] if i in driven else none[i] for i in range(len(conditions))]
+
+
+def dropped_readings(data_vectors: Sequence[DataVector]) -> list[Which]:
+    """Return for each configuration which of its readings (n,), in their order, are dropouts."""
+    seen = [one for data_vector in data_vectors for one in data_vector.seen]
+    rest_N = {
+        one.run: float(np.mean(one.kept_N))
+        for one in seen if one.voltage_V == 0.0 and not one.zero and len(one.kept_N)
+    }  # fmt: skip
+    kept = [
+        ReadingsOfCondition(
+            force_N=one.kept_N,
+            by_eibm_N=(
+                float(np.mean(one.kept_N)) - rest_N.get(one.run, np.nan)
+                if one.voltage_V and len(one.kept_N) else 0.0
+            ),
+        )
+        for one in seen
+    ]  # fmt: skip
+    found = dropouts_in(kept)
+    every = iter(found or [np.zeros(len(one.force_N), dtype=bool) for one in kept])
+    return [
+        np.concatenate(
+            [np.zeros(0, bool), *(_of_all(one.counts, next(every)) for one in some.seen)]
+        )
+        for some in data_vectors
+    ]
+
+
+def without_dropouts(
+    values: FloatArray, reading_of: npt.NDArray[np.int64], dropped: Which
+) -> FloatArray:
+    """Return values (n,) of readings with the dropouts of each condition moved onto its others."""
+    result = values.copy()
+    for k in np.unique(reading_of[dropped]):
+        own = reading_of == k
+        result[own & dropped] += values[own & ~dropped].mean() - values[own & dropped].mean()
+    return result
+
+
+def off_line(values: FloatArray) -> FloatArray:
+    """Return distances from a robust line (Theil 1950, Sen 1968)."""
+    if len(values) < 2:
+        return np.zeros(len(values))
+    t = np.arange(len(values), dtype=float)
+    i, j = np.triu_indices(len(values), 1)
+    slope = float(np.median((values[j] - values[i]) / (t[j] - t[i])))
+    off = values - slope * t
+    return np.asarray(off - np.median(off))
+
+
+def _of_all(counts: Which, kept: Which) -> Which:
+    """Return flags of the readings that count as flags of all."""
+    result = np.zeros(len(counts), dtype=bool)
+    result[counts] = kept
+    return result
+
+
+def _apart(off: FloatArray, noise_N: float) -> Which:
+    own_N = PER_MAD * float(np.median(np.abs(off)))
+    found = np.abs(off) > SIGMA * max(noise_N, own_N)
+    return np.asarray(found if found.mean() <= MOST_SHARE else np.zeros(len(off), dtype=bool))
+
+
+def _share(apart: Sequence[Which], which: Sequence[int]) -> float:
+    """Return the share of the readings of some conditions that stand apart."""
+    found = np.concatenate([apart[i] for i in which]) if which else np.zeros(1, dtype=bool)
+    return float(np.mean(found))
+
+
+def _is_random(apart: Sequence[Which]) -> bool:
+    """Return whether they do not stand at one place of the order, as those of a transient do."""
+    places = Counter(int(i) for one in apart for i in np.flatnonzero(one))
+    return max(places.values(), default=0) <= SAME_PLACE_SHARE * len(apart)
