@@ -12,7 +12,7 @@ in the catalogue's own form: for the intervals of parameters). d is the length o
 model cannot take up, in standard deviations. A run that is broken off (Ctrl-C) goes on with the
 same -o FILE.
 A sealed world is refused where its digest is not that of sealed.toml, or its seed is not one of
-those to be reported. How to enter a generator or a method: docs/explanation/worlds.md.
+those to be reported. How to enter a generator or a method: docs/howto/worlds.md.
 """
 
 from __future__ import annotations
