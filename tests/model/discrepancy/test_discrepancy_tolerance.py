@@ -317,12 +317,13 @@ def test_a_slot_is_looked_for_as_a_whole_and_part_by_part():
         ("unknown:position", ""), ("unknown:position", "position"),
         ("unknown:position", "polarity"), ("unknown:position", "zero"),
         ("unknown:position", "reach"), ("unknown:position", "position and reach"),
-        ("unknown:position", "force"), ("unknown:position", "position, run"),
+        ("unknown:position", "force"), ("unknown:position", "reach, by place"),
+        ("unknown:position", "position, run"),
         ("unknown:position", "moment"),
     ]  # fmt: skip
     whole, *parts = [c.columns for c in unknowns(base) if c.location == "position"]
     # what is constant is a wave of "position", too; what goes with the force is looked for alone
-    assert [p.shape[1] for p in parts] == [7, 7, 1, 7, 14, 5, 3, 10]
+    assert [p.shape[1] for p in parts] == [7, 7, 1, 7, 14, 5, 12, 3, 10]
     assert whole.shape[1] == 7 + 7
     assert len(shapes(base, "position", "polarity")) == parts[1].shape[1]
 
