@@ -9,18 +9,26 @@ import numpy as np
 from model.effects._values import MILLI
 from model.effects.interface import BeamProblem, ContactSolution, Effect, EffectParameter, Values
 
+# from the clamp to the arc's centre, which may be anywhere; the size has either sign
+TOWARDS_DEG = range(0, 180, 15)
+OF = (
+    "radius, positions are lengths", "radius, positions are angles",
+    *(f"centre, at {towards} degrees of the arc" for towards in TOWARDS_DEG),
+)  # fmt: skip
+
 
 @dataclass(frozen=True)
 class ArcError(Effect):
-    """All contacts farther from the clamp by the same length, or the arc's centre before it."""
+    """All contacts farther from the clamp by the same length, or the arc's centre beside it."""
 
     def beam(self, beam: BeamProblem, contact: ContactSolution, p: Values) -> BeamProblem:
         """See `Effect.beam`."""
         del contact
         R, along, c = beam.sheet.arc_radius_m, np.nan_to_num(beam.stated_m), p["offset_mm"] * MILLI
-        if p["of"] > 1.5:  # the centre, before the clamp
+        if p["of"] > 1.5:  # the centre, by its direction from the clamp
             beta = along / R + beam.sheet.arc_origin_rad
-            x, y = c + R * np.cos(beta), R * np.sin(beta)
+            towards = np.radians(TOWARDS_DEG[round(p["of"]) - 2])
+            x, y = R * np.cos(beta) + c * np.cos(towards), R * np.sin(beta) + c * np.sin(towards)
             reach, shift = np.hypot(x, y) - R, R * (np.arctan2(y, x) - beta)
         else:  # the radius: the same length along the arc is a smaller angle
             reach, shift = np.full(along.shape, c), -along * c / (R + c) * (p["of"] < 0.5)
@@ -35,7 +43,7 @@ EFFECT = ArcError(
     ),
     form=(
         "R = stated R + c, positions being lengths on the arc; or angles, of the stated R; or the"
-        " centre is c before the clamp"
+        " centre is c from the clamp, towards 0, 15, ... or 165 degrees of the arc"
     ),
     location="position",
     signature=(
@@ -48,7 +56,7 @@ EFFECT = ArcError(
     parameters=(
         EffectParameter(
             name="offset_mm",
-            meaning="true less stated distance of the contact from the clamp, at 0 mm",
+            meaning="true less stated radius, or how far the centre is from the clamp",
             unit="mm",
             prior_scale=0.3,
             low=-10.0,
@@ -58,12 +66,12 @@ EFFECT = ArcError(
         ),
         EffectParameter(
             name="of",
-            meaning="0: radius, positions are lengths; 1: radius, positions are angles; 2: centre",
+            meaning="; ".join(f"{number}: {text}" for number, text in enumerate(OF)),
             unit="",
             prior_scale=0.0,
             low=0.0,
-            high=2.0,
-            starting_values=(0.0, 1.0, 2.0),
+            high=len(OF) - 1.0,
+            starting_values=tuple(map(float, range(len(OF)))),
         ),
     ),
     form_error_along=("position",),

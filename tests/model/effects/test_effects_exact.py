@@ -491,7 +491,10 @@ def test_play_between_the_rolls_puts_the_contact_on_the_side_that_is_pressed():
 @pytest.mark.parametrize(("of", "wanted"), [
     (0.0, lambda R, p, c: (R + c, p / (R + c))),
     (1.0, lambda R, p, c: (R + c, p / R)),
-    (2.0, lambda R, p, c: (abs(c + R * np.exp(1j * p / R)), np.angle(c + R * np.exp(1j * p / R)))),
+    (2.0, lambda R, p, c: _polar(c + R * np.exp(1j * p / R))),
+    (4.0, lambda R, p, c: _polar(c * np.exp(1j * np.pi / 6.0) + R * np.exp(1j * p / R))),
+    (8.0, lambda R, p, c: _polar(1j * c + R * np.exp(1j * p / R))),
+    (12.0, lambda R, p, c: _polar(c * np.exp(5j * np.pi / 6.0) + R * np.exp(1j * p / R))),
 ])  # fmt: skip
 def test_the_load_cell_moves_on_another_arc(of, wanted):
     beam, contact = example_beam()
@@ -501,6 +504,10 @@ def test_the_load_cell_moves_on_another_arc(of, wanted):
     np.testing.assert_allclose((R + after.reach_m)[held], radius_m)
     np.testing.assert_allclose((beam.stated_m + after.shift_m)[held] / R, angle)
     assert np.all(np.isfinite(after.reach_m + after.shift_m))
+
+
+def _polar(place):
+    return np.abs(place), np.angle(place)
 
 
 def test_a_rest_curvature_may_be_off_in_proportion():
