@@ -18,12 +18,13 @@ import numpy.typing as npt
 from model.measurements import FloatArray
 
 if TYPE_CHECKING:
-    from model.identification.data.data_vector import DataVector
+    from model.identification.data.data_vector import ConditionData, DataVector
 
 FEWEST = 6  # dropouts
 LEAST_SHARE, MOST_SHARE = 0.03, 0.3  # of the readings under voltage, and of those of a condition
 FEWEST_READINGS = 5  # of a condition, to know which of them stand apart
 SIGMA = 4.5  # of a reading's noise, from which on it stands apart
+HALF, SIGMA_OF_ALL = 0.5, 2.5  # of the missing share, and of the noise: from which on, beside such
 ONE_SIDE = 0.9  # share of those that stand apart that lack EIBM
 SPREAD = 0.4  # robust standard deviation of the missing share, over the share
 LESS_AT_REST = 0.25  # readings that stand apart at 0 V, over those under voltage, at most
@@ -41,15 +42,25 @@ class ReadingsOfCondition:
     by_eibm_N: float  # mean less that at 0 V in the same run; 0: at 0 V; NaN: not known
 
 
-def dropouts_in(conditions: Sequence[ReadingsOfCondition]) -> list[Which] | None:
+@dataclass(frozen=True, kw_only=True)
+class Dropouts:
+    """Readings that lack the same share of the EIBM."""
+
+    which: list[Which]  # of each condition, its readings
+    share: float  # of the EIBM
+    noise_N: float  # standard deviation of a reading
+
+
+def dropouts_in(conditions: Sequence[ReadingsOfCondition]) -> Dropouts | None:
     """Return which readings of each condition are dropouts; None: there are none."""
     off = [off_line(one.force_N) for one in conditions]
     asked = [len(one.force_N) >= FEWEST_READINGS for one in conditions]
-    noise_N = [PER_MAD * float(np.median(np.abs(o))) for o, a in zip(off, asked, strict=True) if a]
-    if not noise_N or not np.median(noise_N):
+    own_N = [PER_MAD * float(np.median(np.abs(o))) for o, a in zip(off, asked, strict=True) if a]
+    noise_N = float(np.median(own_N)) if own_N else 0.0
+    if not noise_N:
         return None
     apart = [
-        _apart(o, float(np.median(noise_N))) if a else np.zeros(len(o), dtype=bool)
+        _apart(o, noise_N) if a else np.zeros(len(o), dtype=bool)
         for o, a in zip(off, asked, strict=True)
     ]
     driven = [i for i, one in enumerate(conditions) if asked[i] and abs(one.by_eibm_N) > 0.0]
@@ -65,8 +76,12 @@ def dropouts_in(conditions: Sequence[ReadingsOfCondition]) -> list[Which] | None
     share = float(np.median(missing))
     if PER_MAD * np.median(np.abs(missing - share)) > SPREAD * share:
         return None
-    none = [np.zeros(len(o), dtype=bool) for o in off]
-    return [apart[i] if i in driven else none[i] for i in range(len(conditions))]
+    which = [
+        _lacking(off[i], one.by_eibm_N, share, noise_N) if i in driven
+        else np.zeros(len(off[i]), dtype=bool)
+        for i, one in enumerate(conditions)
+    ]  # fmt: skip
+    return Dropouts(which=which, share=share, noise_N=noise_N)
 
 
 def dropped_readings(data_vectors: Sequence[DataVector]) -> list[Which]:
@@ -86,14 +101,34 @@ def dropped_readings(data_vectors: Sequence[DataVector]) -> list[Which]:
         )
         for one in seen
     ]  # fmt: skip
-    found = dropouts_in(kept)
-    every = iter(found or [np.zeros(len(one.force_N), dtype=bool) for one in kept])
+    found, flags = dropouts_in(kept), [np.zeros(len(one.force_N), dtype=bool) for one in seen]
+    if found is not None:
+        early = _in_first_pulses(seen, kept, found)
+        for own, one, which, first in zip(flags, seen, found.which, early, strict=True):
+            own[one.counts], own[~one.counts] = which, first
+    every = iter(flags)
     return [
-        np.concatenate(
-            [np.zeros(0, bool), *(_of_all(one.counts, next(every)) for one in some.seen)]
-        )
+        np.concatenate([np.zeros(0, dtype=bool), *(next(every) for _ in some.seen)])
         for some in data_vectors
     ]
+
+
+def _in_first_pulses(
+    seen: Sequence[ConditionData], kept: Sequence[ReadingsOfCondition], found: Dropouts
+) -> list[Which]:
+    """Return which readings of the first pulses lack as much; none where most do: a transient."""
+    flags = []
+    for one, own, which in zip(seen, kept, found.which, strict=True):
+        more = one.force_N[~one.counts]
+        level_N = np.median(own.force_N[~which]) if len(which) else np.nan
+        flags.append(_lacking(more - level_N, own.by_eibm_N, found.share, found.noise_N))
+    return flags if _is_random(flags) else [np.zeros(len(one), dtype=bool) for one in flags]
+
+
+def _lacking(off: FloatArray, by_eibm_N: float, share: float, noise_N: float) -> Which:
+    """Return which readings lack about so large a share, and more than noise takes from most."""
+    least_N = max(HALF * share * abs(by_eibm_N), SIGMA_OF_ALL * noise_N)
+    return np.asarray((by_eibm_N != 0.0) & (-np.sign(by_eibm_N) * off > least_N))
 
 
 def without_dropouts(
@@ -116,13 +151,6 @@ def off_line(values: FloatArray) -> FloatArray:
     slope = float(np.median((values[j] - values[i]) / (t[j] - t[i])))
     off = values - slope * t
     return np.asarray(off - np.median(off))
-
-
-def _of_all(counts: Which, kept: Which) -> Which:
-    """Return flags of the readings that count as flags of all."""
-    result = np.zeros(len(counts), dtype=bool)
-    result[counts] = kept
-    return result
 
 
 def _apart(off: FloatArray, noise_N: float) -> Which:

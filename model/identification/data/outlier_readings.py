@@ -74,7 +74,7 @@ def without_outliers(measurements: Measurements) -> WithoutOutliers:
     times = Counter(place for own in wild for place in own)
     usual = {place for place, count in times.items() if count > max(2, SAME_PLACE_SHARE * asked)}
     alike = dropouts_in(_readings_of(measurements.conditions))
-    dropped = alike or [np.zeros(0, dtype=bool)] * len(wild)
+    dropped = alike.which if alike else [np.zeros(0, dtype=bool)] * len(wild)
     wild = [
         own - usual - set(np.flatnonzero(those).tolist())
         for own, those in zip(wild, dropped, strict=True)
