@@ -30,6 +30,7 @@ from model.discrepancy.verdict.free_form_or_names import (
     alone,
     explaining_as_much,
     misses_much,
+    stands_beside,
 )
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
 from model.discrepancy.verdict.likely_locations import likely_locations
@@ -344,6 +345,8 @@ class Judgement:
         """
         base, single = self.outcome.base, self.outcome.best_name
         if not alone(residual, base, known, single):
+            return False
+        if any(stands_beside(base, residual.first, one) for one in named):
             return False
         if len(named) == 1 and not of_images(residual.first):
             return misses_much(base, residual, named[0])

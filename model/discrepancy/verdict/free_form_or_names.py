@@ -7,9 +7,16 @@ from collections.abc import Sequence
 from model.discrepancy.search.evidence import Projected, score
 from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_names
 from model.discrepancy.search.ranking import RankedCandidate, usual_scatter
-from model.discrepancy.thresholds import MISSED_BY_FORM_SHARE, NONPARAMETRIC_MARGIN_LN
+from model.discrepancy.thresholds import (
+    EVIDENCE_THRESHOLD_LN,
+    MISSED_BY_FORM_SHARE,
+    NONPARAMETRIC_MARGIN_LN,
+)
+from model.discrepancy.verdict.inferred_form import with_free_form
 from model.discrepancy.verdict.posterior import Choice, ResidualTerms
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
+
+STANDING_SHARE = 0.7  # of what a name explains by itself, that it explains beside a free form
 
 
 def alone(
@@ -42,6 +49,25 @@ def explaining_as_much(
     each = [(_at_usual_scatter(base, one), one) for one in names]
     some = [pair for pair in each if pair[0] + NONPARAMETRIC_MARGIN_LN >= free]
     return [one for _, one in sorted(some, key=lambda pair: -pair[0])]
+
+
+def stands_beside(base: MixedModelFit, free: RankedCandidate, name: Choice) -> bool:
+    """Return whether a name explains beside a free form most of what it explains alone.
+
+    Then it imitates nothing of that: both are there.
+    """
+    own = next((c for c in name.ranking if c.name == name.effect.name), None)
+    if own is None or name.before is not base:
+        return False
+    forward = base.problem.forward
+
+    def explained(fitted: MixedModelFit) -> float:
+        projected = Projected.of(forward, fitted.linear, fitted.solution)
+        return score(forward, projected, own.score.candidate).log_bayes
+
+    beside = explained(with_free_form(base, free))
+    enough = EVIDENCE_THRESHOLD_LN + NONPARAMETRIC_MARGIN_LN
+    return beside > max(enough, STANDING_SHARE * explained(base))
 
 
 def _at_usual_scatter(fitted: MixedModelFit, one: RankedCandidate) -> float:
