@@ -28,6 +28,7 @@ def diagnose(
     signals: AnyPath | None = None,
     columns: Names = (),
     values: Names = (),
+    ignore: str | Sequence[str] = (),
     model: AnyPath | SheetModel | None = None,
     hold_out: str | Sequence[str] = (),
     symmetric: bool = False,
@@ -47,8 +48,10 @@ def diagnose(
         forces: forces.csv.
         curves: curves.csv.
         signals: signals.csv.
-        columns: which column of the tables is which of labrig's, such as {"force_mN": "F"}.
+        columns: which column of the tables is which of labrig's, such as {"force_mN": "F"};
+            several names for one, {"voltage_V": ["U", "Spannung"]}: the first that a table has.
         values: a value that no column has, such as {"configuration": "long"}.
+        ignore: columns of the tables to leave out, such as "Nr".
         model: a model (or its file) whose effects are known.
         hold_out: positions to leave out, such as "position=25" (mm).
         symmetric: one |EIBM| for both polarities; asymmetry is then a finding.
@@ -79,7 +82,13 @@ def diagnose(
         )  # fmt: skip
     _require_effects(without if options is None else options.exclude)
     tables = GivenTables(
-        sheet=sheet, forces=forces, curves=curves, signals=signals, columns=columns, values=values
+        sheet=sheet,
+        forces=forces,
+        curves=curves,
+        signals=signals,
+        columns=columns,
+        values=values,
+        ignore=ignore,
     )
     measurements = data_of(sessions, tables, progress)
     paths = [] if sessions is None else paths_of(sessions)

@@ -65,6 +65,7 @@ def next_measurement(
     signals: AnyPath | None = None,
     columns: Names = (),
     values: Names = (),
+    ignore: str | Sequence[str] = (),
     model: AnyPath | SheetModel | None = None,
     symmetric: bool = False,
     progress: Progress | None = None,
@@ -79,8 +80,10 @@ def next_measurement(
         forces: forces.csv.
         curves: curves.csv.
         signals: signals.csv.
-        columns: which column of the tables is which of labrig's, such as {"force_mN": "F"}.
+        columns: which column of the tables is which of labrig's, such as {"force_mN": "F"};
+            several names for one, {"voltage_V": ["U", "Spannung"]}: the first that a table has.
         values: a value that no column has, such as {"configuration": "long"}.
+        ignore: columns of the tables to leave out, such as "Nr".
         model: a model (or its file) whose effects are known.
         symmetric: one |EIBM| for both polarities.
         progress: called with the share done (0 to 1) and a text.
@@ -100,7 +103,13 @@ def next_measurement(
     """
     require_two(between)
     tables = GivenTables(
-        sheet=sheet, forces=forces, curves=curves, signals=signals, columns=columns, values=values
+        sheet=sheet,
+        forces=forces,
+        curves=curves,
+        signals=signals,
+        columns=columns,
+        values=values,
+        ignore=ignore,
     )
     measurements = data_of(sessions, tables, progress)
     paths = [] if sessions is None else paths_of(sessions)

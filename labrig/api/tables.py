@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from labrig.api.arguments import several
+from labrig.api.arguments import several, texts
 from labrig.api.data import AnyPath, Data, measurements_of, path_of, paths_of, tell
 from labrig.errors import BadArgumentError, BadInputError
 from labrig.progress import Progress
@@ -22,6 +22,7 @@ def measurements_of_tables(
     *,
     columns: Names = (),
     values: Names = (),
+    ignore: str | Sequence[str] = (),
 ) -> Measurements:
     """Read CSV tables of a sheet, as `labrig fit --sheet` does; other programs' tables, too.
 
@@ -31,8 +32,10 @@ def measurements_of_tables(
         curves: a table of curves.
         signals: a table of signals.
         columns: which column of the tables is which of labrig's: {"force_mN": "F"}, or
-            ["force_mN=F"].
+            ["force_mN=F"]. Several names for one column, {"voltage_V": ["U", "Spannung"]}: each
+            table takes the first that it has.
         values: a value that no column has, the same in all lines: {"configuration": "long"}.
+        ignore: columns of the tables to leave out, such as "Nr".
 
     Returns:
         Measurements: for `labrig.fit` and all other functions that take measurements.
@@ -59,7 +62,7 @@ def measurements_of_tables(
     from labrig.session.tables import column_names, read_and_understood
     from labrig.session.tables.preview import in_one_line, remarks
 
-    names = column_names(_pairs(columns), _pairs(values))
+    names = column_names(_pairs(columns), _pairs(values), texts(ignore))
     tables = [None if path is None else path_of(path) for path in (forces, curves, signals)]
     found = read_and_understood(load_sheet(path_of(sheet)), *tables, names=names)
     for table in found.tables:
@@ -73,8 +76,13 @@ def measurements_of_tables(
 def _pairs(names: Names) -> list[str]:
     """Return `ours=theirs` of each name."""
     if isinstance(names, Mapping):
-        return [f"{ours}={theirs}" for ours, theirs in names.items()]
+        return [f"{ours}={one}" for ours, theirs in names.items() for one in _each(theirs)]
     return several(names)
+
+
+def _each(theirs: object) -> list[object]:
+    """Return the names of one column; a value that is no list is one."""
+    return list(theirs) if isinstance(theirs, list | tuple) else [theirs]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,17 +95,20 @@ class GivenTables:
     signals: AnyPath | None = None
     columns: Names = ()
     values: Names = ()
+    ignore: str | Sequence[str] = ()
 
     def __bool__(self) -> bool:
         """Whether anything was given."""
         paths = (self.sheet, self.forces, self.curves, self.signals)
-        return any(path is not None for path in paths) or bool(self.columns or self.values)
+        return any(path is not None for path in paths) or bool(
+            self.columns or self.values or self.ignore
+        )
 
     def read(self) -> Measurements:
         """Return their measurements."""
         return measurements_of_tables(
             self.sheet, self.forces, self.curves, self.signals,
-            columns=self.columns, values=self.values,
+            columns=self.columns, values=self.values, ignore=self.ignore,
         )  # fmt: skip
 
 

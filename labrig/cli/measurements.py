@@ -33,6 +33,7 @@ def of_sessions_or_tables(
     *,
     columns: list[str] | None = None,
     values: list[str] | None = None,
+    ignore: list[str] | None = None,
 ) -> Measurements:
     """Return the measurements of sessions, or of tables with a sheet.toml.
 
@@ -42,7 +43,7 @@ def of_sessions_or_tables(
 
     tables = GivenTables(
         sheet=sheet, forces=forces, curves=curves, signals=signals,
-        columns=columns or (), values=values or (),
+        columns=columns or (), values=values or (), ignore=ignore or (),
     )  # fmt: skip
     if sessions and not tables:
         return of_sessions(sessions)

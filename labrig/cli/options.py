@@ -46,7 +46,8 @@ Columns = Annotated[
     typer.Option(
         "--columns",
         metavar="OURS=THEIRS",
-        help="the name of a column in the tables, such as force_mN=F; repeatable",
+        help="the name of a column in the tables, such as force_mN=F; repeatable, also for one"
+        " column: each table takes the first name that it has",
     ),
 ]
 Values = Annotated[
@@ -55,6 +56,12 @@ Values = Annotated[
         "--value",
         metavar="OURS=VALUE",
         help="a column that is the same in all lines, such as configuration=long; repeatable",
+    ),
+]
+Ignored = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--ignore", metavar="THEIRS", help="a column of the tables to leave out; repeatable"
     ),
 ]
 SheetFile = Annotated[

@@ -18,7 +18,10 @@ MEASURES = (
 
 def columns_option() -> Any:
     """Return the option that says which column of a table is which of labrig's."""
-    text = "the name of a column in the tables, such as force_mN=F; repeatable"
+    text = (
+        "the name of a column in the tables, such as force_mN=F; repeatable, also for one column: "
+        "each table takes the first name that it has"
+    )
     return option(text, default=(), metavar="OURS=THEIRS")
 
 
@@ -28,12 +31,21 @@ def values_option() -> Any:
     return option(text, default=(), metavar="OURS=VALUE", flag="--value")
 
 
+def ignore_option() -> Any:
+    """Return the option that leaves a column of a table out."""
+    text = "a column of the tables to leave out; repeatable"
+    return option(text, default=(), metavar="THEIRS")
+
+
 def measurements_of(
-    source: BatchInput, columns: Sequence[str] = (), values: Sequence[str] = ()
+    source: BatchInput,
+    columns: Sequence[str] = (),
+    values: Sequence[str] = (),
+    ignore: Sequence[str] = (),
 ) -> Measurements:
     """Return what was measured; a session that is not analysed yet is analysed, and keeps it.
 
-    `columns` and `values` say what names in tables mean.
+    `columns`, `values` and `ignore` say what names in tables mean.
     """
     if source.kind is InputKind.TABLES:
         from labrig.config import load_sheet
@@ -42,7 +54,7 @@ def measurements_of(
         tables = source.tables
         return read_tables(
             load_sheet(source.path), tables["forces"], tables["curves"], tables["signals"],
-            names=column_names(columns, values),
+            names=column_names(columns, values, ignore),
         )  # fmt: skip
     from labrig.report.data.findings import measured
 

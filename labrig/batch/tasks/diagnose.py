@@ -13,6 +13,7 @@ from labrig.batch.tasks._measured import (
     columns_of,
     columns_option,
     diagnose_something,
+    ignore_option,
     measurements_of,
     values_option,
 )
@@ -51,13 +52,14 @@ class DiagnoseEach(BatchTask):
     )
     columns: tuple[str, ...] = columns_option()
     values: tuple[str, ...] = values_option()
+    ignore: tuple[str, ...] = ignore_option()
 
     def check(self) -> None:
         """See `BatchTask.check`."""
         from labrig.session import column_names
         from model.effects import effect
 
-        column_names(self.columns, self.values)
+        column_names(self.columns, self.values, self.ignore)
         for name in self.without:
             effect(name)
         if self.model is not None:
@@ -85,7 +87,7 @@ class DiagnoseEach(BatchTask):
         from model.discrepancy import DiagnoseOptions, diagnose
 
         del folder
-        measurements = measurements_of(item.source, self.columns, self.values)
+        measurements = measurements_of(item.source, self.columns, self.values, self.ignore)
         require_driven(measurements)
         known = None if self.model is None else load_model(self.model)
         options = DiagnoseOptions(

@@ -12,6 +12,7 @@ from labrig.batch.tasks._measured import (
     columns_of,
     columns_option,
     fit_something,
+    ignore_option,
     measurements_of,
     values_option,
 )
@@ -40,12 +41,13 @@ class FitEach(BatchTask):
     )
     columns: tuple[str, ...] = columns_option()
     values: tuple[str, ...] = values_option()
+    ignore: tuple[str, ...] = ignore_option()
 
     def check(self) -> None:
         """See `BatchTask.check`."""
         from labrig.session import column_names
 
-        column_names(self.columns, self.values)
+        column_names(self.columns, self.values, self.ignore)
 
     def warm_up(self) -> None:
         """See `BatchTask.warm_up`."""
@@ -65,7 +67,7 @@ class FitEach(BatchTask):
             weight_exponent=self.q,
             stiffness_Nm2=self.stiffness_Nm2,
         )
-        measurements = measurements_of(item.source, self.columns, self.values)
+        measurements = measurements_of(item.source, self.columns, self.values, self.ignore)
         fitted = fit_what_can_be(measurements, options)
         if fitted.fit is None:
             why = "; ".join(dict.fromkeys(fitted.missing.values())) or "nothing was measured"

@@ -14,6 +14,7 @@ from labrig.cli.options import (
     Columns,
     CurvesFile,
     ForcesFile,
+    Ignored,
     Json,
     KnownModel,
     Sessions,
@@ -36,6 +37,7 @@ def diagnose(
     signals: SignalsFile = None,
     columns: Columns = None,
     values: Values = None,
+    ignore: Ignored = None,
     model: KnownModel = None,
     output: Annotated[
         Path | None,
@@ -81,7 +83,14 @@ def diagnose(
         effect(name)  # at once: what follows may take minutes
     check_stiffness(stiffness_Nm2)
     measurements = of_sessions_or_tables(
-        sessions, sheet, forces, curves, signals, columns=columns, values=values
+        sessions,
+        sheet,
+        forces,
+        curves,
+        signals,
+        columns=columns,
+        values=values,
+        ignore=ignore,
     )
     options = options_for(
         measurements, sessions or [], model=model, hold_out=hold_out or (), symmetric=symmetric,

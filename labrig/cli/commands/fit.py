@@ -30,6 +30,7 @@ from labrig.cli.options import (
     CurvesFile,
     FigureFormats,
     ForcesFile,
+    Ignored,
     Json,
     Sessions,
     SheetFile,
@@ -55,6 +56,7 @@ def fit(
     signals: SignalsFile = None,
     columns: Columns = None,
     values: Values = None,
+    ignore: Ignored = None,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="the model file to write (TOML)")
     ] = None,
@@ -145,7 +147,7 @@ def fit(
         check_free(output, force=force)
     tables = {
         "--sheet": sheet, "--forces": forces, "--curves": curves, "--signals": signals,
-        "--columns": columns, "--value": values,
+        "--columns": columns, "--value": values, "--ignore": ignore,
     }  # fmt: skip
     in_time = DynamicRequest(
         sessions=sessions or [], configurations=configuration or [], positions_mm=position_mm or [],
@@ -171,7 +173,14 @@ def fit(
     source: Measurements | list[Path] = sessions or []
     if not sessions or any(tables.values()):
         source = of_sessions_or_tables(
-            sessions, sheet, forces, curves, signals, columns=columns, values=values
+            sessions,
+            sheet,
+            forces,
+            curves,
+            signals,
+            columns=columns,
+            values=values,
+            ignore=ignore,
         )
     with progress("analyze") as advance:
         data = fitted_data(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from labrig.cli.command import Command, CommandExample
-from labrig.cli.options import Columns, Values
+from labrig.cli.options import Columns, Ignored, Values
 from labrig.cli.screen import print_table, say, warn
 from labrig.errors import BadInputError
 from labrig.files import typed
@@ -32,6 +32,7 @@ def import_tables(
     ] = None,
     columns: Columns = None,
     values: Values = None,
+    ignore: Ignored = None,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", help="the session file to make; without: only look"),
@@ -58,8 +59,9 @@ def import_tables(
 
     signals: configuration, position_mm, time_s, drive_V; also force_mN, current_mA.
 
-    Other units are converted where the name states them: force [N], x (cm). Other names are stated
-    with --columns, and what no column says with --value.
+    Other units are converted where the name states them: force [N], x (cm); a position in degrees
+    or radians is multiplied by the arc's radius. Other names are stated with --columns, and what no
+    column says with --value; --ignore leaves a column out.
 
     Example: labrig import --sheet sheet.toml --forces old.txt --columns force_mN=F -o old.h5
     """
@@ -74,7 +76,7 @@ def import_tables(
     if sheet is None or (forces is None and curves is None):
         raise BadInputError("give --sheet, and --forces, --curves or both; or --example FOLDER.")
     asked = sys.stdin.isatty() and not yes
-    names = replace(column_names(columns, values), guesses=asked or output is None)
+    names = replace(column_names(columns, values, ignore), guesses=asked or output is None)
     if output is None:
         about_text(about, Path(forces or curves or sheet))  # a fault in it is told now
         read_it = read_and_understood(load_sheet(sheet), forces, curves, signals, names=names)

@@ -22,6 +22,7 @@ from labrig.cli.options import (
     Columns,
     CurvesFile,
     ForcesFile,
+    Ignored,
     Json,
     KnownModel,
     Sessions,
@@ -60,6 +61,7 @@ def next_measurement(
     signals: SignalsFile = None,
     columns: Columns = None,
     values: Values = None,
+    ignore: Ignored = None,
     model: KnownModel = None,
     symmetric: Symmetric = False,
     output: Annotated[
@@ -99,7 +101,7 @@ def next_measurement(
     if dynamic:
         refuse_others("next", {
             "--between": between, "--sheet": sheet, "--forces": forces, "--curves": curves,
-            "--signals": signals, "--columns": columns, "--value": values,
+            "--signals": signals, "--columns": columns, "--value": values, "--ignore": ignore,
             "--symmetric": symmetric, "--output": output,
         })  # fmt: skip
         if not sessions:
@@ -111,7 +113,14 @@ def next_measurement(
         print_next_in_time(request, model, as_json=as_json)
         return
     measurements = of_sessions_or_tables(
-        sessions, sheet, forces, curves, signals, columns=columns, values=values
+        sessions,
+        sheet,
+        forces,
+        curves,
+        signals,
+        columns=columns,
+        values=values,
+        ignore=ignore,
     )
     options = DiagnoseOptions(symmetric=symmetric, model=known_model(model))
     with progress("diagnose") as advance:

@@ -41,6 +41,7 @@ class TextTable:
     values: dict[str, str]  # columns that are the same in all lines
     cells: list[Cells]
     lines: list[int]  # numbers in the file, from 1
+    arc_radius_m: float | None = None  # that angles were multiplied by
 
     @cached_property
     def columns(self) -> dict[str, int]:

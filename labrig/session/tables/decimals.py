@@ -8,8 +8,8 @@ from decimal import Context, Decimal, InvalidOperation
 _SHORT = 28  # characters: so many digits Decimal keeps
 # Enough digits that an angle survives the way to degrees and back.
 _WIDE = Context(prec=30)
-_MINUS = "\N{MINUS SIGN}"  # what some programs write in front of numbers
-_PI = Decimal("3.14159265358979323846264338327950288")
+MINUS = "\N{MINUS SIGN}"  # what some programs write in front of numbers
+PI = Decimal("3.14159265358979323846264338327950288")
 
 
 def milli(value: float) -> str:
@@ -49,18 +49,18 @@ def degrees(value_rad: float) -> str:
     short = plain(math.degrees(value_rad))
     if from_degrees(short) == value_rad:
         return short
-    exact = _WIDE.multiply(Decimal(float(value_rad)), _WIDE.divide(Decimal(180), _PI))
+    exact = _WIDE.multiply(Decimal(float(value_rad)), _WIDE.divide(Decimal(180), PI))
     return _plain(Context(prec=21).plus(exact))
 
 
 def from_degrees(text: str) -> float:
     """Return the reverse of `degrees`, in rad. Raises ValueError for what is no finite number."""
-    return float(_WIDE.multiply(_decimal(text), _WIDE.divide(_PI, Decimal(180))))
+    return float(_WIDE.multiply(_decimal(text), _WIDE.divide(PI, Decimal(180))))
 
 
 def _decimal(text: str) -> Decimal:
     try:
-        value = Decimal(text.strip().replace(_MINUS, "-"))
+        value = Decimal(text.strip().replace(MINUS, "-"))
     except InvalidOperation:
         raise ValueError(f"{text!r} is no number") from None
     if not value.is_finite() or not math.isfinite(float(value)):

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from labrig.session.tables.csv_rows import TextTable
 from labrig.session.tables.text.layout import COMMA, IN_WORDS
 from labrig.session.tables.text.meaning import ColumnMeaning, How, stated
+from labrig.session.tables.text.names import POSITION
 
 COLUMNS = ("column in the file", "is", "known by", "from", "to", "negative", "zero", "positive")
 _MOST_WORDS = 4  # different words of a column that are shown
@@ -53,8 +54,12 @@ def in_one_line(table: TextTable) -> str:
     """Return how a table was understood that is not written as labrig writes it; empty: it is."""
     if table.as_ours:
         return ""
-    other = [f"{one.name} is {one.means}" for one in table.meanings if _is_renamed(one)]
-    unused = [one.name for one in table.meanings if one.how is How.UNUSED and one.name]
+    other = [
+        f"{one.name} is {one.means}{_of_angle(table, one)}"
+        for one in table.meanings
+        if _is_renamed(one)
+    ]
+    unused = [one.name for one in table.meanings if not one.means and one.name]
     parts = [heading(table), *other]
     if unused:
         parts.append(f"not used: {', '.join(unused)}")
@@ -65,10 +70,23 @@ def _is_renamed(one: ColumnMeaning) -> bool:
     return bool(one.means) and one.how is not How.NAMED
 
 
+def _times(table: TextTable, one: ColumnMeaning) -> str:
+    """Return what the numbers of the file are multiplied by; empty: nothing."""
+    return f", times 1e{one.exponent}" if one.exponent else _of_angle(table, one)
+
+
+def _of_angle(table: TextTable, one: ColumnMeaning) -> str:
+    if one.factor is None:
+        return ""
+    if one.means == POSITION and table.arc_radius_m is not None:
+        return f", angle times R = {1e3 * table.arc_radius_m:g} mm"
+    return f", times {one.factor:.6g}"
+
+
 def _row(table: TextTable, one: ColumnMeaning) -> list[str]:
     if not one.means:
         return [one.name, "", str(one.how), *[""] * 5]
-    is_what = one.means if not one.exponent else f"{one.means}, times 1e{one.exponent}"
+    is_what = f"{one.means}{_times(table, one)}"
     known = f"a guess: {stated(one)}" if one.how is How.GUESSED else str(one.how)
     texts = [row[one.index] for row in table.cells]
     return [one.name, is_what, known, *_range(texts)]

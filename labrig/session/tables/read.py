@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -17,9 +17,9 @@ from labrig.session.tables.csv_rows import NUMBER, CsvRow, TextTable, integer, o
 from labrig.session.tables.curve_points import CurvePoints, IntArray, numbers_of
 from labrig.session.tables.decimals import from_degrees, from_milli, from_plain, milli
 from labrig.session.tables.signals import SIGNAL_COLUMNS, configuration_of, series_of
-from labrig.session.tables.stated import refuse_contradicted
+from labrig.session.tables.stated import refuse_contradicted, refuse_unused
 from labrig.session.tables.table import read_table
-from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames, ExpectedColumns, How
+from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames, ExpectedColumns
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry, in_volts
 
 WHOLE = "a whole number from 0"
@@ -122,9 +122,9 @@ def read_and_understood(
         raise BadInputError("there is neither a table of forces nor one of curves.")
     wanted = ((forces, FORCE_COLUMNS), (curves, CURVE_COLUMNS), (signals, SIGNAL_COLUMNS))
     asked = [(Path(path), expected) for path, expected in wanted if path is not None]
-    names = _of_one_sheet(names, sheet)
+    names = replace(_of_sheet(names, sheet), several_tables=len(asked) > 1)
     tables = {expected.kind: read_table(path, expected, names) for path, expected in asked}
-    _refuse_unused(names, list(tables.values()))
+    refuse_unused(names, list(tables.values()))
     refuse_contradicted(names, list(tables.values()))
     gathered = _Conditions()
     if forces is not None:
@@ -145,21 +145,14 @@ def read_and_understood(
     return ReadTables(found, tuple(tables.values()))
 
 
-def _of_one_sheet(names: ColumnNames, sheet: Mapping[str, SheetGeometry]) -> ColumnNames:
-    """Return the names, with the sheet's configuration where it has no other."""
-    return replace(names, only_sheet=next(iter(sheet)) if len(sheet) == 1 else "")
-
-
-def _refuse_unused(names: ColumnNames, tables: Sequence[TextTable]) -> None:
-    """Raise BadInputError for a column that is stated and that no table has."""
-    for ours, theirs in names.columns.items():
-        stated = [one for t in tables for one in t.meanings if one.how is How.STATED]
-        if not any(one.means == ours for one in stated):
-            there = ", ".join(dict.fromkeys(n for t in tables for n in t.layout.names if n))
-            raise BadInputError(
-                f"--columns {ours}={theirs}: {theirs!r} is no column of "
-                f"{' or '.join(str(t.path) for t in tables)}, which has {there}."
-            )
+def _of_sheet(names: ColumnNames, sheet: Mapping[str, SheetGeometry]) -> ColumnNames:
+    """Return the names, with the sheet's only configuration and radius where there is one alone."""
+    radii_m = {one.arc_radius_m for one in sheet.values()}
+    return replace(
+        names,
+        only_sheet=next(iter(sheet)) if len(sheet) == 1 else "",
+        arc_radius_m=radii_m.pop() if len(radii_m) == 1 else None,
+    )
 
 
 # -------------------------------------------------------------------------------------- conditions

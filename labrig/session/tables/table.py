@@ -25,6 +25,7 @@ from labrig.config.file_kinds import (
 )
 from labrig.errors import BadInputError
 from labrig.session.tables.csv_rows import TextTable
+from labrig.session.tables.decimals import MINUS, plain
 from labrig.session.tables.text.decoding import decoded
 from labrig.session.tables.text.guesses import first_cells
 from labrig.session.tables.text.layout import (
@@ -47,6 +48,7 @@ from labrig.session.tables.text.meaning import (
 )
 
 MOST_BYTES = 256 << 20  # days of samples
+_DIGITS = 9  # after the point, of what an angle is turned into
 _BEGIN = 1 << 16  # characters that tell which kind of file it is
 _KINDS = {"forces": FORCES, "curves": CURVES, "signals": SIGNALS}
 _A_TABLE = "a CSV table"
@@ -106,6 +108,7 @@ def table_of(
         values=values,
         cells=cells,
         lines=lines,
+        arc_radius_m=given.arc_radius_m,
     )
     return _in_our_units(table)
 
@@ -225,14 +228,17 @@ def _in_our_units(table: TextTable) -> TextTable:
             if one.means in _WHOLE:
                 whole, _, rest = text.partition(".")
                 text = text if rest.strip("0") else whole
-            row[one.index] = _shifted(text, one.exponent)
+            row[one.index] = _shifted(text, one)
     return replace(table, cells=cells)
 
 
-def _shifted(text: str, exponent: int) -> str:
-    if not exponent or not text:
+def _shifted(text: str, column: ColumnMeaning) -> str:
+    if not text or not (column.exponent or column.factor):
         return text
     try:
-        return str(Decimal(text).scaleb(exponent))
+        number = Decimal(text.replace(MINUS, "-"))
+        if column.factor is None:
+            return str(number.scaleb(column.exponent))
+        return plain(round(float(number * column.factor), _DIGITS))
     except InvalidOperation:
         return text  # whoever reads the number says what is wrong with it

@@ -142,7 +142,7 @@ def test_other_names_are_taken_only_as_stated(tmp_path):
     said = str(caught.value)
     assert said.endswith(
         "columns 'U', 'F' are not known; if this is meant, give --columns voltage_V=U "
-        "--columns force_mN=F."
+        "--columns force_mN=F; --ignore NAME leaves one out."
     )
     found = read(tmp_path, text, "force_mN=F", "voltage_V=U")
     assert alike(found, read(tmp_path, PLAIN))
@@ -159,7 +159,9 @@ def test_a_name_with_a_blank_is_offered_as_it_is_typed(tmp_path):
     with pytest.raises(BadInputError) as caught:
         read(tmp_path, PLAIN.replace("force_mN", "mean force"))
     offered = str(caught.value).rpartition("give ")[2].rstrip(".")
-    assert offered == f"--columns {typed('force_mN=mean force')}"
+    assert offered == (
+        f"--columns {typed('force_mN=mean force')}; --ignore {typed('mean force')} leaves it out"
+    )
 
 
 def test_a_stated_name_may_leave_its_unit_out(tmp_path):
@@ -219,6 +221,8 @@ def test_a_minus_sign_of_typesetters_and_separators_at_the_end_are_understood(tm
     assert alike(read(tmp_path, PLAIN.replace("-", "\N{MINUS SIGN}")), wanted)
     assert alike(read(tmp_path, other(PLAIN).replace("-", "\N{MINUS SIGN}")), wanted)
     assert alike(read(tmp_path, PLAIN.replace("\n", ",,\n")), wanted)
+    in_newtons = PLAIN.replace("force_mN", "Force [N]").replace("-", "\N{MINUS SIGN}")
+    assert read(tmp_path, in_newtons).measurements.conditions[0].readings[1].force_N == -0.29
 
 
 def test_curves_of_photographs_are_curves_of_free_sheets(tmp_path):
@@ -327,7 +331,10 @@ def test_a_fault_in_such_a_table_is_one_sentence_with_its_place(tmp_path, said):
     [
         (["F"], [], "--columns 'F': write labrig's column, '=' and the name in the file"),
         (["forse_mN=F"], [], "'forse_mN' is no column of labrig's; did you mean force_mN"),
-        (["force_mN=G"], [], "--columns force_mN=G: there is no column 'G'; the file has config"),
+        (["force_mN=G"], [], "--columns force_mN=G: 'G' is no column of"),
+        (["voltage_V=F"], [], "old.txt has 'voltage_V' for voltage_V, which --ignore voltage_V"),
+        (["voltage_V=reading"], [], "no table needs it; "),
+        ([], ["run=1", "run=2"], "--value run: it has two values; give one."),
         (["tilt_deg=G"], [], "--columns tilt_deg=G: 'G' is no column of"),
         ([], ["configuration"], "write labrig's column, '=' and the value in all lines"),
         (["run=R"], ["run=1"], "--value run: --columns names a column for it already"),

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from labrig.session.tables.text.layout import TextLayout, is_number
-from labrig.session.tables.text.names import KNOWN, SplitName, may_mean, own_unit, words_for
+from labrig.session.tables.text.names import KNOWN, SplitName, fits, may_mean, words_for
 
 _ALIKE: Final = 0.6  # of two words, from 0 to 1
 _LONG: Final = 4  # letters of a name that may be part of another
@@ -42,8 +42,7 @@ def _has_kind(missing: str, cell: str) -> bool:
 
 def _fits(name: SplitName, missing: str) -> bool:
     """Whether the unit is one of the missing column, or the name is like it."""
-    own = own_unit(missing)
-    if name.unit is not None and (own is None or name.unit.measures != own.measures):
+    if name.unit is not None and not fits(name.unit, missing):
         return False
     return name.unit is not None or may_mean(name, missing) or _alike(name, missing)
 

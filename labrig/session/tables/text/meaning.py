@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from decimal import Decimal
 from enum import StrEnum
 from typing import Final
 
@@ -13,8 +14,11 @@ from labrig.files import typed
 from labrig.session.tables.text.guesses import likely
 from labrig.session.tables.text.layout import TextLayout
 from labrig.session.tables.text.names import (
+    POSITION,
     SplitName,
     Unit,
+    angle_factor,
+    fits,
     is_meant,
     may_mean,
     own_unit,
@@ -36,17 +40,21 @@ class How(StrEnum):
     WRITTEN = "by name and unit"
     STATED = "--columns"
     GUESSED = "a guess"
+    IGNORED = "--ignore"
     UNUSED = "not used"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ColumnNames:
     """What the user states of tables whose columns have other names."""
 
-    columns: Mapping[str, str] = field(default_factory=dict)  # ours: theirs
+    columns: Mapping[str, Sequence[str]] = field(default_factory=dict)  # ours: theirs, by table
     values: Mapping[str, str] = field(default_factory=dict)  # ours: the same in all lines
+    ignored: Sequence[str] = ()  # theirs
     guesses: bool = False  # whether what is likely is taken: somebody will be asked
+    several_tables: bool = False  # each takes the first of the names that it has
     only_sheet: str = ""  # the configuration, where a table need not name it
+    arc_radius_m: float | None = None  # where all sheets have the same
 
 
 AS_NAMED: Final = ColumnNames()
@@ -84,6 +92,7 @@ class ColumnMeaning:
     means: str  # our column; empty: none
     how: How
     exponent: int = 0  # power of ten that makes our unit of the file's
+    factor: Decimal | None = None  # in its place, of an angle
 
 
 def meanings(
@@ -94,20 +103,17 @@ def meanings(
     found: dict[int, ColumnMeaning] = {}
 
     def take(index: int, ours: str, how: How) -> None:
-        found[index] = ColumnMeaning(
-            index=index,
-            name=names[index],
-            means=ours,
-            how=how,
-            exponent=_exponent(file, layout, index, ours),
-        )
+        one = ColumnMeaning(index=index, name=names[index], means=ours, how=how)
+        found[index] = _converted(file, layout, one, given.arc_radius_m)
 
+    for index in indices_of(names, given.ignored):
+        found[index] = ColumnMeaning(index=index, name=names[index], means="", how=How.IGNORED)
     for ours, theirs in given.columns.items():
-        if ours in expected.known and ours not in names:
-            index = _index_of(names, theirs)
-            if index is not None:
-                _refuse_two(file, found, index, ours)
-                take(index, ours, How.STATED)
+        there = indices_of(names, theirs)
+        named = ours in names and names.index(ours) not in found
+        if there and ours in expected.known and not named:
+            _refuse_two(file, found, there[0], ours)
+            take(there[0], ours, How.STATED)
     for index, name in enumerate(names):
         if index not in found and expected.has(name):
             take(index, name, How.NAMED)
@@ -128,10 +134,11 @@ def meanings(
         if len(may) == 1:
             take(may[0], ours, How.GUESSED)
             taken.add(ours)
-    return [
-        found.get(i, ColumnMeaning(index=i, name=name, means="", how=How.UNUSED))
-        for i, name in enumerate(names)
-    ]
+    return [found.get(i, _unused(i, name)) for i, name in enumerate(names)]
+
+
+def _unused(index: int, name: str) -> ColumnMeaning:
+    return ColumnMeaning(index=index, name=name, means="", how=How.UNUSED)
 
 
 def _is_free(name: str, expected: ExpectedColumns) -> bool:
@@ -160,18 +167,15 @@ def check(
         needed = [one for one in guessed if one.means in expected.required]
         if needed:
             raise _offered(file, needed)
-        found = [
-            ColumnMeaning(index=one.index, name=one.name, means="", how=How.UNUSED)
-            if one.how is How.GUESSED
-            else one
-            for one in found
-        ]
+        found = [_unused(one.index, one.name) if one in guessed else one for one in found]
     has = {one.means for one in found} | set(given.values)
     for one in found:
-        unused = one.how is How.UNUSED and _is_free(one.name, expected)
-        if unused and (plain or _nearly(one.name, expected, has)):
+        unknown = one.how is How.UNUSED and _is_free(one.name, expected)
+        if unknown and (plain or _nearly(one.name, expected, has)):
+            left_out = f"; {ignoring(one)} leaves it out" if expected.renamed else ""
             raise BadInputError(
-                f"{file}: column {short(one.name)!r} is not known; {_hint(one.name, expected)}."
+                f"{file}: column {short(one.name)!r} is not known; {_hint(one.name, expected)}"
+                f"{left_out}."
             )
     for name in expected.required:
         if name not in has and name != expected.numbered:
@@ -193,33 +197,47 @@ def _with_unit(layout: TextLayout, index: int) -> SplitName:
     return name
 
 
-def _exponent(file: str, layout: TextLayout, index: int, ours: str) -> int:
-    name = _with_unit(layout, index)
-    own = own_unit(ours)
+def _converted(
+    file: str, layout: TextLayout, column: ColumnMeaning, arc_radius_m: float | None
+) -> ColumnMeaning:
+    """Return a column with what makes our unit of the file's. Raises BadInputError."""
+    name, ours = _with_unit(layout, column.index), column.means
     wrong = name.unknown
-    if isinstance(name.unit, Unit) and own is not None and name.unit.measures != own.measures:
+    if isinstance(name.unit, Unit) and not fits(name.unit, ours):
         wrong = name.unit.written
-    if wrong and own is not None:
+    if wrong and own_unit(ours) is not None:
         raise BadInputError(
-            f"{file}: column {short(layout.names[index])!r}: {wrong!r} is no unit of {ours}; "
+            f"{file}: column {short(column.name)!r}: {wrong!r} is no unit of {ours}; "
             "convert the column."
         )
-    return shift(name.unit, ours)
+    factor = angle_factor(name.unit, ours, arc_radius_m)
+    if factor is not None:
+        return replace(column, factor=factor)
+    if ours == POSITION and name.unit is not None and name.unit.measures == "angle":
+        raise BadInputError(
+            f"{file}: column {short(column.name)!r} is an angle, and the sheets have different "
+            f"arc radii; convert the column to {POSITION}."
+        )
+    return replace(column, exponent=shift(name.unit, ours))
 
 
-def _index_of(names: Sequence[str], theirs: str) -> int | None:
-    """Return the column that a user names, whole or without its unit."""
-    if theirs in names:
-        return names.index(theirs)
-    like = [i for i, name in enumerate(names) if split_name(name).base == theirs]
-    return like[0] if len(like) == 1 else None
+def indices_of(names: Sequence[str], theirs: Sequence[str]) -> list[int]:
+    """Return the columns that a user names, each whole or without its unit, where they exist."""
+    found = []
+    for one in theirs:
+        like = [i for i, name in enumerate(names) if split_name(name).base == one]
+        if one in names:
+            found.append(names.index(one))
+        elif len(like) == 1:
+            found.append(like[0])
+    return found
 
 
 def _refuse_two(file: str, found: Mapping[int, ColumnMeaning], index: int, ours: str) -> None:
     if index in found:
         raise BadInputError(
-            f"{file}: --columns: column {found[index].name!r} cannot be both {found[index].means} "
-            f"and {ours}."
+            f"{file}: --columns: column {found[index].name!r} cannot be both "
+            f"{found[index].means or 'ignored'} and {ours}."
         )
 
 
@@ -245,9 +263,11 @@ def _refuse_absent(
     for ours, theirs in given.columns.items():
         if ours in expected.required and ours not in known:
             names = ", ".join(short(one.name) for one in found[:_MOST_NAMES] if one.name)
+            add = f"; add --columns {ours}=NAME with its name in this table"
+            further = add if given.several_tables else ""
             raise BadInputError(
-                f"{file}: --columns {ours}={theirs}: there is no column {theirs!r}; the file has "
-                f"{names}."
+                f"{file}: {as_typed(ours, theirs)}: there is no column "
+                f"{' or '.join(map(repr, theirs))}; the file has {names}{further}."
             )
 
 
@@ -255,15 +275,30 @@ def _offered(file: str, guesses: Sequence[ColumnMeaning]) -> BadInputError:
     said = " ".join(stated(one) for one in guesses)
     are = "is not known" if len(guesses) == 1 else "are not known"
     names = ", ".join(repr(one.name) for one in guesses)
+    out = "--ignore NAME leaves one out" if guesses[1:] else f"{ignoring(guesses[0])} leaves it out"
     return BadInputError(
-        f"{file}: column{'s' * (len(guesses) > 1)} {names} {are}; if this is meant, give {said}."
+        f"{file}: column{'s' * (len(guesses) > 1)} {names} {are}; if this is meant, give {said}; "
+        f"{out}."
     )
 
 
 def stated(column: ColumnMeaning) -> str:
     """Return the option that states a column, as it is typed."""
-    name = split_name(column.name).base or column.name
-    return f"--columns {typed(f'{column.means}={name}')}"
+    return f"--columns {typed(f'{column.means}={_base(column)}')}"
+
+
+def ignoring(column: ColumnMeaning) -> str:
+    """Return the option that leaves a column out, as it is typed."""
+    return f"--ignore {typed(_base(column))}"
+
+
+def as_typed(ours: str, theirs: Sequence[str]) -> str:
+    """Return the options that state the names of a column."""
+    return " ".join(f"--columns {ours}={one}" for one in theirs)
+
+
+def _base(column: ColumnMeaning) -> str:
+    return split_name(column.name).base or column.name
 
 
 def _missing(file: str, name: str, offered: Sequence[str], *, ask: bool) -> str:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from typing import Final
 
 from labrig.session.tables import columns
+from labrig.session.tables.decimals import PI
 
 # Each unit: what it measures, and the power of ten to the SI unit.
 _UNITS: Final = {
@@ -16,8 +18,11 @@ _UNITS: Final = {
     "s": ("time", 0), "ms": ("time", -3), "us": ("time", -6),
     "A": ("current", 0), "mA": ("current", -3), "uA": ("current", -6),
     "1/m": ("curvature", 0), "per_m": ("curvature", 0), "m-1": ("curvature", 0),
-    "1/mm": ("curvature", 3), "deg": ("angle", 0), "\N{DEGREE SIGN}": ("angle", 0),
+    "1/mm": ("curvature", 3), "deg": ("angle", 0), "degrees": ("angle", 0),
+    "\N{DEGREE SIGN}": ("angle", 0), "rad": ("angle", 0), "radians": ("angle", 0),
 }  # fmt: skip
+_RADIANS: Final = ("rad", "radians")  # all other angles are degrees
+POSITION: Final = "position_mm"  # on the arc: an angle times its radius
 _MICRO = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
 _BRACKETS = re.compile(r"(?P<name>.*?)[\s_]*[(\[<{]\s*(?P<unit>[^()\[\]<>{}]*?)\s*[)\]>}]\s*")
 _SLASH = re.compile(r"(?P<name>.*?)\s*/\s*(?P<unit>\S+)")
@@ -26,7 +31,7 @@ _WORD = re.compile(r"(?P<name>.+?)(?:\s+in\s+|[\s_]+)(?P<unit>\S+)")
 # Names that others give to a column, lower case. They are offered, not taken.
 _OTHERS: Final = {
     "configuration": "config sheet sample strip specimen konfiguration probe",
-    "position_mm": "p pos arc place angle ort",
+    "position_mm": "p pos arc place angle ort bogen winkel",
     "voltage_V": "u v volt volts spannung tension u_sheet",
     "reading": "no nr number trial repeat repetition measurement",
     "force_mN": "f load kraft mean mean_force force_mean mittelwert",
@@ -51,6 +56,11 @@ class Unit:
     written: str
     measures: str
     exponent: int
+
+    @property
+    def in_rad(self) -> Decimal:
+        """How many radians a unit of an angle is."""
+        return Decimal(1) if self.written in _RADIANS else PI / 180
 
 
 @dataclass(frozen=True)
@@ -78,6 +88,24 @@ def units_of(column: str) -> list[str]:
     own = own_unit(column)
     measures = own.measures if own else None
     return [text for text, (what, _) in _UNITS.items() if what == measures]
+
+
+def fits(unit: Unit, column: str) -> bool:
+    """Whether values in a unit can be made those of our column; a place on the arc is an angle."""
+    own = own_unit(column)
+    if own is None:
+        return False
+    return unit.measures == own.measures or (column == POSITION and unit.measures == "angle")
+
+
+def angle_factor(unit: Unit | None, column: str, radius_m: float | None) -> Decimal | None:
+    """Return the number that makes our column of an angle; None where it is none, or ours."""
+    own = own_unit(column)
+    if unit is None or own is None or unit.measures != "angle":
+        return None
+    if own.measures == "angle":
+        return unit.in_rad / own.in_rad if unit.in_rad != own.in_rad else None
+    return None if radius_m is None else unit.in_rad * Decimal(repr(radius_m)).scaleb(3)
 
 
 def split_name(name: str) -> SplitName:
@@ -108,15 +136,12 @@ def is_meant(name: SplitName, column: str) -> bool:
         return False
     if own.unit is None:
         return name.unit is None
-    return name.unit is not None and name.unit.measures == own.unit.measures
+    return name.unit is not None and fits(name.unit, column)
 
 
 def may_mean(name: SplitName, column: str) -> bool:
     """Whether a name is one that others give to our column, and its unit fits."""
-    own = split_name(column)
-    if name.unknown or (
-        name.unit and (own.unit is None or name.unit.measures != own.unit.measures)
-    ):
+    if name.unknown or (name.unit and not fits(name.unit, column)):
         return False
     return name.word in words_for(column)
 
