@@ -32,8 +32,25 @@ def check_free(path: Path, *, force: bool = False) -> None:
         raise BadArgumentError(f"{path}: is already there; give force to overwrite it.", "force")
     if not path.parent.is_dir():
         raise BadInputError(f"{path.parent}: there is no such folder.")
-    if not os.access(path if _is_device(path) else path.parent, os.W_OK):
-        raise not_written(path, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
+    _refuse_unwritable(path)
+
+
+def _refuse_unwritable(path: Path) -> None:
+    """Raise what `not_written` returns where a file cannot be made beside one.
+
+    It is tried: what the system says of permissions is not all, of an administrator or a network.
+    """
+    if _is_device(path):
+        if not os.access(path, os.W_OK):
+            raise not_written(path, PermissionError(errno.EACCES, os.strerror(errno.EACCES)))
+        return
+    part = part_of(path)
+    try:
+        part.touch(exist_ok=False)
+    except OSError as error:
+        raise not_written(path, error) from None
+    finally:
+        discard(part)
 
 
 def check_session_name(path: Path) -> None:
@@ -56,6 +73,20 @@ def make_folder(folder: Path) -> None:
         raise BadInputError(f"{folder}: this is a file, a folder is needed.") from None
     except OSError as error:
         raise not_written(folder, error) from None
+
+
+@contextmanager
+def new_folder(folder: Path) -> Iterator[Path]:
+    """Make a folder where there is none, and take it away again if nothing comes into it."""
+    was_there = folder.exists()
+    make_folder(folder)
+    try:
+        yield folder
+    except BaseException:
+        if not was_there:
+            with suppress(OSError):  # something is in it
+                folder.rmdir()
+        raise
 
 
 def typed(path: Path | str) -> str:

@@ -13,7 +13,7 @@ from tomlkit.items import Array, Item, Trivia, Whitespace
 from labrig.config.base import parse_toml, read_text
 from labrig.config.file_kinds import MODEL, refuse_other_kind
 from labrig.errors import BadArgumentError, BadInputError, type_in_words
-from labrig.files import write_text
+from labrig.files import check_free, write_text
 from model import ModelError, SheetModel
 
 _HEADER = (
@@ -58,16 +58,17 @@ def moving_configuration(model: SheetModel, path: Path | str, wanted: str | None
     return wanted or known[0]
 
 
-def save_model(model: SheetModel, path: Path | str) -> None:
+def save_model(model: SheetModel, path: Path | str, *, force: bool = False) -> None:
     """Write a model file (TOML), which `load_model` and the commands read.
 
-    It is written beside its place and renamed, so that a file of that name is replaced whole.
-    Raises LabrigError of one sentence where it cannot be written, its name does not end with
-    .toml, or it is no model.
+    It is written beside its place and renamed, so that with `force` a file of that name is replaced
+    whole. Raises LabrigError of one sentence where a file is there already, unless `force`, where
+    it cannot be written, its name does not end with .toml, or it is no model.
     """
     if not isinstance(model, SheetModel):  # a caller may give anything
         raise no_model(model, "a model")
     check_name(Path(path))
+    check_free(Path(path), force=force)
     write_text(Path(path), model_text(model))
 
 

@@ -81,7 +81,7 @@ def print_fit_in_time(request: DynamicRequest, output: Path | None, *, as_json: 
             elongation_g_per_m=request.elongation_g_per_m, progress=advance,
         )  # fmt: skip
     if output is not None:
-        save_model(found.model, output)
+        save_model(found.model, output, force=True)
     if as_json:
         print_json(found.to_json())
         return

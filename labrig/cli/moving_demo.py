@@ -79,7 +79,7 @@ def fit_and_draw(session: Path, folder: Path) -> None:
     columns = ["run", "force mN", "current mA", "tip mm"]
     title = "Measured less simulated, root mean square, of single samples and frames"
     print_table(title, columns, [_errors(held), _errors(free)])
-    save_model(found.model, folder / "model.toml")
+    save_model(found.model, folder / "model.toml", force=True)
     say(f"wrote {folder / 'model.toml'}")
     for path in save_all(motion_figure(held, free), folder, "motion", DEFAULT_FORMATS):
         say(f"wrote {path}")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
@@ -13,7 +13,7 @@ from labrig.errors import BadArgumentError, LabrigError
 from labrig.exports._files import new_file
 from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
-from labrig.files import make_folder
+from labrig.files import new_folder
 from labrig.session import open_session
 
 DEFAULT: Final = "csv"
@@ -55,7 +55,7 @@ def export(
     with open_session(session):  # a file of another kind leaves no empty folder
         pass
     part = FORMATS.find(format)
-    with _folder(Path(folder)) as target:
+    with new_folder(Path(folder)) as target:
         if part is None or part.distribution == OWN:
             return _written(format, chosen, Path(session), target)
         with _aside(target) as aside:
@@ -121,17 +121,3 @@ def _package(name: str, error: ModuleNotFoundError) -> str:
     if part is None or not part.part.extra:
         return f"{error.name}, which {distribution} does not install; install it"
     return f'{error.name}; install it with: pip install "{distribution}[{part.part.extra}]"'
-
-
-@contextmanager
-def _folder(path: Path) -> Iterator[Path]:
-    """Make a folder where there is none, and take it away again if nothing comes into it."""
-    was_there = path.exists()
-    make_folder(path)
-    try:
-        yield path
-    except BaseException:
-        if not was_there:
-            with suppress(OSError):  # something is in it
-                path.rmdir()
-        raise

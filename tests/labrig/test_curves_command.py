@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import shutil
 from pathlib import Path
@@ -78,6 +79,64 @@ def test_a_picture_gives_one_json_object(
     assert cv2.imread(str(tmp_path / "o.png")) is not None
 
 
+@pytest.mark.parametrize("option", ["-o", "--summary"])
+def test_a_table_that_is_there_is_replaced_only_with_force(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], option: str
+) -> None:
+    table = tmp_path / "mine.csv"
+    table.write_text("precious")
+    asked = ["curves", str(pictures / "sheet0.png"), *arguments(pictures), option, str(table)]
+    assert run(asked) == 2
+    told = capsys.readouterr()
+    assert told.err == f"labrig: {table}: is already there; give --force to overwrite it.\n"
+    assert told.out == ""  # nothing was measured
+    assert table.read_text() == "precious"
+    assert run([*asked, "--force"]) == 0
+    assert table.read_text().startswith("image,")
+
+
+def test_a_comparison_replaces_no_table_either(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    table = tmp_path / "mine.csv"
+    table.write_text("precious")
+    asked = ["curves", str(pictures / "sheet0.png"), *arguments(pictures)]
+    assert run([*asked, "--method", "column_means", "-o", str(table)]) == 2
+    assert "is already there; give --force" in capsys.readouterr().err
+
+
+def test_a_batch_replaces_tables_of_its_own_alone(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    shutil.copy(pictures / "blank.png", tmp_path)
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "curves.csv").write_text("configuration,position_mm,voltage_V,reading,point\n")
+    asked = ["curves", "--batch", str(tmp_path), "-o", str(out), *arguments(pictures)]
+    assert run(asked) == 2
+    assert "curves.csv: this is no table of an earlier batch" in capsys.readouterr().err
+    assert list(out.iterdir()) == [out / "curves.csv"]
+    (out / "curves.csv").unlink()
+    assert run(asked) == run(asked) == 0
+    assert run([*asked, "--force"]) == 2
+    assert "--batch replaces tables of its own alone" in capsys.readouterr().err
+
+
+def test_what_cannot_be_written_is_told_before_an_image_is_measured(
+    pictures: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refused(self: Path, **_: object) -> None:
+        raise OSError(errno.EROFS, "Read-only file system")
+
+    monkeypatch.setattr(Path, "touch", refused)
+    for option, name in (("-o", "c.csv"), ("--summary", "c.csv"), ("--overlay", "o.png")):
+        asked = ["curves", str(pictures / "sheet0.png"), *arguments(pictures)]
+        assert run([*asked, option, str(pictures / name)]) == 2
+        told = capsys.readouterr()
+        assert told.err.endswith(f"{name}: cannot be written (Read-only file system).\n")
+        assert told.out == ""
+
+
 def test_a_batch_writes_a_json_for_each_picture_and_says_which_has_no_curve(
     pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -146,6 +205,73 @@ def test_the_direction_beside_a_ruler_is_used_or_found_in_each_image(
     assert "direction" not in capsys.readouterr().err
     assert load_optics(made).roll_rad == pytest.approx(np.pi / 2)
     assert load_optics(made).clamp_angle_known
+
+
+RULER = ["--ruler-px", "100,200,500,200", "--ruler-mm", "50", "--clamp-px", "80,240"]
+MASK = [[[310, 40], [520, 40], [520, 60]]]
+
+
+def recalibrated(tmp_path: Path, stated: dict[str, object]) -> list[str]:
+    """Calibrate, state more in the file by hand, and return the command that does so again."""
+    cv2.imwrite(str(tmp_path / "ruler.png"), np.full((480, 640), 90, np.uint8))
+    made = tmp_path / "optics.json"
+    again = ["calibrate", "camera", str(tmp_path / "ruler.png"), *RULER, "-o", str(made)]
+    assert run(again) == 0
+    made.write_text(json.dumps(json.loads(made.read_text()) | stated))
+    return again
+
+
+def test_a_new_calibration_takes_over_what_was_stated_by_hand_and_names_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    stated = {"mask_px": MASK, "tip_px": [600, 300], "polarity": "dark", "note": "lens 2"}
+    again = recalibrated(tmp_path, stated)
+    assert run(again) == 0
+    told = capsys.readouterr().out
+    assert "taken over from the one before: polarity, mask_px and tip_px; where the camera" in told
+    assert "not taken over from the one before: note\n" in told
+    found = load_optics(tmp_path / "optics.json")
+    assert (found.polarity, found.tip_px, found.note) == ("dark", (600, 300), None)
+    assert found.mask_px is not None
+
+
+def test_a_calibration_of_images_of_another_size_takes_over_no_pixels(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    again = recalibrated(tmp_path, {"tip_px": [600, 300], "bits": 12, "image_size": [1280, 960]})
+    assert run(again) == 0
+    told = capsys.readouterr().out
+    assert (
+        "taken over from the one before: bits; not taken over from the one before: tip_px" in told
+    )
+    found = load_optics(tmp_path / "optics.json")
+    assert (found.tip_px, found.bits) == (None, 12)
+
+
+def test_a_file_that_cannot_be_read_is_replaced_and_the_reason_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    again = recalibrated(tmp_path, {"masks": 1})
+    assert run(again) == 0
+    assert "nothing is taken over from the one before: " in capsys.readouterr().out
+
+
+def test_labrigs_own_drawings_are_left_out_of_a_list_and_told_once(
+    pictures: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in ("blank.png", "optics.json", "sheet.toml"):
+        shutil.copy(pictures / name, tmp_path)
+    recalibrated(tmp_path, {})
+    drawing = tmp_path / "optics.png"
+    assert drawing.exists()
+    capsys.readouterr()
+    assert run(["curves", str(tmp_path / "blank.png"), str(drawing)]) == 0
+    told = capsys.readouterr()
+    assert told.out.startswith("blank: no curve")
+    assert "optics:" not in told.out
+    assert told.err.count("labrig's own drawings are left out: optics.png.") == 1
+    assert run(["calibrate", "camera", str(drawing), *RULER, "-o", str(tmp_path / "n.json")]) == 2
+    assert "labrig's own drawings show no board" in capsys.readouterr().err
 
 
 def test_the_board_is_a_pdf(tmp_path: Path) -> None:

@@ -262,7 +262,7 @@ def test_a_bad_model_file_is_refused_with_file_and_key(tmp_path, old, new, said)
 
 
 def test_a_model_file_that_cannot_be_written_is_one_sentence(tmp_path):
-    with pytest.raises(BadInputError, match="cannot be written"):
+    with pytest.raises(BadInputError, match="there is no such folder"):
         save_model(truth(), tmp_path / "nowhere" / "model.toml")
 
 

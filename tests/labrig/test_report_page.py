@@ -199,6 +199,15 @@ def test_a_file_where_the_folder_should_be_is_refused(tmp_path):
         write_report(path, tmp_path / "out")
 
 
+def test_a_folder_that_cannot_be_made_is_told_before_the_session_is_analysed(tmp_path):
+    path = session(tmp_path / "made.h5", measure("long"))
+    (tmp_path / "file").write_text("")
+    told = []
+    with pytest.raises(BadInputError, match="cannot be written"):
+        write_report(path, tmp_path / "file" / "out", progress=lambda *_: told.append(1))
+    assert not told
+
+
 def test_what_is_no_session_is_refused_before_anything_is_written(tmp_path):
     (tmp_path / "made.h5").write_text("no")
     with pytest.raises(BadInputError, match="not an HDF5 file"):

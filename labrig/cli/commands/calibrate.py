@@ -96,14 +96,19 @@ def camera(
     """Calibrate the camera with images of a board or a ruler.
 
     It finds scale, axes and lens, and writes optics.json. One that is replaced is kept under its
-    date, with what was stated in it by hand.
+    date; what was stated in it by hand, such as mask_px and tip_px, is taken over and named.
 
     Print the board with `labrig calibrate board`. One image of it, flat in the sheet's plane, is
     enough; three or more fix the lens better.
     """
     from labrig.config.file_kinds import OPTICS, refuse_to_replace
     from labrig.vision import calibrate_camera, calibrate_ruler, read_image
-    from labrig.vision.calibration.drawing import drawing_beside, write_calibration_image
+    from labrig.vision.batch.sources import tell_of_drawings
+    from labrig.vision.calibration.drawing import (
+        drawing_beside,
+        is_drawing,
+        write_calibration_image,
+    )
 
     if (ruler_px is None) != (ruler_mm is None):
         raise BadInputError(
@@ -112,7 +117,10 @@ def camera(
         )
     refuse_to_replace(output, OPTICS)
     drawing = drawing_beside(output)
-    photographs = [read_image(path) for path in images]
+    tell_of_drawings(images)
+    photographs = [read_image(path) for path in images if not is_drawing(path)]
+    if not photographs:
+        raise BadInputError("no photograph was given; labrig's own drawings show no board.")
     clamp = _point(clamp_px, "--clamp-px")
     along = None if along_px is None else _point(along_px, "--along-px")
     if ruler_px is not None and ruler_mm is not None:
@@ -173,7 +181,10 @@ def _numbers(text: str, option: str, count: int) -> list[float]:
 
 
 def _report(found: Calibration, output: Path) -> None:
-    optics = found.optics
+    from labrig.vision.calibration.carried import carried_over
+
+    carried = carried_over(found.optics, output)
+    optics = carried.optics
     say(f"{optics.px_per_mm:.4f} ± {optics.px_per_mm_sigma:.4f} pixels per mm")
     if found.residual_px:
         say(
@@ -186,6 +197,8 @@ def _report(found: Calibration, output: Path) -> None:
     kept = keep_replaced(output, text)
     write_text(output, text)
     say(f"wrote {output}" + (f"; the one before is {kept}" if kept else ""))
+    if carried.told:
+        say(carried.told)
 
 
 _app = typer.Typer(help="Calibrate what measures.", no_args_is_help=True)

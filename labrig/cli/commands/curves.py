@@ -53,6 +53,9 @@ def curves(
     overlay: Annotated[
         Path | None, typer.Option(help="the image with its curves on it (png; one image)")
     ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="overwrite the tables of -o and --summary")
+    ] = False,
     batch: Annotated[
         Path | None, typer.Option(help="every image of this folder; NAME.json for each")
     ] = None,
@@ -100,6 +103,9 @@ def curves(
     TIFF (FILE:PAGE) and each frame of a video (FILE_FRAME, with its time) is an image. With
     NAME.jpg in the same folder NAME.png goes by its whole name.
 
+    A table that is there already is replaced with --force alone, and an overlay that labrig drew is
+    replaced. What cannot be written is told before the first image is measured.
+
     A --batch that was stopped continues with the same command: an image with a result in -o is
     measured again only where its file, optics, sheet, options or labrig have changed. To measure
     all again, give another folder or remove `resume` in it.
@@ -119,7 +125,7 @@ def curves(
     """
     if page is not None:
         others = (sources, optics, sheet, batch, output, summary, overlay, method, strip)
-        ways = (configuration, look, extractor, channel, as_json, every > 1)
+        ways = (configuration, look, extractor, channel, as_json, every > 1, force)
         _refuse_beside_page((*others, *ways, *facts.values()))
         serve_page(page, port, open_it=open_it)
         return
@@ -145,7 +151,8 @@ def curves(
     if strip:
         refuse_for_several_strips(options.facts)
     if method:
-        _compare(sources, method, options, output, extra=(batch, summary, overlay, extractor))
+        extra = (batch, summary, overlay, extractor)
+        _compare(sources, method, options, output, extra, force=force)
         return
     if batch is not None:
         if as_json or overlay is not None:
@@ -153,6 +160,8 @@ def curves(
                 "--batch writes NAME.json and NAME_curve.png for each image into its folder; "
                 "leave --json and --overlay out."
             )
+        if force:
+            raise BadInputError("--batch replaces tables of its own alone; leave --force out.")
         _batch(batch, sources, output, summary, options)
         return
     if not sources:
@@ -160,10 +169,10 @@ def curves(
     if len(sources) == 1 and sources[0].suffix.lower() in SESSION_ENDINGS:
         of_images = (optics, sheet, configuration, look, summary, overlay, strip, channel)
         _refuse_beside_session((*of_images, *facts.values(), every > 1))
-        check_outputs(output)
+        check_outputs(output, force=force)
         session_curves(sources[0], output, name, as_json=as_json)
         return
-    check_outputs(output, summary, overlay)
+    check_outputs(output, summary, overlay, force=force)
     if overlay is not None and (len(sources) > 1 or sources[0].is_dir()):
         raise BadInputError(ONE_IMAGE)
     found, drawing = _of_images(sources, options, overlay, as_json=as_json)
@@ -196,6 +205,8 @@ def _compare(
     options: BatchOptions,
     output: Path | None,
     extra: tuple[object, ...],
+    *,
+    force: bool,
 ) -> None:
     from labrig.cli.curves.methods import compare_methods, list_methods
 
@@ -209,7 +220,7 @@ def _compare(
     elif not sources:
         raise BadInputError("no image was given; give files or a folder to compare on.")
     else:
-        check_outputs(output)
+        check_outputs(output, force=force)
         compare_methods(sources, methods, options, output)
 
 

@@ -108,7 +108,7 @@ def diagnose(
     elif output is not None:
         from labrig.model_file import save_model
 
-        save_model(found.model, output)
+        save_model(found.model, output, force=True)
         written.append(output)
     if report is not None:
         from labrig.report.page.diagnosis import write_diagnosis

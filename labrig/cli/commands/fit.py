@@ -208,7 +208,7 @@ def _save(found: Fit, output: Path, *, varying: bool | None) -> Path:
     from labrig.model_file import save_model
 
     chosen = {None: found.preferred_model, True: found.varying_model, False: found.model}
-    save_model(chosen[varying], output)
+    save_model(chosen[varying], output, force=True)
     warn_of_misses(errors_of(chosen[varying], found.configurations))
     return output
 

@@ -11,12 +11,21 @@ _TABLES = (".csv", ".txt")
 
 
 def check_outputs(
-    output: Path | None, summary: Path | None = None, overlay: Path | None = None
+    output: Path | None,
+    summary: Path | None = None,
+    overlay: Path | None = None,
+    *,
+    force: bool = False,
 ) -> None:
-    """Raise BadInputError, before anything is measured, for what cannot or must not be written."""
-    for path in (output, summary, overlay):
+    """Raise BadInputError, before anything is measured, for what cannot or must not be written.
+
+    `force`: tables that are there already may be overwritten.
+    """
+    for path in (output, summary):
         if path is not None:
-            check_free(path, force=True)
+            check_free(path, force=force or _is_device(path))
+    if overlay is not None:
+        check_free(overlay, force=True)
     for path in (output, summary):
         if path is not None and _is_file(path) and path.suffix.lower() not in _TABLES:
             raise BadInputError(f"{path}: a table is CSV; name it {path.stem}.csv.")
@@ -35,6 +44,10 @@ def _check_overlay(path: Path) -> None:
         raise BadInputError(
             f"{path}: this image would be overwritten; give --overlay another name."
         )
+
+
+def _is_device(path: Path) -> bool:
+    return path.exists() and not _is_file(path) and not path.is_dir()
 
 
 def _is_file(path: Path) -> bool:

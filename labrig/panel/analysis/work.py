@@ -62,7 +62,7 @@ def fit(order: AnalysisOrder, progress: Progress) -> Done:
         raise BadInputError(f"no configuration can be fitted: {why or 'nothing was measured'}.")
     lacking = {name: why.rstrip(".") for name, why in fitted.missing.items()}
     notes += [f"{name}: could not be fitted: {why}." for name, why in lacking.items()]
-    save_model(fitted.fit.preferred_model, output_path(Path(order.session), "model"))
+    save_model(fitted.fit.preferred_model, output_path(Path(order.session), "model"), force=True)
     found = [_parameters(one) for one in fitted.fit.configurations.values()]
     return Done(message=f"{'; '.join(found)}.", files=("model",), notes=notes)
 
@@ -102,7 +102,7 @@ def _diagnosed(
     except LabrigError as error:
         notes.append(f"not kept in the session: {error}")
     if found.searched:
-        save_model(found.model, output_path(session, "completed_model"))
+        save_model(found.model, output_path(session, "completed_model"), force=True)
     notes += data_check_sentences(found)
     text = json.dumps(finite(found.to_json()), indent=2) + "\n"
     write_text(output_path(session, "diagnosis"), text)

@@ -16,6 +16,7 @@ from labrig.files import not_written
 from labrig.panel.errors import MissingError, NotNowError
 from labrig.panel.live.event_stream import Message
 from labrig.vision import Calibration, CalibrationBoard, Optics, calibrate_camera, calibrate_ruler
+from labrig.vision.calibration.carried import carried_over
 from labrig.vision.calibration.corners import find_corners
 
 Point = tuple[float, float]
@@ -85,11 +86,15 @@ class CameraCalibrationRun:
         self.made = replace(made, optics=level)
         return as_message(self.made)
 
-    def accept(self, path: Path) -> str | None:
-        """Write optics.json; the name under which the one before is kept. Raises BadInputError."""
+    def accept(self, path: Path) -> tuple[str | None, str]:
+        """Write optics.json; the name of the one before, and what was taken over from it.
+
+        Raises BadInputError.
+        """
         if self.made is None:
             raise NotNowError("no calibration was made; make one first.")
-        return write_optics(self.made.optics, path)
+        carried = carried_over(self.made.optics, path)
+        return write_optics(carried.optics, path), carried.told
 
 
 def as_message(made: Calibration) -> Message:

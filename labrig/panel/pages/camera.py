@@ -148,9 +148,9 @@ def accept_camera(request: Request, panel: Here) -> Any:
     config = rig_config(panel.rig)
     if config.camera is None:
         raise BadInputError(f"{panel.rig.name}: names no camera; add [camera].")
-    kept = panel.state(CameraCalibrationRun).accept(config.camera.optics)
+    kept, carried = panel.state(CameraCalibrationRun).accept(config.camera.optics)
     panel.log(who, f"accepted a new {config.camera.optics.name}")
-    return {"written": config.camera.optics.name, "kept": kept}
+    return {"written": config.camera.optics.name, "kept": kept, "carried": carried}
 
 
 def _newest(panel: Panel) -> GreyImage:

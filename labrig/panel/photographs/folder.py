@@ -31,7 +31,7 @@ from labrig.vision.image.files import load_strip
 from labrig.vision.image.names import files_in, is_video, whole_file
 from labrig.vision.image.reading import Pixels, labels_in, pictures_in
 from labrig.vision.image.review import PictureDecision, load_review, save_review
-from labrig.vision.image.tables import write_points, write_summary
+from labrig.vision.image.tables import refuse_other_tables, write_points, write_summary
 from labrig.vision.image.unused import unused_corrections
 
 Choice = Literal["accepted", "refused", "none"]
@@ -204,9 +204,11 @@ class PhotographFolder:
             self._measure_changed()
             found = [row for one in self._photographs.values() for row in one.rows()]
         output = self.folder / RESULTS
+        points, summary = output / "curves.csv", output / "summary.csv"
+        refuse_other_tables(points, summary)
         output.mkdir(exist_ok=True)
-        write_points(output / "curves.csv", found)
-        write_summary(output / "summary.csv", found)
+        write_points(points, found)
+        write_summary(summary, found)
         return [f"{RESULTS}/curves.csv", f"{RESULTS}/summary.csv"]
 
     def _take_in_new(self) -> None:

@@ -6,14 +6,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from labrig.errors import BadInputError
-from labrig.files import make_folder
+from labrig.files import new_folder
 from labrig.progress import Progress, silent
-from labrig.report.data.findings import gather
+from labrig.report.data.findings import Findings, gather
 from labrig.report.page.page import render, write_page
 from labrig.report.page.sections import report_content
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.style import DEFAULT_FORMATS
 from labrig.report.sections.interface import ordered
+from labrig.session import open_session
 
 
 def _named(figures: Path, folder: Path) -> str:
@@ -47,8 +48,22 @@ def write_report(
     for one in (folder, figures):
         if one.exists() and not one.is_dir():
             raise BadInputError(f"{one}: this is a file, a folder is needed.")
-    found = gather(session, progress, tell, processes=processes)
-    make_folder(folder)
+    open_session(session).close()  # what is no session leaves no folder
+    with new_folder(folder):  # at once: what goes into it may take minutes
+        found = gather(session, progress, tell, processes=processes)
+        _write(found, folder, figures, formats, figures_named, progress, tell)
+    return folder / "index.html"
+
+
+def _write(
+    found: Findings,
+    folder: Path,
+    figures: Path,
+    formats: Sequence[str],
+    figures_named: str,
+    progress: Progress,
+    tell: Callable[[str], None],
+) -> None:
     with found.session:
         content = report_content(found, FigureFolder(figures, formats), ordered(), progress)
         for text in content.left_out:
@@ -56,4 +71,3 @@ def write_report(
         named = figures_named or _named(figures, folder)
         files = f"{named} as {' and '.join(one.upper() for one in formats)}"
         write_page(render(found, content, files), folder / "index.html")
-    return folder / "index.html"

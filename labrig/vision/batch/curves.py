@@ -18,6 +18,7 @@ from labrig.vision.batch.sources import (
     refuse_common_faults,
     refuse_long_names,
     refuse_twins,
+    tell_of_drawings,
     tell_of_subfolders,
     tell_of_unused_corrections,
 )
@@ -41,7 +42,12 @@ from labrig.vision.image.names import (
 from labrig.vision.image.overlay import write_overlay
 from labrig.vision.image.reading import Pixels, pictures_in
 from labrig.vision.image.review import PictureDecision, load_review
-from labrig.vision.image.tables import LabelledCurve, write_points, write_summary
+from labrig.vision.image.tables import (
+    LabelledCurve,
+    refuse_other_tables,
+    write_points,
+    write_summary,
+)
 from labrig.vision.tracking.tracker import Tracker
 
 Progress = Callable[[str, NeutralCurve], None]
@@ -87,6 +93,8 @@ def extract_curves(
     error.
     """
     options = options or BatchOptions()
+    points, summary = output / "curves.csv", output / "summary.csv"
+    refuse_other_tables(points, summary)
     kept = KeptCurves(output)
     found = curves_of(sources, options, kept)
     if options.overlays:
@@ -112,8 +120,8 @@ def extract_curves(
             if progress is not None:
                 progress(label.name, curve)
     finally:  # also where the batch is stopped: what was measured is kept
-        write_points(output / "curves.csv", result.found)
-        write_summary(output / "summary.csv", result.found)
+        write_points(points, result.found)
+        write_summary(summary, result.found)
     return result
 
 
@@ -127,6 +135,7 @@ def curves_of(
     serves several is at fault.
     """
     files = list(files_of(sources))
+    tell_of_drawings(sources)
     if not files:
         raise BadInputError(
             "no image or video was found; give files or a folder with "

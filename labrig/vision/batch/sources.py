@@ -10,6 +10,7 @@ from pathlib import Path
 from labrig.errors import BadInputError, LabrigWarning, warn_caller
 from labrig.vision.batch.known import measures_length, optics_of
 from labrig.vision.batch.options import BatchOptions
+from labrig.vision.calibration.drawing import is_drawing
 from labrig.vision.calibration.optics import listed
 from labrig.vision.image.beside import OPTICS_FILE, SHEET_FILE, beside, missing, own_file
 from labrig.vision.image.files import load_strip
@@ -21,20 +22,36 @@ from labrig.vision.image.names import (
 )
 from labrig.vision.image.unused import unused_corrections
 
+_MOST_NAMES = 3  # that a sentence lists
 _LONGEST_NAME = 255  # bytes, of the usual disks
 ADDED_BESIDE = len(".mjpeg.optics.json")  # to the stem of an image
 ADDED_IN_RESULTS = len("_curve.png.4194304-99999.part")
 
 
 def files_of(sources: Sequence[Path]) -> Iterator[Path]:
-    """Yield all images and films of files and folders. Raises BadInputError."""
+    """Yield all images and films of files and folders, without labrig's own drawings.
+
+    Raises BadInputError.
+    """
     for source in sources:
         if source.is_dir():
             yield from files_in(source, videos=True)
-        elif source.exists():
-            yield source
-        else:
+        elif not source.exists():
             raise BadInputError(f"{source}: there is no such file or folder.")
+        elif not is_drawing(source):
+            yield source
+
+
+def tell_of_drawings(sources: Sequence[Path]) -> None:
+    """Warn of labrig's own drawings among files, such as those of a shell's *.png."""
+    drawn = [source.name for source in sources if source.is_file() and is_drawing(source)]
+    if drawn:
+        more = f" and {len(drawn) - _MOST_NAMES} more" if len(drawn) > _MOST_NAMES else ""
+        warn_caller(
+            LabrigWarning(
+                f"labrig's own drawings are left out: {', '.join(drawn[:_MOST_NAMES])}{more}."
+            )
+        )
 
 
 def tell_of_subfolders(sources: Sequence[Path]) -> None:

@@ -10,12 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
+from labrig.errors import BadInputError
 from labrig.files import write_bytes
 from labrig.vision.curve import NeutralCurve
 from labrig.vision.image.names import PictureLabel
 
 LabelledCurve = tuple[PictureLabel, NeutralCurve]
 Cells = dict[str, str]
+_FIRST_BYTES, _TELLING = 200, 2  # of a table, and the columns that tell whose it is
 
 COLUMNS = ("image", "point", "s_mm", "x_mm", "y_mm", "curvature_per_m", "sigma_mm",
            "curvature_sigma_per_m", "state", "frame", "time_s", "reason", "strip")  # fmt: skip
@@ -33,6 +35,19 @@ def write_points(path: Path, curves: Iterable[LabelledCurve]) -> None:
 def write_summary(path: Path, curves: Iterable[LabelledCurve]) -> None:
     """Write a line for each picture: tip, mean curvature, length, or why there is no curve."""
     _write(path, SUMMARY_COLUMNS, (_summary(label, curve) for label, curve in curves))
+
+
+def refuse_other_tables(points: Path, summary: Path) -> None:
+    """Raise BadInputError where one of these would be written over a table of something else."""
+    for path, columns in ((points, COLUMNS), (summary, SUMMARY_COLUMNS)):
+        if path.is_file():
+            with path.open("rb") as file:
+                first = file.read(_FIRST_BYTES)
+            if not first.startswith(",".join(columns[:_TELLING]).encode()):
+                raise BadInputError(
+                    f"{path}: this is no table of an earlier batch, and would be overwritten; give "
+                    "another folder."
+                )
 
 
 def tip_angle_rad(curve: NeutralCurve) -> float:

@@ -38,7 +38,7 @@ def folder(fitted, tmp_path):
 
 
 def write(model, path, when):
-    save_model(model, path)
+    save_model(model, path, force=True)
     os.utime(path, (when, when))
 
 
@@ -52,7 +52,7 @@ def shown(folder):
 def test_a_model_file_states_the_errors_of_each_configuration(fitted, tmp_path):
     found = fitted[1]
     for model, kind in ((found.model, "constant"), (found.varying_model, "varying")):
-        save_model(model, tmp_path / "m.toml")
+        save_model(model, tmp_path / "m.toml", force=True)
         assert load_model(tmp_path / "m.toml").own_merit == model.own_merit
         fits = read_fits(tmp_path / "m.toml").fits
         for name, one in found.configurations.items():

@@ -164,6 +164,9 @@ def test_camera_clamp_scale_and_arc_are_set_by_clicks(page, rig_folder):
     job = page.do("/api/camera", do="start")
     page.until(lambda _: bool(page.pictures))
     optics = Optics.from_json((rig_folder / "optics.json").read_text())
+    mask = {"mask_px": [[[310, 40], [520, 40], [520, 60]]]}
+    optics = Optics.from_json(json.dumps(json.loads(optics.to_json()) | mask))
+    (rig_folder / "optics.json").write_text(optics.to_json())
     status, answer = page.ask("POST", "/api/camera/view", {"board": {"columns": 12, "rows": 9}})
     assert (status, "corners" in answer["error"]) == (400, True)  # the sheet is no board
     made = page.do(
@@ -181,7 +184,10 @@ def test_camera_clamp_scale_and_arc_are_set_by_clicks(page, rig_folder):
     assert arc["radius_mm"] == pytest.approx(40.0)
     assert arc["origin_deg"] == pytest.approx(0.0)
     answer = page.do("/api/camera/accept")
-    assert Optics.from_json((rig_folder / "optics.json").read_text()).method == "ruler"
+    new = Optics.from_json((rig_folder / "optics.json").read_text())
+    assert (new.method, new.mask_px) == ("ruler", optics.mask_px)
+    assert answer["carried"].startswith("taken over from the one before: ")
+    assert "mask_px" in answer["carried"]
     assert Optics.from_json((rig_folder / answer["kept"]).read_text()) == optics
     status, answer = page.ask(
         "POST", "/api/camera/refine", {"what": "corner", "px": [5, 5], "reach_px": 12}

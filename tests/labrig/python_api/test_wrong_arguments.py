@@ -16,6 +16,7 @@ from labrig.errors import BadInputError
 from model import Prediction, PredictionArray
 from model.discrepancy import Next
 from tests.labrig.report_data import measure
+from tests.labrig.wrong_inputs.files import truth
 
 NUMBERS = {"free_length_mm": 50, "width_mm": 11, "thickness_mm": 0.21}
 PAIR = "a number, or a pair (s in mm, k0 in 1/m) of equally long rows is needed"
@@ -269,6 +270,16 @@ def test_a_protocol_that_is_there_already_names_the_argument(tmp_path):
     (tmp_path / "next.toml").touch()
     said = said_by(lambda: found.save(tmp_path / "next.toml"))
     assert said.endswith("next.toml: is already there; give force to overwrite it.")
+
+
+def test_a_model_file_is_replaced_only_where_the_caller_says_so(tmp_path):
+    path = tmp_path / "keep.toml"
+    path.write_text("precious")
+    said = said_by(lambda: labrig.save_model(truth(), path))
+    assert said.endswith("keep.toml: is already there; give force to overwrite it.")
+    assert path.read_text() == "precious"
+    labrig.save_model(truth(), path, force=True)
+    assert labrig.load_model(path).sheets
 
 
 # -- what is of another kind

@@ -280,8 +280,8 @@ class Camera {
   }
 
   async write() {
-    const { written, kept } = await post("/api/camera/accept", {});
-    this.accepted = `\u2713 ${written} is written${kept ? `; the old one is kept as ${kept}` : ""}.`;
+    const { written, kept, carried } = await post("/api/camera/accept", {});
+    this.accepted = `\u2713 ${written} is written${kept ? `; the old one is kept as ${kept}` : ""}${carried ? `; ${carried}` : ""}.`;
   }
 
   marks() {
