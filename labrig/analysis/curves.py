@@ -183,8 +183,9 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     by_reading, failed = _frame_by_frame(job, run, near)
     if failed:
         reading, why = next(iter(failed.items()))
+        frames = f"{len(failed)} frame{'' if len(failed) == 1 else 's'}"
         warnings.append(
-            f"{label}: no curve in {len(failed)} frames, as in that of {reading}: {why}"
+            f"{label}: no curve in {frames}, as in that of reading {reading + 1}: {why}"
         )
     single = [by_reading[reading] for reading in job.in_mean if reading in by_reading]
     if len(single) > 1:

@@ -223,7 +223,13 @@ class SheetModel(Displayed):
     @staticmethod
     def from_dict(data: object) -> SheetModel:
         """From the tables of a model file; errors name the key."""
-        if not isinstance(data, dict) or data.get("labrig_model") not in (FORMAT, WITH_FORMS):
+        version = data.get("labrig_model") if isinstance(data, dict) else None
+        if type(version) is int and version > WITH_FORMS:
+            raise ModelError(
+                f"the model file has format {version} and this labrig reads formats {FORMAT} and "
+                f"{WITH_FORMS}; use a newer labrig"
+            )
+        if not isinstance(data, dict) or version not in (FORMAT, WITH_FORMS):
             raise ModelError(
                 f"this is not a model file of format {FORMAT} or {WITH_FORMS} (key labrig_model)"
             )

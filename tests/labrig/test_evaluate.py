@@ -241,7 +241,13 @@ def test_a_model_file_holds_its_parameters_to_the_last_bit(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("labrig_model = 1", "labrig_model = 7", "not a model file of format 1"),
+        (
+            "labrig_model = 1",
+            "labrig_model = 7",
+            "has format 7 and this labrig reads formats 1 and",
+        ),
+        ("labrig_model = 1", "labrig_model = 0", "not a model file of format 1"),
+        ("labrig_model = 1", 'labrig_model = "7"', "not a model file of format 1"),
         ("width_mm = 11.0", "width_mm = -1.0", "configurations.long.geometry.width_mm"),
         (
             "[configurations.long.B_Nm2]\nvalue",

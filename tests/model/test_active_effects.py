@@ -398,7 +398,7 @@ def test_a_file_says_the_version_that_it_needs_and_the_older_one_is_read(truth: 
         assert data["labrig_model"] == version
         assert SheetModel.from_dict(data).effects == model.effects
     assert "form" not in old.to_dict()["effects"][0]
-    with pytest.raises(ModelError, match="format 1 or 2"):
+    with pytest.raises(ModelError, match="has format 3 and this labrig reads formats 1 and 2"):
         SheetModel.from_dict({**new.to_dict(), "labrig_model": 3})
 
 

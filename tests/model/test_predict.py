@@ -127,7 +127,7 @@ def test_an_effect_unknown_to_this_version_is_refused(truth: SheetModel):
 @pytest.mark.parametrize(
     ("path", "value", "text"),
     [
-        (("labrig_model",), 7, "not a model file"),
+        (("labrig_model",), 7, "the model file has format 7 .* use a newer labrig"),
         (("configurations", "long", "B_Nm2", "value"), -1.0, "must be positive"),
         (("configurations", "long", "B_Nm2", "value"), "many", "finite number is wanted"),
         (("configurations", "long", "B_Nm2", "sigma"), float("nan"), "finite number is wanted"),

@@ -360,7 +360,7 @@ def _bridged(
 def _blamed(verdict: Verdict) -> Verdict:
     """Return the refusal with the wire named first, as its probable cause."""
     message = (
-        "search failed: a wire, or something else that is straight, lies along the best path; take "
-        f"it away, or mask it (--mask). Without it: {verdict.why}"
+        "search failed: something straight, such as a wire or a shadow, lies along the best path; "
+        f"take it away, or mask it (--mask). Without it: {verdict.why}"
     )
     return replace(verdict, why=message)

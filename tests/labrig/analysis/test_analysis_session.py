@@ -258,6 +258,8 @@ def test_frames_without_a_sheet_are_reported_once_for_each_condition(tmp_path):
         found = measure(session)
     assert all(c.curve is None for c in found.conditions)
     assert len([text for text in found.warnings if "no curve in the mean image" in text]) == 3
+    # counted from 1, as labrig show and labrig mark do
+    assert any("no curve in 2 frames, as in that of reading 1: " in text for text in found.warnings)
     assert found.warnings[0].startswith("No image of the session shows a curve")
 
 

@@ -152,7 +152,7 @@ def test_what_begins_at_the_clamp_may_be_the_sheet_though_it_reaches_the_border(
 @pytest.mark.parametrize(
     ("seed", "sheet", "said"),
     [
-        (1_500_139, True, "a wire, or something else that is straight"),
+        (1_500_139, True, "something straight, such as a wire or a shadow, lies along"),
         *(
             pytest.param(seed, False, said, marks=pytest.mark.thorough)
             for seed, said in (
@@ -185,7 +185,7 @@ def test_a_lead_from_the_jaw_to_the_border_is_no_face_of_the_sheet_it_runs_with(
     curve = neutral_curve(scene.image, *known(scene))
     assert curve.ok, curve.why
     assert scenes.rmse_px(curve.points_px, scene.truth_px) < 0.3
-    assert any("a wire lies along" in said for said in curve.warnings)
+    assert any("such as a wire or a shadow lies along" in said for said in curve.warnings)
 
 
 @pytest.mark.slow

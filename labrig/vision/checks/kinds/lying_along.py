@@ -27,8 +27,8 @@ CHECK = LyingAlong(
     name="lying_along",
     looks_at="the uncertainty of the curve without the cells beside which something lies",
     refusal="check of the width failed: something lies along the sheet and cannot be separated "
-    "from it, such as a wire; take it away, or mask it (--mask).",
-    warning="something lies along the sheet, such as a wire; it was left out there",
+    "from it, such as a wire or a shadow; take it away, or mask it (--mask).",
+    warning="something such as a wire or a shadow lies along the sheet; it was left out there",
     stage=CheckStage.UNCERTAINTY,
     order=310,
 )

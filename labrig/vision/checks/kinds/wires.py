@@ -31,7 +31,8 @@ class Wires(CurveCheck):
 CHECK = Wires(
     name="wires",
     looks_at="the share of the curve on wires whose pixels were left out",
-    warning="a wire lies along {share:.0%} of the sheet, or crosses it; it was left out there",
+    warning="something such as a wire or a shadow lies along {share:.0%} of the sheet, or crosses "
+    "it; it was left out there",
     stage=CheckStage.CHOSEN,
     order=260,
 )
