@@ -13,7 +13,7 @@ from pathlib import Path
 from subprocess import list2cmdline
 from zipfile import ZIP_DEFLATED, ZipFile
 
-from labrig.errors import BadArgumentError, BadInputError, LabrigError
+from labrig.errors import BadArgumentError, BadInputError, LabrigError, type_in_words
 
 SESSION_ENDINGS = (".h5", ".hdf5", ".nxs")
 # A path that cannot be written at all; other errors are the disk's.
@@ -22,6 +22,17 @@ _WRONG_PATH = frozenset(
      errno.EEXIST, errno.ENAMETOOLONG, errno.EINVAL}
 )  # fmt: skip
 _PARTS = count()
+
+
+def path_of(path: str | os.PathLike[str]) -> Path:
+    """Return a path that was given as text, as a path or as an open session.
+
+    Raises BadInputError for anything else: a caller in Python may give anything.
+    """
+    try:
+        return Path(os.fspath(path))
+    except TypeError:
+        raise BadInputError(f"a file is needed, not {type_in_words(path)}.") from None
 
 
 def check_free(path: Path, *, force: bool = False) -> None:

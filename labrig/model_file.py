@@ -13,7 +13,7 @@ from tomlkit.items import Array, Item, Trivia, Whitespace
 from labrig.config.base import parse_toml, read_text
 from labrig.config.file_kinds import MODEL, refuse_other_kind
 from labrig.errors import BadArgumentError, BadInputError, type_in_words
-from labrig.files import check_free, write_text
+from labrig.files import check_free, path_of, write_text
 from model import ModelError, SheetModel
 
 _HEADER = (
@@ -28,7 +28,7 @@ def load_model(path: Path | str) -> SheetModel:
 
     Raises BadInputError of one sentence that names file and key.
     """
-    path = Path(path)
+    path = path_of(path)
     text = read_text(path, MODEL)
     refuse_other_kind(text, str(path), MODEL)
     data = parse_toml(text, str(path))
@@ -67,9 +67,10 @@ def save_model(model: SheetModel, path: Path | str, *, force: bool = False) -> N
     """
     if not isinstance(model, SheetModel):  # a caller may give anything
         raise no_model(model, "a model")
-    check_name(Path(path))
-    check_free(Path(path), force=force)
-    write_text(Path(path), model_text(model))
+    path = path_of(path)
+    check_name(path)
+    check_free(path, force=force)
+    write_text(path, model_text(model))
 
 
 def no_model(value: object, wanted: str) -> BadInputError:

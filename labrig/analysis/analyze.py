@@ -18,6 +18,7 @@ from labrig.analysis.wetting import wetting_warnings
 from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
+from labrig.files import path_of
 from labrig.progress import Progress
 from labrig.session import RecordedSession, open_session, store_measurements
 from labrig.session.supplements.store import check_can_be_added_to
@@ -41,7 +42,7 @@ def analyze(
     with the curve extractor of that name.
     Raises BadInputError when the session holds nothing that can be measured.
     """
-    path = Path(path)
+    path = path_of(path)
     with open_session(path) as session:
         check_can_be_added_to(path)
         measurements = measure(session, progress, workers=workers, extractor=extractor)

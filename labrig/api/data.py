@@ -14,6 +14,7 @@ from labrig.errors import (
     type_in_words,
     warn_caller,
 )
+from labrig.files import path_of
 from labrig.progress import Progress, silent
 from model.measurements import Measurements
 
@@ -30,14 +31,6 @@ def tell(text: str, *arguments: str) -> None:
     arguments: those of a function that the text names; the command line names its options.
     """
     warn_caller(ArgumentWarning(text, *arguments) if arguments else LabrigWarning(text))
-
-
-def path_of(path: AnyPath) -> Path:
-    """Return a path that was given as text, as a path or as an open session."""
-    try:
-        return Path(os.fspath(path))
-    except TypeError:
-        raise BadInputError(f"a file is needed, not {type_in_words(path)}.") from None
 
 
 def tell_of_stiffness(measurements: Measurements, stated_Nm2: float | None) -> None:

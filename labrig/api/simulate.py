@@ -11,9 +11,10 @@ import numpy as np
 import numpy.typing as npt
 
 from labrig.api.arguments import number, numbers, several, whole_number
-from labrig.api.data import AnyPath, model_of, name_of, path_of, tell
+from labrig.api.data import AnyPath, model_of, name_of, tell
 from labrig.api.eibm import Eibm, model_with_eibm, voltages_of
 from labrig.errors import BadArgumentError
+from labrig.files import path_of
 from labrig.one_blas_thread import one_blas_thread
 from model import Prediction, PredictionArray, SheetModel
 from model import predict as predict_one

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from labrig.api.arguments import several, texts
-from labrig.api.data import AnyPath, Data, measurements_of, path_of, paths_of, tell
+from labrig.api.data import AnyPath, Data, measurements_of, paths_of, tell
 from labrig.errors import BadArgumentError, BadInputError
+from labrig.files import path_of
 from labrig.progress import Progress
 from model.measurements import Measurements
 

@@ -13,7 +13,7 @@ from labrig.errors import BadArgumentError, LabrigError
 from labrig.exports._files import new_file
 from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
-from labrig.files import new_folder
+from labrig.files import new_folder, path_of
 from labrig.session import open_session
 
 DEFAULT: Final = "csv"
@@ -52,14 +52,15 @@ def export(
         chosen = FORMATS.get(format)
     except UnknownPartError as error:
         raise BadArgumentError(f"format: {error}.", "format") from None
+    session, folder = path_of(session), path_of(folder)
     with open_session(session):  # a file of another kind leaves no empty folder
         pass
     part = FORMATS.find(format)
-    with new_folder(Path(folder)) as target:
+    with new_folder(folder) as target:
         if part is None or part.distribution == OWN:
-            return _written(format, chosen, Path(session), target)
+            return _written(format, chosen, session, target)
         with _aside(target) as aside:
-            return _moved(_written(format, chosen, Path(session), aside), aside, target)
+            return _moved(_written(format, chosen, session, aside), aside, target)
 
 
 def _written(name: str, chosen: ExportFormat, session: Path, folder: Path) -> list[Path]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from labrig.errors import BadInputError
-from labrig.files import typed
+from labrig.files import path_of, typed
 from labrig.session.derived.arrays import (
     COLUMNS,
     UNITS,
@@ -55,7 +55,7 @@ def load_measurements(path: Path | str) -> Measurements:
     A recorded session that was not analysed yet has none: call `labrig.analyze` first. `labrig.fit`
     and `labrig.diagnose` do so by themselves. Raises BadInputError of one sentence.
     """
-    path = Path(path)
+    path = path_of(path)
     with open_file(path) as file:
         if layout.DERIVED not in file:
             raise BadInputError(
@@ -81,7 +81,7 @@ def load_measurements(path: Path | str) -> Measurements:
 
 def stored_curve_extractor(path: Path) -> str:
     """Return what made the curves of the kept measurements; "" for the built-in extractor."""
-    path = Path(path)
+    path = path_of(path)
     with open_file(path) as file:
         group = file.get(layout.DERIVED)
         return "" if group is None else text_attribute(group, "curve_extractor")
@@ -89,7 +89,7 @@ def stored_curve_extractor(path: Path) -> str:
 
 def drop_measurements(path: Path) -> None:
     """Remove the measurements kept in a session; without any, nothing happens."""
-    path = Path(path)
+    path = path_of(path)
     with open_file(path) as file:
         if layout.DERIVED not in file:
             return

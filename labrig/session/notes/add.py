@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from labrig.errors import BadInputError, LabrigError
+from labrig.files import path_of
 from labrig.session.notes.note import NAME_CHARACTERS_MAX, Note
 from labrig.session.notes.stored import add_to_file
 from labrig.session.notes.waiting import WaitingNotes, open_waiting
@@ -27,7 +28,7 @@ def add_note(path: Path | str, note: Note | str) -> bool:
     It is on the disk on return: in the file (True), or beside it (False) until the session is
     closed or recovered, or the disk takes a copy of it. Raises BadInputError, LabrigError.
     """
-    path = Path(path)
+    path = path_of(path)
     if not isinstance(note, Note):
         if not isinstance(note, str):  # a caller may give anything
             raise BadInputError(f"A note is a text or a labrig.Note, not {note!r}.")
@@ -62,7 +63,7 @@ def add_waiting(path: Path) -> int:
     Raises BadInputError when the session is not closed, LabrigError when the disk takes no more;
     then all of it still waits, and is shown with the session.
     """
-    path = Path(path)
+    path = path_of(path)
     with open_waiting(path) as waiting:
         if waiting is None:
             return 0

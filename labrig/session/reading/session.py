@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 from labrig.config.about import About, recorded_about
 from labrig.config.derived import SIMULATED
 from labrig.errors import BadInputError
+from labrig.files import path_of
 from labrig.session.format import layout
 from labrig.session.format.checksums import SUPPLEMENT_SUM
 from labrig.session.format.devices import REPLAY_OF, boards_in_words
@@ -375,7 +376,7 @@ def open_session(path: Path | str, *, live: bool = False) -> RecordedSession:
     Raises BadInputError, in a sentence, for whatever is no whole session of this format. A session
     that is still being written opens with `live=True`, showing what was flushed by now.
     """
-    path = Path(path)
+    path = path_of(path)
     file = open_file(path, live=live)
     try:
         session = RecordedSession(file, path)

@@ -20,6 +20,7 @@ from pydantic import Field, model_validator
 from labrig.config.base import parse_json, read_text, validate
 from labrig.config.file_kinds import OPTICS, refuse_other_kind
 from labrig.errors import BadInputError
+from labrig.files import path_of
 from labrig.vision.calibration.lens import distort, undistort
 from labrig.vision.facts.catalogue import strip_facts
 from labrig.vision.facts.contract import FactOf
@@ -325,4 +326,5 @@ def project(homography: FloatArray, points: FloatArray) -> FloatArray:
 
 def load_optics(path: Path | str) -> Optics:
     """Return the optics that an optics.json states. Raises BadInputError."""
-    return Optics.from_json(read_text(Path(path), OPTICS), str(path))
+    path = path_of(path)
+    return Optics.from_json(read_text(path, OPTICS), str(path))

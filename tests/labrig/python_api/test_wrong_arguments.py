@@ -285,6 +285,15 @@ def test_a_model_file_is_replaced_only_where_the_caller_says_so(tmp_path):
 # -- what is of another kind
 
 
+@pytest.mark.parametrize(
+    "function",
+    ["open_session", "load_model", "load_optics", "read_image", "load_measurements", "analyze"],
+)
+@pytest.mark.parametrize(("given", "said"), [(None, "None"), (3, "an int"), (b"x", "a bytes")])
+def test_what_is_no_file_is_told(function, given, said):
+    assert said_by(lambda: getattr(labrig, function)(given)) == f"a file is needed, not {said}."
+
+
 def test_what_is_no_model_is_told_before_a_file_is_written(tmp_path):
     fitted = labrig.fit(measure("long"))
     said = said_by(lambda: labrig.save_model(fitted, tmp_path / "m.toml"))
