@@ -161,7 +161,7 @@ def test_what_the_model_cannot_do_is_a_sentence(recorded, model_file, tmp_path):
         (motion,) = {str(a.motion["why"]) for a in followed(recorded, path, recorded[2][:100])}
         assert words in motion
         assert "Traceback" not in motion
-    save_model(model(names=("short",)), still)
+    save_model(model(names=("short",)), still, force=True)
     whys = {a.motion["why"] for a in followed(recorded, str(still))}
     assert any("long" in why and why.endswith("goes on with the next run.") for why in whys)
 
