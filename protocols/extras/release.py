@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from protocols.extras.contract import Extra, ExtraRun, largest_V, voltages_or_own
+from protocols.kinds.bounds import require_no_0_V
 from protocols.kinds.contract import ProtocolKind
 from protocols.kinds.fields import duration
 from protocols.planning.builder import Builder, StepsAndReadings
@@ -29,6 +30,10 @@ class Release(Extra):
     rest_s: float = duration(3.0, "at 0 V, before the voltage", may_be_0=True)
     hold_s: float = duration(0.6, "under voltage")
     swing_s: float = duration(1.5, "at 0 V, after the voltage")
+
+    def check(self) -> None:
+        """Raise ScheduleError for a release from 0 V."""
+        require_no_0_V(self.voltages_V, "no release")
 
     def runs(
         self,

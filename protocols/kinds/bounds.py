@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import Field, fields
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -26,6 +26,25 @@ def require_bounds(protocol: Any) -> None:
     for field in fields(protocol):
         for fault in _faults(field, hints[field.name], getattr(protocol, field.name)):
             raise ScheduleError(fault)
+
+
+def require_no_0_V(voltages_V: Sequence[float], is_no: str) -> None:
+    """Raise ScheduleError where one of these voltages is 0, saying what 0 V is not: "no pulse"."""
+    if 0 in voltages_V:
+        entry = voltages_V.index(0)
+        comma = decimal_comma(voltages_V, entry)
+        raise ScheduleError(
+            f"entry {entry + 1} of voltages_V is 0 V, which is {is_no}; leave it out{comma}"
+        )
+
+
+def decimal_comma(voltages_V: Sequence[float], entry: int) -> str:
+    """Return a hint where this entry may be the decimals of the one before: 2,0 in place of 2.0."""
+    all_whole = all(voltage_V == int(voltage_V) for voltage_V in voltages_V)
+    before_V, decimals = voltages_V[entry - 1], voltages_V[entry]
+    if not all_whole or entry % 2 == 0 or decimals < 0:
+        return ""
+    return f", or write {before_V:g}.{decimals:g} if {before_V:g},{decimals:g} is one number"
 
 
 def _faults(field: Field[Any], hint: Any, value: Any) -> Iterator[str]:

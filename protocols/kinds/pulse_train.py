@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields
 from typing import ClassVar
 
 from protocols.errors import ScheduleError
+from protocols.kinds.bounds import decimal_comma, require_no_0_V
 from protocols.kinds.contract import ProtocolKind
 from protocols.kinds.fields import count, duration, voltages
 from protocols.planning.builder import StepsAndReadings, require_window
@@ -33,15 +34,18 @@ class PulseTrain(ProtocolKind):
     rest_s: float = duration(0.0, "at 0 V between two pulses", may_be_0=True)
 
     def check(self) -> None:
-        """Raise ScheduleError unless the window lies in the pulse and each pulse has an edge."""
+        """Raise ScheduleError unless each pulse has an edge and a voltage that tells it apart."""
         require_window(self.sample_at_s, self.half_window_s, self.pulse_s, "pulse_s")
-        following = self.voltages_V[1:] + self.voltages_V[:1]
-        for voltage_V, after_V in zip(self.voltages_V, following, strict=True):
-            if self.rest_s == 0 and voltage_V == after_V:
-                raise ScheduleError(
-                    f"{voltage_V:g} V follows {voltage_V:g} V without an edge between "
-                    "them; set rest_s or change voltages_V"
-                )
+        require_no_0_V(self.voltages_V, "no pulse")
+        for entry, voltage_V in enumerate(self.voltages_V):
+            if voltage_V in self.voltages_V[:entry]:
+                comma = decimal_comma(self.voltages_V, entry)
+                raise ScheduleError(f"voltages_V has {voltage_V:g} V twice; state it once{comma}")
+        if len(self.voltages_V) == 1 and self.rest_s == 0:
+            raise ScheduleError(
+                f"{self.voltages_V[0]:g} V follows itself without an edge between the pulses; "
+                "set rest_s or change voltages_V"
+            )
 
     def pulses(self) -> Pulses:
         """Return its own pulses."""

@@ -12,6 +12,7 @@ import pytest
 from labrig.config import PROTOCOLS
 from labrig.testing import protocol_faults
 from protocols import ProtocolKind, ReadingKind, ScheduleError
+from protocols.extras.release import Release
 from protocols.kinds.conformance import faults
 from protocols.kinds.fields import duration, voltage
 from protocols.kinds.hold import Hold
@@ -72,7 +73,12 @@ def test_a_hold_begins_relaxed_and_alternates():
         (lambda: PulseTrain(voltages_V=()), "voltages_V has 0 entries; must be at least 1"),
         (lambda: PulseTrain(voltages_V=(2.0, math.nan)), "not a finite number"),
         (lambda: PulseTrain(voltages_V=(2.0,)), "without an edge"),
-        (lambda: PulseTrain(voltages_V=(2.0, 1.0, 2.0)), "without an edge"),
+        (
+            lambda: PulseTrain(voltages_V=(2.0, 1.5, 2.0), rest_s=0.6),
+            "has 2 V twice; state it once",
+        ),
+        (lambda: PulseTrain(voltages_V=(2.0, 0.0, -1.5)), "entry 2 of voltages_V is 0 V"),
+        (lambda: Release(voltages_V=(2.0, 0.0)), "write 2.0 if 2,0 is one number"),
         (
             lambda: PulseTrain(voltages_V=(31.0, -2.0)),
             "an entry of voltages_V = 31 must be at most",
@@ -102,6 +108,26 @@ def test_nonsense_is_refused_with_one_sentence_that_names_the_key(make, says):
         make()
     assert says in str(refused.value)
     assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("voltages_V", "says"),
+    [
+        ((2.0, 0.0, -2.0, 0.0), "write 2.0 if 2,0 is one number"),
+        ((1.0, 5.0, -1.0, 5.0), "write -1.5 if -1,5 is one number"),
+    ],
+)
+def test_a_decimal_comma_among_the_voltages_of_pulses_is_pointed_out(voltages_V, says):
+    with pytest.raises(ScheduleError) as refused:
+        PulseTrain(voltages_V=voltages_V)
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize("voltages_V", [(2.5, -2.0, 0.0), (2.0, -2.0, 2.0, -2.0), (0.0, 2.0)])
+def test_what_is_no_decimal_comma_has_no_hint_at_one(voltages_V):
+    with pytest.raises(ScheduleError) as refused:
+        PulseTrain(voltages_V=voltages_V)
+    assert "one number" not in str(refused.value)
 
 
 @pytest.mark.parametrize("name", sorted(PROTOCOLS.parts()))

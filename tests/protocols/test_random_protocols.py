@@ -39,7 +39,7 @@ def pulse_trains(draw):
     pulse_s = draw(st.floats(0.2, 1.5))
     half_window_s = draw(st.floats(0.01, pulse_s / 4))
     return {
-        "voltages_V": tuple(draw(st.lists(volts, min_size=1, max_size=4))),
+        "voltages_V": tuple(draw(st.lists(volts, min_size=1, max_size=4, unique=True))),
         "zero_readings": draw(counts),
         "pulses_discarded": draw(counts),
         "readings_per_voltage": draw(st.integers(1, 3)),

@@ -83,6 +83,8 @@ WRONG = {
     ("protocol.toml", "", "voltages_V = [2.0, -2.0]"): [
         ("[20.0, -20.0]", "beyond the limit of ±2.5 V"),
         ("[2.0]", "without an edge"),
+        ("[2,0, -2,0]", "write 2.0 if 2,0 is one number"),
+        ("[2.0, -2.0, 2.0]", "has 2 V twice; state it once"),
     ],
     ("protocol.toml", "[pulse_train] readings_per_voltage", "readings_per_voltage = 10"): [
         ("1.5", WHOLE),
