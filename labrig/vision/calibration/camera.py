@@ -20,7 +20,7 @@ from labrig.errors import BadInputError
 from labrig.vision.calibration.board import CalibrationBoard
 from labrig.vision.calibration.corners import find_corners
 from labrig.vision.calibration.lens import distort, undistort
-from labrig.vision.calibration.optics import Optics, project
+from labrig.vision.calibration.optics import Optics, outside, project
 from labrig.vision.facts.values import Point
 from labrig.vision.thresholds import (
     CALIBRATION_RESIDUAL_MAX_PX,
@@ -168,11 +168,9 @@ def _check_clamp(clamp_px: Point, along_px: Point | None, size: tuple[int, int])
 
 
 def _inside(place: Point, name: str, size: tuple[int, int]) -> None:
-    if not (-0.5 <= place[0] < size[0] - 0.5 and -0.5 <= place[1] < size[1] - 0.5):
-        raise BadInputError(
-            f"{name} ({place[0]:g}, {place[1]:g}) is outside of the image of {size[0]} x "
-            f"{size[1]} pixels; give its column and row, counted from the upper left."
-        )
+    found = outside(place, name, size)
+    if found:
+        raise BadInputError(f"{found}.")
 
 
 def _common_size(images: Sequence[npt.NDArray[Any]]) -> tuple[int, int]:

@@ -141,6 +141,14 @@ class Optics(StatesFacts):
             raise ValueError(f"with several strips, each states its own {listed(names)}")
         return self
 
+    @model_validator(mode="after")
+    def _clamps_are_in_the_image(self) -> Self:
+        for place in (self, *(self.strips or {}).values()):
+            found = outside(place.clamp_px, "clamp_px", self.image_size)
+            if found:
+                raise ValueError(found)
+        return self
+
     @classmethod
     def from_json(cls, text: str, name: str = "optics.json") -> Self:
         """Return the text of an optics.json; `name` is the file's name for the errors."""
@@ -311,6 +319,16 @@ class Optics(StatesFacts):
     def _rotation(self) -> FloatArray:
         c, s = math.cos(self.roll_rad), math.sin(self.roll_rad)
         return np.array([[c, -s], [s, c]])
+
+
+def outside(place: Point, name: str, size: tuple[int, int] | None) -> str:
+    """Return what is wrong with a pixel that lies outside of an image of this size; mostly ""."""
+    if size is None or all(-0.5 <= at < end - 0.5 for at, end in zip(place, size, strict=True)):
+        return ""
+    return (
+        f"{name} ({place[0]:g}, {place[1]:g}) is outside of the image of {size[0]} x {size[1]} "
+        "pixels; give its column and row, counted from the upper left"
+    )
 
 
 def listed(names: list[str]) -> str:

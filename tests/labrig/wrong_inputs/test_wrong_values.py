@@ -176,6 +176,7 @@ WRONG = {
         ("0.007", "at least 40 pixels"),
     ],
     ("optics.json", "clamp_px", '"clamp_px": [60.4, 327.5]'): [
+        ("[327.5, 6000.4]", "is outside of the image of 640 x 480 pixels"),
         ("[60.4]", "lacks value 2"),
         ("5", LIST),
     ],
