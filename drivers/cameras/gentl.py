@@ -55,7 +55,8 @@ class GentlSettings(CameraSettings):
     producer: str = field(
         default="",
         metadata={
-            "description": f"the vendor's .cti file; by default all in the folders of {_PLACES}"
+            "description": f"the vendor's .cti file; by default all in the folders of {_PLACES}",
+            "path": True,
         },
     )
 

@@ -15,6 +15,7 @@ from drivers.identity import says_simulated
 from drivers.interfaces import DeviceIdentity
 
 _VIDEO_DEVICE = re.compile(r"/dev/video(\d+)")
+_PREFIX = re.compile(r"\w{2,}:")  # of an address or a kind of camera; a drive has one letter
 _V4L = Path("/sys/class/video4linux")
 _ANSWER_S = 0.4  # to connect, and to answer
 _SHOWN = 80  # characters of a server's name
@@ -31,6 +32,11 @@ def is_file(source: int | str) -> bool:
         return isinstance(source, str) and stat.S_ISREG(os.stat(source).st_mode)
     except (OSError, ValueError):  # a pipeline or a URL is no path
         return False
+
+
+def may_be_path(source: str) -> bool:
+    """Whether a source names a file or device: no address, pipeline of GStreamer, or number."""
+    return not (_PREFIX.match(source) or "!" in source or source.isdecimal())
 
 
 def identity_of_source(source: int | str, capture: Any, v4l: Path = _V4L) -> DeviceIdentity:

@@ -8,7 +8,8 @@ set, and in each field's `metadata` what is allowed:
 
 Known keys: ge, gt, le, lt, min_length, max_length, pattern, multiple_of (bounds; those of numbers
 hold for each item of a tuple under "items": {...}), description, unit, check (a function that
-raises ValueError with what the value must be), formerly (an older name of the key).
+raises ValueError with what the value must be), formerly (an older name of the key), path (True, or
+a function that tells whether a value is one: a relative path is taken from the file's folder).
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import typing
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
@@ -84,6 +86,18 @@ class SettingsModel(ClosedModel):
         """Return the dataclass that the part is made from."""
         names = [field.name for field in dataclasses.fields(self.settings_type) if field.init]
         return self.settings_type(**{name: _plain(getattr(self, name)) for name in names})
+
+    def with_paths_from(self, folder: Path) -> typing.Self:
+        """Return the same with the paths among its keys taken from a folder."""
+        update: dict[str, object] = {}
+        for field in dataclasses.fields(self.settings_type):
+            value, path = getattr(self, field.name, None), field.metadata.get("path")
+            if isinstance(value, str | Path) and path and value not in ("", SIMULATED):
+                with raising_value_errors():
+                    is_path = not callable(path) or path(value)
+                if is_path:
+                    update[field.name] = type(value)(folder / value)
+        return self.model_copy(update=update)
 
 
 Base = typing.TypeVar("Base", bound=SettingsModel)

@@ -6,7 +6,7 @@ import datetime as dt
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Self, cast
+from typing import Annotated, Any, ClassVar, Self, TypeVar, cast
 
 from pydantic import AfterValidator, Field, ValidationError, create_model, model_validator
 from pydantic_core import InitErrorDetails, PydanticCustomError
@@ -18,7 +18,7 @@ from drivers.interfaces import FREE, HARDWARE
 from drivers.watch.wire import PORT as WATCH_PORT
 from labrig.config.base import ClosedModel, parse_toml, read_text, validate
 from labrig.config.channels import Channels, require_distinct
-from labrig.config.derived import SIMULATED, raising_value_errors
+from labrig.config.derived import SIMULATED, SettingsModel, raising_value_errors
 from labrig.config.file_kinds import RIG, refuse_other_kind
 from labrig.config.hooks import HooksConfig
 from labrig.config.parts import (
@@ -309,7 +309,7 @@ def load_output(path: Path) -> OutputConfig | ReplayConfig:
         return validate(ReplayConfig, data, str(path))
     kept = {name: table for name, table in data.items() if name not in NOT_THE_OUTPUT}
     kept["load_cell"] = {"calibration": "load_cell.toml"}  # required, and not read
-    return validate(_model_for(kept), kept, str(path))
+    return _with_device_paths(validate(_model_for(kept), kept, str(path)), path.parent)
 
 
 def load_rig(path: Path) -> RigConfig | ReplayConfig:
@@ -322,6 +322,7 @@ def load_rig(path: Path) -> RigConfig | ReplayConfig:
 
 def with_paths_from(rig: RigConfig, folder: Path) -> RigConfig:
     """Return the configuration with its paths taken from a folder."""
+    rig = _with_device_paths(rig, folder)
     update: dict[str, object] = {
         "load_cell": rig.load_cell.model_copy(
             update={"calibration": folder / rig.load_cell.calibration}
@@ -338,3 +339,15 @@ def with_paths_from(rig: RigConfig, folder: Path) -> RigConfig:
             update={"world": folder / rig.simulated.world}
         )
     return rig.model_copy(update=update)
+
+
+AnyRig = TypeVar("AnyRig", bound=OutputConfig)
+
+
+def _with_device_paths(rig: AnyRig, folder: Path) -> AnyRig:
+    """Return the configuration with the paths that its devices' settings name taken from there."""
+    tables = {name: getattr(rig, name) for name in type(rig).model_fields}
+    devices = {name: table for name, table in tables.items() if isinstance(table, SettingsModel)}
+    return rig.model_copy(
+        update={name: table.with_paths_from(folder) for name, table in devices.items()}
+    )

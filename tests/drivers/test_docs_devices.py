@@ -70,6 +70,16 @@ def test_the_camera_keeps_the_contract():
     assert camera_faults(camera, clock) == []
 
 
+def test_the_camera_keeps_its_rate_whatever_is_done_between_two_images():
+    kind, clock = shown("CAMERA"), VirtualClock()
+    capture = kind.make(kind.settings(source="bar:"), clock, 25.0)._factory("bar:")
+    began_s = clock.now()
+    for _ in range(50):
+        clock.sleep_until(clock.now() + 0.015)  # as long as the work takes
+        capture.grab()
+    assert clock.now() - began_s == pytest.approx(2.0)
+
+
 def test_the_positioner_keeps_the_contract():
     kind, place_mm = shown("POSITIONER"), [0.0]
 

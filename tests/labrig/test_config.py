@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from labrig.config import (
     parse_sheet,
 )
 from labrig.config.base import parse_toml
+from labrig.config.derived import model_of
 from labrig.config.schema import schemas
 from labrig.config.templates import template_text, write_templates
 from labrig.errors import BadInputError
@@ -69,6 +71,54 @@ def test_paths_are_taken_from_the_folder_of_rig_toml(tmp_path: Path) -> None:
     rig = load_rig(tmp_path / "rig.toml")
     assert isinstance(rig, RigConfig)
     assert rig.load_cell.calibration == tmp_path / "load_cell.toml"
+
+
+@pytest.mark.parametrize("source", ["v.avi", "films/%03d.png"])
+def test_a_recording_for_the_camera_is_taken_from_the_folder_of_rig_toml(
+    tmp_path: Path, source: str
+) -> None:
+    assert source_read(tmp_path, json.dumps(source)) == str(tmp_path / source)
+
+
+@pytest.mark.parametrize(
+    "source",
+    ["/dev/video0", "rtsp://192.0.2.1/a", "iidc:1", "unknown:cam", "a ! appsink", "0", "simulated"],
+)
+def test_a_camera_that_is_no_file_of_that_folder_stays_as_it_is_written(
+    tmp_path: Path, source: str
+) -> None:
+    assert source_read(tmp_path, json.dumps(source)) == source
+    assert source_read(tmp_path, "0") == 0
+
+
+def source_read(folder: Path, source: str) -> int | str:
+    text = f'{RIG}[camera]\nsource = {source}\noptics = "optics.json"\n'
+    (folder / "rig.toml").write_text(text)
+    rig = load_rig(folder / "rig.toml")
+    assert isinstance(rig, RigConfig)
+    assert rig.camera is not None
+    return rig.camera.source
+
+
+@dataclass(frozen=True, kw_only=True)
+class Images:
+    """Files of a device of one's own."""
+
+    folder: str = field(default="", metadata={"path": True})
+    other: Path | None = field(default=None, metadata={"path": True})
+    named: str = field(default="x", metadata={"path": lambda value: value.endswith(".png")})
+
+
+def test_settings_of_a_device_that_are_paths_are_taken_from_the_folder_of_rig_toml() -> None:
+    def read(**keys: object) -> object:
+        return model_of(Images)(**keys).with_paths_from(Path("rig")).settings()
+
+    assert read() == Images()
+    assert read(folder="../pngs", other="a", named="b.png") == Images(
+        folder=str(Path("rig/../pngs")), other=Path("rig/a"), named=str(Path("rig/b.png"))
+    )
+    absolute = str(Path("/tmp").absolute())
+    assert read(folder=absolute) == Images(folder=absolute)
 
 
 def test_a_replay_rig_names_only_the_session(tmp_path: Path) -> None:

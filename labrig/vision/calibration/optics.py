@@ -143,8 +143,9 @@ class Optics(StatesFacts):
 
     @model_validator(mode="after")
     def _clamps_are_in_the_image(self) -> Self:
-        for place in (self, *(self.strips or {}).values()):
-            found = outside(place.clamp_px, "clamp_px", self.image_size)
+        clamps = (place.clamp_px for place in (self.strips or {}).values())
+        for clamp_px in (self.clamp_px, *clamps):
+            found = outside(clamp_px, "clamp_px", self.image_size)
             if found:
                 raise ValueError(found)
         return self
