@@ -6,6 +6,32 @@ import dataclasses
 import inspect
 from collections.abc import Iterator, Mapping, Sequence
 
+# What the models of tables (labrig.config.derived) have beside the settings, as pydantic's
+# `model_...`, and the table's own key `kind`.
+OF_A_TABLE = frozenset(
+    {
+        "construct",
+        "copy",
+        "dict",
+        "former_names",
+        "from_orm",
+        "json",
+        "keys",
+        "kind",
+        "parse_file",
+        "parse_obj",
+        "parse_raw",
+        "schema",
+        "schema_json",
+        "settings",
+        "settings_type",
+        "suggestion",
+        "update_forward_refs",
+        "validate",
+        "with_paths_from",
+    }
+)
+
 
 def call_fault(name: str, function: object, arguments: Sequence[str]) -> str:
     """Return why a function cannot be called with these arguments by position; empty: it can."""
@@ -56,5 +82,16 @@ def kind_faults(
     if missing:
         yield f"its settings have no field {', '.join(missing)}"
     for name, field in fields.items():
-        if name not in needed and not field.metadata.get("description"):
+        if name in OF_A_TABLE or name.startswith(("_", "model_")) or _is_method(settings, name):
+            yield f"its setting {name} has a name that every table uses itself; choose another"
+        elif name not in needed and not field.metadata.get("description"):
             yield f'its setting {name} has no metadata "description"'
+
+
+def _is_method(settings: type, name: str) -> bool:
+    """Whether a base of the settings has a method or property of this name."""
+    return any(
+        callable(found) or isinstance(found, property)
+        for base in settings.__mro__[1:]
+        if (found := vars(base).get(name)) is not None
+    )

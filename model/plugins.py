@@ -64,6 +64,8 @@ class PluginFolder(Generic[T]):
     group: str  # "labrig.cameras"
     # what is wrong with a part, a sentence each; runs on other people's parts when they are loaded
     faults: Callable[[object], list[str]]
+    # what no two parts may share beside the name, such as "the prefix 'iidc:'"; empty: nothing
+    claim: Callable[[T], str] = lambda _: ""
 
     def parts(self) -> dict[str, Part[T]]:
         """Return all parts by name: our own in the order of their names, then other people's."""
@@ -84,6 +86,10 @@ class PluginFolder(Generic[T]):
     def find(self, name: str) -> Part[T] | None:
         """Return the part of this name, as `get` does; None where there is none."""
         return cast("Part[T] | None", _found_one(self, name, tuple(sys.path)))
+
+    def own(self) -> dict[str, Part[T]]:
+        """Return our own parts by name; no other distribution's code runs."""
+        return cast("dict[str, Part[T]]", _own(cast("PluginFolder[object]", self)))
 
     def origins(self) -> dict[str, str]:
         """Return "distribution version" of each part that is not our own."""
@@ -138,14 +144,21 @@ def _choice(name: str, known: list[str]) -> str:
 def _found(folder: PluginFolder[object], path: tuple[str, ...]) -> dict[str, Part[object]]:
     """Return the parts as seen from these places; what is installed there is read once."""
     parts = _own(folder)
+    claimed = {folder.claim(part.part): name for name, part in parts.items()}
     for entry in _entries(path).get(folder.group, ()):
         if entry.name in parts:
             article = "an" if folder.what[0] in "aeiou" else "a"
             _leave_out(folder, entry, f"there is {article} {folder.what} of that name already")
             continue
         part = _loaded(folder, entry, path)
-        if part is not None:
-            parts[entry.name] = part
+        if part is None:
+            continue
+        claim = folder.claim(part.part)
+        if claim and claim in claimed:
+            _leave_out(folder, entry, f"{claim} is that of the {folder.what} '{claimed[claim]}'")
+            continue
+        claimed[claim] = entry.name
+        parts[entry.name] = part
     return parts
 
 

@@ -76,6 +76,14 @@ def test_a_part_that_cannot_be_used_is_left_out_with_a_sentence(numbers, point, 
     sys.modules.pop("bad_numbers", None)
 
 
+def test_of_two_parts_that_claim_the_same_the_first_is_kept_and_the_other_named(numbers):
+    install(numbers, "same_numbers", "also_one = same_numbers:ONE", "ONE = 1\n")
+    of_numbers = replace(folder(), claim=lambda part: f"its value {part}")
+    with pytest.warns(PluginWarning, match="left out: its value 1 is that of the number 'one'"):
+        assert list(of_numbers.parts()) == ["one"]
+    sys.modules.pop("same_numbers", None)
+
+
 @pytest.mark.parametrize(
     ("faults", "said"),
     [

@@ -7,6 +7,7 @@ a kind by the constant `CAMERA`. `drivers.interfaces.Camera` says what a camera 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -26,6 +27,9 @@ from drivers.kinds import kind_faults
 from drivers.plugins import PluginFolder
 
 FALLBACK = "opencv"  # the kind that opens a source which no other kind answers to
+ADDRESSES = frozenset(
+    {"file:", "ftp:", "http:", "https:", "rtmp:", "rtp:", "rtsp:", "tcp:", "udp:"}
+)
 ALL_SETTINGS = frozenset(
     {"exposure_s", "gain", "pixel_format", "region", "frame_rate_hz", "trigger"}
 )
@@ -160,7 +164,23 @@ def faults(part: object) -> list[str]:
         found.append(f'its sets are {part.sets!r}, not names such as frozenset({{"gain"}})')  # type: ignore[unreachable]
     elif not part.sets <= ALL_SETTINGS:
         found.append(f"it sets {', '.join(sorted(part.sets - ALL_SETTINGS))}, which is no setting")
-    return found
+    return found + _prefix_faults(part)
+
+
+def _prefix_faults(part: CameraKind) -> list[str]:
+    prefix: object = part.prefix  # other people's may be anything
+    if prefix == "":
+        return []
+    if not (isinstance(prefix, str) and re.fullmatch(r"[A-Za-z][\w+.-]+:", prefix)):
+        return [f'its prefix is {prefix!r} where a word and a colon are needed, such as "iidc:"']
+    if prefix in ADDRESSES:
+        return [f"its prefix {prefix} is that of addresses, which OpenCV opens"]
+    owners = [
+        name
+        for name, other in CAMERAS.own().items()
+        if other.part.prefix == prefix and name != part.kind
+    ]
+    return [f"its prefix {prefix} is that of the camera {name}" for name in owners]
 
 
 CAMERAS: PluginFolder[CameraKind] = PluginFolder(
@@ -169,6 +189,7 @@ CAMERAS: PluginFolder[CameraKind] = PluginFolder(
     constant="CAMERA",
     group="labrig.cameras",
     faults=faults,
+    claim=lambda part: f"its prefix {part.prefix}" if part.prefix else "",
 )
 
 

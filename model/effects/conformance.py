@@ -64,6 +64,7 @@ def faults_of_form(effect: Effect) -> list[str]:
     return [
         *_faults_of_words(effect),
         *(fault for one in effect.parameters for fault in _faults_of_parameter(one)),
+        *(fault for one in effect.parameters[:1] for fault in _faults_of_amplitude(one)),
     ]
 
 
@@ -130,6 +131,16 @@ def _faults_of_parameter(parameter: EffectParameter) -> Iterator[str]:
         yield f"{parameter.name}: its lower bound must be positive, as its logarithm is refined"
     if parameter.prior_scale == parameter.neutral and not parameter.starting_values:
         yield f"{parameter.name}: its plausible value is the neutral one"
+
+
+def _faults_of_amplitude(amplitude: EffectParameter) -> Iterator[str]:
+    """Yield a scale of the wrong sign; a shape is one of several values, and may have any."""
+    scale = amplitude.prior_scale
+    if isinstance(scale, int | float) and scale < 0.0 < amplitude.high:
+        yield (
+            f"{amplitude.name}: its prior_scale {scale:g} must be above 0, as it is the width of"
+            " its prior; expected_sign says which sign it has"
+        )
 
 
 # -------------------------------------------------------------------------------------- behaviour

@@ -23,7 +23,7 @@ def faults(extra: object) -> list[str]:
     """
     if not (isinstance(extra, type) and issubclass(extra, Extra)):
         return ["it is no subclass of protocols.extras.contract.Extra"]
-    found = list(declared_faults(extra, "runs"))
+    found = list(declared_faults(extra, Extra, "runs"))
     if found:
         return found
     try:

@@ -19,6 +19,30 @@ from protocols.planning.limits import structure_faults
 from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind
 
 _TYPES = (float, int, bool, str)
+# What the models of tables (labrig.config.derived) have beside the fields, as pydantic's
+# `model_...`.
+OF_A_TABLE = frozenset(
+    {
+        "construct",
+        "copy",
+        "dict",
+        "former_names",
+        "from_orm",
+        "json",
+        "keys",
+        "parse_file",
+        "parse_obj",
+        "parse_raw",
+        "schema",
+        "schema_json",
+        "settings",
+        "settings_type",
+        "suggestion",
+        "update_forward_refs",
+        "validate",
+        "with_paths_from",
+    }
+)
 _MAX_FAULTS = 5  # that are worth reporting at once
 _BEYOND = {"gt": 0.0, "ge": -1.0, "lt": 0.0, "le": 1.0}  # added to a bound, is out of bounds
 
@@ -31,7 +55,7 @@ def faults(kind: object) -> list[str]:
     """
     if not (isinstance(kind, type) and issubclass(kind, ProtocolKind)):
         return ["it is no subclass of protocols.kinds.contract.ProtocolKind"]
-    found = list(declared_faults(kind, "steps_and_readings"))
+    found = list(declared_faults(kind, ProtocolKind, "steps_and_readings"))
     if found:
         return found
     try:
@@ -42,12 +66,12 @@ def faults(kind: object) -> list[str]:
     return found or list(accepted_out_of_bounds(protocol))
 
 
-def declared_faults(kind: type[Any], method: str) -> Iterator[str]:
+def declared_faults(kind: type[Any], contract: type, method: str) -> Iterator[str]:
     """Yield what is wrong with how a class and its fields are declared, the first few faults.
 
-    `method` is what its contract leaves to it.
+    `method` is what its contract, the class that it derives from, leaves to it.
     """
-    found = list(_class_faults(kind, method)) or _field_faults(kind)
+    found = list(_class_faults(kind, method)) or _field_faults(kind, contract)
     yield from islice(found, _MAX_FAULTS)
 
 
@@ -59,7 +83,8 @@ def _class_faults(kind: type[Any], method: str) -> Iterator[str]:
         yield "it is no dataclass"
     elif parameters is None or not parameters.frozen:
         yield "its dataclass is not frozen"
-    if not re.fullmatch(r"[a-z][a-z0-9_]*", getattr(kind, "name", "")):
+    name: object = getattr(kind, "name", "")
+    if not (isinstance(name, str) and re.fullmatch(r"[a-z][a-z0-9_]*", name)):
         yield "its `name` is not made of small letters, digits and _"
     if not inspect.cleandoc(kind.__doc__ or "") or (kind.__doc__ or "").startswith(
         f"{kind.__name__}("
@@ -67,9 +92,12 @@ def _class_faults(kind: type[Any], method: str) -> Iterator[str]:
         yield "it has no docstring"
 
 
-def _field_faults(kind: type[Any]) -> Iterator[str]:
+def _field_faults(kind: type[Any], contract: type) -> Iterator[str]:
     hints = get_type_hints(kind)
     for field in fields(kind):
+        if owner := _owner(field.name, contract):
+            yield f"its field {field.name} has a name that {owner} uses itself; choose another"
+            continue
         hint = hints[field.name]
         if hint not in _TYPES and hint != tuple[float, ...]:
             yield f"{field.name} is neither float, int, bool, str nor tuple[float, ...]"
@@ -78,6 +106,13 @@ def _field_faults(kind: type[Any]) -> Iterator[str]:
         if not field.metadata.get("description"):
             yield f"{field.name} has no description"
         yield from _missing_bounds(field, hint)
+
+
+def _owner(name: str, contract: type) -> str:
+    """Return who uses an attribute of this name itself; empty: a field may have it."""
+    if name == "name" or hasattr(contract, name):
+        return contract.__name__
+    return "every table" if name in OF_A_TABLE or name.startswith(("_", "model_")) else ""
 
 
 def _missing_bounds(field: Field[Any], hint: Any) -> Iterator[str]:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import field, make_dataclass, replace
 
 import pytest
 
 from drivers.cameras import CAMERAS
-from drivers.cameras.contract import CameraKind
+from drivers.cameras.contract import CameraKind, CameraSettings
 from drivers.cameras.contract import faults as camera_faults
-from drivers.kinds import call_fault
+from drivers.kinds import OF_A_TABLE, call_fault
+from labrig.config.parts import PartConfig
+from protocols.kinds import conformance
 
 
 @pytest.mark.parametrize(
@@ -41,3 +43,38 @@ def test_a_kind_of_camera_whose_make_takes_too_little_is_refused_when_it_is_load
 def test_a_kind_of_camera_whose_sets_are_no_set_is_told_so() -> None:
     kind = replace(CAMERAS.get("opencv"), sets="gain")  # type: ignore[arg-type]
     assert camera_faults(kind) == ["its sets are 'gain', not names such as frozenset({\"gain\"})"]
+
+
+@pytest.mark.parametrize("name", ["settings", "kind", "acquisition", "model_dump"])
+def test_a_setting_that_takes_the_place_of_what_every_table_has_is_named(name: str) -> None:
+    own = (name, int, field(default=1, metadata={"description": "x"}))
+    settings = make_dataclass("Own", [own], bases=(CameraSettings,), frozen=True, kw_only=True)
+    kind = replace(CAMERAS.get("opencv"), settings=settings)
+    assert camera_faults(kind) == [
+        f"its setting {name} has a name that every table uses itself; choose another"
+    ]
+
+
+def test_no_field_may_have_a_name_that_the_model_of_a_table_has() -> None:
+    public = {name for name in dir(PartConfig) if not name.startswith(("_", "model_"))}
+    assert public | {"settings_type", "kind"} == OF_A_TABLE
+    assert OF_A_TABLE - {"kind"} == conformance.OF_A_TABLE
+
+
+@pytest.mark.parametrize(
+    ("prefix", "said"),
+    [
+        ("gentl:", "its prefix gentl: is that of the camera gentl"),
+        ("http:", "its prefix http: is that of addresses, which OpenCV opens"),
+        ("http", "its prefix is 'http' where a word and a colon are needed, such as \"iidc:\""),
+        ("c:", "its prefix is 'c:' where a word and a colon are needed, such as \"iidc:\""),
+        (None, 'its prefix is None where a word and a colon are needed, such as "iidc:"'),
+    ],
+)
+def test_a_prefix_that_is_not_a_cameras_own_is_refused(prefix: str, said: str) -> None:
+    kind = replace(CAMERAS.get("opencv"), kind="mine", prefix=prefix)
+    assert camera_faults(kind) == [said]
+
+
+def test_our_own_cameras_have_their_prefixes() -> None:
+    assert [camera_faults(part.part) for part in CAMERAS.own().values()] == [[]] * 4

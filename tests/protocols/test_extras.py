@@ -81,6 +81,9 @@ def test_a_faulty_extra_is_told_what_is_wrong():
     assert faults(InMilliseconds) == []  # the loader takes it: a rig may allow it
     (said,) = extra_faults(InMilliseconds)
     assert said.endswith("is 600 s under voltage: are its times in ms, not in s?")
+    members = {"__annotations__": {"by_default": "bool"}, "by_default": True, "__doc__": "x"}
+    shadowing = dataclass(frozen=True, kw_only=True)(type("Shadowing", (Release,), members))
+    assert faults(shadowing)[0].startswith("its field by_default has a name that Extra uses")
     assert faults(int) == ["it is no subclass of protocols.extras.contract.Extra"]
 
 

@@ -14,7 +14,7 @@ from labrig.testing import protocol_faults
 from protocols import ProtocolKind, ReadingKind, ScheduleError
 from protocols.extras.release import Release
 from protocols.kinds.conformance import faults
-from protocols.kinds.fields import duration, voltage
+from protocols.kinds.fields import count, duration, voltage
 from protocols.kinds.hold import Hold
 from protocols.kinds.pulse_train import PulseTrain
 from protocols.kinds.staircase import Staircase
@@ -207,6 +207,11 @@ def other_kind(**members):
     )
 
 
+def with_field(name):
+    members = {name: count(3, "of something", at_least=1)}
+    return other_kind(__annotations__={name: "int"}, **members)
+
+
 @pytest.mark.parametrize(
     ("kind", "says"),
     [
@@ -237,6 +242,10 @@ def other_kind(**members):
             ),
             "more has no lower or no upper bound",
         ),
+        (with_field("pulses"), "its field pulses has a name that ProtocolKind uses itself"),
+        (with_field("at_voltages"), "its field at_voltages has a name that ProtocolKind"),
+        (with_field("name"), "its `name` is not made of small letters"),
+        (with_field("settings"), "its field settings has a name that every table uses itself"),
         (other_kind(__post_init__=lambda _: None), "accepts voltage_V = -31"),
         (other_kind(check=lambda _: (_ for _ in ()).throw(ScheduleError("x"))), "are refused: x"),
         (

@@ -203,6 +203,10 @@ def test_a_good_effect_of_somebody_else_conforms():
             "lower bound must be positive",
         ),
         (
+            {"parameters": (EffectParameter(name="a", meaning="", unit="", prior_scale=-10.0),)},
+            "a: its prior_scale -10 must be above 0",
+        ),
+        (
             {"parameters": (EffectParameter(name="a", meaning="", unit="", prior_scale=0.0),)},
             "plausible value is the neutral one",
         ),
