@@ -9,8 +9,9 @@ from pathlib import Path
 import pytest
 
 from labrig.cli.main import run
-from labrig.config import load_rig
+from labrig.config import PROTOCOLS, load_rig
 from labrig.config.templates.settings_text import settings_text
+from labrig.session.tables.drive_table import load_protocol
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,6 +98,36 @@ def test_a_simulated_rig_may_have_any_stage_and_meter_that_are_simulated(tmp_pat
     rig = load_rig(tmp_path / "rig" / "rig.toml")
     assert (rig.stage.kind, rig.stage.port) == ("zaber", "simulated")
     assert (rig.force_sensor.kind, rig.force_sensor.port) == ("dpm3", "simulated")
+
+
+@pytest.mark.parametrize("kind", sorted(PROTOCOLS.parts()))
+def test_any_kind_of_protocol_is_written_from_its_fields_and_read_again(
+    tmp_path: Path, kind: str
+) -> None:
+    assert run(["init", str(tmp_path / "rig"), "--simulated", "--protocol", kind]) == 0
+    path = tmp_path / "rig" / "protocol.toml"
+    text = path.read_text(encoding="utf-8")
+    assert text.count("[pulse_train]") == (kind == "pulse_train")
+    made = load_protocol(path)
+    assert made.protocol() == PROTOCOLS.get(kind)()
+    assert len(made.schedule("protocol.toml").runs) == 14
+
+
+def test_keys_of_a_protocol_have_their_units_and_meanings_as_comments(tmp_path: Path) -> None:
+    run(["init", str(tmp_path / "rig"), "--protocol", "staircase"])
+    lines = (tmp_path / "rig" / "protocol.toml").read_text(encoding="utf-8").splitlines()
+    assert lines[0].startswith("# What is done at each position. A sweep over voltages, each held")
+    assert any(line.endswith("] # of the stairs, in their order, in V") for line in lines)
+    assert "dwell_s = 1.0                      # on each stair, in s" in lines
+
+
+def test_an_unknown_kind_of_protocol_is_answered_with_those_there_are(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["init", str(tmp_path / "rig"), "--protocol", "stairs"]) == 2
+    said = " ".join(capsys.readouterr().err.split())
+    assert "--protocol stairs: there is no protocol 'stairs'; choose one of: " in said
+    assert not (tmp_path / "rig").exists()
 
 
 def test_an_unknown_stage_is_answered_with_those_there_are(

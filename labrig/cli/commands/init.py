@@ -31,11 +31,14 @@ def init(
             "--force-sensor", help="the kind of force sensor, such as load_cell (at the boards)"
         ),
     ] = "load_cell",
+    protocol: Annotated[
+        str, typer.Option("--protocol", help="the kind of protocol, such as staircase or sine")
+    ] = "pulse_train",
 ) -> None:
     """Write commented configuration files to start from.
 
     They are rig.toml, sheet.toml, protocol.toml, about.toml and calibrations. `labrig parts boards`
-    lists the families of boards, `labrig parts cameras` the cameras, and so on.
+    lists the families of boards, `labrig parts protocols` the kinds of protocol, and so on.
     """
     from labrig.config.templates import write_templates
 
@@ -46,6 +49,7 @@ def init(
         camera=camera,
         stage=stage,
         force_sensor=force_sensor,
+        protocol=protocol,
     )
     for path in written:
         say(f"wrote {path}")
@@ -58,6 +62,7 @@ COMMAND = Command(
     examples=(
         CommandExample(line="labrig init my_rig --simulated"),
         CommandExample(line="labrig init my_labjack --board labjack"),
+        CommandExample(line="labrig init my_steps --simulated --protocol staircase"),
         CommandExample(line="labrig init my_lab --camera aravis --board labjack"),
     ),
 )

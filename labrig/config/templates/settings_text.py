@@ -35,7 +35,7 @@ def _lines(fields: list[dataclasses.Field[object]], known: Mapping[str, object])
         unit = field.metadata.get("unit", "")
         words = [field.metadata.get("description", ""), f"in {unit}" if unit else ""]
         said = ("needed: " if needed else "") + ", ".join(filter(None, words))
-        yield f"{key.ljust(COMMENT_AT)}# {said}\n" if said else f"{key}\n"
+        yield f"{key.ljust(COMMENT_AT - 1)} # {said}\n" if said else f"{key}\n"
 
 
 def _default(field: dataclasses.Field[object]) -> object:

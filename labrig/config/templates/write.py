@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import datetime as dt
+import inspect
 import re
 from collections.abc import Mapping
 from pathlib import Path
@@ -19,9 +20,11 @@ from drivers.plugins import PluginFolder, UnknownPartError
 from drivers.positioners.contract import DEFAULT as STAGE_DEFAULT
 from drivers.positioners.contract import POSITIONERS
 from labrig.config.derived import SIMULATED
+from labrig.config.protocol import PROTOCOLS
 from labrig.config.templates.settings_text import settings_text
 from labrig.errors import BadInputError
 from labrig.files import not_written, write_text
+from protocols import ProtocolKind
 
 Kind = TypeVar("Kind")
 _COMMON = {
@@ -31,6 +34,7 @@ _COMMON = {
     "optics.json": "optics.json",
     "about.toml": "about.toml",
 }
+PROTOCOL_DEFAULT = "pulse_train"  # the kind in the shipped file
 _COMMENT_AT = 35  # column of the files
 DEFAULT_TRIGGER_LINE = "PCI6703/port0/line1"
 # The date of calibrations that nobody has made: the shipped files hold values to start from.
@@ -45,12 +49,15 @@ def write_templates(
     camera: str = CAMERA_DEFAULT,
     stage: str = STAGE_DEFAULT,
     force_sensor: str = FORCE_DEFAULT,
+    protocol: str = PROTOCOL_DEFAULT,
 ) -> list[Path]:
     """Write the files into `folder`, which may hold others; none is ever overwritten.
 
     The calibrations are those of the simulated rig, and true of it; of another they are not.
-    `board`, `camera`, `stage` and `force_sensor` are the kinds that rig.toml is written for.
+    `board`, `camera`, `stage` and `force_sensor` are the kinds that rig.toml is written for,
+    `protocol` that of protocol.toml.
     """
+    protocol_kind = _part(PROTOCOLS, "--protocol", protocol)
     starter = _starter(board, simulated=simulated)
     camera_text = _camera_starter(camera, simulated=simulated)
     ports = {"port": SIMULATED} if simulated else {}
@@ -79,6 +86,8 @@ def write_templates(
                 text = _for_camera(text, camera_text, line)
             if name == "rig.toml":
                 text = _with_tables(text, tables)
+            if name == "protocol.toml" and protocol != PROTOCOL_DEFAULT:
+                text = _for_protocol(text, protocol_kind)
             write_text(folder / name, _as_of_today(text) if simulated else text)
     except OSError as error:
         raise not_written(folder, error) from None
@@ -167,6 +176,15 @@ def _for_boards(text: str, starter: Starter | None, *, simulated: bool) -> str:
     return re.sub(
         r"^# \[interlock\].*\n# line.*\n", lambda _: starter.interlock, text, flags=re.MULTILINE
     )
+
+
+def _for_protocol(text: str, kind: type[ProtocolKind]) -> str:
+    """Return protocol.toml with the table of another kind of protocol."""
+    said = inspect.cleandoc(kind.__doc__ or "").split("\n")[0]
+    first = f"# What is done at each position. {said}\n"
+    table = f"[{kind.name}]\n{settings_text(kind)}"
+    text = re.sub(r"\A(?:#.*\n)+", lambda _: first, text)
+    return re.sub(rf"^\[{PROTOCOL_DEFAULT}\]\n(?:.+\n)+", lambda _: table, text, flags=re.MULTILINE)
 
 
 def _as_of_today(text: str) -> str:
