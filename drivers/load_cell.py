@@ -120,11 +120,6 @@ class LoadCell:
         self._end = f"the end of its range of ±{self._range:g} {raw_unit}"
         self._tare_N = 0.0
 
-    @property
-    def tare_N(self) -> float:
-        """The force that counts as zero."""
-        return self._tare_N
-
     def newtons(self, volts: FloatArray) -> FloatArray:
         """Force in N, less the tare."""
         return self.calibration.newtons(volts) - self._tare_N

@@ -22,7 +22,7 @@ class ExitCode(IntEnum):
     BAD_INPUT = 2  # arguments or a file's content
     NOT_READY = 3  # found before the first voltage: no driver, refused, wrong device, preflight
     STOPPED = 4  # by a person or a signal
-    FAILED = 5  # after the first voltage
+    FAILED = 5  # of a run: after the first voltage; else the work could not be done: a full disk
     OUTPUT_UNKNOWN = 6  # the output is not known to be safe, whatever else happened
 
 

@@ -92,7 +92,6 @@ class BatchTask(ABC):
     """A task with the values of its options. The class's docstring is the command's help."""
 
     takes: ClassVar[frozenset[InputKind]]
-    changes_input: ClassVar[bool] = False  # such as an analysis, which is kept in its session
     measures: ClassVar[Sequence[Measure]] = ()
     counted: ClassVar[Sequence[str]] = ()  # columns whose texts, or yes and no, are counted
 

@@ -17,7 +17,6 @@ class AnalyzeEach(BatchTask):
     """
 
     takes = frozenset({InputKind.SESSION})
-    changes_input = True
 
     extractor: str | None = option(
         "name of a curve extractor; default: the built-in one", default=None

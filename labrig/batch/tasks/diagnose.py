@@ -33,7 +33,6 @@ class DiagnoseEach(BatchTask):
     """
 
     takes = frozenset({InputKind.SESSION, InputKind.TABLES})
-    changes_input = True
     measures = MEASURES
     counted = ("verdict", "effects")
 

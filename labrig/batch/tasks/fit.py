@@ -28,7 +28,6 @@ class FitEach(BatchTask):
     """
 
     takes = frozenset({InputKind.SESSION, InputKind.TABLES})
-    changes_input = True
     measures = MEASURES
 
     symmetric: bool = option("one |EIBM| for both polarities", default=False)

@@ -17,7 +17,6 @@ class ReportEach(BatchTask):
     """
 
     takes = frozenset({InputKind.SESSION})
-    changes_input = True
 
     formats: tuple[str, ...] = option(
         "of figures: png, svg, pdf; repeatable; default png and svg", default=(), flag="--format"

@@ -18,16 +18,6 @@ class ChannelType(IntEnum):
     DIGITAL_INPUT = 10151
     DIGITAL_OUTPUT = 10153
 
-    @property
-    def is_digital(self) -> bool:
-        """Lines rather than volts."""
-        return self in (ChannelType.DIGITAL_INPUT, ChannelType.DIGITAL_OUTPUT)
-
-    @property
-    def is_output(self) -> bool:
-        """Written rather than read."""
-        return self in (ChannelType.ANALOG_OUTPUT, ChannelType.DIGITAL_OUTPUT)
-
 
 VOLTS = 10348  # nidaqmx.constants.VoltageUnits.VOLTS
 
