@@ -8,7 +8,7 @@ from drivers.interfaces import DeviceError, OverloadError, in_words, is_mistake
 from protocols.execution.event_bus import SubscriberError
 from protocols.execution.operator import DeclinedError, NoAnswerError
 from protocols.execution.runs.control_loop import ControlFaultError
-from protocols.execution.runs.loop import Stopped
+from protocols.execution.runs.run_context import Stopped
 from protocols.execution.states import FinishReason
 
 # Says in whose code an error was raised, where it is not labrig's: a distribution, file and line.

@@ -88,7 +88,7 @@ from protocols.execution.operator import (
 from protocols.execution.output import GuardedOutput, MakeSafe
 from protocols.execution.rules import Rules
 from protocols.execution.runs.control_loop import FeedbackLaw
-from protocols.execution.runs.loop import Loop, Stopped
+from protocols.execution.runs.run_context import RunContext, Stopped
 from protocols.execution.runs.run_loop import RunLoop
 from protocols.execution.states import FinishReason, RunState, Status
 from protocols.execution.stop import Pause, StopLevel, StopRequest, wait_for_end
@@ -164,7 +164,7 @@ class Scheduler:
             operator = RecordedOperator(operator, clock, self._emit)
         self._operator: RecordedOperator = operator
         self._output = GuardedOutput(devices.output, clock, self._emit, on_energised)
-        self._loop = Loop(
+        self._context = RunContext(
             devices=devices,
             output=self._output,
             clock=clock,
@@ -250,7 +250,7 @@ class Scheduler:
         self._enter(RunState.PREPARING, run.index)
         stage_position_m = self._prepare(run)
         RunLoop(
-            self._loop,
+            self._context,
             run,
             schedule.frame_rate_hz,
             stage_position_m,
@@ -368,7 +368,9 @@ class Scheduler:
         self._enter(RunState.STOPPING)
         found = self._output.settle(self._make_safe)
         finish, text = why()
-        self._loop.guarded("reporting the state of the output", lambda: self._output.report(found))
+        self._context.guarded(
+            "reporting the state of the output", lambda: self._output.report(found)
+        )
         state = self._output.state
         # What hands must do comes first, however much there is to say.
         reason = text if state is OutputState.SAFE else f"{found}; what ended the session: {text}"

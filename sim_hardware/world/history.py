@@ -15,11 +15,11 @@ import numpy.typing as npt
 
 from sim_hardware.world.creep import PARTS, parts_of
 from sim_hardware.world.mechanics import ELEMENTS, SLIDE_M, Stage
-from sim_hardware.world.moment import Moment
+from sim_hardware.world.row_buffer import RowBuffer
 from sim_hardware.world.settings import WorldSettings
+from sim_hardware.world.sheet_states import SheetStates
 from sim_hardware.world.signals.amplifier import SimulatedAmplifier
 from sim_hardware.world.signals.load_cell import SimulatedLoadCell
-from sim_hardware.world.track import Track
 
 if TYPE_CHECKING:
     from sim_hardware.world.motion.moving_history import MovingHistory
@@ -67,7 +67,7 @@ class History:
         self._creeps = settings.creep.share > 0.0
         row = np.zeros(_COLUMNS + PARTS * _LAGS * self._creeps)
         row[_UNEVEN] = 1.0
-        self._track = Track(row, round(_KEEP_S / self._step_s))
+        self._rows = RowBuffer(row, round(_KEEP_S / self._step_s))
         # The next row follows from this one: the newest, or as the operator changed it.
         self._from = row
         self._stages = [first]
@@ -76,11 +76,11 @@ class History:
     @property
     def reached_s(self) -> float:
         """Up to here the grid is made: what is written now cannot act earlier."""
-        return self.start_s + self._track.last * self._step_s
+        return self.start_s + self._rows.last * self._step_s
 
     @property
     def _oldest_s(self) -> float:
-        return self.start_s + self._track.oldest * self._step_s
+        return self.start_s + self._rows.oldest * self._step_s
 
     @property
     def stage(self) -> Stage:
@@ -108,28 +108,28 @@ class History:
     def advance(self, when: float) -> None:
         """Make the grid up to the last step not after `when`."""
         target = math.floor((when - self.start_s) / self._step_s)
-        while self._track.last < target:
-            self._make(min(target, self._track.last + _MOST_STEPS))
+        while self._rows.last < target:
+            self._make(min(target, self._rows.last + _MOST_STEPS))
         self._amplifier.forget(self._oldest_s)
 
-    def at(self, times: FloatArray) -> list[Moment]:
+    def at(self, times: FloatArray) -> list[SheetStates]:
         """Return the state at times in order, in one piece for each set-up that they fall into."""
         times = np.maximum(times, self.start_s)
         self.advance(float(times[-1]))
         starts = [stage.start_s for stage in self._stages]
         which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
         if which[0] == which[-1]:
-            return [self._moment(self._stages[which[0]], times)]
-        return [self._moment(self._stages[k], times[which == k]) for k in np.unique(which)]
+            return [self._sheet_states(self._stages[which[0]], times)]
+        return [self._sheet_states(self._stages[k], times[which == k]) for k in np.unique(which)]
 
-    def exposed(self, until_s: float, exposure_s: float) -> list[Moment]:
+    def exposed(self, until_s: float, exposure_s: float) -> list[SheetStates]:
         """Return the instants of an exposure; only its end, where the sheet does not move."""
         instants = until_s - exposure_s * np.linspace(1.0, 0.0, _INSTANTS)
-        moments = self.at(instants)
-        drives = np.concatenate([m.drive for m in moments])
-        if len(moments) == 1 and np.ptp(drives) < _MOTIONLESS:
+        states = self.at(instants)
+        drives = np.concatenate([m.drive for m in states])
+        if len(states) == 1 and np.ptp(drives) < _MOTIONLESS:
             return [self.at(np.array([until_s]))[-1]]
-        return moments
+        return states
 
     def current_A(self, times: FloatArray) -> FloatArray:
         """Return the sheet's charging current and its leak, at times in order."""
@@ -150,7 +150,7 @@ class History:
     def _make(self, until: int) -> None:
         """Rows up to a step, all in one set-up."""
         last, stage = self._from, self.stage
-        times = self._time_of(np.arange(self._track.last, until + 1))
+        times = self._time_of(np.arange(self._rows.last, until + 1))
         rows = np.empty((times.size - 1, last.size))
         states = np.empty((times.size, _STATES))
         states[0] = last[_STATE]
@@ -166,12 +166,12 @@ class History:
         rows[:, _TURNED] = self._kernels.turn_stops(
             _hung(rows[:, _MOVED]), _hung(last[None, _MOVED])[0], last[_TURNED], self._reach(stage)
         )
-        self._track.append(rows)
+        self._rows.append(rows)
         self._from = rows[-1].copy()
         rubbed_N = stage.friction_N(times[1:], drive, dry, rows[:, _TURNED.stop - 1])
         self._watcher(times[1:], states[1:, _VOLTAGE], rows[:, _MOVED.start] + rubbed_N)
 
-    def _moment(self, stage: Stage, times: FloatArray) -> Moment:
+    def _sheet_states(self, stage: Stage, times: FloatArray) -> SheetStates:
         rows, states = self._states(times)
         dry = states[:, _DRY_S]
         drive = stage.drive(states)
@@ -183,7 +183,7 @@ class History:
         true_N = moved[:, 0] + stage.friction_N(times, drive, dry, turned[:, 2])
         felt_N = self._cell.felt_N(true_N, turned)
         felt_N = felt_N + self._cell.stray_N(stage.setup.position_m, states[:, _VOLTAGE])
-        return Moment(
+        return SheetStates(
             stage=stage,
             times=times,
             states=states,
@@ -210,7 +210,7 @@ class History:
     def _states(self, times: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Rows of the grid before some times, and the states at the times."""
         steps = self._step_of(times)
-        rows = self._track.at(steps)
+        rows = self._rows.at(steps)
         from_s = np.minimum(self._time_of(steps), times)
         drive_V = self._amplifier.mean_between(from_s, times)
         states = np.ascontiguousarray(rows[:, _STATE])

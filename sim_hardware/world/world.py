@@ -16,10 +16,10 @@ from sim_hardware.optics import Renderer
 from sim_hardware.world.history import history_of
 from sim_hardware.world.loading import WorldError
 from sim_hardware.world.mechanics import Stage
-from sim_hardware.world.moment import SeenMoment
 from sim_hardware.world.record import Record
 from sim_hardware.world.settings import Signal, WorldSettings
 from sim_hardware.world.setup import MountedSheet, Scatter
+from sim_hardware.world.sheet_states import ObservableStates
 from sim_hardware.world.signals.amplifier import SimulatedAmplifier
 from sim_hardware.world.signals.electrical import ElectricalSignals
 from sim_hardware.world.signals.load_cell import CellFault, SimulatedLoadCell
@@ -215,8 +215,8 @@ class World:
             self._watch_supply(float(times[-1]))
             since = times - self._history.start_s
             if signal == "force":
-                moments = self._history.at(times)
-                return self._cell.volts(np.concatenate([m.felt_N for m in moments]), since)
+                states = self._history.at(times)
+                return self._cell.volts(np.concatenate([m.felt_N for m in states]), since)
             if signal == "current":
                 return self._electrical.current_V(self._history.current_A(times), since)
             self._history.advance(float(times[-1]))
@@ -225,12 +225,12 @@ class World:
     def true_force_N(self, when: float) -> float:
         """Force along the load cell's axis, without noise or faults of the cell."""
         with self._lock:
-            return float(self._moment(when).true_N[0])
+            return float(self._sheet_states(when).true_N[0])
 
     def true_shape(self, when: float) -> FloatArray:
         """Return the neutral curve (n, 2) in m, from the clamp's end to the visible end."""
         with self._lock:
-            return shape_of(self._moment(when), 0)
+            return shape_of(self._sheet_states(when), 0)
 
     # --------------------------------------------------------------------------------- camera
 
@@ -263,10 +263,10 @@ class World:
         with self._lock:
             seen_s = when - self.settings.frame_delay_s
             self._watch_supply(seen_s)
-            moments = self._history.exposed(seen_s, self._exposure_s)
-            shapes = [shape_of(m, k) for m in moments for k in range(m.times.size)]
-            contact = contact_of(moments[-1])
-            length_m = moments[-1].stage.setup.chain.sheet.free_length_m
+            states = self._history.exposed(seen_s, self._exposure_s)
+            shapes = [shape_of(m, k) for m in states for k in range(m.times.size)]
+            contact = contact_of(states[-1])
+            length_m = states[-1].stage.setup.chain.sheet.free_length_m
         with self._render_lock:
             return self._renderer.render(
                 shapes, contact, number, sheet_length_m=length_m, time_s=when
@@ -333,7 +333,7 @@ class World:
             self._history.begin(Stage(start_s=now, setup=setup, moved_up=moved_up))
             self._write_row(now)
 
-    def _moment(self, when: float) -> SeenMoment:
+    def _sheet_states(self, when: float) -> ObservableStates:
         return self._history.at(np.array([when]))[-1]
 
     def _watch(self, times: FloatArray, sheet_V: FloatArray, force_N: FloatArray) -> None:
@@ -348,5 +348,5 @@ class World:
 
     def _write_row(self, when: float) -> None:
         if self._record is not None:
-            force_N = float(self._moment(when).true_N[0])
+            force_N = float(self._sheet_states(when).true_N[0])
             self._record.row(when, self._amplifier.asked_V, force_N, self.position_m)

@@ -581,4 +581,4 @@ def test_what_was_long_ago_is_forgotten_but_the_world_goes_on() -> None:
         world.moisten()
         force = put(world, clock, 0.0, 20.0)
     assert force == pytest.approx(0.8428, rel=0.01)
-    assert world._history._track._rows.nbytes < 150e6
+    assert world._history._rows._rows.nbytes < 150e6

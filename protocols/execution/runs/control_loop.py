@@ -19,7 +19,7 @@ from drivers.interfaces import DeviceError, DeviceTimeoutError, FloatArray, Samp
 from protocols.execution.channels import ChannelRows
 from protocols.execution.events import Controlled, ControlPeriod
 from protocols.execution.rules import bad_samples
-from protocols.execution.runs.loop import Loop, Stopped
+from protocols.execution.runs.run_context import RunContext, Stopped
 from protocols.execution.samples import SampleBuffer
 from protocols.execution.stop import StopLevel
 from protocols.planning.schedule import PlannedRun
@@ -61,19 +61,19 @@ class ControlLoop:
 
     def __init__(
         self,
-        loop: Loop,
+        context: RunContext,
         run: PlannedRun,
         law: FeedbackLaw,
         sample_clock: SampleClock,
         zero_s: float,
     ) -> None:
         """`zero_s`: clock time of the run's time 0, from which the reference counts."""
-        self._loop = loop
+        self._context = context
         self._run = run
         self._law = law
         self._clock = sample_clock
         self._zero_s = zero_s
-        self._rows: ChannelRows = loop.devices.rows()
+        self._rows: ChannelRows = context.devices.rows()
         self._state = np.zeros(len(law.A))
         self._window = max(1, round(sample_clock.rate_hz * law.period_s))  # samples of a period
         self._zero_N = 0.0  # the force at 0 V
@@ -95,22 +95,22 @@ class ControlLoop:
         `take_samples` adds to `samples` what has arrived. `service` does that and whatever else a
         run has to do now and then. Raises Stopped, ControlFaultError, DeviceError.
         """
-        loop, law = self._loop, self._law
+        context, law = self._context, self._law
         take_samples()
         self._require_fresh(samples)
         self._zero_N = self._mean_force(samples, self._at_rest(samples))
         period = 1
         while (due_s := self._zero_s + period * law.period_s) < end_s - 0.5 * law.period_s:
             self._wait(due_s, service)
-            if loop.stop.level is StopLevel.NOW:
-                raise Stopped.by(loop.stop)
-            if loop.stop.level is not StopLevel.NONE:
+            if context.stop.level is StopLevel.NOW:
+                raise Stopped.by(context.stop)
+            if context.stop.level is not StopLevel.NONE:
                 return False
             self._require_in_time(due_s)
             take_samples()
             self._require_fresh(samples)
             self._act(due_s, samples)
-            if loop.clock.now() >= self._next_service_s:
+            if context.clock.now() >= self._next_service_s:
                 self._service(service)
             period += 1
         self._wait(end_s, service)
@@ -121,29 +121,29 @@ class ControlLoop:
         if self._periods:
             periods, self._periods = tuple(self._periods), []
             yield Controlled(
-                self._loop.clock.now(), run=self._run.index, zero_N=self._zero_N, periods=periods
+                self._context.clock.now(), run=self._run.index, zero_N=self._zero_N, periods=periods
             )
 
     def _wait(self, due_s: float, service: Callable[[], None]) -> None:
         """Beat and service while there is time for it."""
-        loop = self._loop
-        loop.beat()
-        while loop.clock.now() + loop.timing.service_s < due_s:
-            loop.clock.sleep_until(loop.clock.now() + loop.timing.service_s)
-            loop.beat()
+        context = self._context
+        context.beat()
+        while context.clock.now() + context.timing.service_s < due_s:
+            context.clock.sleep_until(context.clock.now() + context.timing.service_s)
+            context.beat()
             self._service(service)
-            if loop.stop.level is not StopLevel.NONE:
+            if context.stop.level is not StopLevel.NONE:
                 return
-        loop.clock.sleep_until(due_s)
+        context.clock.sleep_until(due_s)
 
     def _service(self, service: Callable[[], None]) -> None:
-        self._next_service_s = self._loop.clock.now() + self._loop.timing.service_s
+        self._next_service_s = self._context.clock.now() + self._context.timing.service_s
         service()
         for event in self.not_emitted():
-            self._loop.emit(event)
+            self._context.emit(event)
 
     def _require_in_time(self, due_s: float) -> None:
-        late_s, limit_s = self._loop.clock.now() - due_s, LATE_PERIODS * self._law.period_s
+        late_s, limit_s = self._context.clock.now() - due_s, LATE_PERIODS * self._law.period_s
         if late_s > limit_s:
             raise ControlFaultError(
                 f"the control loop came {1e3 * late_s:.1f} ms late (limit {1e3 * limit_s:g} ms); "
@@ -152,7 +152,7 @@ class ControlLoop:
 
     def _require_fresh(self, samples: SampleBuffer) -> None:
         newest_s = self._clock.time_of(samples.end - 1)
-        age_s, limit_s = self._loop.clock.now() - newest_s, FRESH_PERIODS * self._law.period_s
+        age_s, limit_s = self._context.clock.now() - newest_s, FRESH_PERIODS * self._law.period_s
         if not age_s <= limit_s:
             raise DeviceTimeoutError(
                 f"the newest sample of the force is {1e3 * age_s:.0f} ms old, and the controller "
@@ -162,7 +162,7 @@ class ControlLoop:
 
     def _at_rest(self, samples: SampleBuffer) -> int:
         """Return how many of the last samples were taken at 0 V before the run."""
-        lead_in = int(self._loop.timing.lead_in_s * self._clock.rate_hz)
+        lead_in = int(self._context.timing.lead_in_s * self._clock.rate_hz)
         return min(max(lead_in, self._window), samples.end)
 
     def _mean_force(self, samples: SampleBuffer, count: int) -> float:
@@ -192,7 +192,7 @@ class ControlLoop:
                 "the controller asks for a voltage that is not a number; check its file"
             )
         self._note_saturation(written_V != wanted_V)
-        write = self._loop.output.write(written_V)
+        write = self._context.output.write(written_V)
         self._periods.append(
             ControlPeriod(
                 due_s=due_s,
@@ -203,7 +203,7 @@ class ControlLoop:
                 write=write,
             )
         )
-        self._loop.output.report("a controller sets the voltage")
+        self._context.output.report("a controller sets the voltage")
 
     def _reference_at(self, due_s: float) -> float:
         """Return the force that is wanted at a clock time, N above that at 0 V."""
@@ -211,7 +211,7 @@ class ControlLoop:
         return self._run.reference[step].force_N
 
     def _note_saturation(self, saturated: bool) -> None:
-        now_s = self._loop.clock.now()
+        now_s = self._context.clock.now()
         if not saturated:
             self._saturated_from_s = None
             return

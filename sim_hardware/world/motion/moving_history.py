@@ -13,13 +13,13 @@ from sim_hardware.world.loading import WorldError
 from sim_hardware.world.mechanics import Stage
 from sim_hardware.world.motion import march
 from sim_hardware.world.motion.links import room
-from sim_hardware.world.motion.moving_moment import MovingMoment
 from sim_hardware.world.motion.moving_sheet import MovingSheet
+from sim_hardware.world.motion.moving_sheet_states import MovingSheetStates
 from sim_hardware.world.motion.travel import Travel
+from sim_hardware.world.row_buffer import RowBuffer
 from sim_hardware.world.settings import WorldSettings
 from sim_hardware.world.signals.amplifier import SimulatedAmplifier
 from sim_hardware.world.signals.load_cell import SimulatedLoadCell
-from sim_hardware.world.track import Track
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -61,10 +61,10 @@ class MovingHistory:
         row = np.zeros(_COLUMNS)
         row[_SLOW][_UNEVEN] = 1.0
         self._from = row
-        self._track = Track(row, round(_KEEP_S / self._step_s))
+        self._rows = RowBuffer(row, round(_KEEP_S / self._step_s))
         U = np.zeros(settings.chain.moving_links)
         self._state = self._at_rest(first, self._sheets[0], U)
-        self._shapes = Track(self._state.phi[2].astype(np.float32), self._shapes_kept)
+        self._shapes = RowBuffer(self._state.phi[2].astype(np.float32), self._shapes_kept)
         self._put(row)
 
     @property
@@ -74,7 +74,7 @@ class MovingHistory:
     @property
     def reached_s(self) -> float:
         """Up to here the grid is made: what is written now cannot act earlier."""
-        return self.start_s + self._track.last * self._step_s
+        return self.start_s + self._rows.last * self._step_s
 
     @property
     def stage(self) -> Stage:
@@ -113,26 +113,26 @@ class MovingHistory:
     def advance(self, when: float) -> None:
         """Make the grid up to the last step not after `when`."""
         target = math.floor((when - self.start_s) / self._step_s)
-        while self._track.last < target:
-            self._make(min(target, self._track.last + _MOST_STEPS))
-        self._amplifier.forget(float(self._time_of(self._track.oldest)))
+        while self._rows.last < target:
+            self._make(min(target, self._rows.last + _MOST_STEPS))
+        self._amplifier.forget(float(self._time_of(self._rows.oldest)))
 
-    def at(self, times: FloatArray) -> list[MovingMoment]:
+    def at(self, times: FloatArray) -> list[MovingSheetStates]:
         """Return the sheet at times in order, in one piece for each set-up that they fall into."""
         times = np.maximum(times, self.start_s)
         self.advance(float(times[-1]))
         starts = [stage.start_s for stage in self._stages]
         which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
-        return [self._moment(int(k), times[which == k]) for k in np.unique(which)]
+        return [self._sheet_states(int(k), times[which == k]) for k in np.unique(which)]
 
-    def exposed(self, until_s: float, exposure_s: float) -> list[MovingMoment]:
+    def exposed(self, until_s: float, exposure_s: float) -> list[MovingSheetStates]:
         """Return the instants of an exposure; only its end, where the sheet does not move."""
-        moments = self.at(until_s - exposure_s * np.linspace(1.0, 0.0, _INSTANTS))
-        turned_rad = float(np.ptp(moments[-1].phi_rad, axis=0).max())
-        reach_m = moments[-1].stage.setup.chain.sheet.visible_m
-        if len(moments) == 1 and turned_rad * reach_m < _MOTIONLESS_M:
+        states = self.at(until_s - exposure_s * np.linspace(1.0, 0.0, _INSTANTS))
+        turned_rad = float(np.ptp(states[-1].phi_rad, axis=0).max())
+        reach_m = states[-1].stage.setup.chain.sheet.visible_m
+        if len(states) == 1 and turned_rad * reach_m < _MOTIONLESS_M:
             return self.at(np.array([until_s]))
-        return moments
+        return states
 
     def current_A(self, times: FloatArray) -> FloatArray:
         """Return the current into the electrodes, at times in order."""
@@ -140,7 +140,7 @@ class MovingHistory:
         self.advance(float(times[-1]))
         line = self._sheets[-1].line
         steps = self._step_of(times)
-        rows, from_s = self._track.at(steps), np.minimum(self._time_of(steps), times)
+        rows, from_s = self._rows.at(steps), np.minimum(self._time_of(steps), times)
         mean_V = self._amplifier.mean_between(from_s, times)
         rise = line.rise_S_per_s * mean_V - rows[:, march.SINK]
         back = rows[:, march.BACK] + rise * (times - from_s)
@@ -158,7 +158,7 @@ class MovingHistory:
     def _make(self, until: int) -> None:
         """Rows up to a step, all in one set-up."""
         stage, sheet = self.stage, self._sheets[-1]
-        times = self._time_of(np.arange(self._track.last, until + 1))
+        times = self._time_of(np.arange(self._rows.last, until + 1))
         slow = np.empty((times.size, 9))
         slow[0] = self._from[_SLOW]
         drive_V = self._amplifier.mean_V(times)
@@ -177,7 +177,7 @@ class MovingHistory:
             np.ascontiguousarray(moved[:, [march.CELL, march.CELL]]), before, self._from[_TURNED],
             self._cell.reaches_N(stage.sticking_N),
         )  # fmt: skip
-        self._track.append(rows)
+        self._rows.append(rows)
         self._shapes.append(shapes)
         self._from = rows[-1].copy()
         self._watcher(times[1:], drive_V, moved[:, march.FORCE])
@@ -217,10 +217,10 @@ class MovingHistory:
             clamp_rad=np.where(share >= 1.0, tilt, was + (tilt - was) * share),
         )
 
-    def _moment(self, which: int, times: FloatArray) -> MovingMoment:
+    def _sheet_states(self, which: int, times: FloatArray) -> MovingSheetStates:
         stage, travel = self._stages[which], self._travels[which]
         steps = self._step_of(times)
-        rows, after = self._track.at(steps), np.maximum(times - self._time_of(steps), 0.0)
+        rows, after = self._rows.at(steps), np.maximum(times - self._time_of(steps), 0.0)
         cell = self._settings.load_cell
         start = np.ascontiguousarray(rows[:, : march.CELL_RATE + 1])
         shown_N = march.rings(start, after, 2 * math.pi * cell.resonance_hz, cell.damping)
@@ -231,7 +231,7 @@ class MovingHistory:
         part = (after / self._step_s)[:, None]
         phi = (1 - part) * self._shapes.at(steps - 1) + part * self._shapes.at(steps)
         polar = travel.at(times)
-        return MovingMoment(
+        return MovingSheetStates(
             stage=stage,
             times=times,
             chain=self._sheets[which].chain,
@@ -268,11 +268,11 @@ class MovingHistory:
     def _put(self, row: FloatArray) -> None:
         """Let the newest row be that of the state."""
         row[_MOVED] = self._state.row
-        self._track.replace(row)
+        self._rows.replace(row)
         self._shapes.replace(self._state.phi[2], 2)
 
     def _forget_stages(self) -> None:
-        oldest_s = self._time_of(self._track.oldest)
+        oldest_s = self._time_of(self._rows.oldest)
         while len(self._stages) > 1 and self._stages[1].start_s <= oldest_s:
             del self._stages[0], self._sheets[0], self._travels[0]
 

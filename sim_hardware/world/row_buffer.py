@@ -1,4 +1,4 @@
-"""The sheet's state and the force on the load cell on the world's own time grid."""
+"""Rows of numbers on a time grid, of which the last ones are kept."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy.typing as npt
 FloatArray = npt.NDArray[np.float64]
 
 
-class Track:
+class RowBuffer:
     """Rows of numbers, one a step of the grid; the oldest are forgotten after `keep` rows."""
 
     def __init__(self, first: npt.NDArray[np.floating], keep: int) -> None:

@@ -14,8 +14,8 @@ FloatArray = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class MovingMoment:
-    """See `moment.SeenMoment`."""
+class MovingSheetStates:
+    """See `sheet_states.ObservableStates`."""
 
     stage: Stage
     times: FloatArray
@@ -27,11 +27,11 @@ class MovingMoment:
     angle_rad: FloatArray  # (n,) direction of the sheet there
 
     def curve(self, k: int, s_m: FloatArray) -> FloatArray:
-        """See `SeenMoment.curve`."""
+        """See `ObservableStates.curve`."""
         phi = self.phi_rad[k]
         beyond = np.full(self.chain.links - phi.size, phi[-1])
         return self.chain.curve(np.concatenate((phi, beyond)), s_m)
 
     def rolls_rad(self, k: int) -> tuple[float, float]:
-        """See `SeenMoment.rolls_rad`."""
+        """See `ObservableStates.rolls_rad`."""
         return float(self.polar_rad[k]), float(self.angle_rad[k])

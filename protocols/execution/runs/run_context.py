@@ -31,7 +31,7 @@ class Stopped(Exception):  # noqa: N818 - not an error: a request is followed
 
 
 @dataclass(frozen=True, kw_only=True)
-class Loop:
+class RunContext:
     """What all runs of a session are executed with."""
 
     devices: Devices

@@ -14,7 +14,7 @@ from sim_hardware.world.mechanics import Stage
 FloatArray = npt.NDArray[np.float64]
 
 
-class SeenMoment(Protocol):
+class ObservableStates(Protocol):
     """Some times within one set-up, of a sheet at rest as of one that moves."""
 
     @property
@@ -44,7 +44,7 @@ class SeenMoment(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Moment:
+class SheetStates:
     """The sheet's state at some times, at rest at each of them."""
 
     stage: Stage
@@ -56,11 +56,11 @@ class Moment:
     crept: FloatArray  # (n, 3), see creep
 
     def curve(self, k: int, s_m: FloatArray) -> FloatArray:
-        """See `SeenMoment.curve`."""
+        """See `ObservableStates.curve`."""
         return self.stage.setup.chain.curve(self._state(k).phi_rad, s_m)
 
     def rolls_rad(self, k: int) -> tuple[float, float]:
-        """See `SeenMoment.rolls_rad`."""
+        """See `ObservableStates.rolls_rad`."""
         state, polar_rad = self._state(k), self.stage.setup.arc_rad
         return polar_rad, state.angle_rad if state.touched else polar_rad
 
