@@ -49,7 +49,7 @@ def test_every_column_of_the_tables_is_described():
         *columns.SIGNALS, *columns.SIGNALS_OPTIONAL,
     }  # fmt: skip
     assert all(f"| `{name}` |" in page for name in names)
-    assert set(made("csv_columns").MEANINGS) == names
+    assert set(columns.MEANINGS) == names
 
 
 def test_every_public_name_is_documented_with_a_docstring():

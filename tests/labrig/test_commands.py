@@ -17,6 +17,7 @@ import labrig.cli.commands
 from labrig.cli.app import all_commands, module_of
 from labrig.cli.command import Command, CommandExample, faults
 from labrig.cli.main import run
+from labrig.session.tables.columns import TABLES
 from tests.cases import few
 from tests.labrig.report_data import measure, session
 
@@ -265,3 +266,15 @@ def test_a_value_that_looks_like_an_option_can_still_be_given(
 ) -> None:
     assert run(["run", "--resume=--yes"]) == 2
     assert "--yes: there is no such file" in capsys.readouterr().err
+
+
+def test_the_columns_of_the_tables_are_explained_with_their_axes_and_signs(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert run(["config", "columns"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("Axes and signs: x runs along the sheet")
+    for name, (_, required, optional) in TABLES.items():
+        assert f"{name}: A row for each" in said
+        assert all(column in said for column in (*required, *optional))
+    assert "towards larger positions" in said

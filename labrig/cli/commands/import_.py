@@ -63,6 +63,8 @@ def import_tables(
     or radians is multiplied by the arc's radius. Other names are stated with --columns, and what no
     column says with --value; --ignore leaves a column out.
 
+    `labrig config columns` explains each column, with its axis and sign.
+
     Example: labrig import --sheet sheet.toml --forces old.txt --columns force_mN=F -o old.h5
     """
     from labrig.config import load_sheet
