@@ -125,7 +125,7 @@ def test_a_model_along_the_sheet_that_misses_its_data_is_not_told_to_be_along_it
     eibm = {v: replace(a, values=a.values * falling) for v, a in one.eibm.items()}
     merit = {"force_rmse_N": 5e-4, "curve_rmse_m": 1.8e-3, "force_rms_N": 1e-3}
     varying = replace(model, sheets={**model.sheets, "short": replace(one, eibm=eibm)})
-    save_model(varying.with_merit(merit, {"short": merit}), model_file)
+    save_model(varying.with_merit(merit, {"short": merit}), model_file, force=True)
     assert run(["simulate", str(model_file), "--position-mm", "5", "--voltage", "2"]) == 0
     told = " ".join(capsys.readouterr().err.split())
     assert "misses its own data by 0.500 mN and 1.800 mm RMS; labrig diagnose says" in told
@@ -138,7 +138,7 @@ def test_a_model_that_misses_its_own_data_is_warned_of(
     model = load_model(model_file)
     merit = {"force_rmse_N": 5e-4, "curve_rmse_m": 1.8e-3, "force_rms_N": 1e-3}
     merit |= {"force_rmse_along_N": 2e-5, "curve_rmse_along_m": 3e-5}
-    save_model(model.with_merit(merit, {"short": merit}), model_file)
+    save_model(model.with_merit(merit, {"short": merit}), model_file, force=True)
     assert run(["design", str(model_file), "--section", "0:12"]) == 0
     printed = capsys.readouterr()
     assert "the model of 'short' misses its own data by 0.500 mN and 1.800 mm" in printed.err

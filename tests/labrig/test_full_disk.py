@@ -142,6 +142,10 @@ def test_two_programs_that_write_one_file_at_once_do_not_mix(
 def test_a_folder_that_cannot_be_written_is_told_before_the_work(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(os, "access", lambda path, _mode: Path(path) != tmp_path)
+
+    def refused(*_: object, **__: object) -> None:
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+    monkeypatch.setattr(Path, "touch", refused)
     with pytest.raises(BadInputError, match=r"model.toml: cannot be written .Permission denied"):
         check_free(tmp_path / "model.toml")

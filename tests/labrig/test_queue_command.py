@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -68,7 +70,11 @@ def test_a_folder_that_takes_no_file_is_told_before_the_rig_is_started(
     rig, capsys, monkeypatch, asked
 ):
     (rig / "night").mkdir()
-    monkeypatch.setattr(os, "access", lambda _path, how: how != os.W_OK)  # root may do anything
+
+    def refused(*_: object, **__: object) -> None:  # root may do anything
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+    monkeypatch.setattr(Path, "touch", refused)
     assert labrig(*asked) == 2
     said = capsys.readouterr().err
     assert "cannot be written (Permission denied)" in said

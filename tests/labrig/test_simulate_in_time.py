@@ -312,7 +312,7 @@ def test_a_sheet_that_leaves_the_rolls_is_told_with_the_time(
 def test_a_model_of_the_sheet_at_rest_is_refused(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    save_model(model(dynamic=False), folder / "model.toml")
+    save_model(model(dynamic=False), folder / "model.toml", force=True)
     assert motion(folder) == 2
     assert "knows the sheet at rest only" in refused(capsys)
 

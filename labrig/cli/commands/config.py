@@ -17,9 +17,9 @@ from labrig.files import write_text
 def schema(
     folder: Annotated[Path, typer.Argument(help="where to write the *.schema.json files")],
 ) -> None:
-    """Write the JSON Schemas of the configuration files: all keys, bounds and descriptions.
+    """Write the JSON Schemas of the configuration files.
 
-    Editors and forms use them.
+    They have all keys, bounds and descriptions. Editors and forms use them.
     """
     from labrig.config.schema import schemas
 

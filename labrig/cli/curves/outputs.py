@@ -22,13 +22,14 @@ def check_outputs(
     `force`: tables that are there already may be overwritten.
     """
     for path in (output, summary):
-        if path is not None:
-            check_free(path, force=force or _is_device(path))
+        if path is None:
+            continue
+        # a photograph is never overwritten, whatever is forced
+        if _is_file(path) and not path.is_dir() and path.suffix.lower() not in _TABLES:
+            raise BadInputError(f"{path}: a table is CSV; name it {path.stem}.csv.")
+        check_free(path, force=force or _is_device(path))
     if overlay is not None:
         check_free(overlay, force=True)
-    for path in (output, summary):
-        if path is not None and _is_file(path) and path.suffix.lower() not in _TABLES:
-            raise BadInputError(f"{path}: a table is CSV; name it {path.stem}.csv.")
     if output is not None and summary is not None and output.resolve() == summary.resolve():
         raise BadInputError(f"{output}: -o and --summary are two tables; name two files.")
     if overlay is not None:

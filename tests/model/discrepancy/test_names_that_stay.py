@@ -35,6 +35,7 @@ def judgement(monkeypatch) -> Judgement:
     monkeypatch.setattr(module, "fit_mixed_model", lambda _, __, found: fit_with(*found))
     monkeypatch.setattr(module, "alone", lambda *_: False)
     monkeypatch.setattr(module, "misses_much", lambda *_: True)
+    monkeypatch.setattr(module, "stands_beside", lambda *_: False)
     monkeypatch.setattr(module, "of_images", lambda _: "")
     monkeypatch.setattr(module, "unusual_images", lambda _: [])
     monkeypatch.setattr(module, "unusual_cell_noise", lambda _: None)
@@ -132,6 +133,14 @@ def test_a_term_that_explains_much_more_stands_for_two_names(monkeypatch, judgem
     monkeypatch.setattr(module, "alone", lambda *_: True)
     rest = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=60.0))
     assert judgement._alone(rest, [GRAVITY, CELL], fit_with(GRAVITY, CELL))
+
+
+def test_no_term_stands_for_a_name_that_explains_as_much_beside_it(monkeypatch, judgement):
+    monkeypatch.setattr(module, "alone", lambda *_: True)
+    monkeypatch.setattr(module, "stands_beside", lambda _base, _free, one: one is CELL)
+    rest = SimpleNamespace(first=SimpleNamespace(ln_bayes_factor=60.0))
+    assert not judgement._alone(rest, [GRAVITY, CELL], fit_with(GRAVITY, CELL))
+    assert judgement._alone(rest, [GRAVITY], fit_with(GRAVITY))
 
 
 def test_a_name_that_misses_little_at_the_usual_scatter_stays(monkeypatch, judgement):
