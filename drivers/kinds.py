@@ -6,31 +6,7 @@ import dataclasses
 import inspect
 from collections.abc import Iterator, Mapping, Sequence
 
-# What the models of tables (labrig.config.derived) have beside the settings, as pydantic's
-# `model_...`, and the table's own key `kind`.
-OF_A_TABLE = frozenset(
-    {
-        "construct",
-        "copy",
-        "dict",
-        "former_names",
-        "from_orm",
-        "json",
-        "keys",
-        "kind",
-        "parse_file",
-        "parse_obj",
-        "parse_raw",
-        "schema",
-        "schema_json",
-        "settings",
-        "settings_type",
-        "suggestion",
-        "update_forward_refs",
-        "validate",
-        "with_paths_from",
-    }
-)
+from drivers.interfaces import is_reserved
 
 
 def call_fault(name: str, function: object, arguments: Sequence[str]) -> str:
@@ -82,7 +58,7 @@ def kind_faults(
     if missing:
         yield f"its settings have no field {', '.join(missing)}"
     for name, field in fields.items():
-        if name in OF_A_TABLE or name.startswith(("_", "model_")) or _is_method(settings, name):
+        if name == "kind" or is_reserved(name) or _is_method(settings, name):
             yield f"its setting {name} has a name that every table uses itself; choose another"
         elif name not in needed and not field.metadata.get("description"):
             yield f'its setting {name} has no metadata "description"'

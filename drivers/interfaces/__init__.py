@@ -58,6 +58,7 @@ from drivers.interfaces.output import (
     VoltageOutput,
     VoltageWrite,
 )
+from drivers.interfaces.reserved_names import is_reserved
 
 __all__ = [
     "FREE",
@@ -99,4 +100,5 @@ __all__ = [
     "VoltageWrite",
     "in_words",
     "is_mistake",
+    "is_reserved",
 ]

@@ -10,6 +10,7 @@ from dataclasses import MISSING, Field, fields, is_dataclass, replace
 from itertools import islice
 from typing import Any, get_args, get_origin, get_type_hints
 
+from drivers.interfaces import is_reserved
 from protocols.errors import ScheduleError
 from protocols.kinds.contract import ProtocolKind
 from protocols.kinds.fields import LARGEST_VOLTAGE_V
@@ -19,30 +20,6 @@ from protocols.planning.limits import structure_faults
 from protocols.planning.schedule import PlannedRun, Purpose, ReadingKind
 
 _TYPES = (float, int, bool, str)
-# What the models of tables (labrig.config.derived) have beside the fields, as pydantic's
-# `model_...`.
-OF_A_TABLE = frozenset(
-    {
-        "construct",
-        "copy",
-        "dict",
-        "former_names",
-        "from_orm",
-        "json",
-        "keys",
-        "parse_file",
-        "parse_obj",
-        "parse_raw",
-        "schema",
-        "schema_json",
-        "settings",
-        "settings_type",
-        "suggestion",
-        "update_forward_refs",
-        "validate",
-        "with_paths_from",
-    }
-)
 _MAX_FAULTS = 5  # that are worth reporting at once
 _BEYOND = {"gt": 0.0, "ge": -1.0, "lt": 0.0, "le": 1.0}  # added to a bound, is out of bounds
 
@@ -112,7 +89,7 @@ def _owner(name: str, contract: type) -> str:
     """Return who uses an attribute of this name itself; empty: a field may have it."""
     if name == "name" or hasattr(contract, name):
         return contract.__name__
-    return "every table" if name in OF_A_TABLE or name.startswith(("_", "model_")) else ""
+    return "every table" if is_reserved(name) else ""
 
 
 def _missing_bounds(field: Field[Any], hint: Any) -> Iterator[str]:

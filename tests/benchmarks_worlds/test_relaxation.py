@@ -6,6 +6,7 @@ That world is sealed. Nothing here names what it hides beyond the catalogue.
 from __future__ import annotations
 
 import csv
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -24,11 +25,13 @@ from benchmarks.worlds.generators._relaxation_shape import Held, contact_m, draw
 from benchmarks.worlds.generators._relaxation_strip import Lanes, Setting, Strip
 from benchmarks.worlds.generators.relaxation import WORLD
 from benchmarks.worlds.session.layout import Run
+from model.measurements import FloatArray
 
 pytestmark = pytest.mark.thorough
 
 REFERENCE = Path(__file__).parents[1] / "data" / "reference"
 R, B = 40e-3, 1.27e-6
+Rest = Callable[[FloatArray], FloatArray]  # curvature at rest along the sheet
 FEW = Design(positions_m={"long": (0.0, 0.025), "short": (0.0, 0.025)}, readings=2)
 
 
@@ -40,7 +43,7 @@ def rows(name: str) -> list[dict[str, float]]:
         ]
 
 
-def strip(length_m: float, rest=np.zeros_like) -> Strip:  # type: ignore[no-untyped-def]
+def strip(length_m: float, rest: Rest = np.zeros_like) -> Strip:
     nodes = np.linspace(0.0, length_m, 1001)
     return Strip(
         name="exact", length_m=length_m, elongation_m=0.0 if length_m > R else 60e-3, radius_m=R,
@@ -76,7 +79,7 @@ def test_contacts_of_constant_curvature_are_exact(length_mm: float) -> None:
 def test_contacts_of_varying_curvature_are_exact() -> None:
     for r in rows("v_varying_kappa_contact_R40mm.csv"):
 
-        def rest(s, r=r):  # type: ignore[no-untyped-def]
+        def rest(s: FloatArray, r: dict[str, float] = r) -> FloatArray:
             k = r["A_1_per_mm"] * np.exp(-s * 1e3 / r["lambda_mm"]) + r["k0_1_per_mm"]
             return 1e3 * (k + r["k1_1_per_mm2"] * s * 1e3)
 

@@ -4,8 +4,8 @@ The scatter of stiffness, EIBM, place on the arc and zero of the load cell is es
 data, and so is that of the EIBM from one condition of a set-up to the next. So what is another one
 in each of them, without an order that a nonparametric term describes, is taken up by it. Where it
 is many times as large as usual, a term in which each has an amount of its own competes at the usual
-scatter. How well camera and sheet come back to their places is a matter of the rig: of these
-nothing is usual.
+scatter; so does a force that wanders slowly in each run. How well camera and sheet come back to
+their places is a matter of the rig: of these nothing is usual.
 """
 
 from __future__ import annotations
