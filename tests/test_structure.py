@@ -18,9 +18,10 @@ PACKAGES = ("labrig", "drivers", "protocols", "model", "sim_hardware")
 KINDS = (ast.Import, ast.ImportFrom, ast.Call, ast.ClassDef)
 MOST_MODULES = 15
 MOST_POSITIONAL = 7
-# (folder, most direct children, most imports between them)
+# (folder, most direct children, most imports between them, but for `plugins`, which each kind of
+# part needs)
 FOLDERS = [
-    ("model", 12, 37),
+    ("model", 12, 33),
     ("labrig/vision", 16, 55),
     ("labrig/report", 16, 55),
     ("labrig/panel", 16, 55),
@@ -46,6 +47,7 @@ PLUGIN_FOLDERS = {
     "model/dynamics/models",
     "model/discrepancy/criticism/kinds",
     "model/discrepancy/data_checks/kinds",
+    "model/identification/reading_patterns/kinds",
     "sim_hardware/families",
     "sim_hardware/ni/boards",
     "sim_hardware/serial_devices",
@@ -135,7 +137,7 @@ def test_the_parts_of_a_folder_are_few_and_loosely_tied(folder, most_children, m
         (child[name], child[other])
         for name in inside
         for other in imports()[name]
-        if other in child and child[other] != child[name]
+        if other in child and child[other] not in (child[name], "plugins")
     }
     assert len(set(child.values())) <= most_children
     assert len(ties) <= most_imports

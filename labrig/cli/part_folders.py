@@ -17,6 +17,7 @@ PREFIX = "labrig."
 FOLDERS = {
     "effects": "model.effects.catalogue:FOLDER",
     "locations": "model.locations.catalogue:FOLDER",
+    "reading_patterns": "model.identification.reading_patterns.catalogue:FOLDER",
     "dynamic_models": "model.dynamics.models.catalogue:FOLDER",
     "data_checks": "model.discrepancy.data_checks.catalogue:FOLDER",
     "verdict_checks": "model.discrepancy.criticism.catalogue:FOLDER",

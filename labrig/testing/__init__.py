@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from labrig.testing.conformance import positioner_kind_faults as positioner_kind_faults
     from labrig.testing.conformance import protocol_faults as protocol_faults
     from labrig.testing.conformance import read_back_faults as read_back_faults
+    from labrig.testing.conformance import reading_pattern_faults as reading_pattern_faults
     from labrig.testing.conformance import rescue_faults as rescue_faults
     from labrig.testing.conformance import section_content_faults as section_content_faults
     from labrig.testing.conformance import section_faults as section_faults
@@ -83,6 +84,7 @@ _HOMES = {
         "positioner_kind_faults",
         "protocol_faults",
         "read_back_faults",
+        "reading_pattern_faults",
         "rescue_faults",
         "strip_fact_faults",
         "timed_output_faults",

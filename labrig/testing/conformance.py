@@ -49,6 +49,7 @@ from labrig.vision.facts.conformance import faults as strip_fact_faults
 from model.discrepancy.criticism.conformance import faults as verdict_check_faults
 from model.discrepancy.data_checks.conformance import faults as data_check_faults
 from model.dynamics.models.conformance import faults as dynamic_model_faults
+from model.identification.reading_patterns.conformance import faults as reading_pattern_faults
 from model.locations.conformance import faults as location_faults
 from sim_hardware.families.contract import faults as simulated_family_faults
 from sim_hardware.ni.boards import faults as simulated_board_faults
@@ -81,6 +82,7 @@ __all__ = [
     "positioner_kind_faults",
     "protocol_faults",
     "read_back_faults",
+    "reading_pattern_faults",
     "rescue_faults",
     "section_content_faults",
     "section_faults",

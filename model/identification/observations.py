@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from model.identification.curve_smoothing import SmoothCurve, smooth
+from model.identification.data.curve_smoothing import SmoothCurve, smooth
 from model.identification.likelihood.configuration.stacked_curves import PAST_THE_END
 from model.measurements import (
     Condition,

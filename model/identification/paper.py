@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.identification.curve_smoothing import SmoothCurve, touch
+from model.identification.data.curve_smoothing import SmoothCurve, touch
 from model.identification.observations import Observation, Observed
 from model.measurements import FloatArray, ModelError
 from model.mechanics.field import Field

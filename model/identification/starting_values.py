@@ -8,7 +8,7 @@ from contextlib import suppress
 import numpy as np
 
 from model.identification.base_model import weighs
-from model.identification.curve_smoothing import smooth
+from model.identification.data.curve_smoothing import smooth
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.drive_rise import RISE
 from model.identification.likelihood.forward_model import ForwardModel

@@ -16,7 +16,6 @@ FEW_NODES, FEW_WAVES, WAVES = 8, 3, 9  # waves along a sheet of few nodes, and o
 SPANS_S = {
     "session": (1.0, "of the session"), "run": (20.0, "s into the run"),
     "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
-    "dropouts": (1.0, "of the session"),
 }  # fmt: skip
 LEAST_BENDING_PER_M = 1e-6
 # parts that several functions make up together
@@ -204,9 +203,6 @@ def beam_step(at: Linearised, changed: BeamProblem) -> Perturbation:
     return step
 
 
-def time_span(at: Linearised, part: str) -> tuple[float, float, str]:
+def time_span(part: str) -> tuple[float, float, str]:
     """Return the ends and the unit of the time that a part is named after: "EIBM, run"."""
-    during = part.rpartition(", ")[2]
-    if during == "period" and at.periodic is not None:
-        return 0.0, at.periodic.period_s, f"s into the period of {at.periodic.period_s:.3g} s"
-    return 0.0, *SPANS_S[during]
+    return 0.0, *SPANS_S[part.rpartition(", ")[2]]

@@ -154,7 +154,7 @@ class Camera(Location):
             step = at.nothing()
             step.points_m = off * along_normal
             yield Basis(
-                part=part, along="time", function=course, unit="mm", span=time_span(at, part),
+                part=part, along="time", function=course, unit="mm", span=time_span(part),
                 step=step, shared=True, alone=True,
             )  # fmt: skip
 

@@ -117,25 +117,11 @@ class Basis:
     shows: str = ""
 
 
-class Periodic(Protocol):
-    """A period that the readings have in common."""
-
-    @property
-    def what(self) -> str:
-        """Return `force` or `EIBM`."""
-
-    @property
-    def period_s(self) -> float:
-        """Return its length."""
-
-    def phase(self, clock: AcquisitionTimes) -> FloatArray:
-        """Return the phase at these times, in periods."""
-
-
 @dataclass(frozen=True, kw_only=True)
 class Linearised:
     """One configuration at the point about which the data are linear: what `bases` works on."""
 
+    configuration: str
     beam: BeamProblem
     contact: ContactSolution
     weighed: LoadCellInput  # of the readings
@@ -155,9 +141,6 @@ class Linearised:
     bin_clock: AcquisitionTimes  # parts of the pulses (m,)
     bin_sample: AcquisitionTimes  # the sampling points of the same pulses (m,)
     bin_mean: Function  # mean over the pulses, (m,) to (b,)
-    periodic: Periodic | None
-    # (n,) readings in which a part of the EIBM is missing at once
-    dropped: npt.NDArray[np.bool_]
     nothing: Callable[[], Perturbation]  # a change of nothing
     change: Callable[[BeamProblem], FloatArray]  # from `beam` to another one, as in a Perturbation
 

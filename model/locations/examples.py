@@ -188,7 +188,7 @@ def example_linearised() -> Linearised:
         has_curve=np.ones(7, dtype=bool), positions_m=(0.005, 0.025), pictured=((0.0, 1.0),),
         forces_N=(-3e-3, 3e-3),
         bent_per_m=25.0, scale=RigScale(),
-        bin_clock=pulse, bin_sample=pulse, bin_mean=np.asarray, periodic=None, dropped=of % 2 == 1,
+        bin_clock=pulse, bin_sample=pulse, bin_mean=np.asarray, configuration="long",
         nothing=nothing,
         change=change,
     )  # fmt: skip

@@ -12,7 +12,6 @@ from model.locations.basis import (
     cosine_wave,
     perturbation,
     polynomial,
-    sinusoids,
     time_span,
 )
 from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
@@ -20,7 +19,6 @@ from model.locations.quantities import LoadCellInput
 from model.measurements import FloatArray
 
 AMPLITUDE_MN = 0.2
-PERIODIC_MN = 2.0
 GAIN = 0.1  # relative
 DEGREES = range(6)  # of the force: a curve of response may have a zero of its own
 WAVES_IN_SESSION = 8
@@ -88,13 +86,9 @@ class LoadCell(Location):
             )
             yield Basis(
                 part="gain, session", along="time", function=gain.function, unit="relative",
-                span=time_span(at, "gain, session"), step=perturbation(self, at, gain),
+                span=time_span("gain, session"), step=perturbation(self, at, gain),
                 shared=True, term=gain, alone=True,
             )  # fmt: skip
-        if at.periodic is not None and at.periodic.what == "force":
-            phase = at.periodic.phase(at.clock)
-            for wave in sinusoids(PERIODIC_MN * at.scale.force):
-                yield self._added(at, wave, wave(phase), part="force, period", along="time")
 
     def _added(
         self, at: Linearised, function: Function, added_mN: FloatArray, *, part: str, along: str,
@@ -104,7 +98,7 @@ class LoadCell(Location):
         step = at.nothing()
         step.force_N = 1e-3 * added_mN
         low, high = at.positions_m
-        span = (1e3 * low, 1e3 * high, "mm") if along == "position" else time_span(at, part)
+        span = (1e3 * low, 1e3 * high, "mm") if along == "position" else time_span(part)
         return Basis(
             part=part, along=along, function=function, unit=self.unit, span=span, step=step,
             shared=True, term=term, alone=alone,

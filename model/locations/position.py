@@ -115,7 +115,7 @@ class Position(Location):
             moved = np.bincount(at.reading_of, at.beam.share * wave(t), len(at.beam.voltage_V))
             other = replace(at.beam, shift_m=at.beam.shift_m + 1e-3 * moved)
             yield Basis(
-                part=part, along="time", function=wave, unit=self.unit, span=time_span(at, part),
+                part=part, along="time", function=wave, unit=self.unit, span=time_span(part),
                 step=beam_step(at, other), shared=True, alone=True,
             )  # fmt: skip
 

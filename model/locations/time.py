@@ -12,7 +12,6 @@ from model.locations.basis import (
     beam_step,
     cosine_wave,
     decay,
-    sinusoids,
     time_span,
 )
 from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
@@ -76,34 +75,30 @@ class Time(Location):
                 for j in range(1, WAVES[during] + 1):
                     yield from self._slow(at, cosine_wave(j, AMPLITUDE), t, during)
         yield from self._train(at)
-        yield from self._period(at)
-        yield from self._dropouts(at)
         yield from self._pulse(at)
 
     def _slow(self, at: Linearised, wave: Function, t: FloatArray, during: str) -> Iterator[Basis]:
         course, nothing = wave(t), at.nothing
-        yield self._basis(at, wave, f"EIBM, {during}", replace(nothing(), eibm=course * _on(at)))
-        yield self._basis(at, wave, f"stiffness, {during}", replace(nothing(), stiffness=course))
+        yield self._basis(wave, f"EIBM, {during}", replace(nothing(), eibm=course * _on(at)))
+        yield self._basis(wave, f"stiffness, {during}", replace(nothing(), stiffness=course))
         if during == "session":
             yield from self._set_up(at, wave)
             return
         force_mN = FORCE_MN * at.scale.force
         force = replace(nothing(), force_N=1e-3 * force_mN * course)
-        yield self._basis(at, _times(force_mN, wave), f"force, {during}", force, "mN")
+        yield self._basis(_times(force_mN, wave), f"force, {during}", force, "mN")
         stress = replace(nothing(), force_N=at.force_at_0V_N[at.reading_of] * course)
-        yield self._basis(at, wave, f"stress, {during}", stress)
+        yield self._basis(wave, f"stress, {during}", stress)
 
     def _set_up(self, at: Linearised, wave: Function) -> Iterator[Basis]:
         """Return a course of the clamp, and of the initial curvature: a sheet that dries curls."""
         course = wave(at.measured_at)
         tilted = replace(at.beam, tilt_rad=at.beam.tilt_rad + TURN_RAD * course)
         step = beam_step(at, tilted)
-        yield self._basis(at, _times(TURN_RAD, wave), "clamp, session", step, "rad")
+        yield self._basis(_times(TURN_RAD, wave), "clamp, session", step, "rad")
         per_m = CURL_PER_M / at.scale.length
         curled = replace(at.beam, rest=at.beam.rest + per_m * course[:, None])
-        one = self._basis(
-            at, _times(per_m, wave), "curvature, session", beam_step(at, curled), "1/m"
-        )
+        one = self._basis(_times(per_m, wave), "curvature, session", beam_step(at, curled), "1/m")
         yield replace(one, alone=True)
 
     def _train(self, at: Linearised) -> Iterator[Basis]:
@@ -124,45 +119,25 @@ class Time(Location):
                 step = replace(
                     at.nothing(), eibm=of_time(at.clock), bin_eibm=_within_pulse(at, of_time)
                 )
-                yield self._basis(at, wave, "EIBM, train", step, under=under)
+                yield self._basis(wave, "EIBM, train", step, under=under)
             step = replace(
                 at.nothing(), stiffness=course(at.clock), bin_stiffness=_within_pulse(at, course)
             )
-            yield self._basis(at, wave, "stiffness, train", step, under="voltage")
-
-    def _period(self, at: Linearised) -> Iterator[Basis]:
-        if at.periodic is None or at.periodic.what != "EIBM":
-            return
-        clocks = (at.clock, at.bin_clock, at.bin_sample)
-        reading, parts, sample = (at.periodic.phase(clock) for clock in clocks)
-        for wave in sinusoids(AMPLITUDE):
-            within = at.bin_mean(wave(parts)) - at.bin_mean(wave(sample))
-            step = replace(at.nothing(), eibm=wave(reading) * _on(at), bin_eibm=within)
-            yield self._basis(at, wave, "EIBM, period", step)
-
-    def _dropouts(self, at: Linearised) -> Iterator[Basis]:
-        if not np.any(at.dropped):
-            return
-        missing = cosine_wave(0, AMPLITUDE)
-        share = missing(np.zeros(len(at.dropped))) * at.dropped
-        one = self._basis(at, missing, "EIBM, dropouts", replace(at.nothing(), eibm=share))
-        number, of = int(np.sum(at.dropped)), int(np.sum(_on(at)))
-        shows = f": in {number} of {of} readings under voltage a part of the EIBM is missing"
-        yield replace(one, shows=shows)
+            yield self._basis(wave, "stiffness, train", step, under="voltage")
 
     def _pulse(self, at: Linearised) -> Iterator[Basis]:
         t = np.clip(at.bin_clock.pulse_s / SPANS_S["pulse"][0], 0.0, 1.0)
         for j in range(WAVES_IN_PULSE):
             wave = cosine_wave(j, AMPLITUDE)
             step = replace(at.nothing(), bin_eibm=at.bin_mean(wave(t)))
-            yield self._basis(at, wave, "EIBM, pulse", step)
+            yield self._basis(wave, "EIBM, pulse", step)
 
     def _basis(
-        self, at: Linearised, function: Function, part: str, step: Perturbation, unit: str = "",
+        self, function: Function, part: str, step: Perturbation, unit: str = "",
         under: str = "",
     ) -> Basis:  # fmt: skip
         adds, _, during = part.partition(", ")
-        span, along = time_span(at, part), ALONG.get(during)
+        span, along = time_span(part), ALONG.get(during)
         term = along and BasisTerm(
             along=along, function=function, low=0.0, high=span[1], adds=adds, under=under
         )

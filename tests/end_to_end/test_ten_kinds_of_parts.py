@@ -64,6 +64,8 @@ PARTS = [
             shown("howto/extending.md", "An effect that depends on the solution")),
     Example("cell_scale", "model/locations", "locations", "LOCATION",
             shown("howto/extending.md", "A location of discrepancy")),
+    Example("pump", "model/identification/reading_patterns/kinds", "reading_patterns", "PATTERN",
+            shown("howto/extending.md", "A pattern in the readings")),
     Example("pico", "drivers/boards", "boards", "BOARDS", device("BOARDS", "PICO")),
     Example("usb_6001", "sim_hardware/ni/boards", "simulated_boards", "BOARD",
             shown("howto/extending.md", "A simulated board")),

@@ -33,6 +33,7 @@ KINDS = [
     "page_faults",
     "positioner_kind_faults",
     "protocol_faults",
+    "reading_pattern_faults",
     "section_faults",
     "simulated_board_faults",
     "simulated_family_faults",

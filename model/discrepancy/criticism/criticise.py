@@ -11,7 +11,7 @@ import numpy as np
 from model.discrepancy.criticism.catalogue import origins, verdict_checks
 from model.discrepancy.criticism.check_result import CheckResult, Consequence, Failure
 from model.discrepancy.criticism.named_model import NamedModel
-from model.discrepancy.foreign_checks import answers_of
+from model.identification.foreign_parts import answers_of
 
 _RIVALS = (Consequence.EQUIVALENCE_CLASS, Consequence.INDISTINGUISHABLE)
 

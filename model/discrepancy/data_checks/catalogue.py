@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache, partial
 
 from model.discrepancy.data_checks.contract import Change, DataCheck, Suspicion
-from model.discrepancy.foreign_checks import answers_of
+from model.identification.foreign_parts import answers_of
 from model.measurements import Measurements
 from model.plugins import OWN, Part, PluginFolder
 

@@ -13,10 +13,10 @@ from functools import partial
 
 import numpy as np
 
-from model.discrepancy.foreign_checks import answers_of
 from model.discrepancy.thresholds import BOUNDS_FACTOR, FURTHER_NAME_LN, UNEXPECTED_SIGN_LN
 from model.effects.catalogue import origins
 from model.effects.interface import Effect, EffectParameter, Values
+from model.identification.foreign_parts import answers_of
 from model.identification.likelihood.form_ways import atoms
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Linearisation

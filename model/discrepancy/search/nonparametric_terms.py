@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import chain
 
 import numpy as np
 
@@ -69,7 +70,9 @@ def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
     forward, result = fitted.problem.forward, dict[tuple[str, int, str], BasisShape]()
     for c, state in enumerate(fitted.linear.states):
         configuration, counts = forward.names[c], dict[str, int]()
-        bases = list(location(name).bases(linearised(fitted, c)))
+        at = linearised(fitted, c)
+        patterns = (one.bases(at) for one in forward.patterns if one.location == name)
+        bases = [*location(name).bases(at), *chain.from_iterable(patterns)]
         if not bases:
             continue
         every = forward.rows_of_each(c, state, [basis.step for basis in bases])
@@ -174,7 +177,7 @@ def linearised(fitted: MixedModelFit, c: int) -> Linearised:
         forces_N=_force_range_N(forward),
         bent_per_m=_most_bent_per_m(fitted), scale=forward.scale,
         bin_clock=block.bin_clock, bin_sample=block.bin_sample,
-        bin_mean=block.bin_mean, periodic=forward.periodic_term, dropped=forward.dropped[c],
+        bin_mean=block.bin_mean, configuration=forward.names[c],
         nothing=lambda: forward.blank_step(c),
         change=lambda other: configuration_model.change(state.beam, other, state.solved.contact),
     )  # fmt: skip

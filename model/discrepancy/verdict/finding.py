@@ -89,6 +89,7 @@ from model.identification.data.outlier_readings import left_out_readings
 from model.identification.likelihood.mixed_model import weigh
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.random_effects import ASSUMED
+from model.identification.reading_patterns import origins as origins_of_patterns
 from model.locations import origins as origins_of_locations
 from model.measurements import Measurements, ModelError
 
@@ -195,7 +196,12 @@ class Finding:
                 *open_answers(open_still, named),
             ),
             model=self.written.model,
-            plugins={**origins_of_locations(), **origins_of_effects(), **origins_of_checks()},
+            plugins={
+                **origins_of_locations(),
+                **origins_of_patterns(),
+                **origins_of_effects(),
+                **origins_of_checks(),
+            },
             base=base_parameters(reported),
             checks=decision.criticism.results,
             choice_sets=decision.choice_sets,

@@ -9,12 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.identification.data.acquisition_times import run_key
-from model.identification.data.dropouts import (
-    PER_MAD,
-    ReadingsOfCondition,
-    dropouts_in,
-    off_line,
-)
+from model.identification.data.robust_line import off_line, robust_sd
+from model.identification.reading_patterns.catalogue import not_outliers
+from model.identification.reading_patterns.contract import ReadingsOfCondition
 from model.measurements import (
     Condition,
     Measurements,
@@ -64,8 +61,7 @@ def without_outliers(measurements: Measurements) -> WithoutOutliers:
 
     They are compared with a robust line in time, so that a drift is none, and with the noise of
     their own condition and of all conditions: both must be exceeded. What many conditions have at
-    the same place, as the first pulses may, is no outlier, nor what lacks the same share of the
-    EIBM as others do.
+    the same place, as the first pulses may, is no outlier, nor what is a pattern in the readings.
     """
     noise_N = _noise_N(measurements)
     least_N = LEAST_N * scale_of_measurements(measurements).force
@@ -73,11 +69,10 @@ def without_outliers(measurements: Measurements) -> WithoutOutliers:
     asked = sum(len(_ordered(one)) >= FEWEST for one in measurements.conditions)
     times = Counter(place for own in wild for place in own)
     usual = {place for place, count in times.items() if count > max(2, SAME_PLACE_SHARE * asked)}
-    alike = dropouts_in(_readings_of(measurements.conditions))
-    dropped = alike.which if alike else [np.zeros(0, dtype=bool)] * len(wild)
+    alike = not_outliers(_readings_of(measurements.conditions))
     wild = [
         own - usual - set(np.flatnonzero(those).tolist())
-        for own, those in zip(wild, dropped, strict=True)
+        for own, those in zip(wild, alike, strict=True)
     ]
     if not any(wild):
         return WithoutOutliers(measurements, 0, ())
@@ -132,7 +127,7 @@ def _wild(one: Condition, noise_N: float, least_N: float) -> set[int]:
     if len(readings) < FEWEST or not noise_N:
         return set()
     off = off_line(np.array([r.force_N for r in readings]))
-    own_N = PER_MAD * float(np.median(np.abs(off)))
+    own_N = robust_sd(off)
     far = np.abs(off) > SIGMA * max(noise_N, own_N, least_N)
     return set() if far.sum() > MOST_SHARE * len(readings) else set(np.flatnonzero(far).tolist())
 
@@ -141,7 +136,7 @@ def _noise_N(measurements: Measurements) -> float:
     """Return the standard deviation of a reading, from all conditions; 0: not known."""
     every = [_ordered(one) for one in measurements.conditions]
     off = [off_line(np.array([r.force_N for r in one])) for one in every if len(one) >= FEWEST]
-    return PER_MAD * float(np.median([np.median(np.abs(one)) for one in off])) if off else 0.0
+    return float(np.median([robust_sd(one) for one in off])) if off else 0.0
 
 
 def _ordered(one: Condition) -> list[Reading]:

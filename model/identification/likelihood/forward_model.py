@@ -10,8 +10,6 @@ import numpy as np
 from model.effects.interface import BeamProblem, ContactSolution, Effect, ImagePoints, Values
 from model.effects.rise import rise_left
 from model.identification.data.data_vector import DataVector
-from model.identification.data.dropouts import dropped_readings
-from model.identification.data.periodic_terms import LEAST_N, PeriodicTerm, periodic_term_in
 from model.identification.likelihood.contact_solution import (
     ConfigurationModel,
     SolvedConditions,
@@ -31,6 +29,8 @@ from model.identification.likelihood.time_courses import (
     modes_in_images,
     of_free_shapes,
 )
+from model.identification.reading_patterns.catalogue import patterns_in
+from model.identification.reading_patterns.contract import FoundPattern
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray, RigScale, length_scale, scale_of
 from model.mechanics.field import Field
@@ -61,7 +61,7 @@ class ForwardModel:
     def __init__(
         self, data_vectors: list[DataVector], rests: list[Field], like: ForwardModel | None = None
     ) -> None:
-        """With the periodic term of another one, whose data are a part of these."""
+        """With the patterns in the readings of another one, of the same session."""
         self.data_vectors = data_vectors
         self.configuration_models = [
             ConfigurationModel(one, rest) for one, rest in zip(data_vectors, rests, strict=True)
@@ -70,13 +70,11 @@ class ForwardModel:
         self.names = [one.sheet.configuration for one in data_vectors]
         self.scale: RigScale = like.scale if like is not None else _scale(data_vectors)
         self._nothing: dict[int, Perturbation] = {}
-        self.periodic_term: PeriodicTerm | None = (
-            periodic_term_in(data_vectors, LEAST_N * self.scale.force)
+        self.patterns: tuple[FoundPattern, ...] = (
+            patterns_in(data_vectors, self.scale)
             if like is None
-            else like.periodic_term
+            else tuple(one.in_other_data(data_vectors) for one in like.patterns)
         )
-        # by configuration: which of the readings (n,) lack a part of the EIBM
-        self.dropped = dropped_readings(data_vectors)
         # by configuration: change of the rows (N,) where data at rest are those of a sheet in
         # motion less what dynamics explain, for each metre of its contacts along the arc
         self.in_motion: dict[int, FloatArray] = {}

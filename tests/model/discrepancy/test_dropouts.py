@@ -11,14 +11,15 @@ from benchmarks.wordings import Wording, worded
 from benchmarks.worlds.cases import Task, made
 from model.discrepancy import diagnose
 from model.identification.data.data_vector import data_vector_of
-from model.identification.data.dropouts import dropped_readings
 from model.identification.data.outlier_readings import without_outliers
+from model.identification.reading_patterns.kinds.dropouts import dropped_readings
 from model.measurements import Condition, Measurements
 from tests.model.discrepancy.sessions import session
 
 
 def found(m: Measurements) -> int:
-    return int(sum(map(np.sum, dropped_readings([data_vector_of(m, name) for name in m.sheets]))))
+    dropped = dropped_readings([data_vector_of(m, name) for name in m.sheets])
+    return int(sum(map(np.sum, dropped.values())))
 
 
 def with_dropouts(m: Measurements, missing: float, chance: float = 0.15) -> Measurements:

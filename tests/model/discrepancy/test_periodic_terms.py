@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from model.identification.data.data_vector import data_vector_of
-from model.identification.data.periodic_terms import (
+from model.identification.reading_patterns.contract import ReadingsOf
+from model.identification.reading_patterns.kinds.periodic import (
     PeriodicTerm,
     cosine,
     cosines_and_sines,
@@ -82,15 +83,19 @@ def test_an_eibm_that_breathes_is_seen_in_the_curves_where_the_forces_do_not_sho
 
 
 def test_what_a_wave_adds_to_the_force():
-    clock = data_vector_of(session(), "long").seen[0].clock
+    one = data_vector_of(session(), "long").seen[0]
+    clock = one.clock
     wave = PeriodicTerm(
         what="force", period_s=2.0, since="run", session_s=100.0, amplitudes=(3e-4, 4e-4)
     )
     phase = np.pi * clock.run_s
-    np.testing.assert_allclose(
-        wave.added_N(clock), 3e-4 * np.cos(phase) + 4e-4 * np.sin(phase), atol=1e-12
-    )
-    assert replace(wave, what="EIBM").added_N(clock) == 0.0
+    readings = ReadingsOf(
+        configuration="long", force_N=one.force_N, clock=clock,
+        reading_of=np.zeros(len(one.force_N), dtype=np.int64),
+    )  # fmt: skip
+    added_N = one.force_N - wave.without(readings)
+    np.testing.assert_allclose(added_N, 3e-4 * np.cos(phase) + 4e-4 * np.sin(phase), atol=1e-12)
+    assert np.array_equal(replace(wave, what="EIBM").without(readings), one.force_N)
 
 
 @pytest.mark.thorough

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from model.identification.data.data_vector import DataVector, Index
-from model.identification.data.dropouts import without_dropouts
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.random_effects import USUAL, NoisePriors, constant_groups
 from model.identification.likelihood.row_index import RowBlock
+from model.identification.reading_patterns.contract import FoundPattern, ReadingsOf
 from model.measurements import FloatArray, RigScale
 
 LEAST_MODE_M = 1e-7
@@ -54,18 +54,14 @@ def noise_of(forward: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
     N, scale = forward.row_index.size, forward.scale
     priors = priors.at_scale(scale)
     fixed, kinds = np.zeros(N), list[_Kind]()
-    for name, block, configuration_model, data_vector, dropped in zip(
+    for name, block, configuration_model, data_vector in zip(
         forward.names,
         forward.row_index.blocks,
         forward.configuration_models,
         forward.data_vectors,
-        forward.dropped,
         strict=True,
     ):
-        periodic_N = (
-            0.0 if forward.periodic_term is None else forward.periodic_term.added_N(block.clock)
-        )
-        reading_N = without_dropouts(block.measured_N - periodic_N, block.reading_of, dropped)
+        reading_N = _without_patterns(forward.patterns, name, block)
         kinds += _kinds(name, block, configuration_model, data_vector, reading_N, priors, scale)
     masks = []
     for kind in kinds:
@@ -79,6 +75,19 @@ def noise_of(forward: ForwardModel, priors: NoisePriors = USUAL) -> RowNoise:
         levels=_levels(kinds, priors.curve_unsure),
         random_effects=priors.random_effects, constant=constant_groups(forward, priors),
     )  # fmt: skip
+
+
+def _without_patterns(patterns: Sequence[FoundPattern], name: str, block: RowBlock) -> FloatArray:
+    """Return the forces of a configuration's readings without what they have in common, (n,)."""
+    readings = ReadingsOf(
+        configuration=name,
+        force_N=block.measured_N,
+        clock=block.clock,
+        reading_of=block.reading_of,
+    )
+    for pattern in patterns:
+        readings = replace(readings, force_N=pattern.without(readings))
+    return readings.force_N
 
 
 def _levels(kinds: Sequence[_Kind], unsure: float) -> list[tuple[Index, float]]:

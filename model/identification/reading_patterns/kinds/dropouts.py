@@ -8,17 +8,21 @@ same share of what the EIBM adds. Noise does not agree on that, and has no reaso
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from model.measurements import FloatArray
-
-if TYPE_CHECKING:
-    from model.identification.data.data_vector import ConditionData, DataVector
+from model.identification.data.data_vector import ConditionData, DataVector, Which
+from model.identification.data.robust_line import off_line, robust_sd
+from model.identification.reading_patterns.contract import (
+    ReadingPattern,
+    ReadingsOf,
+    ReadingsOfCondition,
+)
+from model.locations.basis import cosine_wave
+from model.locations.contract import Basis, Linearised
+from model.measurements import FloatArray, RigScale
 
 FEWEST = 6  # dropouts
 LEAST_SHARE, MOST_SHARE = 0.03, 0.3  # of the readings under voltage, and of those of a condition
@@ -29,21 +33,63 @@ ONE_SIDE = 0.9  # share of those that stand apart that lack EIBM
 SPREAD = 0.4  # robust standard deviation of the missing share, over the share
 LESS_AT_REST = 0.25  # readings that stand apart at 0 V, over those under voltage, at most
 SAME_PLACE_SHARE = 0.5  # of the conditions: more at the same place of the order are a transient
-PER_MAD = 1.4826  # standard deviation of Gaussian noise over its median absolute deviation
-
-Which = npt.NDArray[np.bool_]
 
 
-@dataclass(frozen=True, kw_only=True)
-class ReadingsOfCondition:
-    """The readings of a condition in time order, and what the EIBM adds to them."""
-
-    force_N: FloatArray  # (n,)
-    by_eibm_N: float  # mean less that at 0 V in the same run; 0: at 0 V; NaN: not known
+AMPLITUDE = 0.1  # relative, of the basis shape
 
 
 @dataclass(frozen=True, kw_only=True)
-class Dropouts:
+class FoundDropouts:
+    """Dropouts of a session."""
+
+    dropped: Mapping[str, Which]  # by configuration, its readings (n,)
+    location: str = "time"
+
+    def without(self, readings: ReadingsOf) -> FloatArray:
+        """Return the forces with the dropouts of each condition moved onto its other readings."""
+        values, dropped = readings.force_N, self.dropped[readings.configuration]
+        result = values.copy()
+        for k in np.unique(readings.reading_of[dropped]):
+            own = readings.reading_of == k
+            result[own & dropped] += values[own & ~dropped].mean() - values[own & dropped].mean()
+        return result
+
+    def bases(self, at: Linearised) -> Iterator[Basis]:
+        """Return one: how much of the EIBM they lack."""
+        dropped = self.dropped[at.configuration]
+        if not np.any(dropped):
+            return
+        constant = cosine_wave(0, AMPLITUDE)
+        share = constant(np.zeros(len(dropped))) * dropped
+        number, of = int(np.sum(dropped)), int(np.sum(at.clock.voltage_V != 0.0))
+        yield Basis(
+            part="EIBM, dropouts", along="time", function=constant, unit="relative",
+            span=(0.0, 1.0, "of the session"), step=replace(at.nothing(), eibm=share), shared=True,
+            shows=f": in {number} of {of} readings under voltage a part of the EIBM is missing",
+        )  # fmt: skip
+
+    def in_other_data(self, data_vectors: Sequence[DataVector]) -> FoundDropouts:
+        """See `FoundPattern.in_other_data`."""
+        return replace(self, dropped=dropped_readings(data_vectors))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dropouts(ReadingPattern):
+    """Readings in which a part of the EIBM is missing at once."""
+
+    def found_in(self, data_vectors: Sequence[DataVector], scale: RigScale) -> FoundDropouts | None:  # noqa: ARG002
+        """See `ReadingPattern.found_in`."""
+        dropped = dropped_readings(data_vectors)
+        return FoundDropouts(dropped=dropped) if any(map(np.any, dropped.values())) else None
+
+    def not_outliers(self, conditions: Sequence[ReadingsOfCondition]) -> list[Which]:
+        """See `ReadingPattern.not_outliers`."""
+        found = dropouts_in(conditions)
+        return super().not_outliers(conditions) if found is None else found.which
+
+
+@dataclass(frozen=True, kw_only=True)
+class LackingReadings:
     """Readings that lack the same share of the EIBM."""
 
     which: list[Which]  # of each condition, its readings
@@ -51,11 +97,11 @@ class Dropouts:
     noise_N: float  # standard deviation of a reading
 
 
-def dropouts_in(conditions: Sequence[ReadingsOfCondition]) -> Dropouts | None:
+def dropouts_in(conditions: Sequence[ReadingsOfCondition]) -> LackingReadings | None:
     """Return which readings of each condition are dropouts; None: there are none."""
     off = [off_line(one.force_N) for one in conditions]
     asked = [len(one.force_N) >= FEWEST_READINGS for one in conditions]
-    own_N = [PER_MAD * float(np.median(np.abs(o))) for o, a in zip(off, asked, strict=True) if a]
+    own_N = [robust_sd(o) for o, a in zip(off, asked, strict=True) if a]
     noise_N = float(np.median(own_N)) if own_N else 0.0
     if not noise_N:
         return None
@@ -74,17 +120,17 @@ def dropouts_in(conditions: Sequence[ReadingsOfCondition]) -> Dropouts | None:
     if not enough or np.mean(missing > 0.0) < ONE_SIDE:
         return None
     share = float(np.median(missing))
-    if PER_MAD * np.median(np.abs(missing - share)) > SPREAD * share:
+    if robust_sd(missing - share) > SPREAD * share:
         return None
     which = [
         _lacking(off[i], one.by_eibm_N, share, noise_N) if i in driven
         else np.zeros(len(off[i]), dtype=bool)
         for i, one in enumerate(conditions)
     ]  # fmt: skip
-    return Dropouts(which=which, share=share, noise_N=noise_N)
+    return LackingReadings(which=which, share=share, noise_N=noise_N)
 
 
-def dropped_readings(data_vectors: Sequence[DataVector]) -> list[Which]:
+def dropped_readings(data_vectors: Sequence[DataVector]) -> dict[str, Which]:
     """Return for each configuration which of its readings (n,), in their order, are dropouts."""
     seen = [one for data_vector in data_vectors for one in data_vector.seen]
     rest_N = {
@@ -107,14 +153,16 @@ def dropped_readings(data_vectors: Sequence[DataVector]) -> list[Which]:
         for own, one, which, first in zip(flags, seen, found.which, early, strict=True):
             own[one.counts], own[~one.counts] = which, first
     every = iter(flags)
-    return [
-        np.concatenate([np.zeros(0, dtype=bool), *(next(every) for _ in some.seen)])
+    return {
+        some.sheet.configuration: np.concatenate(
+            [np.zeros(0, dtype=bool), *(next(every) for _ in some.seen)]
+        )
         for some in data_vectors
-    ]
+    }
 
 
 def _in_first_pulses(
-    seen: Sequence[ConditionData], kept: Sequence[ReadingsOfCondition], found: Dropouts
+    seen: Sequence[ConditionData], kept: Sequence[ReadingsOfCondition], found: LackingReadings
 ) -> list[Which]:
     """Return which readings of the first pulses lack as much; none where most do: a transient."""
     flags = []
@@ -131,30 +179,8 @@ def _lacking(off: FloatArray, by_eibm_N: float, share: float, noise_N: float) ->
     return np.asarray((by_eibm_N != 0.0) & (-np.sign(by_eibm_N) * off > least_N))
 
 
-def without_dropouts(
-    values: FloatArray, reading_of: npt.NDArray[np.int64], dropped: Which
-) -> FloatArray:
-    """Return values (n,) of readings with the dropouts of each condition moved onto its others."""
-    result = values.copy()
-    for k in np.unique(reading_of[dropped]):
-        own = reading_of == k
-        result[own & dropped] += values[own & ~dropped].mean() - values[own & dropped].mean()
-    return result
-
-
-def off_line(values: FloatArray) -> FloatArray:
-    """Return distances from a robust line (Theil 1950, Sen 1968)."""
-    if len(values) < 2:
-        return np.zeros(len(values))
-    t = np.arange(len(values), dtype=float)
-    i, j = np.triu_indices(len(values), 1)
-    slope = float(np.median((values[j] - values[i]) / (t[j] - t[i])))
-    off = values - slope * t
-    return np.asarray(off - np.median(off))
-
-
 def _apart(off: FloatArray, noise_N: float) -> Which:
-    own_N = PER_MAD * float(np.median(np.abs(off)))
+    own_N = robust_sd(off)
     found = np.abs(off) > SIGMA * max(noise_N, own_N)
     return np.asarray(found if found.mean() <= MOST_SHARE else np.zeros(len(off), dtype=bool))
 
@@ -169,3 +195,8 @@ def _is_random(apart: Sequence[Which]) -> bool:
     """Return whether they do not stand at one place of the order, as those of a transient do."""
     places = Counter(int(i) for one in apart for i in np.flatnonzero(one))
     return max(places.values(), default=0) <= SAME_PLACE_SHARE * len(apart)
+
+
+PATTERN = Dropouts(
+    name="dropouts", meaning="readings that lack the same share of the EIBM", order=20
+)

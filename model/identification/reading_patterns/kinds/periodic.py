@@ -8,15 +8,18 @@ their forces or of how far out their curves are, are no noise, nor a wander, whi
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Literal, get_args
 
 import numpy as np
 
-from model.effects.interface import AcquisitionTimes
 from model.identification.data.data_vector import TRENDS, ConditionData, DataVector, trends
-from model.measurements import Curve, FloatArray
+from model.identification.reading_patterns.contract import ReadingPattern, ReadingsOf
+from model.locations.basis import sinusoids
+from model.locations.contract import Basis, Function, Linearised
+from model.locations.quantities import AcquisitionTimes, Perturbation
+from model.measurements import Curve, FloatArray, RigScale
 
 What = Literal["force", "EIBM"]
 Since = Literal["run", "worked", "session"]
@@ -27,6 +30,7 @@ FEWEST = 40  # numbers in which it is looked for
 FINE, MOST_TRIED = 3, 10_000  # rates tried for each that the readings can tell apart, and in all
 NEAR = 41  # tried once more about the best one
 MORE = 0.01  # of the share that another clock must explain more
+RELATIVE, FORCE_MN = 0.1, 2.0  # amplitudes of the basis shapes
 
 
 def cosine(phase: FloatArray) -> FloatArray:
@@ -66,13 +70,44 @@ class PeriodicTerm:
         """In periods: (n,)."""
         return _seconds(clock, self.since, self.session_s) / self.period_s
 
-    def added_N(self, clock: AcquisitionTimes) -> FloatArray | float:
-        """Return the term's contribution to the force of readings: (n,)."""
+    @property
+    def location(self) -> str:
+        """Return where its basis shapes are."""
+        return "load_cell" if self.what == "force" else "time"
+
+    def without(self, readings: ReadingsOf) -> FloatArray:
+        """Return the forces without what it adds to them; one of the EIBM is left in: (n,) N."""
         if self.what != "force":
-            return 0.0
-        phase = self.phase(clock)
+            return readings.force_N
+        phase = self.phase(readings.clock)
         a, b = self.amplitudes
-        return np.asarray(a * cosine(phase) + b * sine(phase))
+        return np.asarray(readings.force_N - (a * cosine(phase) + b * sine(phase)))
+
+    def bases(self, at: Linearised) -> Iterator[Basis]:
+        """Return a cosine and a sine of the phase."""
+        amplitude = FORCE_MN * at.scale.force if self.what == "force" else RELATIVE
+        for wave in sinusoids(amplitude):
+            yield Basis(
+                part=f"{self.what}, period", along="time", function=wave,
+                unit="mN" if self.what == "force" else "relative",
+                span=(0.0, self.period_s, f"s into the period of {self.period_s:.3g} s"),
+                step=self._step(at, wave), shared=True,
+            )  # fmt: skip
+
+    def _step(self, at: Linearised, wave: Function) -> Perturbation:
+        """Return what a function of the phase changes."""
+        values = wave(self.phase(at.clock))
+        if self.what == "force":
+            return replace(at.nothing(), force_N=1e-3 * values)
+        parts, sample = wave(self.phase(at.bin_clock)), wave(self.phase(at.bin_sample))
+        return replace(
+            at.nothing(), eibm=values * (at.clock.voltage_V != 0.0),
+            bin_eibm=at.bin_mean(parts) - at.bin_mean(sample),
+        )  # fmt: skip
+
+    def in_other_data(self, data_vectors: Sequence[DataVector]) -> PeriodicTerm:  # noqa: ARG002
+        """Return itself: it goes with the clock."""
+        return self
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -230,3 +265,17 @@ def _rates(span_s: float) -> FloatArray:
     fastest, slowest = 1.0 / SHORTEST_S, 1.0 / LONGEST_S
     count = int(np.ceil((fastest - slowest) * span_s * FINE))
     return np.linspace(slowest, fastest, count) if 2 <= count <= MOST_TRIED else np.zeros(0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Periodic(ReadingPattern):
+    """A wave of the forces, or of the EIBM."""
+
+    def found_in(self, data_vectors: Sequence[DataVector], scale: RigScale) -> PeriodicTerm | None:
+        """See `ReadingPattern.found_in`."""
+        return periodic_term_in(data_vectors, LEAST_N * scale.force)
+
+
+PATTERN = Periodic(
+    name="periodic", meaning="what comes again and again, always in the same phase", order=10
+)

@@ -1,0 +1,1 @@
+"""The patterns in readings that labrig knows: a file each, found by its `PATTERN`."""
