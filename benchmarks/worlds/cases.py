@@ -9,7 +9,7 @@ from __future__ import annotations
 import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 
@@ -23,7 +23,9 @@ from model.measurements import Measurements
 SHARES = {"nothing": 0.3, "single": 0.4, "pair": 0.15, "outside": 0.15}
 # asked for by its name alone: single effects whose parameters can be compared with what is told
 CATALOGUE_FORM = "catalogue_form"
-FAMILIES = (*SHARES, CATALOGUE_FORM)
+# likewise: an effect of the catalogue beside something that no catalogue has
+MIXED = "mixed"
+FAMILIES = (*SHARES, CATALOGUE_FORM, MIXED)
 SINGLE_D, PAIR_D, OUTSIDE_D = (8.0, 120.0), (14.0, 60.0), (34.0, 150.0)
 TOLERANCE = 0.15  # of a size found for a wanted d
 PAPER = Design()
@@ -78,13 +80,15 @@ def _hidden(one: World, family: str, i: int, seed: int) -> tuple[tuple[str, floa
     order = np.random.default_rng((seed, len(known)))
     if family == "nothing":
         return ()
-    if family == "pair":
-        pairs = [
+    if family in ("pair", MIXED):
+        beyond = [name for name, kind in one.kinds.items() if kind.known_as is None]
+        pairs = list(product(known, beyond)) if family == MIXED else [
             p for p in combinations(known, 2)
             if one.kinds[p[0]].known_as != one.kinds[p[1]].known_as
         ]  # fmt: skip
         chosen = pairs[order.permutation(len(pairs))[i % len(pairs)]]
-        return tuple((k, spread(i, *PAIR_D, 0.37 * j)) for j, k in enumerate(chosen))
+        limits = (PAIR_D, OUTSIDE_D if family == MIXED else PAIR_D)
+        return tuple((k, spread(i, *limits[j], 0.37 * j)) for j, k in enumerate(chosen))
     kind = known[order.permutation(len(known))[i % len(known)]]
     turn = i // len(known)
     limits = OUTSIDE_D if family == "outside" else SINGLE_D
@@ -120,9 +124,20 @@ def made(task: Task, other: World | None = None) -> Made:
         parts = [
             as_stated(bare, one.measure(task.design, {k: v}, task.seed)) for k, v in sizes.items()
         ]
-    return Made(
-        task, one, sizes, bare, session, yardstick.visible(session, parts, names(one, sizes))
+    visible = yardstick.visible(session, parts, names(one, sizes))
+    if task.family == MIXED:
+        visible = _each_alone(visible, yardstick, parts, names(one, sizes))
+    return Made(task, one, sizes, bare, session, visible)
+
+
+def _each_alone(
+    visible: Visible, yardstick: Yardstick, parts: Sequence[Measurements], both: Sequence[str]
+) -> Visible:
+    """Return what else looks like the effect, and what imitates the other one, each by itself."""
+    effect, other = (
+        yardstick.visible(part, [part], [name]) for part, name in zip(parts, both, strict=True)
     )
+    return replace(visible, near=effect.near, left=other.left, left_tolerant=other.left_tolerant)
 
 
 def as_stated(bare: Measurements, session: Measurements) -> Measurements:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from benchmarks.hidden_effects.records import Record
 from benchmarks.hidden_effects.score import IMITATED
+from benchmarks.worlds.cases import MIXED
 from model.discrepancy.answers.choice_set import NOTHING, UNKNOWN, ChoiceSet
 
 SEEN = 8.0  # sigma, from which on an effect can be seen for sure
@@ -32,7 +33,7 @@ def labelled(record: Record) -> list[Labelled]:
     if record.error or not record.choice_sets or 0.0 < record.d < SEEN:
         return []
     asked = [ChoiceSet.from_json(one) for one in record.choice_sets]
-    further = {NOTHING, UNKNOWN} if record.family == "outside" else {NOTHING}
+    further = {NOTHING, UNKNOWN} if record.family in ("outside", MIXED) else {NOTHING}
     right = _right([one.considered for one in asked], _hidden(record), frozenset(further))
     world = record.key.split(":")[0]
     return [
@@ -43,10 +44,11 @@ def labelled(record: Record) -> list[Labelled]:
 
 def _hidden(record: Record) -> list[frozenset[str]]:
     """Return the right answers about each thing that is hidden."""
-    if record.family == "outside":
-        alike = {n for n, left in record.left_tolerant.items() if left <= IMITATED}
-        return [frozenset({UNKNOWN, *alike})]
-    return [frozenset({name}) for name in record.names]
+    if record.family not in ("outside", MIXED):
+        return [frozenset({name}) for name in record.names]
+    alike = {n for n, left in record.left_tolerant.items() if left <= IMITATED}
+    of_catalogue = [frozenset({name}) for name in record.names[:-1]]
+    return [*of_catalogue, frozenset({UNKNOWN, *alike})]
 
 
 def _right(

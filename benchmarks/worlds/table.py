@@ -14,6 +14,8 @@ from scipy.stats import binom
 
 from benchmarks.hidden_effects.records import Foretold, Name, Record
 from benchmarks.hidden_effects.score import (
+    IMITATED,
+    OUTSIDE_SEEN,
     STANDS_OUT,
     Z90,
     Row,
@@ -29,7 +31,7 @@ from benchmarks.hidden_effects.score import (
     outside,
 )
 from benchmarks.worlds.base_parameters import held
-from benchmarks.worlds.cases import CATALOGUE_FORM, FAMILIES
+from benchmarks.worlds.cases import CATALOGUE_FORM, FAMILIES, MIXED
 from benchmarks.worlds.reliability import Told, reliability
 from model.discrepancy.answers.choice_set import UNKNOWN
 
@@ -49,7 +51,7 @@ def rows(records: Sequence[Record]) -> list[Row]:
     beyond = [r for r in of["outside"] if outside(r)]
     caught = [r for r in beyond if is_unknown(r)]
     found = [r for r in good if r.d >= SEEN and (r.said or is_unknown(r))]
-    judged = [r for r in good if judged_for_confidence(r)]
+    judged = [r for r in good if judged_for_confidence(r) and (r.family != MIXED or mixed(r))]
     return [
         at_most("nothing hidden: something named", 0.01, of["nothing"], lambda r: bool(r.said)),
         at_most("nothing hidden: 'unknown'", 0.01, of["nothing"], is_unknown),
@@ -75,12 +77,33 @@ def rows(records: Sequence[Record]) -> list[Row]:
         at_least("the unknown's location", 0.95, caught, located),
         at_least("the unknown's location among those told", 0.95, caught, located_in_set),
         at_most("in the catalogue, d >= 12: 'unknown'", 0.04, [*single, *pairs], is_unknown),
+        *_mixed([r for r in of[MIXED] if mixed(r)]),
         *_predicted(found),
         *_closed("left-out gap closed, recomputed, median", found),
         coverage([*of["single"], *of[CATALOGUE_FORM]]),
         _base(good),
         _times([r.cpu_s for r in good if not r.error]),
         at_most("refused or failed", 0.0, good, lambda r: bool(r.error)),
+    ]  # fmt: skip
+
+
+def mixed(r: Record) -> bool:
+    """Whether effect and other one can be seen beside each other, and none is imitated."""
+    effect, other = r.truth
+    imitated = min(r.left_tolerant.values(), default=1.0) <= IMITATED
+    return effect.d >= SEEN and other.d >= OUTSIDE_SEEN and clear(r) and not imitated
+
+
+def _mixed(records: Sequence[Record]) -> list[Row]:
+    """An effect (the first that is hidden) beside something that no catalogue has."""
+    caught = [r for r in records if is_unknown(r)]
+    return [
+        at_least("effect and something outside: both, and no more", 0.85, records,
+                 lambda r: r.said == r.names[:1] and is_unknown(r)),
+        at_least("the same: both in the reported set", 0.95, records,
+                 lambda r: {r.names[0], UNKNOWN} <= r.reported_set),
+        at_least("the same: 'unknown'", 0.90, records, is_unknown),
+        at_least("the same: the unknown's location", 0.95, caught, located),
     ]  # fmt: skip
 
 
@@ -91,18 +114,19 @@ def right(r: Record) -> bool:
 
 def located(r: Record) -> bool:
     """Whether the unknown was put where it acts."""
-    return r.unknown is not None and r.unknown.slot in r.truth[0].accepted_slots
+    return r.unknown is not None and r.unknown.slot in r.truth[-1].accepted_slots
 
 
 def located_in_set(r: Record) -> bool:
     """Whether a place where the unknown acts is among those it may be at."""
     told = set() if r.unknown is None else {r.unknown.slot, *r.unknown.slots}
-    return bool(told & {*r.truth[0].accepted_slots})
+    return bool(told & {*r.truth[-1].accepted_slots})
 
 
 def confidently_wrong(r: Record) -> bool:
     """Whether something was named surely that is not there, nor what it may be confused with."""
-    there = {UNKNOWN} if r.family == "outside" else set(r.names)
+    outside_catalogue = {"outside": {UNKNOWN}, MIXED: {*r.names[:1], UNKNOWN}}
+    there = outside_catalogue.get(r.family) or set(r.names)
     return any(n.confidence >= SURE and not _set(n) & there for n in r.named)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.hidden_effects.records import Hid, Name, Record
 from benchmarks.worlds.base_parameters import beside_truth, by_quantity, held, true_values
-from benchmarks.worlds.cases import CATALOGUE_FORM, tasks
+from benchmarks.worlds.cases import CATALOGUE_FORM, MIXED, made, tasks
 from benchmarks.worlds.contract import Design
 from benchmarks.worlds.generators._shooting_specimen import specimens
 from benchmarks.worlds.generators.shooting import WORLD
@@ -68,3 +68,21 @@ def test_a_family_has_the_catalogue_s_own_forms_alone() -> None:
     assert len(found) == 30
     assert all(kinds[t.hidden[0][0]].own_form for t in found)
     assert CATALOGUE_FORM not in {t.family for t in tasks("chain", 30, 4)}
+
+
+def test_a_family_has_an_effect_beside_what_no_catalogue_has() -> None:
+    kinds = world("chain").kinds
+    found = tasks("chain", 30, 4, [MIXED])
+    known = [[kinds[kind].known_as is not None for kind, _ in task.hidden] for task in found]
+    assert known == [[True, False]] * 30
+    assert len({task.hidden[0][0] for task in found}) > 10
+    assert MIXED not in {t.family for t in tasks("chain", 30, 4)}
+
+
+@pytest.mark.slow
+def test_a_mixed_case_is_measured_as_a_whole_and_each_part_by_itself() -> None:
+    (task,) = tasks("chain", 1, 4, [MIXED])
+    one = made(replace(task, hidden=(("heavy", 20.0), ("swinging_zero", 40.0))))
+    assert one.visible.d[0] == pytest.approx(20.0, rel=0.3)
+    assert one.visible.left_tolerant["gravity"] > 0.8  # of what swings: the weight is no part of it
+    assert min(one.visible.near.values()) > 4.0  # of the weight

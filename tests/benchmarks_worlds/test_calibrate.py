@@ -186,6 +186,13 @@ def test_what_no_catalogue_has_is_unknown_or_what_imitates_it():
     assert right(["magnet"], [UNKNOWN], **outside) == [{UNKNOWN, "gravity"}]
 
 
+def test_beside_an_effect_what_no_catalogue_has_is_one_question_more():
+    both = {"family": "mixed", "left_tolerant": {"clamp_angle": 0.1}}
+    assert right(["gravity", "magnet"], ["gravity", UNKNOWN, NOTHING], **both) == [
+        {"gravity"}, {UNKNOWN, "clamp_angle"}, {UNKNOWN, NOTHING},
+    ]  # fmt: skip
+
+
 def test_what_nobody_could_see_and_what_failed_teaches_nothing():
     faint = [replace(record(["gravity"], [NOTHING]).truth[0], d=3.0)]
     assert labelled(record(["gravity"], [NOTHING], truth=faint)) == []

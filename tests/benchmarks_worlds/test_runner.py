@@ -122,6 +122,22 @@ def test_what_is_not_ruled_out_is_in_the_reported_set_and_excuses_no_wrong_name(
     assert confidently_wrong(found)
 
 
+def test_an_effect_beside_something_unknown_is_right_if_both_are_told() -> None:
+    plain = _record(family="mixed")
+    other = replace(plain.truth[0], effect="magnet", d=40.0, accepted_slots=["time", "eibm"])
+    name, unseen = Name("gravity", 0.95, [], 0.0, {}), Unseen("time", "", "time", 0.0)
+    record = replace(plain, truth=[*plain.truth, other])
+    both = replace(record, named=[name], unknown=unseen, verdict="unknown_effect")
+    lost = replace(record, unknown=replace(unseen, slot="gravity"), verdict="unknown_effect")
+    begins = ("effect and something outside: both", "the same: 'unknown'", "the same: the unknown")
+    assert [_value([both, lost], line) for line in begins] == ["50.0%", "100.0%", "50.0%"]
+    faint = replace(both, truth=[plain.truth[0], replace(other, d=20.0)])
+    assert _value([faint], "effect and something outside: both") == "-"
+    assert _value([replace(both, left_tolerant={"gravity": 0.1})], begins[0]) == "-"
+    assert not confidently_wrong(both)
+    assert confidently_wrong(replace(both, named=[replace(name, name="clamp_angle")]))
+
+
 def test_what_an_unknown_may_be_all_the_same_is_in_the_reported_set() -> None:
     unseen = Unseen("eibm", "long", "s", 3.0, confusable_with=["gravity"])
     found = _record(unknown=unseen, verdict="unknown_effect")
