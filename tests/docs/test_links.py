@@ -90,6 +90,19 @@ def _slug(heading: str) -> str:
     return re.sub(r"[^\w\- ]", "", plain.lower()).strip().replace(" ", "-")
 
 
+_PATH = re.compile(
+    r"`((?:benchmarks|docs|drivers|labrig|model|protocols|sim_hardware|tests)/[\w./]+)`"
+)
+YOURS = ("NAME.py", "NAME.json", "triangle.py")  # files that a reader makes
+PAST = ("CHANGELOG.md", "vision_record.md", "worlds_record.md")  # they tell what was
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.name not in PAST], ids=lambda p: p.stem)
+def test_files_that_a_page_names_are_there(page):
+    named = _PATH.findall(page.read_text(encoding="utf-8"))
+    assert [p for p in named if not p.endswith(YOURS) and not (ROOT / p).exists()] == []
+
+
 def test_a_link_to_nowhere_would_be_found():
     assert _LINK.findall("see [here](../nowhere.md#there)") == [("../nowhere.md", "there")]
 
