@@ -82,12 +82,13 @@ def with_alternatives(unknown: Unknown, decision: Decision) -> Unknown:
 def not_ruled_out(decision: Decision, reported: Collection[str]) -> dict[str, float]:
     """Return what may be there, too, or although nothing is reported, with its probability.
 
-    Beside something unknown that is reported nothing else is told: see `with_alternatives`.
+    The answers to questions of something unknown that is reported are told with it: see
+    `with_alternatives`.
     """
-    chances = dict[str, float]()
+    chances, answered = dict[str, float](), set[str]()
     if decision.unknown is not None:
+        chances |= {n: p for n, p in decision.hidden.items() if n not in reported}
         return chances
-    answered = set[str]()
     for asked, judged in zip(decision.choice_sets, decision.answers, strict=True):
         if asked.considered in reported:
             continue

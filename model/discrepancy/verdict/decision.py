@@ -10,7 +10,7 @@ import numpy as np
 from model.discrepancy.answers.calibrated_answers import Judged, calibrated, is_name
 from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.compared_answers import ComparedAnswers
-from model.discrepancy.answers.hidden_names import hidden_chances
+from model.discrepancy.answers.hidden_names import chances_beside_unknown, hidden_chances
 from model.discrepancy.criticism.cell_noise import unusual_cell_noise
 from model.discrepancy.criticism.criticise import Criticism, criticise
 from model.discrepancy.criticism.image_noise import of_images, unusual_images
@@ -72,7 +72,7 @@ class Decision:
     answers: tuple[Judged, ...] = ()  # to each of them
     # a nonparametric term explains more than any name: several names may imitate one thing
     nonparametric_explains_more: bool = False
-    hidden: Mapping[str, float] = field(default_factory=dict)  # see `hidden_chances`
+    hidden: Mapping[str, float] = field(default_factory=dict)  # see `hidden_names`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,9 +90,15 @@ class Judgement:
         return replace(
             found,
             nonparametric_explains_more=self.outcome.best_nonparametric > self.outcome.best_name,
-            # what several names leave may be anything
-            hidden=hidden_chances(found.known, self.effects) if len(found.named) == 1 else {},
+            hidden=self._hidden(found),
         )
+
+    def _hidden(self, found: Decision) -> dict[str, float]:
+        """Return the names that may be there besides, with their probability."""
+        if found.unknown is not None:
+            return chances_beside_unknown(self.outcome.base, found.final, self.effects)
+        # what several names leave may be anything
+        return hidden_chances(found.known, self.effects) if len(found.named) == 1 else {}
 
     def uncriticised(self) -> Decision:
         """Return what the evidence names."""

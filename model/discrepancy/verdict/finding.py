@@ -132,7 +132,8 @@ class Finding:
         seen = self._signatures(pool, decision)
         named = tuple(_named(c, decision, self.written.reported) for c in decision.named)
         unknown = decision.unknown and with_alternatives(decision.unknown, decision)
-        open_still = not_ruled_out(decision, _reported(named))
+        told = {*_reported(named), *(unknown.confusable_with if unknown else ())}
+        open_still = not_ruled_out(decision, told)
         beside, effects = self._beside(pool, decision), {e.name: e for e in self.effects}
         lengths = np.array([beside[name] for name in seen.names])
         unseen = _not_reported(
@@ -193,7 +194,7 @@ class Finding:
                 *cut_short(base.problem.effort),
                 *not_written(self.written.without, self.written.unsolved),
                 *notes(named, outliers, cross_validated.chosen),
-                *open_answers(open_still, named),
+                *open_answers(open_still, besides=bool(named) or unknown is not None),
             ),
             model=self.written.model,
             plugins={

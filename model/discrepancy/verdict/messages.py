@@ -154,12 +154,11 @@ def improbable(considered: str, judged: Judged) -> str:
     )
 
 
-def open_answers(others: Mapping[str, float], named: Sequence[Named]) -> Iterator[str]:
-    """Yield what may be in the data besides, or although nothing is named."""
+def open_answers(others: Mapping[str, float], *, besides: bool) -> Iterator[str]:
+    """Yield what may be in the data beside what is reported, or although nothing is."""
     if others:
-        besides = " besides" if named else ""
         each = (f"{answer_title(name)} ({percent(chance)})" for name, chance in others.items())
-        yield f"not ruled out{besides}: {', '.join(each)}"
+        yield f"not ruled out{' besides' * besides}: {', '.join(each)}"
 
 
 def answer_title(name: str) -> str:

@@ -181,10 +181,11 @@ def test_what_is_not_likely_enough_is_told_with_the_other_answers():
     )
 
 
-def test_what_is_not_ruled_out_is_told_beside_nothing_and_beside_names():
-    assert [*open_answers({"gravity": 0.1}, [])] == ["not ruled out: gravity (10 %)"]
-    assert [*open_answers({"gravity": 0.1}, [NAMED])] == ["not ruled out besides: gravity (10 %)"]
-    assert [*open_answers({}, [])] == []
+@pytest.mark.parametrize(("besides", "begins"), [(False, ""), (True, " besides")])
+def test_what_is_not_ruled_out_is_told_beside_nothing_and_beside_what_is_reported(besides, begins):
+    told = [*open_answers({"gravity": 0.1}, besides=besides)]
+    assert told == [f"not ruled out{begins}: gravity (10 %)"]
+    assert [*open_answers({}, besides=besides)] == []
 
 
 def test_a_closed_share_is_said_with_its_errors_and_the_floor():

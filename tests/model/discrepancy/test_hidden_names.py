@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from benchmarks.worlds.cases import PAPER
+from benchmarks.worlds.cases import MIXED, PAPER, made, tasks
 from benchmarks.worlds.generators import elements, shooting
 from model.discrepancy import diagnose
 from model.discrepancy.answers import hidden_names as module
@@ -38,6 +38,41 @@ def test_a_further_name_is_one_of_many_beforehand(monkeypatch):
 def test_little_evidence_and_a_form_that_explains_much_more_are_not_told(monkeypatch):
     assert chances(monkeypatch, ("gravity", 4.0, 4.0), ("clamp_angle", 30.0, -5.0)) == {}
     assert chances(monkeypatch) == {}
+
+
+def test_beside_something_unknown_a_name_explains_enough_and_most_of_what_it_explains_alone(
+    monkeypatch,
+):
+    evidence = {
+        "base": {"gravity": 30.0, "clamp_angle": 60.0, "arc_error": 2.0},
+        "final": {
+            "gravity": 20.0,
+            "clamp_angle": 20.0,
+            "arc_error": 7.0,
+            "force_drift": 18.0,
+            "surface_tension": 9.0,
+        },
+    }
+    fits = {name: SimpleNamespace(found=(), solution=name) for name in evidence}
+    monkeypatch.setattr(module, "candidates", lambda fitted, _: fitted.solution)
+    monkeypatch.setattr(module, "best_scores", lambda _, pool, __: {
+        name: SimpleNamespace(log_bayes=ln) for name, ln in evidence[pool].items()
+    })  # fmt: skip
+    told = module.chances_beside_unknown(fits["base"], fits["final"], ())  # type: ignore[arg-type]
+    assert set(told) == {"gravity", "force_drift"}
+    assert told["gravity"] > 0.5 > told["force_drift"] > 0.2
+
+
+@pytest.mark.slow
+def test_a_clamp_that_gives_way_is_told_beside_what_no_catalogue_has():
+    *_, task = tasks("shooting", 3, 4001, [MIXED])
+    assert [kind for kind, _ in task.hidden] == ["clamp_compliance", "crosstalk"]
+    found = diagnose(made(task).session)
+    assert (found.verdict, found.effects) == ("unknown_effect", ())
+    assert found.unknown.location == "load_cell"
+    assert found.not_ruled_out["clamp_compliance"] > 0.5
+    assert "clamp_compliance" in found.reported_set
+    assert any(note.startswith("not ruled out besides: ") for note in found.notes)
 
 
 @pytest.mark.parametrize(
