@@ -33,8 +33,6 @@ ONE_SIDE = 0.9  # share of those that stand apart that lack EIBM
 SPREAD = 0.4  # robust standard deviation of the missing share, over the share
 LESS_AT_REST = 0.25  # readings that stand apart at 0 V, over those under voltage, at most
 SAME_PLACE_SHARE = 0.5  # of the conditions: more at the same place of the order are a transient
-
-
 AMPLITUDE = 0.1  # relative, of the basis shape
 
 

@@ -1,4 +1,4 @@
-"""What comes again and again in the readings: a cell that beats, an EIBM that breathes.
+"""A periodic term in the readings: of the force that the load cell reads, or of the EIBM.
 
 Readings are looked at by their means and slow trends; what swings faster would only make them look
 noisy. A period and a phase that explain most of what the trends leave of all readings at once, of
@@ -276,6 +276,4 @@ class Periodic(ReadingPattern):
         return periodic_term_in(data_vectors, LEAST_N * scale.force)
 
 
-PATTERN = Periodic(
-    name="periodic", meaning="what comes again and again, always in the same phase", order=10
-)
+PATTERN = Periodic(name="periodic", meaning="a wave that is always in the same phase", order=10)
