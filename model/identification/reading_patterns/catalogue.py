@@ -7,7 +7,7 @@ A file adds one by its constant `PATTERN`; another distribution by an entry poin
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import cast
 
@@ -18,9 +18,11 @@ from model.identification.foreign_parts import answers_of
 from model.identification.reading_patterns.contract import (
     FoundPattern,
     ReadingPattern,
+    ReadingsOf,
     ReadingsOfCondition,
 )
-from model.measurements import RigScale
+from model.locations.contract import Basis, Linearised
+from model.measurements import FloatArray, RigScale
 from model.plugins import OWN, Part, PluginFolder
 
 
@@ -66,13 +68,53 @@ class _PatternOfOthers(ReadingPattern):
             yield self.pattern.found_in(data_vectors, scale)
 
         (found,) = answers_of(self.whose, object, ask, _WITHOUT) or (None,)
-        return cast("FoundPattern | None", found)
+        if found is None:
+            return None
+        return _FoundByOthers(found=cast("FoundPattern", found), whose=self.whose)
 
     def not_outliers(self, conditions: Sequence[ReadingsOfCondition]) -> list[Which]:
         """See `ReadingPattern.not_outliers`."""
         ask = partial(self.pattern.not_outliers, conditions)
         found = answers_of(self.whose, np.ndarray, ask, _WITHOUT)
         return super().not_outliers(conditions) if found is None else found
+
+
+@dataclass(frozen=True, kw_only=True)
+class _FoundByOthers:
+    """What a pattern of another distribution found: the same holds of it."""
+
+    found: FoundPattern
+    whose: str
+
+    @property
+    def location(self) -> str:
+        """See `FoundPattern.location`."""
+        return str(getattr(self.found, "location", ""))
+
+    def without(self, readings: ReadingsOf) -> FloatArray:
+        """See `FoundPattern.without`."""
+
+        def ask() -> Iterator[FloatArray]:
+            left = np.asarray(self.found.without(readings), dtype=float)
+            if left.shape != readings.force_N.shape or not np.all(np.isfinite(left)):
+                raise ValueError("`without` returned no finite force for each reading")
+            yield left
+
+        (left,) = answers_of(self.whose, np.ndarray, ask, _WITHOUT) or (readings.force_N,)
+        return left
+
+    def bases(self, at: Linearised) -> Iterator[Basis]:
+        """See `FoundPattern.bases`."""
+        yield from answers_of(self.whose, Basis, partial(self.found.bases, at), _WITHOUT) or ()
+
+    def in_other_data(self, data_vectors: Sequence[DataVector]) -> FoundPattern:
+        """See `FoundPattern.in_other_data`."""
+
+        def ask() -> Iterator[object]:
+            yield self.found.in_other_data(data_vectors)
+
+        (other,) = answers_of(self.whose, object, ask, _WITHOUT) or (self.found,)
+        return replace(self, found=cast("FoundPattern", other))
 
 
 def _of_others(part: Part[ReadingPattern]) -> _PatternOfOthers:

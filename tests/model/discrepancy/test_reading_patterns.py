@@ -117,3 +117,34 @@ def test_one_of_others_that_fails_is_told_and_costs_nothing(monkeypatch):
     with_others(monkeypatch, Failing(name="mine", meaning="mine", order=5))
     with pytest.warns(PluginWarning, match=r"pattern 'mine' of others 0\.1 failed with Runtime"):
         assert catalogue.patterns_in([data_vector_of(session(), "long")], RigScale()) == ()
+
+
+class Broken:
+    """What was found fails in every way."""
+
+    location = "load_cell"
+
+    def without(self, readings):
+        return readings.force_N[:2]
+
+    def bases(self, at):
+        raise RuntimeError("no such table")
+
+    def in_other_data(self, data_vectors):
+        raise RuntimeError("no such table")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FindsBroken(ReadingPattern):
+    def found_in(self, data_vectors, scale):
+        return Broken()
+
+
+def test_what_one_of_others_found_and_fails_is_told_and_costs_no_verdict(monkeypatch):
+    with_others(monkeypatch, FindsBroken(name="mine", meaning="mine", order=5))
+    with pytest.warns(PluginWarning) as told:
+        diagnosis = diagnose(session())
+    assert diagnosis.verdict == "nothing_missing"
+    texts = {str(one.message) for one in told}
+    assert any("no finite force for each reading" in text for text in texts)
+    assert any("RuntimeError: no such table" in text for text in texts)
