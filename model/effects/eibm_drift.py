@@ -54,6 +54,11 @@ EFFECT = EibmDrift(
             prior_scale=0.1,
             low=-1.5,
             high=3.0,
+            instrument_limit=0.6,
+            beyond=(
+                "an EIBM that changes by {value} of itself in a session would be seen where a"
+                " position is measured again"
+            ),
         ),
         SINCE,
         SETTLES,

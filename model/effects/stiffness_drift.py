@@ -54,6 +54,11 @@ EFFECT = StiffnessDrift(
             prior_scale=0.1,
             low=-1.0,
             high=1.2,
+            instrument_limit=0.6,
+            beyond=(
+                "a stiffness that changes by {value} of itself in a session would be seen where a"
+                " position is measured again"
+            ),
         ),
         SINCE,
         SETTLES,

@@ -163,17 +163,22 @@ def test_the_probability_that_nobody_noticed_falls_without_an_edge():
 
 
 @pytest.mark.parametrize(
-    ("angle_rad", "consequence"),
+    ("name", "size", "consequence"),
     [
-        (0.3, []),
-        (0.55, [Consequence.IMPROBABLE_AMPLITUDE]),
-        (0.8, [Consequence.IMPROBABLE_AMPLITUDE]),
-        (2.0, [Consequence.REJECT]),
+        ("load_cell_misalignment", 0.3, []),
+        ("load_cell_misalignment", 0.55, [Consequence.IMPROBABLE_AMPLITUDE]),
+        ("load_cell_misalignment", 0.8, [Consequence.IMPROBABLE_AMPLITUDE]),
+        ("load_cell_misalignment", 2.0, [Consequence.REJECT]),
+        # positions are measured in order: what goes with them may look like a drift as large
+        *((f"{what}_drift", -0.35, []) for what in ("eibm", "stiffness")),
+        *((f"{what}_drift", -0.9, [Consequence.IMPROBABLE_AMPLITUDE])
+          for what in ("eibm", "stiffness")),
     ],
-)
-def test_only_an_amplitude_that_nobody_can_overlook_rejects_a_name(angle_rad, consequence):
-    values = {"long": {"angle_rad": angle_rad}}
-    one = Found(effect=effect("load_cell_misalignment"), values=values)
+)  # fmt: skip
+def test_only_an_amplitude_that_nobody_can_overlook_rejects_a_name(name, size, consequence):
+    parameters = effect(name).parameters
+    values = {one.name: one.neutral for one in parameters} | {parameters[0].name: size}
+    one = Found(effect=effect(name), values={"long": values})
     check = verdict_checks()["amplitude"]
     failures = check.failures(SimpleNamespace(found=[one]))
     assert [failure.consequence for failure in failures] == consequence
