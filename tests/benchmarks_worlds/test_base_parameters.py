@@ -80,6 +80,7 @@ def test_a_family_has_an_effect_beside_what_no_catalogue_has() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.thorough
 def test_a_mixed_case_is_measured_as_a_whole_and_each_part_by_itself() -> None:
     (task,) = tasks("chain", 1, 4, [MIXED])
     one = made(replace(task, hidden=(("heavy", 20.0), ("swinging_zero", 40.0))))

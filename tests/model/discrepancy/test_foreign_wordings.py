@@ -13,12 +13,14 @@ from tests.fits_unchecked import fits_unchecked
     ("effect", "words"),
     [
         # each with what it was before
-        ("camera_perspective", "along 157 degrees"),  # with an error of the arc besides
+        # with an error of the arc besides
+        pytest.param("camera_perspective", "along 157 degrees", marks=pytest.mark.thorough),
         # something unknown: an error of the arc explained as much, and failed a check
         ("camera_perspective", "along -31 degrees"),
-        ("camera_scale", "x longer, y shorter"),  # with an error of the arc besides
+        # with an error of the arc besides
+        pytest.param("camera_scale", "x longer, y shorter", marks=pytest.mark.thorough),
         ("force_drift", "tared a quarter into it"),  # something unknown
-        ("roll_friction", "one way"),  # something unknown
+        pytest.param("roll_friction", "one way", marks=pytest.mark.thorough),  # something unknown
     ],
 )
 def test_its_name_stands_alone(effect: str, words: str):
