@@ -147,6 +147,8 @@ HIDDEN_NAME_LN, LEAST_HIDDEN = 4.5, 0.05
 # free form. In 37 of 39 with something unknown alone no name has so much. (moves: 'mixed' cases of
 # benchmarks/worlds)
 BESIDE_UNKNOWN_SHARE = 0.6
+# Probability from which on such a name, fitted beside the free form, is reported and not only told.
+PROBABLE_BESIDE_UNKNOWN = 0.5
 # Best names that are compared for each place in the verdict.
 COMPARED_NAMES = 8
 

@@ -54,6 +54,8 @@ class FitProblem:
     bases: Bases
     noise: RowNoise
     guess: FloatArray
+    # columns (N, q) of something that no effect is, as a straight line, and the precision of each
+    free: tuple[FloatArray, float] | None = field(default=None, repr=False)
     effort: Effort = field(default_factory=Effort, compare=False, repr=False)
 
     @staticmethod
@@ -234,6 +236,8 @@ class _LinearisationPoint:
             precision[len(one.parameters()) :] /= (self.form * one.form) ** 2
             linear = with_columns(problem.forward, linear, columns, precision, away)
             spans.append(slice(first, linear.columns.shape[1]))
+        if problem.free is not None:  # behind the effects: a fit does not move by them
+            linear = with_columns(problem.forward, linear, *problem.free)
         return linear, spans
 
 
@@ -254,6 +258,13 @@ def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
         deviance=value,
         spans=tuple(spans),
     )
+
+
+def without_free(fitted: MixedModelFit) -> MixedModelFit:
+    """Return a fit beside free columns at the same place without them."""
+    problem = replace(fitted.problem, free=None)
+    at = _LinearisationPoint(problem=problem, theta=fitted.theta, found=fitted.found, added=None)
+    return _finished(at, fitted.solution.log_sigma)
 
 
 def unsettled() -> ModelError:

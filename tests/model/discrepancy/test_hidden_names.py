@@ -64,14 +64,29 @@ def test_beside_something_unknown_a_name_explains_enough_and_most_of_what_it_exp
 
 
 @pytest.mark.slow
-def test_a_clamp_that_gives_way_is_told_beside_what_no_catalogue_has():
+def test_a_clamp_that_gives_way_is_named_beside_what_no_catalogue_has():
     *_, task = tasks("shooting", 3, 4001, [MIXED])
     assert [kind for kind, _ in task.hidden] == ["clamp_compliance", "crosstalk"]
+    one = made(task)
+    found = diagnose(one.session)
+    assert (found.verdict, found.unknown.location) == ("unknown_effect", "load_cell")
+    (clamp,) = found.effects
+    assert (clamp.name, clamp.confusable_with) == ("clamp_compliance", ())
+    assert clamp.probability > 0.9
+    told, true = clamp.parameters["rotation_rad_per_Nm"], one.sizes["clamp_compliance"]
+    assert told.value == pytest.approx(true, rel=0.2)
+    assert [effect.name for effect in found.model.effects] == ["clamp_compliance", "unknown"]
+
+
+@pytest.mark.slow
+@pytest.mark.thorough
+def test_a_name_that_fails_its_checks_beside_something_unknown_is_not_ruled_out():
+    _, task = tasks("chain", 2, 4001, [MIXED])
+    assert [kind for kind, _ in task.hidden] == ["sticking", "knocked_stage"]
     found = diagnose(made(task).session)
     assert (found.verdict, found.effects) == ("unknown_effect", ())
-    assert found.unknown.location == "load_cell"
-    assert found.not_ruled_out["clamp_compliance"] > 0.5
-    assert "clamp_compliance" in found.reported_set
+    assert found.not_ruled_out["roll_sticking"] > 0.5
+    assert "roll_sticking" in found.reported_set
     assert any(note.startswith("not ruled out besides: ") for note in found.notes)
 
 
