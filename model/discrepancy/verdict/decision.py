@@ -17,14 +17,10 @@ from model.discrepancy.criticism.image_noise import of_images, unusual_images
 from model.discrepancy.criticism.named_model import NamedModel
 from model.discrepancy.criticism.set_up_scatter import unusual_set_ups
 from model.discrepancy.search.cross_validation import predictive_gains
-from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.forward_selection import SearchResult, supported
-from model.discrepancy.search.ranking import RankedCandidate, rank
-from model.discrepancy.search.refinement.best_candidates import refine_best
+from model.discrepancy.search.ranking import RankedCandidate
 from model.discrepancy.thresholds import (
     FEWEST_POSITIONS,
-    FORM_SHARE_LIMIT,
-    FURTHER_EFFECT_LN,
     MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
     PROBABLE_ALL_THE_SAME,
@@ -35,6 +31,7 @@ from model.discrepancy.verdict.free_form_or_names import (
     alone,
     explaining_as_much,
     misses_much,
+    name_beside,
     stands_beside,
 )
 from model.discrepancy.verdict.inferred_form import unknown_of, with_free_form
@@ -56,11 +53,7 @@ from model.discrepancy.verdict.probable_names import (
 )
 from model.discrepancy.verdict.result import Unknown
 from model.effects import Effect
-from model.identification.likelihood.mixed_model_fit import (
-    MixedModelFit,
-    fit_mixed_model,
-    without_free,
-)
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.identification.likelihood.model_state import Found
 
 PAIR = 2  # names that one nonparametric term may stand for
@@ -105,38 +98,25 @@ class Judgement:
         )
 
     def _with_name_beside(self, found: Decision) -> Decision | None:
-        """Return the decision with a name beside something unknown that stands alone; or None.
-
-        It is fitted with the free form in the model, which leaves little to explain to what it
-        imitates.
-        """
+        """Return the decision with a name beside something unknown that stands alone; or None."""
         if found.unknown is None or found.free is None or found.named:
             return None
-        base, free = self.outcome.base, found.free.score
-        asked = chances_beside_unknown(base, found.final, self.effects)
-        if not asked:
+        beside = name_beside(
+            self.outcome.base, found.final, found.free, self.effects, self.threshold
+        )
+        if beside is None:
             return None
-        problem = replace(base.problem, free=(free.candidate.columns, free.scale**-2.0))
-        before = fit_mixed_model(problem, base.theta, base.found, found.final.solution.log_sigma)
-        ranking = refine_best(before, rank(before, self.effects, locations=False))
-        one = next((c for c in ranking if c.known), None)
-        least = self.threshold + FURTHER_EFFECT_LN + NONPARAMETRIC_MARGIN_LN
-        if one is None or one.fitted is None or one.name not in asked:
-            return None
-        if one.ln_bayes_factor < least or not supported(before, one.fitted):
-            return None
-        if form_share(one.fitted, len(one.fitted.found) - 1) > FORM_SHARE_LIMIT:
-            return None
-        known = without_free(one.fitted)
-        residual = self._residual_terms(known)
+        residual = self._residual_terms(beside.known)
         if residual is None or not self._unexplained(residual):
             return None
-        both = self._with_unknown([choice(one, ranking, before)], known, residual)
+        both = self._with_unknown([beside.named], beside.known, residual)
         both = self._revised(replace(both, beside=True), settled=True)
-        asked_about = zip(both.choice_sets, both.answers, strict=True)
-        chances = {a.considered: j.probabilities.get(a.considered, 0.0) for a, j in asked_about}
-        likely = chances.get(one.name, 0.0) >= PROBABLE_BESIDE_UNKNOWN
-        return both if both.named and both.unknown is not None and likely else None
+        name = beside.named.effect.name
+        asked = zip(both.choice_sets, both.answers, strict=True)
+        chance = max((j.probabilities.get(name, 0.0) for a, j in asked if a.considered == name),
+                     default=0.0)  # fmt: skip
+        likely = both.named and both.unknown is not None and chance >= PROBABLE_BESIDE_UNKNOWN
+        return both if likely else None
 
     def _hidden(self, found: Decision) -> dict[str, float]:
         """Return the names that may be there besides, with their probability."""

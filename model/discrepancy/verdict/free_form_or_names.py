@@ -1,20 +1,33 @@
-"""Whether one nonparametric term stands for what is named."""
+"""Whether one nonparametric term stands for what is named, and for which name it does not."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
+from model.discrepancy.answers.hidden_names import chances_beside_unknown
 from model.discrepancy.search.evidence import Projected, score
+from model.discrepancy.search.form_share import form_share
+from model.discrepancy.search.forward_selection import supported
 from model.discrepancy.search.nonparametric_terms import nonparametric_replaces_names
-from model.discrepancy.search.ranking import RankedCandidate, usual_scatter
+from model.discrepancy.search.ranking import RankedCandidate, rank, usual_scatter
+from model.discrepancy.search.refinement.best_candidates import refine_best
 from model.discrepancy.thresholds import (
     EVIDENCE_THRESHOLD_LN,
+    FORM_SHARE_LIMIT,
+    FURTHER_EFFECT_LN,
     MISSED_BY_FORM_SHARE,
     NONPARAMETRIC_MARGIN_LN,
 )
 from model.discrepancy.verdict.inferred_form import with_free_form
-from model.discrepancy.verdict.posterior import Choice, ResidualTerms
-from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.discrepancy.verdict.posterior import Choice, ResidualTerms, choice
+from model.effects import Effect
+from model.identification.likelihood.mixed_model_fit import (
+    MixedModelFit,
+    fit_mixed_model,
+    without_free,
+)
+from model.measurements import ModelError
 
 STANDING_SHARE = 0.7  # of what a name explains by itself, that it explains beside a free form
 
@@ -68,6 +81,47 @@ def stands_beside(base: MixedModelFit, free: RankedCandidate, name: Choice) -> b
     beside = explained(with_free_form(base, free))
     enough = EVIDENCE_THRESHOLD_LN + NONPARAMETRIC_MARGIN_LN
     return beside > max(enough, STANDING_SHARE * explained(base))
+
+
+@dataclass(frozen=True, kw_only=True)
+class NameBeside:
+    """A name that was fitted with a free form in the model."""
+
+    named: Choice
+    known: MixedModelFit  # at the same place, without the free form
+
+
+def name_beside(
+    base: MixedModelFit,
+    final: MixedModelFit,
+    free: RankedCandidate,
+    effects: Sequence[Effect],
+    threshold: float,
+) -> NameBeside | None:
+    """Return the name that the data ask for beside a free form; None: there is none, or no fit.
+
+    With the free form in the model (`final` has it) little is left to what it imitates.
+    """
+    asked = chances_beside_unknown(base, final, effects)
+    if not asked or base.problem.effort.spent():
+        return None
+    columns, precision = free.score.candidate.columns, free.score.scale**-2.0
+    try:
+        before = fit_mixed_model(
+            replace(base.problem, free=(columns, precision)), base.theta, base.found,
+            final.solution.log_sigma,
+        )  # fmt: skip
+        ranking = refine_best(before, rank(before, effects, locations=False))
+        one = next((c for c in ranking if c.known), None)
+        if one is None or one.fitted is None or one.name not in asked:
+            return None
+        enough = one.ln_bayes_factor >= threshold + FURTHER_EFFECT_LN + NONPARAMETRIC_MARGIN_LN
+        loose = form_share(one.fitted, len(one.fitted.found) - 1) > FORM_SHARE_LIMIT
+        if not enough or loose or not supported(before, one.fitted):
+            return None
+        return NameBeside(named=choice(one, ranking, before), known=without_free(one.fitted))
+    except ModelError:  # the free form, taken as a straight line, leads where nothing settles
+        return None
 
 
 def _at_usual_scatter(fitted: MixedModelFit, one: RankedCandidate) -> float:

@@ -55,7 +55,7 @@ class FitProblem:
     noise: RowNoise
     guess: FloatArray
     # columns (N, q) of something that no effect is, as a straight line, and the precision of each
-    free: tuple[FloatArray, float] | None = field(default=None, repr=False)
+    free: tuple[FloatArray, float] | None = field(default=None, compare=False, repr=False)
     effort: Effort = field(default_factory=Effort, compare=False, repr=False)
 
     @staticmethod

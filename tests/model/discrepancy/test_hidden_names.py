@@ -13,7 +13,9 @@ from model.discrepancy.answers import hidden_names as module
 from model.discrepancy.search import forward_selection as selection
 from model.discrepancy.search.beside_strict_forms import HiddenName, StrictForms, hidden_names
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
+from model.discrepancy.verdict import free_form_or_names
 from model.identification.likelihood.effort import Effort
+from model.measurements import ModelError
 from tests.model.discrepancy.sessions import base_fit
 
 
@@ -61,6 +63,19 @@ def test_beside_something_unknown_a_name_explains_enough_and_most_of_what_it_exp
     told = module.chances_beside_unknown(fits["base"], fits["final"], ())  # type: ignore[arg-type]
     assert set(told) == {"gravity", "force_drift"}
     assert told["gravity"] > 0.5 > told["force_drift"] > 0.2
+
+
+def test_a_fit_beside_a_free_form_that_does_not_settle_costs_no_verdict(monkeypatch):
+    def unsettled(*_):
+        raise ModelError("the fit did not settle")
+
+    monkeypatch.setattr(free_form_or_names, "chances_beside_unknown", lambda *_: {"gravity": 0.8})
+    monkeypatch.setattr(free_form_or_names, "replace", lambda problem, **_: problem)
+    monkeypatch.setattr(free_form_or_names, "fit_mixed_model", unsettled)
+    base = SimpleNamespace(problem=SimpleNamespace(effort=Effort()), theta=None, found=())
+    final = SimpleNamespace(solution=SimpleNamespace(log_sigma=None))
+    free = SimpleNamespace(score=SimpleNamespace(candidate=SimpleNamespace(columns=0), scale=1.0))
+    assert free_form_or_names.name_beside(base, final, free, (), 6.0) is None  # type: ignore[arg-type]
 
 
 @pytest.mark.slow
