@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -20,9 +21,10 @@ from model.discrepancy.thresholds import (
     NONPARAMETRIC_MARGIN_LN,
     SHARE_OF_MANY,
 )
+from model.identification.foreign_parts import answers_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from model.locations import location, locations
+from model.locations import location, locations, origins
 from model.locations.basis import bending_per_m
 from model.locations.contract import Basis, BasisTerm, Function, Linearised
 from model.measurements import FloatArray
@@ -72,7 +74,7 @@ def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
         configuration, counts = forward.names[c], dict[str, int]()
         at = linearised(fitted, c)
         patterns = (one.bases(at) for one in forward.patterns if one.location == name)
-        bases = [*location(name).bases(at), *chain.from_iterable(patterns)]
+        bases = [*_bases(name, at), *chain.from_iterable(patterns)]
         if not bases:
             continue
         every = forward.rows_of_each(c, state, [basis.step for basis in bases])
@@ -82,6 +84,15 @@ def all_shapes(fitted: MixedModelFit, name: str) -> list[BasisShape]:
             one = _shape(configuration, basis, rows)
             result[key] = _with(result[key], one) if key in result else one
     return [shape for shape in result.values() if np.any(shape.rows)]
+
+
+def _bases(name: str, at: Linearised) -> list[Basis]:
+    """Return the basis shapes of a location; none, after a warning, where somebody else's fails."""
+    ask, foreign = partial(location(name).bases, at), origins()
+    if name not in foreign:
+        return list(ask())
+    whose = f"the location of discrepancy '{name}' of {foreign[name]}"
+    return answers_of(whose, Basis, ask, "the search goes on") or []
 
 
 def _shape(configuration: str, basis: Basis, rows: FloatArray) -> BasisShape:

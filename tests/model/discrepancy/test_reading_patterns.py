@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from model.discrepancy import diagnose
+from model.discrepancy.search import nonparametric_terms
 from model.identification.data.data_vector import data_vector_of
 from model.identification.reading_patterns import ReadingPattern, catalogue, reading_patterns
 from model.identification.reading_patterns.conformance import faults
@@ -148,3 +149,21 @@ def test_what_one_of_others_found_and_fails_is_told_and_costs_no_verdict(monkeyp
     texts = {str(one.message) for one in told}
     assert any("no finite force for each reading" in text for text in texts)
     assert any("RuntimeError: no such table" in text for text in texts)
+
+
+@pytest.mark.slow
+def test_a_location_of_others_that_fails_is_told_and_costs_no_verdict(monkeypatch):
+    def bases(_):
+        raise RuntimeError("no such table")
+
+    own = nonparametric_terms.location
+    theirs = SimpleNamespace(bases=bases)
+    monkeypatch.setattr(nonparametric_terms, "origins", lambda: {"load_cell": "others 0.1"})
+    monkeypatch.setattr(
+        nonparametric_terms, "location", lambda name: theirs if name == "load_cell" else own(name)
+    )
+    said = (
+        r"the location of discrepancy 'load_cell' of others 0\.1 failed with RuntimeError"
+    )
+    with pytest.warns(PluginWarning, match=said):
+        assert diagnose(session()).verdict == "nothing_missing"
