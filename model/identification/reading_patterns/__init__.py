@@ -5,6 +5,14 @@ from model.identification.reading_patterns.contract import (
     FoundPattern,
     ReadingPattern,
     ReadingsOf,
+    ReadingsOfCondition,
 )
 
-__all__ = ["FoundPattern", "ReadingPattern", "ReadingsOf", "origins", "reading_patterns"]
+__all__ = [
+    "FoundPattern",
+    "ReadingPattern",
+    "ReadingsOf",
+    "ReadingsOfCondition",
+    "origins",
+    "reading_patterns",
+]

@@ -74,9 +74,15 @@ class _PatternOfOthers(ReadingPattern):
 
     def not_outliers(self, conditions: Sequence[ReadingsOfCondition]) -> list[Which]:
         """See `ReadingPattern.not_outliers`."""
-        ask = partial(self.pattern.not_outliers, conditions)
-        found = answers_of(self.whose, np.ndarray, ask, _WITHOUT)
-        return super().not_outliers(conditions) if found is None else found
+        none = super().not_outliers(conditions)
+
+        def ask() -> list[Which]:
+            flags = self.pattern.not_outliers(conditions)
+            if [np.shape(one) for one in flags] != [one.shape for one in none]:
+                raise ValueError("`not_outliers` returned no truth value for each reading")
+            return flags
+
+        return answers_of(self.whose, np.ndarray, ask, _WITHOUT) or none
 
 
 @dataclass(frozen=True, kw_only=True)

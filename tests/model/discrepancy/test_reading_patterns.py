@@ -14,7 +14,12 @@ import pytest
 from model.discrepancy import diagnose
 from model.discrepancy.search import nonparametric_terms
 from model.identification.data.data_vector import data_vector_of
-from model.identification.reading_patterns import ReadingPattern, catalogue, reading_patterns
+from model.identification.reading_patterns import (
+    ReadingPattern,
+    ReadingsOfCondition,
+    catalogue,
+    reading_patterns,
+)
 from model.identification.reading_patterns.conformance import faults
 from model.measurements import RigScale
 from model.plugins import Part, PluginWarning
@@ -118,6 +123,19 @@ def test_one_of_others_that_fails_is_told_and_costs_nothing(monkeypatch):
     with_others(monkeypatch, Failing(name="mine", meaning="mine", order=5))
     with pytest.warns(PluginWarning, match=r"pattern 'mine' of others 0\.1 failed with Runtime"):
         assert catalogue.patterns_in([data_vector_of(session(), "long")], RigScale()) == ()
+
+
+@pytest.mark.parametrize("flags", [[], [np.zeros(2, dtype=bool)]])
+def test_flags_of_others_for_other_readings_are_told_and_leave_outliers_as_they_are(
+    monkeypatch, flags
+):
+    mine = Short(name="mine", meaning="mine", order=5)
+    monkeypatch.setattr(Short, "not_outliers", lambda *_: flags)
+    with_others(monkeypatch, mine)
+    one = ReadingsOfCondition(force_N=np.linspace(0.0, 1e-3, 10), by_eibm_N=1e-3)
+    with pytest.warns(PluginWarning, match="`not_outliers` returned no truth value"):
+        (kept,) = catalogue.not_outliers([one])
+    assert not kept.any()
 
 
 class Broken:
