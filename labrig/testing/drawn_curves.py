@@ -13,6 +13,7 @@ from labrig.vision.checks.catalogue import asking_also, require_finding
 from labrig.vision.checks.conformance import faults as faults_of_form
 from labrig.vision.checks.contract import CheckStage, CurveCheck
 from labrig.vision.checks.seen_curve import SeenCurve
+from labrig.vision.checks.unchanged import asked_unchanged
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +43,7 @@ def curve_check_faults(check: object) -> list[str]:
 
 
 def _faults_on(check: CurveCheck, seen: SeenCurve) -> Iterator[str]:
-    found = check.finding(seen)
+    found = asked_unchanged(check.finding, seen)
     if found is None:
         return
     try:

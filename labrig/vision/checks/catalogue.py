@@ -17,6 +17,7 @@ from drivers.plugins import OWN, Part, PluginFolder
 from labrig.vision.checks.contract import CheckStage, CurveCheck, CurveFinding
 from labrig.vision.checks.seen_curve import SeenCurve
 from labrig.vision.checks.seen_outline import SeenOutline
+from labrig.vision.checks.unchanged import asked_unchanged
 
 
 def _faults(part: object) -> list[str]:
@@ -87,7 +88,7 @@ def _asked(part: Part[CurveCheck], seen: SeenCurve) -> CurveFinding | None:
     if part.distribution == OWN:
         return part.part.finding(seen)
     try:
-        found = part.part.finding(seen)
+        found = asked_unchanged(part.part.finding, seen)
         if found is not None:
             require_finding(found, len(seen.fit.shape.x))
     except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything

@@ -103,7 +103,7 @@ class SearchConstraints:
 
 def objection(objects: Callable[[FloatArray], str], points_px: FloatArray) -> str:
     """Return why a curve cannot be it; empty: it can. Raises TypeError for what is no text."""
-    why = objects(points_px)
+    why = objects(points_px.copy())  # what it writes into its points moves no curve
     if not isinstance(why, str):  # other people's may be anything
         raise TypeError(f"its objection returned {why!r}, not a text")
     return why

@@ -37,6 +37,9 @@ class Always(CurveCheck):
             return self.refuse()
         if self.name == "misspelt":
             return self.warn(widening_px=None, wide_px=3.0)
+        if self.name == "writing":
+            seen.image.grey[:] = 0
+            return None
         if self.name == "imaged" and seen.image.grey.shape != seen.context.image.grey.shape:
             return self.warn()
         if self.name == "imaged":
@@ -139,6 +142,17 @@ def test_a_check_of_another_distribution_that_fails_costs_no_curve(plain, known,
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("stage", [CheckStage.CANDIDATE, CheckStage.UNCERTAINTY])
+def test_a_check_of_another_distribution_cannot_spoil_the_image(plain, known, with_check, stage):
+    without = neutral_curve(plain.image, *known(plain))
+    with_check("writing", stage, warning="never said")
+    curve = neutral_curve(plain.image, *known(plain))
+    assert curve.ok
+    assert np.array_equal(curve.y_m, without.y_m)
+    assert any("'writing' of labrig-extra 0.1 failed" in warning for warning in curve.warnings)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "said"),
     [
@@ -148,6 +162,7 @@ def test_a_check_of_another_distribution_that_fails_costs_no_curve(plain, known,
         ("endless", "end_widening_px must be a number of pixels, 0 or more"),
         ("mute", "its CurveFinding has neither a refusal nor a warning nor a widening"),
         ("forgetful", "its refusal is empty, so nothing can be said with it"),
+        ("writing", "it changes seen.image.grey, which must stay as it is; work on a copy"),
         ("misspelt", "its warning has a place for 'beside_px', which is given no value"),
     ],
 )

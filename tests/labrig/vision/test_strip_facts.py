@@ -25,6 +25,7 @@ from labrig.vision.facts.contract import (
     FactTool,
     SearchConstraints,
     StripFact,
+    objection,
 )
 from tests.labrig.vision import drawn_strips
 
@@ -347,6 +348,16 @@ def test_an_objection_is_asked_about_a_drawn_curve_before_anybody_uses_it(
     with pytest.warns(UserWarning, match="'clip_px' of labrig-strange .* is left out") as caught:
         strip_facts()
     assert said in str(caught[0].message)
+
+
+def test_an_objection_that_writes_into_its_points_moves_no_curve():
+    def from_the_wall(points):
+        points -= np.array([100.0, 20.0])
+        return ""
+
+    curve = np.array([[30.0, 110.0], [60.0, 108.0]])
+    assert objection(from_the_wall, curve) == ""
+    assert curve.tolist() == [[30.0, 110.0], [60.0, 108.0]]
 
 
 def test_what_an_objection_of_ours_raises_is_a_fault_of_ours():
