@@ -48,6 +48,8 @@ def _declared(task: type[BatchTask]) -> Iterator[str]:
     takes: frozenset[object] = getattr(task, "takes", frozenset())
     if not takes or not all(isinstance(kind, InputKind) for kind in takes):
         yield "`takes` names no kind of input"
+    if isinstance(task.counted, str) or not all(isinstance(one, str) for one in task.counted):
+        yield "`counted` must be a tuple of names of columns"
     hints = get_type_hints(task)
     for one in fields(task):
         if "description" not in one.metadata:
@@ -58,6 +60,15 @@ def _declared(task: type[BatchTask]) -> Iterator[str]:
             kind = None
         if kind not in _TYPES:
             yield f"its field {one.name} is no {', '.join(each.__name__ for each in _TYPES)}"
+        elif "description" in one.metadata and not _fits(one.default, kind):
+            yield f"the default of its field {one.name} is {one.default!r}, no {kind.__name__}"
+
+
+def _fits(default: object, kind: type) -> bool:
+    """Whether a default, or each value of one, is of the option's type; None: there is none."""
+    kinds = (int, float) if kind is float else (kind,)
+    values = default if isinstance(default, tuple) else (default,)
+    return all(value is None or isinstance(value, kinds) for value in values)
 
 
 def _behaves(task: type[BatchTask]) -> Iterator[str]:

@@ -7,6 +7,8 @@ import json
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import NoneType
+from typing import Any
 
 from labrig.batch.contract import BatchAnswer, BatchItem, BatchTask
 from labrig.batch.keys import content_of, digest, stamp_of
@@ -25,6 +27,9 @@ class Piece:
     item: BatchItem
     key: str
     folder: Path  # of the item's files: FOLDER.json, FOLDER.toml, FOLDER/...
+
+
+_CELL = (bool, int, float, str, NoneType)
 
 
 @dataclass(frozen=True)
@@ -70,7 +75,8 @@ def _done(piece: Piece, row: Row) -> Row:
     answer: object = piece.task.work(piece.item, piece.folder)
     if not isinstance(answer, BatchAnswer):  # other people's task may return anything
         raise TypeError(f"`work` returned {type(answer).__name__}, not a BatchAnswer")
-    whole = finite(answer.whole)
+    whole, columns = finite(answer.whole), finite(dict(answer.columns))
+    _require_cells(columns)
     _write(piece.folder, answer, whole)
     after = stamp_of(source)
     if after != before:
@@ -80,8 +86,19 @@ def _done(piece: Piece, row: Row) -> Row:
         content=content,
         stamp=after,
         digest=digest(whole),
-        columns=finite(dict(answer.columns)),
+        columns=columns,
     )
+
+
+def _require_cells(columns: dict[str, Any]) -> None:
+    """Raise TypeError for what no line of the rows holds: it would end the whole batch."""
+    for name, cell in columns.items():
+        each = cell if isinstance(cell, list) else [cell]
+        if not all(isinstance(one, _CELL) for one in each):
+            raise TypeError(
+                f"its column {name} holds a {type(cell).__name__}; a cell is a number, a text, "
+                "True, False, None or a list of texts"
+            )
 
 
 def _with_state_of_files(piece: Piece, row: Row) -> Row:

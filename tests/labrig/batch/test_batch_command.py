@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,7 +17,15 @@ from types import SimpleNamespace
 import pytest
 
 from labrig.batch.conformance import faults
-from labrig.batch.contract import BatchInput, BatchItem, BatchTask, InputKind
+from labrig.batch.contract import (
+    BatchAnswer,
+    BatchInput,
+    BatchItem,
+    BatchTask,
+    InputKind,
+    option,
+)
+from labrig.batch.rows import PieceOutcome
 from labrig.batch.run import BatchProgress
 from labrig.batch.tasks.fit import FitEach
 from labrig.batch.worker import Piece, do
@@ -189,6 +198,21 @@ def test_a_task_that_returns_something_else_is_an_error_that_says_so(cases, tmp_
     assert "`work` returned str, not a BatchAnswer" in end.row.sentence
 
 
+def test_a_task_with_a_cell_that_no_table_holds_loses_its_own_row_alone(cases, tmp_path):
+    class Placed(Costless):
+        """Return a path."""
+
+        def work(self, item, folder):
+            return BatchAnswer(columns={"k": 3, "place": item.source.path}, whole={})
+
+    item = BatchItem(source=BatchInput(InputKind.TABLES, cases / "CASES/case1/sheet.toml", "case"))
+    row = do(Piece(task=Placed(), item=item, key="k", folder=tmp_path / "case")).row
+    assert row.outcome is PieceOutcome.FAULT
+    assert "its column place holds a" in row.sentence
+    assert "Path; a cell is a number, a text, True, False, None or a list of texts" in row.sentence
+    assert b"its column place" in row.line()
+
+
 def test_an_error_in_a_task_of_another_distribution_is_named_with_its_place(
     cases, tmp_path, monkeypatch
 ):
@@ -344,3 +368,23 @@ def test_what_is_wrong_with_a_task_is_said():
         """Made in a function."""
 
     assert any("inside a function" in one for one in faults(Local))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hasty(Costless):
+    """With options and names of columns that do not fit."""
+
+    counted = "even"
+
+    count: int = option("pieces of each file", default=2.5)
+    more: tuple[float, ...] = option("further ones", default=(1, 2))
+    place: Path | None = option("where", default=None)
+    name: str | None = option("a name", default=3)
+
+
+def test_options_with_defaults_of_another_type_and_a_text_of_columns_are_faults():
+    assert faults(Hasty) == [
+        "`counted` must be a tuple of names of columns",
+        "the default of its field count is 2.5, no int",
+        "the default of its field name is 3, no str",
+    ]
