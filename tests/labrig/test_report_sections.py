@@ -220,6 +220,16 @@ def test_two_sections_or_figures_of_one_name_cannot_stand_on_a_page(findings, tm
     assert "two figures called dot" in found.left_out[1]
 
 
+@pytest.mark.parametrize("name", ["../out", "dots"])
+def test_a_figure_that_a_section_does_not_list_is_not_written(name, findings, tmp_path):
+    def draw(_findings, figures):
+        return Section(figures.draw(name, "Dot", "A dot.", dot))
+
+    found = content(findings, tmp_path, made("Dot", draw, figures=("dot",)))
+    assert f"the figure {name} is not among its figures" in found.left_out[0]
+    assert [path.name for path in tmp_path.rglob("*.png")] == []
+
+
 @pytest.mark.slow
 def test_figures_that_are_no_longer_drawn_lose_their_files(findings, tmp_path):
     figures = tmp_path / "figures"
@@ -284,6 +294,24 @@ def test_a_section_whose_title_is_taken_is_left_out_though_it_would_stand_first(
         "the report section 'again' of labrig-again is left out: there is a section with "
         "the title 'Quality of the data' already ('quality' of labrig)."
     )
+
+
+def test_a_section_with_a_figure_of_ours_is_left_out_and_costs_ours_nothing(tmp_path, monkeypatch):
+    code = AGAIN.replace("quality  of the Data", "Mine").replace(
+        "order=0,", 'order=0, figures=("mine", "frames"),'
+    )
+    (tmp_path / "labrig_again.py").write_text(code)
+    info = tmp_path / "labrig_again-1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-again\nVersion: 1\n")
+    (info / "entry_points.txt").write_text("[labrig.report_sections]\nagain = labrig_again:SECTION")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.delitem(sys.modules, "labrig_again", raising=False)
+    with pytest.warns(PluginWarning) as told:
+        known = ordered()
+    assert "again" not in known
+    (said,) = (str(one.message) for one in told if "'again'" in str(one.message))
+    assert "there is a section with the figure 'frames' already ('" in said
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from labrig.foreign_code import foreign_place
 from labrig.progress import Progress, silent
 from labrig.report.data.findings import Findings
 from labrig.report.parts.figures import FigureFolder
@@ -51,6 +52,7 @@ def report_content(
 
 
 def _made(part: ReportSection, findings: Findings, figures: FigureFolder) -> Section | None:
+    figures.allowed = part.figures  # a name may lead to another folder, or be another section's
     made = part.make(findings, figures)
     faults = content_faults(made, part.figures)
     if faults:
@@ -62,7 +64,9 @@ def _made(part: ReportSection, findings: Findings, figures: FigureFolder) -> Sec
 def _why(name: str, part: ReportSection, failing: str, error: BaseException) -> str:
     text = " ".join(str(error).split()).rstrip(".")
     origin = SECTIONS.origins().get(name, "")
+    place = foreign_place(error)
+    where = "" if place is None else f", in {place}"
     return (
         f"The section '{part.title}' ({name}{origin and ' of '}{origin}) is left out: "
-        f"{failing} failed with {type(error).__name__}: {text}."
+        f"{failing} failed with {type(error).__name__}: {text}{where}."
     )

@@ -26,6 +26,7 @@ class FigureFolder:
             raise not_written(folder.parent, error) from None
         self._folder, self._formats = folder, tuple(formats)
         self._names: set[str] = set()
+        self.allowed: Collection[str] | None = None  # what the section may draw; None: anything
         self.failure: LabrigError | None = None  # why a file could not be written
 
     def draw(
@@ -33,8 +34,11 @@ class FigureFolder:
     ) -> tuple[Drawn, ...]:
         """Return the figure that `draw` makes, also written as files; none for None.
 
-        Raises ValueError when another figure has this name, LabrigError when it is not written.
+        Raises ValueError when another figure has this name or it is not one that may be drawn,
+        LabrigError when it is not written.
         """
+        if self.allowed is not None and name not in self.allowed:
+            raise ValueError(f"the figure {name} is not among its figures")
         if name in self._names:
             raise ValueError(f"there are two figures called {name}")
         fig = draw()

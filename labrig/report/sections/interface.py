@@ -45,27 +45,34 @@ SECTIONS: PluginFolder[ReportSection] = PluginFolder(
 def ordered() -> dict[str, ReportSection]:
     """Return all sections by name, in the order in which a report shows them.
 
-    Of one title the first stays; our own come first.
+    Of one title, or of one figure's name, the first stays; our own come first.
     """
-    found = _of_different_titles(tuple(sys.path))
+    found = _of_different_names(tuple(sys.path))
     return dict(sorted(found.items(), key=lambda item: (item[1].order, item[0])))
 
 
 @lru_cache(maxsize=8)  # so that a process tells of each that is left out once
-def _of_different_titles(path: tuple[str, ...]) -> dict[str, ReportSection]:
+def _of_different_names(path: tuple[str, ...]) -> dict[str, ReportSection]:
     del path
     found: dict[str, Part[ReportSection]] = {}
     for name, part in SECTIONS.parts().items():
-        title = part.part.title
-        alike = [one for one in found.values() if same_title(one.part.title, title)]
-        if not alike:
+        shared = next(filter(None, (_shared(part.part, one) for one in found.values())), "")
+        if not shared:
             found[name] = part
             continue
         warnings.warn(
             f"the report section '{name}' of {part.distribution} is left out: there is a section "
-            f"with the title '{alike[0].part.title}' already ('{alike[0].name}' of "
-            f"{alike[0].distribution}).",
+            f"with {shared}.",
             PluginWarning,
             stacklevel=3,
         )
     return {name: part.part for name, part in found.items()}
+
+
+def _shared(section: ReportSection, other: Part[ReportSection]) -> str:
+    """Return what no two sections may share, and whose it is already; empty: nothing."""
+    whose = f"already ('{other.name}' of {other.distribution})"
+    if same_title(other.part.title, section.title):
+        return f"the title '{other.part.title}' {whose}"
+    figures = sorted({*section.figures} & {*other.part.figures})
+    return f"the figure '{figures[0]}' {whose}" if figures else ""
