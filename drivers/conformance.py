@@ -90,21 +90,23 @@ class Checks:
         act: Callable[[], object],
         wanted: type[DeviceError] = DeviceError,
         within_s: float = PROMPT_S,
-    ) -> None:
-        """Require that the call raises this error, or one derived from it."""
-        began_s = self.clock.now()
+    ) -> bool:
+        """Require that the call raises this error, or one derived from it; False: it did not."""
+        began_s, refused = self.clock.now(), False
         try:
             self._returned(name, act, within_s)
         except _BlockedError as error:
             self._block(error)
-            return
+            return False
         except wanted as error:
+            refused = True
             self.require(str(error), f"{name} raised {type(error).__name__} without a sentence")
         except (Exception, SystemExit) as error:  # noqa: BLE001 - whatever it raises is the finding
             self._raised(f"{name} raised {_described(error)}, not {wanted.__name__}", error)
         else:
             self.note(f"{name} was not refused with {wanted.__name__}")
         self._in_time(name, began_s, within_s)
+        return refused
 
     def identify(self, device: object) -> None:
         """Require that what an open device reports of itself, if it does, is as it must be."""

@@ -10,6 +10,8 @@ from drivers.interfaces import Clock, ForceSensor
 READ_S = 2.0
 OPEN_S = 10.0
 METHODS = ("open", "read_force", "tare", "close")
+# of a reading, usually: windows of protocols are 0.2 s, and between two readings lies a line
+USUAL_S = 0.25
 _READINGS = 5
 
 
@@ -35,15 +37,26 @@ def force_sensor_faults(sensor: ForceSensor, clock: Clock, *, noise_N: float = 1
 def _read(checks: Checks, sensor: ForceSensor, noise_N: float) -> None:
     range_N = sensor.range_N
     checks.require(math.isfinite(range_N) and range_N > 0, f"range_N is {range_N}")
+    took_s = []
     for _ in range(_READINGS):
+        began_s = checks.clock.now()
         force_N = checks.call("read_force", sensor.read_force, READ_S)
         if checks.is_silent():  # each further call would wait as long for the same answer
             return
-        if checks.answered:
+        took_s.append(checks.clock.now() - began_s)
+        if checks.answered and checks.require(
+            isinstance(force_N, float), f"read_force returned {force_N!r}; a float in N is needed"
+        ):
             checks.require(
-                isinstance(force_N, float) and abs(force_N) <= range_N,
+                abs(force_N) <= range_N,  # type: ignore[arg-type]
                 f"read_force returned {force_N!r}; the range is {range_N:g} N",
             )
+    usual_s = sorted(took_s)[_READINGS // 2]
+    checks.require(
+        usual_s <= USUAL_S,
+        f"read_force takes {usual_s:.2f} s; the force between two readings is a straight line, so "
+        f"{USUAL_S:g} s is the most",
+    )
     checks.call("tare", sensor.tare, READ_S)
     if checks.is_silent():
         return

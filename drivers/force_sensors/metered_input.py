@@ -31,6 +31,7 @@ FORCE = "force"
 INTERVAL_S = 0.05  # between readings of the meter: such a meter converts 20 times a second
 SILENT_S = 1.0  # a meter without a good reading for so long has failed
 _READINGS = 4096  # kept: some minutes of them
+_FEW = 3  # readings that show how far apart they are
 _TICK_S = 0.01
 _JOIN_S = 5.0
 
@@ -128,6 +129,18 @@ class MeteredInput:
         count = volts.shape[1]
         times = ended_s - np.arange(count, 0, -1) / self.rate_hz
         return np.vstack([np.interp(times, *self._history(times[0])), volts])
+
+    def interval_s(self) -> float:
+        """Return the time from one reading of the meter to the next; waits for a few of them.
+
+        Raises DeviceError where none come.
+        """
+        while len(self._readings) < _FEW:
+            self._check_meter()
+            self._clock.sleep_until(self._clock.now() + _TICK_S)
+        with self._lock:
+            times = [time_s for time_s, _ in self._readings]
+        return float(np.median(np.diff(times)))
 
     def close(self) -> None:
         """See `SignalInput.close`."""

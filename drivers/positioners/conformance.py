@@ -107,8 +107,8 @@ def _refuse(checks: Checks, positioner: Positioner, position_m: float) -> None:
         return
     knows_where = checks.answered
     what = f"move_to({position_m:g})"
-    checks.refuse(what, lambda: positioner.move_to(position_m), LimitError, 5.0)
-    if checks.is_silent():
+    refused = checks.refuse(what, lambda: positioner.move_to(position_m), LimitError, 5.0)
+    if checks.is_silent() or not refused:
         return
     after_m = checks.call("position", positioner.position, 5.0)
     if knows_where and checks.answered:

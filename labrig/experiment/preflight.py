@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from drivers.force_sensors.metered_input import INTERVAL_S, MeteredInput
 from drivers.identity import identities_of
 from drivers.interfaces import (
     Camera,
@@ -38,6 +39,7 @@ from protocols import Schedule, positions_m, time_under_voltage_s
 
 _QUIET_N = 1e-3  # scatter of the load cell's 50 ms means: more is a draught, or a loose wire
 _LISTEN_S = 0.5
+_JITTER = 1.2  # of the time between two readings of a meter
 _WATCH_S = 1.0
 _ANSWER_S = 0.2  # of a camera that was triggered
 _RATE_TOLERANCE = 0.1
@@ -233,6 +235,21 @@ def _inputs(rig: Rig, plan: Plan) -> Iterator[Check]:
         ok=scatter_N < _QUIET_N,
         found=f"{1e3 * scatter_N:.3f} mN from one 50 ms to the next",
         wanted=f"below {1e3 * _QUIET_N:g} mN",
+    )
+    if isinstance(rig.signals, MeteredInput):
+        yield meter_check(rig.signals.interval_s(), plan.schedule)
+
+
+def meter_check(interval_s: float, schedule: Schedule) -> Check:
+    """Whether a meter gives the force within each reading's window, not beside it alone."""
+    halves_s = [each.half_window_s for run in schedule.runs for each in run.readings]
+    shortest_s = max(2 * min(halves_s, default=0.0), INTERVAL_S)  # no meter is asked more often
+    return Check(
+        name="readings of the force",
+        ok=True,
+        found=f"one in {interval_s:.2f} s",
+        wanted=f"one in each window of {shortest_s:g} s (protocol.toml)",
+        warning=interval_s > _JITTER * shortest_s,
     )
 
 

@@ -267,6 +267,29 @@ class Sloppy(ZaberStage):
         return 0.0
 
 
+class Clamped:
+    """A stage that goes to the end of its travel where it is sent beyond it."""
+
+    def __init__(self) -> None:
+        self._at_m = 0.0
+
+    def open(self) -> None: ...
+    def close(self) -> None: ...
+
+    def move_to(self, position_m: float) -> bool:
+        self._at_m = min(position_m, 0.06)
+        return True
+
+    def position(self) -> float | None:
+        return self._at_m
+
+
+def test_a_stage_that_does_not_refuse_is_told_once():
+    found = positioner_faults(Clamped(), VirtualClock(), outside_m=0.2)
+    assert "move_to(0.2) was not refused with LimitError" in found
+    assert not any("was refused, but it moved" in text for text in found)
+
+
 def test_a_stage_that_reports_another_position_is_found():
     clock = VirtualClock()
     assert "after move_to(0.01) position is 0" in positioner_faults(zaber(clock, Sloppy), clock)
@@ -409,6 +432,44 @@ class Mute(Stuck):
     """It is silent after it was opened."""
 
     error = DeviceTimeoutError
+
+
+class Slow:
+    """A sensor that takes its time, and returns what it is made with."""
+
+    range_N = 1.0
+
+    def __init__(self, clock, force_N, takes_s: float) -> None:
+        self._clock, self._force_N, self._takes_s, self._is_open = clock, force_N, takes_s, False
+
+    def open(self) -> None:
+        self._is_open = True
+
+    def read_force(self):
+        if not self._is_open:
+            raise DeviceError("open the sensor first")
+        self._clock.sleep_until(self._clock.now() + self._takes_s)
+        return self._force_N
+
+    def tare(self) -> None:
+        self._force_N = type(self._force_N)(0)
+
+    def close(self) -> None:
+        self._is_open = False
+
+
+def test_a_sensor_that_reads_too_seldom_or_returns_no_float_is_found():
+    clock = VirtualClock()
+    assert force_sensor_faults(Slow(clock, 0.5, 0.1), clock) == []
+    assert force_sensor_faults(Slow(clock, 0.5, 0.6), clock) == [
+        (
+            "read_force takes 0.60 s; the force between two readings is a straight line, so "
+            "0.25 s is the most"
+        )
+    ]
+    assert force_sensor_faults(Slow(clock, 0, 0.1), clock) == [
+        "read_force returned 0; a float in N is needed (5 times)"
+    ]
 
 
 @pytest.mark.parametrize(

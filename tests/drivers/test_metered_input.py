@@ -222,6 +222,19 @@ def test_a_measurement_waits_for_the_reading_after_it(bench):
     assert volts[0] == pytest.approx(1e-3 * times, abs=1e-12)
 
 
+def test_it_says_how_often_the_meter_reads(bench):
+    assert bench.signals.interval_s() == pytest.approx(INTERVAL_S)
+
+
+def test_how_often_a_silent_meter_reads_is_told_as_its_silence():
+    bench = Bench()
+    bench.meter.spoilt = 1000
+    bench.signals.open()
+    with pytest.raises(DeviceTimeoutError, match="has given no reading for 1"):
+        bench.signals.interval_s()
+    bench.signals.close()
+
+
 def test_the_board_can_be_read_whatever_becomes_of_the_meter(bench):
     bench.meter.spoilt = 10**6
     bench.wait(2.0)
