@@ -99,15 +99,23 @@ __all__ = [
 _P = ParamSpec("_P")
 
 
-def _never_raising(faults: Callable[_P, list[str]]) -> Callable[_P, list[str]]:
+def _never_raising(name: str, faults: Callable[_P, list[str]]) -> Callable[_P, list[str]]:
     """Return a conformance function of which what a part raises is one of the faults.
 
     And a call that does not return. Those of a device wait by a clock, and watch each call.
+    A wrong call of the function itself is the caller's TypeError, and no fault of the part.
     """
-    has_clock = "clock" in signature(faults).parameters
+    wanted = signature(faults)
+    has_clock = "clock" in wanted.parameters
 
     @wraps(faults)
     def found(*args: _P.args, **kwargs: _P.kwargs) -> list[str]:
+        try:
+            wanted.bind(*args, **kwargs)
+        except TypeError as error:
+            called = ", ".join(wanted.parameters)
+            raise TypeError(f"{error}; call it as {name}({called})") from None
+
         def judged() -> list[str]:
             return first_faults([lambda: faults(*args, **kwargs)])
 
@@ -116,4 +124,4 @@ def _never_raising(faults: Callable[_P, list[str]]) -> Callable[_P, list[str]]:
     return found
 
 
-globals().update({name: _never_raising(globals()[name]) for name in __all__})
+globals().update({name: _never_raising(name, globals()[name]) for name in __all__})

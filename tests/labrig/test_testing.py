@@ -50,6 +50,12 @@ def test_each_conformance_function_answers_in_sentences_what_is_no_part_at_all(n
     assert all(isinstance(sentence, str) and sentence for sentence in found)
 
 
+def test_a_wrong_call_of_a_conformance_function_is_no_fault_of_the_part() -> None:
+    said = r"'clock'; call it as positioner_faults\(positioner, clock, positions_m, outside_m"
+    with pytest.raises(TypeError, match=said):
+        testing.positioner_faults(object())
+
+
 def test_the_fake_rig_runs_a_schedule_and_ends_at_0_V() -> None:
     rig = testing.FakeRig()
     schedule = testing.short_schedule(0.01)

@@ -87,6 +87,42 @@ def test_a_faulty_extra_is_told_what_is_wrong():
     assert faults(int) == ["it is no subclass of protocols.extras.contract.Extra"]
 
 
+def blink():
+    run = Builder()
+    run.step(1.0, 0.5)
+    run.reading(0.3, 0.1, ReadingKind.KEPT)
+    return run.finish()
+
+
+def first(_protocol, positions_m):
+    return [ExtraRun(parts=blink(), position_m=positions_m[0])]
+
+
+@pytest.mark.parametrize(
+    ("runs", "said"),
+    [
+        (lambda *_: None, "`runs` returned NoneType; it must yield each ExtraRun"),
+        (lambda *_: ExtraRun(parts=blink()), "`runs` returned ExtraRun; it must yield each"),
+        (lambda *_: [blink()], "`runs` must yield each ExtraRun; it yielded tuple"),
+        (lambda *_: [ExtraRun(parts=blink(), position_m=12.0)], "is 12 m: is it in mm?"),
+        (lambda *_: [ExtraRun(parts=blink(), position_m="5 mm")], "is '5 mm', no number in m"),
+        (first, "where there are no positions (positions_m is empty) `runs` raised IndexError"),
+    ],
+)
+def test_an_extra_whose_runs_are_none_is_told_what_it_returned(runs, said):
+    @dataclass(frozen=True, kw_only=True)
+    class Odd(Extra):
+        """It returns something else."""
+
+        name = "odd"
+
+        def runs(self, protocol, positions_m):
+            return runs(protocol, positions_m)
+
+    (fault,) = extra_faults(Odd)
+    assert said in fault
+
+
 # ------------------------------------------------------------------------------------ free shapes
 
 

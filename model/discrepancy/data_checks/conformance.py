@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from copy import deepcopy
 from dataclasses import fields, is_dataclass
 
@@ -35,6 +35,16 @@ def _behaviour(check: DataCheck) -> Iterator[str]:
     """Check that it says nothing of good data and leaves its arguments as they are."""
     data = example_measurements()
     before = deepcopy(data)
+    answers: dict[str, object] = {
+        "suspicions": check.suspicions(data),
+        "of_stiffness": check.of_stiffness(data, {"example": 1e-6}),
+        "of_failed_fit": check.of_failed_fit(data),
+        "changes": check.changes(data),
+    }
+    for method, answer in answers.items():
+        if not isinstance(answer, Iterable):  # other people's may return anything
+            yield f"its `{method}` returned {type(answer).__name__}; it must yield what it finds"
+            return
     suspicions = [*check.suspicions(data), *check.of_stiffness(data, {"example": 1e-6})]
     of_failed = check.of_failed_fit(data)  # of other data than good ones: it may say anything
     if not all(isinstance(one, Suspicion) for one in (*suspicions, *of_failed)):

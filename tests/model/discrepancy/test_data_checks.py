@@ -375,6 +375,13 @@ def test_a_check_that_suspects_good_data_does_not_conform():
     assert list(example_measurements().sheets) == ["example"]
 
 
+@pytest.mark.parametrize("method", ["suspicions", "changes", "of_failed_fit"])
+def test_a_check_that_returns_nothing_is_told_which_method_of_it(method):
+    forgetful = type("Forgetful", (DataCheck,), {method: lambda _self, _measurements: None})
+    found = faults(forgetful(name="forgetful", meaning="nothing", order=1))
+    assert found == [f"its `{method}` returned NoneType; it must yield what it finds"]
+
+
 @pytest.mark.slow
 def test_sheets_of_unlike_moduli_are_told_with_the_thickness_that_would_fit():
     m = session()
