@@ -19,7 +19,7 @@ from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 from threading import Timer
-from traceback import extract_tb
+from traceback import extract_tb, walk_tb
 from typing import TYPE_CHECKING, Generic, TypeVar, cast
 
 if TYPE_CHECKING:
@@ -119,6 +119,15 @@ def _place(error: BaseException) -> str:
     if file.is_relative_to(_ROOT) and file.relative_to(_ROOT).parts[0] in _OURS:
         return ""
     return f" ({file.name}, line {last.lineno})"
+
+
+def _place_in(error: BaseException, module: str) -> str:
+    """Return where in a part's own files it was raised; nothing where it was not found, say."""
+    package = module.partition(".")[0]
+    for frame, line in reversed(list(walk_tb(error.__traceback__))):
+        if frame.f_globals.get("__name__", "").partition(".")[0] == package:
+            return f" ({Path(frame.f_code.co_filename).name}, line {line})"
+    return ""
 
 
 def _in_short(faults: list[str]) -> str:
@@ -226,7 +235,8 @@ def _loaded(
     except KeyboardInterrupt:
         raise  # somebody's Ctrl-C
     except BaseException as error:  # noqa: BLE001 - other people's code may raise anything
-        _leave_out(folder, entry, f"loading it failed with {type(error).__name__}: {error}")
+        where = _place_in(error, entry.module)
+        _leave_out(folder, entry, f"loading it failed with {type(error).__name__}: {error}{where}")
         return None
     finally:
         slow.cancel()

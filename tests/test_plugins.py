@@ -105,6 +105,13 @@ def test_a_part_that_cannot_be_called_as_the_contract_says_names_no_line_of_ours
     assert said == "its code raised TypeError: len() takes exactly one argument (0 given)"
 
 
+def test_what_fails_when_a_part_is_loaded_is_told_with_its_file_and_line(numbers):
+    install(numbers, "hasty_numbers", "two = hasty_numbers:TWO", "ONE = 1\nTWO = len()\n")
+    with pytest.warns(PluginWarning, match=r"\(0 given\) \(hasty_numbers\.py, line 2\)\.$"):
+        assert list(folder().parts()) == ["one"]
+    sys.modules.pop("hasty_numbers", None)
+
+
 def test_a_module_that_ends_python_when_it_is_imported_ends_nothing_else(numbers):
     install(numbers, "ending_numbers", "two = ending_numbers:TWO", "import sys; sys.exit(3)\n")
     with pytest.warns(PluginWarning, match="loading it failed with SystemExit: 3"):
