@@ -30,6 +30,7 @@ from drivers.interfaces import (
 OPEN_TIMEOUT_S = 5.0
 READ_TIMEOUT_S = 2.0
 _LOOKS = 3
+_METHODS = ("isOpened", "grab", "retrieve", "read", "get", "set", "release")
 # OpenCV's numbers for the properties used, so that a capture of another make needs no OpenCV.
 POS_MSEC, WIDTH, HEIGHT, FPS = 0, 3, 4, 5
 POS_FRAMES, CONVERT_RGB, BUFFER_SIZE, READ_TIMEOUT_MSEC = 1, 16, 38, 54
@@ -97,7 +98,7 @@ class OpenedCapture:
 
     def retrieve(self) -> GreyImage:
         """Return the frame last grabbed, grey."""
-        good, raw = self._capture.retrieve()
+        good, raw = self._pair("retrieve", self._capture.retrieve())
         if not good or raw is None:
             raise DeviceError(f"a frame of camera {self._source} could not be decoded")
         image = as_grey(raw, self._source)
@@ -153,7 +154,7 @@ class OpenedCapture:
         return as_grey(image, self._source)
 
     def _read(self) -> npt.NDArray[Any]:
-        good, image = self._capture.read()
+        good, image = self._pair("read", self._capture.read())
         if not good or image is None:
             raise DeviceNotFoundError(
                 f"[camera] source = {self._source}: it opens but sends no frame within "
@@ -161,16 +162,30 @@ class OpenedCapture:
             )
         return np.asarray(image)
 
+    def _pair(self, method: str, answer: object) -> tuple[Any, Any]:
+        """Return both parts of what the capture answered, which may be other people's code."""
+        if isinstance(answer, tuple | list) and len(answer) == 2:
+            return answer[0], answer[1]
+        raise DeviceError(
+            f"the capture of camera {self._source} returned {type(answer).__name__} from {method}, "
+            "not (True, image)"
+        )
+
 
 def open_capture(source: int | str, factory: Callable[..., Any] | None = None) -> OpenedCapture:
     """Open a camera and take its first frame. Raises DeviceNotFoundError in bounded time."""
     capture = _video_capture(source) if factory is None else factory(source)
+    missing = [name for name in _METHODS if not callable(getattr(capture, name, None))]
     try:
+        if missing:
+            kind, names = type(capture).__name__, ", ".join(missing)
+            raise DeviceError(f"the capture of camera {source} ({kind}) has no {names}")
         if not capture.isOpened():
             raise DeviceNotFoundError(f"[camera] source = {source}: {_why_not(source)}")
         return OpenedCapture(capture, source)
     except BaseException:
-        capture.release()
+        if "release" not in missing:
+            capture.release()
         raise
 
 

@@ -299,6 +299,31 @@ def test_a_capture_that_ends_the_program_ends_the_delivery_with_its_reason(end):
         camera.close()
 
 
+class Bare(Capture):
+    """A capture that returns the image alone."""
+
+    def read(self):
+        return super().read()[1]
+
+
+class Lacking(Capture):
+    get = None
+
+
+@pytest.mark.parametrize(
+    ("capture", "said"),
+    [
+        (Bare, r"of camera fake returned ndarray from read, not \(True, image\)"),
+        (Lacking, r"of camera fake \(Lacking\) has no get"),
+        (lambda _: None, r"of camera fake \(NoneType\) has no isOpened, grab, retrieve, read, get"),
+    ],
+)
+def test_a_capture_that_is_none_is_told_what_it_lacks(capture, said):
+    pictures = [np.full((4, 6), 7, np.uint8)] * 3
+    with pytest.raises(DeviceError, match=said):
+        CaptureCamera("fake", RealClock(), lambda _: capture(pictures)).open()
+
+
 def test_a_capture_that_opens_but_sends_nothing_is_refused_and_released():
     capture = Capture([])
     with pytest.raises(DeviceNotFoundError, match="sends no frame"):
