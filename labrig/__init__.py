@@ -7,6 +7,7 @@ what tests of such parts need.
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from labrig.lazy_imports import lazily
@@ -209,7 +210,18 @@ _HOMES = {
     ),
     "sim_hardware.ni.boards": ("BoardModel",),
 }
-_load, __dir__, __all__ = lazily(__name__, _HOMES, modules=("plot",), before=require_own_packages)
+
+
+def _command(name: str) -> str:
+    """Return that a name is a command alone, where it is; the file tells without importing it."""
+    file = Path(__file__).parent / "cli" / "commands" / f"{name}.py"
+    is_one = not name.startswith("_") and file.is_file()
+    return f"; on the command line it is `labrig {name}`" if is_one else ""
+
+
+_load, __dir__, __all__ = lazily(
+    __name__, _HOMES, modules=("plot",), before=require_own_packages, elsewhere=_command
+)
 
 
 def __getattr__(name: str) -> Any:

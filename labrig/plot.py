@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from labrig.api.arguments import known_arguments
 from labrig.api.data import AnyPath, Data, measurements_of, model_of
 from labrig.errors import BadInputError, type_in_words
 from labrig.motion.simulated import SimulatedRun
@@ -58,6 +59,7 @@ _QUANTITIES = {
 }
 
 
+@known_arguments
 def forces(
     data: Data,
     model: Fit | SheetModel | AnyPath | None = None,
@@ -86,6 +88,7 @@ def forces(
     return axes
 
 
+@known_arguments
 def curves(data: Data, *, configuration: str | None = None, ax: Axes | None = None) -> Axes:
     """Draw the measured neutral curves of all conditions, the arc and the clamp.
 
@@ -106,6 +109,7 @@ def curves(data: Data, *, configuration: str | None = None, ax: Axes | None = No
     return axes
 
 
+@known_arguments
 def eibm(
     model: Fit | SheetModel | AnyPath,
     *,
@@ -132,6 +136,7 @@ def eibm(
     return axes
 
 
+@known_arguments
 def shapes(
     predictions: Prediction | Iterable[Prediction],
     model: SheetModel | AnyPath,
@@ -180,6 +185,7 @@ def _predictions(given: Prediction | Iterable[Prediction]) -> list[Prediction]:
     return every
 
 
+@known_arguments
 def diagnosis(found: Diagnosis, *, ax: Axes | None = None) -> Axes:
     """Draw the evidence for each candidate; named effects are green.
 
@@ -198,6 +204,7 @@ def diagnosis(found: Diagnosis, *, ax: Axes | None = None) -> Axes:
     return axes
 
 
+@known_arguments
 def diagnosis_forces(
     found: Diagnosis, *, configuration: str | None = None, ax: Axes | None = None
 ) -> Axes:
@@ -220,6 +227,7 @@ def diagnosis_forces(
     return axes
 
 
+@known_arguments
 def motion(
     run: SimulatedRun | SheetMotion, quantity: str = "force_N", *, ax: Axes | None = None
 ) -> Axes:

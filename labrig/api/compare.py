@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from labrig.api.arguments import elongation_kg_per_m
+from labrig.api.arguments import elongation_kg_per_m, known_arguments
 from labrig.api.data import AnyPath, measurements_of, model_of, name_of
 from labrig.api.fit import what_can_be_fitted
 from labrig.errors import BadArgumentError, BadInputError
@@ -76,6 +76,7 @@ class ProgressSteps(Protocol):
         """Begin a step."""
 
 
+@known_arguments
 @one_blas_thread
 def compare(
     session: AnyPath,

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args, overload
 
-from labrig.api.arguments import number, one_of, several, shown
+from labrig.api.arguments import known_arguments, number, one_of, several, shown
 from labrig.api.data import AnyPath, model_of
 from labrig.api.eibm import Eibm, model_with_eibm
 from labrig.api.simulate import tell_of_misses
@@ -97,6 +97,7 @@ class Design(Displayed, Sequence[DesignAnswers]):
                         }  # fmt: skip
 
 
+@known_arguments
 @one_blas_thread
 def design(
     model: AnyPath | SheetModel,
@@ -167,6 +168,7 @@ def design(
     return found
 
 
+@known_arguments
 @one_blas_thread
 def map_of_elongation(
     model: AnyPath | SheetModel,

@@ -6,7 +6,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from labrig.api.arguments import number, refuse_beside_options, several, texts, whole_number
+from labrig.api.arguments import (
+    known_arguments,
+    number,
+    refuse_beside_options,
+    several,
+    texts,
+    whole_number,
+)
 from labrig.api.data import AnyPath, Data, model_of, paths_of, tell, tell_of_stiffness
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.errors import BadInputError, LabrigError
@@ -17,6 +24,7 @@ from model.measurements import Measurements
 from model.sheet.sheet_model import SheetModel
 
 
+@known_arguments
 @one_blas_thread
 def diagnose(
     sessions: Data | Sequence[AnyPath] | None = None,

@@ -6,7 +6,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from labrig.api.arguments import number, refuse_beside_options, several, texts, whole_number
+from labrig.api.arguments import (
+    known_arguments,
+    number,
+    refuse_beside_options,
+    several,
+    texts,
+    whole_number,
+)
 from labrig.api.data import AnyPath, Data, measurements_of, paths_of, tell, tell_of_stiffness
 from labrig.errors import BadArgumentError, BadInputError
 from labrig.one_blas_thread import one_blas_thread
@@ -30,6 +37,7 @@ class FittedData:
     runs: dict[Run, str] = field(default_factory=dict)  # which of several sessions each is from
 
 
+@known_arguments
 @one_blas_thread
 def fit(
     sessions: Data | Sequence[AnyPath],

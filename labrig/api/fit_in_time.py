@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from labrig.analysis.motion.dynamic_fit import DynamicFit, model_of
+from labrig.api.arguments import known_arguments
 from labrig.api.data import AnyPath, tell
 from labrig.api.motion_data import checksum_of, fits_of, request_of
 from labrig.one_blas_thread import one_blas_thread
@@ -54,6 +55,7 @@ class FitInTime(Displayed):
         return dynamic_json(list(self.configurations.values()))
 
 
+@known_arguments
 @one_blas_thread
 def fit_in_time(
     sessions: AnyPath | Sequence[AnyPath],

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from labrig.analysis.motion.noise import noise_at_first
 from labrig.analysis.motion.proposals import Proposal, proposals
+from labrig.api.arguments import known_arguments
 from labrig.api.data import AnyPath, model_of
 from labrig.api.motion_data import MotionRequest, fits_of, records_of, request_of
 from labrig.files import path_of
@@ -65,6 +66,7 @@ class NextRuns(Displayed):
         }
 
 
+@known_arguments
 @one_blas_thread
 def next_in_time(
     sessions: AnyPath | Sequence[AnyPath],

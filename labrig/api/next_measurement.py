@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from labrig.api.arguments import several, shown
+from labrig.api.arguments import known_arguments, several, shown
 from labrig.api.data import AnyPath, Data, model_of, paths_of, tell
 from labrig.api.diagnose import diagnosed, keep_in
 from labrig.api.tables import GivenTables, Names, data_of
@@ -54,6 +54,7 @@ class NextMeasurement(Displayed):
         }  # fmt: skip
 
 
+@known_arguments
 @one_blas_thread
 def next_measurement(
     sessions: Data | Sequence[AnyPath] | None = None,

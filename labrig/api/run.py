@@ -8,6 +8,7 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from drivers.interfaces import Operator
+from labrig.api.arguments import known_arguments
 from labrig.api.data import AnyPath, tell
 from labrig.errors import BadInputError, ExitCode
 from labrig.experiment.notices.hook_watch import hooks_of
@@ -26,6 +27,7 @@ from protocols.execution.events import Event
 from protocols.execution.stop import SignalledStop, StopRequest
 
 
+@known_arguments
 def run(
     rig: AnyPath,
     protocol: AnyPath,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from labrig.api.arguments import number, pair
+from labrig.api.arguments import known_arguments, number, pair
 from labrig.api.eibm import Eibm, Rows, stated, stated_by_voltage
 from labrig.errors import BadInputError
 from model.measurements import SheetGeometry
@@ -14,6 +14,7 @@ from model.sheet.stated import SOFTEST_PA, STIFFEST_PA, stated_model
 USUAL_V = 2.0  # the paper's driving voltage, where one EIBM is stated without a voltage
 
 
+@known_arguments
 def sheet(
     *,
     free_length_mm: float,

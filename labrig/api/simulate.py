@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from labrig.api.arguments import number, numbers, several, whole_number
+from labrig.api.arguments import known_arguments, number, numbers, several, whole_number
 from labrig.api.data import AnyPath, model_of, name_of, tell
 from labrig.api.eibm import Eibm, model_with_eibm, voltages_of
 from labrig.errors import BadArgumentError
@@ -81,6 +81,7 @@ class SimulatedConditions(Displayed, Sequence[Prediction]):
         return [one.to_json() for one in self.conditions]
 
 
+@known_arguments
 def predict(
     model: AnyPath | SheetModel,
     configuration: str,
@@ -118,6 +119,7 @@ def predict(
     return model_of(model).predict(configuration, position_m, voltage_V)
 
 
+@known_arguments
 @one_blas_thread
 def simulate(
     model: AnyPath | SheetModel,
@@ -200,6 +202,7 @@ def tell_of_misses(errors: Sequence[Misfit]) -> None:
             )
 
 
+@known_arguments
 @one_blas_thread
 def simulate_in_time(
     model: AnyPath,

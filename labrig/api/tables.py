@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from labrig.api.arguments import several, texts
+from labrig.api.arguments import known_arguments, several, texts
 from labrig.api.data import AnyPath, Data, measurements_of, paths_of, tell
 from labrig.errors import BadArgumentError, BadInputError
 from labrig.files import path_of
@@ -15,6 +15,7 @@ from model.measurements import Measurements
 Names = Mapping[str, object] | Sequence[str]  # {"force_mN": "F"}, or ["force_mN=F"]
 
 
+@known_arguments
 def measurements_of_tables(
     sheet: AnyPath | None,
     forces: AnyPath | None = None,

@@ -6,6 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
+from typing import TYPE_CHECKING
 
 MOST_ROWS = 16  # of a table; with title, columns and notes it fits a screen of 24 lines
 MOST_NOTES = 4
@@ -96,6 +97,23 @@ class Displayed(ABC):
     def _repr_html_(self) -> str:
         """Return the summary for a notebook."""
         return self.summary().html()
+
+    if not TYPE_CHECKING:  # a type checker shall still find names that are not there
+
+        def __getattr__(self, name: str) -> object:
+            """Say what the object has, where a name is guessed."""
+            if name.startswith("_") or hasattr(type(self), name):  # a property that failed says why
+                return object.__getattribute__(self, name)
+            has = ", ".join(_public(self))
+            raise AttributeError(
+                f"{type(self).__name__!r} object has no attribute {name!r}; it has {has}"
+            )
+
+
+def _public(shown: Displayed) -> list[str]:
+    """Return its names; methods with brackets."""
+    names = [name for name in dir(shown) if not name.startswith("_")]
+    return [f"{one}()" if callable(getattr(type(shown), one, None)) else one for one in names]
 
 
 def _line(row: Sequence[str], widths: Sequence[int]) -> str:

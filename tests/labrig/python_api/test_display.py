@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import sys
 from dataclasses import replace
 
@@ -173,3 +174,30 @@ def test_without_pandas_one_sentence_says_how_to_install_it(measured, monkeypatc
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(MissingPandasError, match=r'pip install "labrig\[dataframe\]"'):
         measured.to_dataframe()
+
+
+# -- names that are guessed
+
+
+def test_a_name_that_an_object_does_not_have_is_answered_with_those_that_it_has(measured):
+    with pytest.raises(AttributeError) as told:
+        measured.sheets["long"].length  # noqa: B018 - it raises
+    text = str(told.value)
+    assert text.startswith("'SheetGeometry' object has no attribute 'length'; it has ")
+    assert "free_length_m" in text
+    assert "summary()" in text
+    assert not hasattr(measured, "_ipython_display_")
+    assert copy.deepcopy(measured.conditions[0].readings[0]) is not None
+
+
+def test_a_property_that_fails_says_why_itself():
+    class Broken(Displayed):
+        def summary(self) -> Summary:
+            return Summary("broken")
+
+        @property
+        def force_N(self) -> float:
+            raise AttributeError("the cell is not there")
+
+    with pytest.raises(AttributeError, match="the cell is not there"):
+        Broken().force_N  # noqa: B018 - it raises

@@ -436,8 +436,21 @@ def test_a_section_may_be_text_or_a_pair():
 @pytest.mark.parametrize(
     ("guess", "said"),
     [
-        ("open", "did you mean open_session?"),
-        ("load", "did you mean load_measurements or load_model or load_optics?"),
+        (
+            "open",
+            (
+                "did you mean load_measurements or load_model or load_optics or open_session or "
+                "read_image or read_tables?"
+            ),
+        ),
+        (
+            "load",
+            (
+                "did you mean load_measurements or load_model or load_optics or open_session or "
+                "read_image or read_tables?"
+            ),
+        ),
+        ("verify", "on the command line it is `labrig verify`"),
         ("diagnoze", "did you mean diagnose?"),
         ("forces", "has no attribute 'forces'"),
     ],

@@ -326,3 +326,53 @@ def test_a_curve_is_looked_for_with_optics_and_a_strip():
     assert said_by(lambda: labrig.neutral_curve(pixels, optics, "sheet.toml")) == (
         "strip: a labrig.StripGeometry is needed, not a str."
     )
+
+
+# -- arguments that a function does not have
+
+
+@pytest.mark.parametrize(
+    ("job", "said"),
+    [
+        (
+            lambda: labrig.predict("model.toml", "long", position_mm=12, voltage_V=2),
+            (
+                "predict() has no argument 'position_mm'; did you mean position_m? Its arguments are "
+                "model, configuration, position_m, voltage_V."
+            ),
+        ),
+        (
+            lambda: labrig.simulate("model.toml", position_mm=12, voltage_V=2),
+            (
+                "simulate() has no argument 'voltage_V'; did you mean voltage? Its arguments are "
+                "model, position_mm, voltage, configuration, session, eibm."
+            ),
+        ),
+        (
+            lambda: labrig.fit("session.h5", model="constant"),
+            (
+                "fit() has no argument 'model'; its arguments are sessions, options, configuration, "
+                "hold_out, apart, symmetric, measured_curvature, bootstrap, q, stiffness_Nm2, "
+                "progress."
+            ),
+        ),
+        (
+            lambda: labrig.simulate("model.toml", "long", 12, 2),
+            (
+                "simulate() takes 1 argument without a name, not 4; give by name: position_mm=, "
+                "voltage=, configuration=, session=, eibm=."
+            ),
+        ),
+        (
+            lambda: labrig.plot.forces("session.h5", configurations="long"),
+            (
+                "forces() has no argument 'configurations'; did you mean configuration? Its "
+                "arguments are data, model, configuration, ax."
+            ),
+        ),
+    ],
+)
+def test_an_argument_that_a_function_does_not_have_is_one_sentence(job, said):
+    with pytest.raises(TypeError) as told:
+        job()
+    assert str(told.value) == said
