@@ -47,10 +47,10 @@ def import_tables(
 ) -> None:
     """Make a session of tables of older measurements.
 
-    Columns are separated by commas, semicolons or tabs, decimals by points or commas; lines above
-    the names of the columns are skipped. The encoding is UTF-8, UTF-16 or Latin-1. labrig first
-    prints how it understood each table. Where a table is not written as labrig writes it, it asks
-    whether that is right; --yes agrees beforehand, but never to a guess.
+    Columns are separated by commas, semicolons, tabs or spaces, decimals by points or commas;
+    lines above the names of the columns are skipped. The encoding is UTF-8, UTF-16 or Latin-1.
+    labrig first prints how it understood each table. Where a table is not written as labrig writes
+    it, it asks whether that is right; --yes agrees beforehand, but never to a guess.
 
     forces: configuration, position_mm, voltage_V, force_mN; also reading, sd_mN and mean_of (where
     force_mN is a mean), time_s, kind, valid, run, approach, mounting, tilt_deg.
@@ -59,9 +59,9 @@ def import_tables(
 
     signals: configuration, position_mm, time_s, drive_V; also force_mN, current_mA.
 
-    Other units are converted where the name states them: force [N], x (cm); a position in degrees
-    or radians is multiplied by the arc's radius. Other names are stated with --columns, and what no
-    column says with --value; --ignore leaves a column out.
+    Other units are converted where the name states them: force [N], force (gf), x (cm); a position
+    in degrees or radians is multiplied by the arc's radius. Other names are stated with --columns,
+    and what no column says with --value; --ignore leaves a column out.
 
     `labrig config columns` explains each column, with its axis and sign.
 

@@ -151,6 +151,10 @@ class CsvRow:
         """Whether the file has a column."""
         return self._table.has(column)
 
+    def in_file(self, column: str) -> bool:
+        """Whether a column is in the file itself, not stated for all lines."""
+        return column in self._table.columns
+
     def values_after(self, prefix: str) -> dict[str, float]:
         """Return the numbers in columns that begin with `prefix`, by the rest of their names."""
         cells = {name: self._table.text(self.index, name) for name in self._table.after(prefix)}

@@ -20,7 +20,7 @@ def heading(table: TextTable) -> str:
     parts = [
         f"{count} row{'' if count == 1 else 's'}",
         table.encoding,
-        f"{IN_WORDS[layout.delimiter]} between columns",
+        f"{'spaces' if layout.spaces else IN_WORDS[layout.delimiter]} between columns",
     ]
     if layout.delimiter != COMMA:
         parts.append(f"decimal {'comma' if table.decimal_comma else 'point'}")

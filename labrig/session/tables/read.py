@@ -40,6 +40,12 @@ _UNSAID = (
 )
 
 
+_NO_PLACE = (
+    "column position_mm is empty, but there is a force; give the place of the load cell in every "
+    "line, also where it is that of the line above (a force without contact has kind no_contact)"
+)
+
+
 class _Key(NamedTuple):
     """What tells one condition from another."""
 
@@ -182,6 +188,8 @@ def _add_force(gathered: _Conditions, row: CsvRow, sheet: Mapping[str, SheetGeom
     counted = not row.has("reading")
     index = row.index if counted else row.get("reading", integer, WHOLE)
     kind = row.optional("kind", one_of(*columns.KINDS), " or ".join(columns.KINDS), "kept")
+    if key.position_m is None and kind == "kept" and row.in_file("position_mm"):
+        raise row.fault(_NO_PLACE)
     readings = _gathered(gathered, key, row).readings
     if index in readings:
         raise row.fault(f"column reading: reading {index} of this condition is there twice")

@@ -26,7 +26,7 @@ from labrig.config.file_kinds import (
 from labrig.errors import BadInputError
 from labrig.session.tables.csv_rows import TextTable
 from labrig.session.tables.decimals import MINUS, plain
-from labrig.session.tables.text.decoding import decoded
+from labrig.session.tables.text.decoding import LATIN, decoded
 from labrig.session.tables.text.guesses import first_cells
 from labrig.session.tables.text.layout import (
     COMMA,
@@ -46,6 +46,7 @@ from labrig.session.tables.text.meaning import (
     check,
     meanings,
 )
+from labrig.session.tables.text.spaces import tabs_for_spaces, without_marks
 
 MOST_BYTES = 256 << 20  # days of samples
 _DIGITS = 9  # after the point, of what an angle is turned into
@@ -82,7 +83,9 @@ def table_of(
 ) -> TextTable:
     """Return the table in a text; `path` is what errors call it. See `read_table`."""
     _refuse_other_kind(text, path, expected)
+    text, spaces = tabs_for_spaces(without_marks(text))
     layout = find_layout(text, lambda names: _recognised(names, expected, given))
+    layout = replace(layout, spaces=spaces)
     file = str(path)
     if len(layout.names) > MOST_COLUMNS:
         raise BadInputError(
@@ -96,7 +99,10 @@ def table_of(
         values.setdefault("configuration", given.only_sheet)
     by_hand = bool(given.columns) or any(one.how in (How.WRITTEN, How.GUESSED) for one in found)
     plain = layout.plain and encoding == "UTF-8" and not by_hand
-    found = check(file, found, expected, own, plain=plain, cells=first_cells(text, layout))
+    letters = "; where letters of the file are wrong, save it as UTF-8" if encoding == LATIN else ""
+    found = check(
+        file, found, expected, own, plain=plain, cells=first_cells(text, layout), letters=letters
+    )
     cells, lines = _body(text, path, layout, plain)
     table = TextTable(
         path=path,

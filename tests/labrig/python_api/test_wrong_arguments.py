@@ -337,8 +337,8 @@ def test_a_curve_is_looked_for_with_optics_and_a_strip():
         (
             lambda: labrig.predict("model.toml", "long", position_mm=12, voltage_V=2),
             (
-                "predict() has no argument 'position_mm'; did you mean position_m? Its arguments are "
-                "model, configuration, position_m, voltage_V."
+                "predict() has no argument 'position_mm'; did you mean position_m? Its "
+                "arguments are model, configuration, position_m, voltage_V."
             ),
         ),
         (
@@ -351,9 +351,9 @@ def test_a_curve_is_looked_for_with_optics_and_a_strip():
         (
             lambda: labrig.fit("session.h5", model="constant"),
             (
-                "fit() has no argument 'model'; its arguments are sessions, options, configuration, "
-                "hold_out, apart, symmetric, measured_curvature, bootstrap, q, stiffness_Nm2, "
-                "progress."
+                "fit() has no argument 'model'; its arguments are sessions, options, "
+                "configuration, hold_out, apart, symmetric, measured_curvature, bootstrap, q, "
+                "stiffness_Nm2, progress."
             ),
         ),
         (

@@ -75,6 +75,14 @@ WRITTEN = {
     .replace("position_mm", "Position (mm)").encode(),
     "a line of units": other(PLAIN).replace("force_mN\n", "force\n\tmm\tV\t\tmN\n")
     .replace("position_mm", "position").replace("voltage_V", "voltage").encode(),
+    "a line of units below our names": PLAIN.replace("_mN\n", "_mN\n,mm,V,-,mN\n").encode(),
+    "spaces": other(PLAIN, " ", comma=False).encode(),
+    "spaces, decimal comma": other(PLAIN, "  ").encode(),
+    "columns of one width": "\n".join(
+        "".join(f"{cell:>16}" for cell in line.split(",")) for line in PLAIN.splitlines()
+    ).encode(),
+    "numpy.savetxt with commas": f"# of 2014\n# {PLAIN}".encode(),
+    "numpy.savetxt with spaces": f"# of 2014\n# {other(PLAIN, ' ', comma=False)}".encode(),
     "six decimals everywhere": other(PLAIN).replace("\t0\t0\t", "\t0,000000\t0,000000\t")
     .replace("\t10\t", "\t10,000000\t").encode(),
 }  # fmt: skip
@@ -96,6 +104,8 @@ UNITS = [
     ("force/mN", "0.31", "force_mN", 0.00031),
     ("force in N", "3.1e-4", "force_mN", 0.00031),
     ("FORCE_N", "0.00031", "force_mN", 0.00031),
+    ("force (gf)", "0.1", "force_mN", 0.000980665),
+    ("force [mgf]", "100", "force_mN", 0.000980665),
 ]
 
 
@@ -131,8 +141,36 @@ def test_a_unit_of_another_quantity_is_refused(tmp_path):
     text = PLAIN.replace("force_mN", "F (V)")
     with pytest.raises(BadInputError, match=r"column 'F \(V\)': 'V' is no unit of force_mN"):
         read(tmp_path, text, "force_mN=F (V)")
-    with pytest.raises(BadInputError, match=r"'kg' is no unit of force_mN; convert the column"):
+    with pytest.raises(BadInputError) as told:
         read(tmp_path, PLAIN.replace("force_mN", "F (kg)"), "force_mN=F")
+    assert str(told.value).endswith(
+        "'kg' is no unit of force_mN; convert the column, or write kgf where it is a weight."
+    )
+    with pytest.raises(BadInputError, match="line below its name says 'm'; state one unit"):
+        read(tmp_path, PLAIN.replace("_mN\n", "_mN\n,m,V,-,mN\n"))
+
+
+def test_a_force_needs_the_place_of_the_load_cell(tmp_path):
+    text = PLAIN.replace("long,5,0,1", "long,,0,1")
+    with pytest.raises(BadInputError, match="line 3: column position_mm is empty, but there is a"):
+        read(tmp_path, text)
+
+
+def test_where_no_column_is_known_all_are_listed(tmp_path):
+    for text, names in (("a;b\n1;2\n2;3\n", "a, b"), ("1 2 3\n4 5 6\n", "1, 2, 3")):
+        with pytest.raises(BadInputError, match=rf"--columns \w+=NAME \(the file has {names}\) or"):
+            read(tmp_path, text, values=["configuration=long"])
+
+
+def test_names_in_other_letters_are_offered(tmp_path):
+    names = "configuration,\u4f4d\u7f6e (mm),\u96fb\u5727 [V],reading,\u529b (mN)"
+    text = PLAIN.replace(PLAIN.splitlines()[0], names)
+    with pytest.raises(BadInputError, match="--columns 'position_mm=\u4f4d\u7f6e' --col"):
+        read(tmp_path, text)
+    with pytest.raises(BadInputError, match=r"is it position_mm\? Give --columns 'position_mm="):
+        read(tmp_path, PLAIN.replace("position_mm", "\u8ddd\u79bb (mm)"))
+    with pytest.raises(BadInputError, match="letters of the file are wrong, save it as UTF-8"):
+        read(tmp_path, text.encode("cp932"))
 
 
 def test_other_names_are_taken_only_as_stated(tmp_path):
@@ -239,9 +277,11 @@ def test_curves_of_photographs_are_curves_of_free_sheets(tmp_path):
     np.testing.assert_array_equal(condition.curve.x_m, [0.0, 0.005, 0.01, 0.015])
 
 
-@pytest.mark.parametrize("name", ["force_gf", "force (mg)"])
+@pytest.mark.parametrize("name", ["force_lbf", "force (mg)"])
 def test_a_unit_that_is_not_known_is_answered_with_those_that_are(tmp_path, name):
-    with pytest.raises(BadInputError, match="did you mean force_mN, in N, mN, uN or kN"):
+    with pytest.raises(
+        BadInputError, match="did you mean force_mN, in N, mN, uN, kN, gf, mgf or kgf"
+    ):
         read(tmp_path, PLAIN.replace("force_mN", name))
 
 

@@ -32,6 +32,7 @@ class TextLayout:
     first: int = 1  # index of the first line that may hold values
     names: tuple[str, ...] = ()
     units: tuple[str, ...] = ()  # of a line of their own below the names
+    spaces: bool = False  # whether the tabs are spaces in the file
 
     @property
     def plain(self) -> bool:
@@ -63,6 +64,9 @@ def find_layout(text: str, recognised: Callable[[Sequence[str]], int]) -> TextLa
     lines = text.split("\n", _MOST_HEADER)[:_MOST_HEADER]
     first = split(lines[0], COMMA)
     if len(first) > MOST_COLUMNS or recognised(first) == len(first):
+        below = split(lines[1], COMMA) if lines[1:] else []
+        if _are_units(below, len(first)):
+            return TextLayout(first=2, names=tuple(first), units=tuple(below))
         return TextLayout(names=tuple(first))
     found = [
         candidate

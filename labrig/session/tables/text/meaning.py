@@ -26,6 +26,7 @@ from labrig.session.tables.text.names import (
     split_name,
     unit_of,
     units_of,
+    weight_factor,
 )
 
 MOST_OF_A_NAME: Final = 40  # characters that are worth showing
@@ -92,7 +93,7 @@ class ColumnMeaning:
     means: str  # our column; empty: none
     how: How
     exponent: int = 0  # power of ten that makes our unit of the file's
-    factor: Decimal | None = None  # in its place, of an angle
+    factor: Decimal | None = None  # in its place, of an angle or a weight
 
 
 def meanings(
@@ -153,12 +154,13 @@ def check(
     *,
     plain: bool,
     cells: Sequence[str] = (),
+    letters: str = "",
 ) -> list[ColumnMeaning]:
     """Return the columns, without guesses that nobody has agreed to.
 
     Raises BadInputError where one is missing or there twice, where a guess is needed, or where one
     is not known in a table that is otherwise as ours, or nearly known. `cells` are the values of
-    a line.
+    a line; `letters` is said of a file whose letters may be read wrongly.
     """
     _refuse_the_same_twice(file, found)
     _refuse_absent(file, found, expected, given)
@@ -174,7 +176,7 @@ def check(
         if unknown and (plain or _nearly(one.name, expected, has)):
             left_out = f"; {ignoring(one)} leaves it out" if expected.renamed else ""
             raise BadInputError(
-                f"{file}: column {short(one.name)!r} is not known; {_hint(one.name, expected)}"
+                f"{file}: column {short(one.name)!r} is not known; {_hint(one, expected, has)}"
                 f"{left_out}."
             )
     for name in expected.required:
@@ -183,7 +185,11 @@ def check(
             others = [(one.index, split_name(one.name)) for one in free]
             guesses = likely(name, others, cells) if expected.renamed and not plain else []
             offered = [short(one.name) for one in free if one.index in guesses]
-            raise BadInputError(_missing(file, name, offered, ask=expected.renamed and not plain))
+            none_known = not any(one.means for one in found)
+            there = [short(one.name) for one in free if none_known]
+            raise BadInputError(
+                _missing(file, name, offered, there, ask=expected.renamed and not plain) + letters
+            )
     return found
 
 
@@ -206,11 +212,14 @@ def _converted(
     if isinstance(name.unit, Unit) and not fits(name.unit, ours):
         wrong = name.unit.written
     if wrong and own_unit(ours) is not None:
+        weight = unit_of(f"{wrong}f")
+        is_one = weight is not None and fits(weight, ours)
         raise BadInputError(
             f"{file}: column {short(column.name)!r}: {wrong!r} is no unit of {ours}; "
-            "convert the column."
+            f"convert the column{f', or write {wrong}f where it is a weight' * is_one}."
         )
-    factor = angle_factor(name.unit, ours, arc_radius_m)
+    _refuse_another_below(file, layout, column)
+    factor = weight_factor(name.unit, ours) or angle_factor(name.unit, ours, arc_radius_m)
     if factor is not None:
         return replace(column, factor=factor)
     if ours == POSITION and name.unit is not None and name.unit.measures == "angle":
@@ -219,6 +228,18 @@ def _converted(
             f"arc radii; convert the column to {POSITION}."
         )
     return replace(column, exponent=shift(name.unit, ours))
+
+
+def _refuse_another_below(file: str, layout: TextLayout, column: ColumnMeaning) -> None:
+    """Raise BadInputError where a name has a unit and the line below states another."""
+    named = split_name(layout.names[column.index]).unit
+    text = layout.units[column.index] if column.index < len(layout.units) else ""
+    below = unit_of(text)
+    if named and below and replace(named, written="") != replace(below, written=""):
+        raise BadInputError(
+            f"{file}: column {short(column.name)!r}: the line below its name says {text!r}; "
+            "state one unit."
+        )
 
 
 def indices_of(names: Sequence[str], theirs: Sequence[str]) -> list[int]:
@@ -301,11 +322,17 @@ def _base(column: ColumnMeaning) -> str:
     return split_name(column.name).base or column.name
 
 
-def _missing(file: str, name: str, offered: Sequence[str], *, ask: bool) -> str:
+def _missing(
+    file: str, name: str, offered: Sequence[str], there: Sequence[str], *, ask: bool
+) -> str:
     if not ask:
         return f"{file}: column {name} is missing; it is required."
-    there = f"is it {' or '.join(offered[:_MOST_NAMES])}? Give" if offered else "give"
-    return f"{file}: column {name} is missing; {there} --columns {name}=NAME or --value {name}=..."
+    give = f"is it {' or '.join(offered[:_MOST_NAMES])}? Give" if offered else "give"
+    others = ", ".join(there[:_MOST_NAMES])
+    has = f" (the file has {others})" if others and not offered else ""
+    return (
+        f"{file}: column {name} is missing; {give} --columns {name}=NAME{has} or --value {name}=..."
+    )
 
 
 def _nearly(name: str, expected: ExpectedColumns, has: set[str]) -> bool:
@@ -313,13 +340,20 @@ def _nearly(name: str, expected: ExpectedColumns, has: set[str]) -> bool:
     return bool(difflib.get_close_matches(name.lower(), lacking, n=1, cutoff=_NEARLY))
 
 
-def _hint(name: str, expected: ExpectedColumns) -> str:
-    known = expected.known
+def _hint(column: ColumnMeaning, expected: ExpectedColumns, has: set[str]) -> str:
+    """Return which of our columns one may be: by its letters, else by its unit."""
+    name, known = column.name, expected.known
     close = difflib.get_close_matches(name[:MOST_OF_A_NAME], known, n=1, cutoff=0.5)
     if close:
         units = units_of(close[0])
         written = f", in {', '.join(units[:-1])} or {units[-1]}" if units else ""
         return f"did you mean {close[0]}{written}"
+    split = split_name(name)
+    lacking = [one for one in expected.required if one not in has and one != expected.numbered]
+    may = [one for one in lacking if split.unit is not None and fits(split.unit, one)]
+    if may and expected.renamed:
+        is_it = replace(column, means=may[0])
+        return f"is it {may[0]}? Give {stated(is_it)}"
     return f"the columns are {', '.join(expected.required)}"
 
 

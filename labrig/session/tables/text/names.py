@@ -13,6 +13,7 @@ from labrig.session.tables.decimals import PI
 # Each unit: what it measures, and the power of ten to the SI unit.
 _UNITS: Final = {
     "N": ("force", 0), "mN": ("force", -3), "uN": ("force", -6), "kN": ("force", 3),
+    "gf": ("force", -3), "mgf": ("force", -6), "kgf": ("force", 0),
     "m": ("length", 0), "cm": ("length", -2), "mm": ("length", -3), "um": ("length", -6),
     "V": ("voltage", 0), "mV": ("voltage", -3), "uV": ("voltage", -6), "kV": ("voltage", 3),
     "s": ("time", 0), "ms": ("time", -3), "us": ("time", -6),
@@ -21,6 +22,8 @@ _UNITS: Final = {
     "1/mm": ("curvature", 3), "deg": ("angle", 0), "degrees": ("angle", 0),
     "\N{DEGREE SIGN}": ("angle", 0), "rad": ("angle", 0), "radians": ("angle", 0),
 }  # fmt: skip
+_WEIGHTS: Final = ("gf", "mgf", "kgf")  # times standard gravity
+_GRAVITY: Final = Decimal("9.80665")
 _RADIANS: Final = ("rad", "radians")  # all other angles are degrees
 POSITION: Final = "position_mm"  # on the arc: an angle times its radius
 _MICRO = str.maketrans({"\N{MICRO SIGN}": "u", "\N{GREEK SMALL LETTER MU}": "u"})
@@ -31,10 +34,10 @@ _WORD = re.compile(r"(?P<name>.+?)(?:\s+in\s+|[\s_]+)(?P<unit>\S+)")
 # Names that others give to a column, lower case. They are offered, not taken.
 _OTHERS: Final = {
     "configuration": "config sheet sample strip specimen konfiguration probe",
-    "position_mm": "p pos arc place angle ort bogen winkel",
-    "voltage_V": "u v volt volts spannung tension u_sheet",
+    "position_mm": "p pos arc place angle ort bogen winkel \u4f4d\u7f6e \uc704\uce58",
+    "voltage_V": "u v volt volts spannung tension u_sheet \u96fb\u5727 \u7535\u538b \uc804\uc555",
     "reading": "no nr number trial repeat repetition measurement",
-    "force_mN": "f load kraft mean mean_force force_mean mittelwert",
+    "force_mN": "f load kraft mean mean_force force_mean mittelwert \u529b \u8377\u91cd \ud798",
     "sd_mN": "std stdev stddev sigma s f_sd f_std force_sd force_std deviation",
     "mean_of": "n count counts readings repeats",
     "point": "i k index nr no",
@@ -51,11 +54,12 @@ _OTHERS: Final = {
 
 @dataclass(frozen=True)
 class Unit:
-    """A unit as written: what it measures, and its power of ten."""
+    """A unit as written: what it measures, its power of ten, and a factor beside it."""
 
     written: str
     measures: str
     exponent: int
+    times: Decimal = Decimal(1)
 
     @property
     def in_rad(self) -> Decimal:
@@ -79,8 +83,11 @@ class SplitName:
 
 def unit_of(text: str) -> Unit | None:
     """Return the unit that a text is; None where it is none that is known."""
-    found = _UNITS.get(text.strip().translate(_MICRO).strip("[]() "))
-    return None if found is None else Unit(text.strip(), *found)
+    plain = text.strip().translate(_MICRO).strip("[]() ")
+    found = _UNITS.get(plain)
+    if found is None:
+        return None
+    return Unit(text.strip(), *found, times=_GRAVITY if plain in _WEIGHTS else Decimal(1))
 
 
 def units_of(column: str) -> list[str]:
@@ -96,6 +103,13 @@ def fits(unit: Unit, column: str) -> bool:
     if own is None:
         return False
     return unit.measures == own.measures or (column == POSITION and unit.measures == "angle")
+
+
+def weight_factor(unit: Unit | None, column: str) -> Decimal | None:
+    """Return the number that makes our column of a weight, such as gram-force; else None."""
+    if unit is None or unit.times == 1:
+        return None
+    return unit.times.scaleb(shift(unit, column))
 
 
 def angle_factor(unit: Unit | None, column: str, radius_m: float | None) -> Decimal | None:
