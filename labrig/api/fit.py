@@ -137,6 +137,7 @@ def fitted_data(
     measurements = only(whole, several(configuration))
     if hold_out:
         chosen = replace(chosen, held_out=_held_out(texts(hold_out), measurements))
+    _require_measured(chosen, measurements)
     tell_of_stiffness(measurements, chosen.stiffness_Nm2)
     source = ", ".join(map(str, paths_of(sessions))) or measurements.source or "the measurements"
     return FittedData(
@@ -182,6 +183,25 @@ def _measured(
         return taken_apart(parts, names), {}
     whole = together(list(zip(paths, parts, strict=True)))
     return whole, sessions_of_runs(whole, parts, names) if len(parts) > 1 else {}
+
+
+def _require_measured(options: FitOptions, measurements: Measurements) -> None:
+    """Raise BadArgumentError for what is to be held out, and was not measured."""
+    from model.identification.options import is_held_out
+
+    for held in options.held_out:
+        if not any(is_held_out(c, held) for c in measurements.conditions):
+            places = {
+                c.position_m
+                for c in measurements.conditions
+                if c.configuration == held[0] and c.position_m is not None
+            }
+            have = ", ".join(f"{place:g}" for place in sorted(places)) or "none"
+            raise BadArgumentError(
+                f"options: held_out {held}: nothing was measured there; the positions of "
+                f"{held[0]!r} are {have} m.",
+                "options",
+            )
 
 
 def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:

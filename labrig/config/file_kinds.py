@@ -15,6 +15,7 @@ MODEL, CONTROLLER, ABOUT = "a model file", "a controller.toml", "an about.toml"
 LOAD_CELL, OPTICS, SESSION = "a load_cell.toml", "an optics.json", "a session"
 EMPTY, IMAGE, TEXT, PDF = "an empty file", "an image", "a text file", "a PDF"
 FORCES, CURVES, SIGNALS = "a forces.csv", "a curves.csv", "a signals.csv"
+ARCHIVE = "a ZIP archive or an office document"
 
 _BEGINNINGS = {
     b"\x89HDF": SESSION,
@@ -24,7 +25,7 @@ _BEGINNINGS = {
     b"II*\x00": IMAGE,
     b"MM\x00*": IMAGE,
     b"%PDF": PDF,
-    b"PK\x03\x04": "a ZIP archive or an office document",
+    b"PK\x03\x04": ARCHIVE,
 }
 # Keys at top level of which one is enough, by kind.
 _KEYS = {
@@ -44,6 +45,7 @@ _MADE_BY = {
     CONTROLLER: " (`labrig control MODEL -o controller.toml` writes one)",
     LOAD_CELL: " (`labrig calibrate load-cell` writes one)",
     OPTICS: " (`labrig calibrate camera` writes one)",
+    SESSION: " (`labrig run` records one, `labrig import` makes one of tables)",
     **dict.fromkeys((RIG, SHEET, PROTOCOL), " (`labrig init` writes one)"),
 }
 _MOST_BYTES = 1 << 20  # more is told by its first bytes alone
@@ -123,4 +125,7 @@ def refuse_to_replace(path: Path, wanted: str) -> None:
 
 def other_kind(name: object, found: str, wanted: str) -> BadInputError:
     """Return the error of a mix-up."""
-    return BadInputError(f"{name}: this is {found}; {wanted} is needed{_MADE_BY.get(wanted, '')}.")
+    how = _MADE_BY.get(wanted, "")
+    if found == ARCHIVE and wanted in _COLUMNS:
+        how = " (save each sheet of a spreadsheet as CSV)"
+    return BadInputError(f"{name}: this is {found}; {wanted} is needed{how}.")

@@ -5,7 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from model.measurements import ModelError
+from model.measurements import Condition, ModelError
+
+# configuration, position in m, and the voltage where only that is meant
+HeldOut = tuple[str, float] | tuple[str, float, float]
+_SAME_M = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,8 +25,8 @@ class FitOptions:
     # how far k0 may be from what sheet.toml says, each term of it; 0: exact; None: 1 per m for a
     # sheet of the paper's size
     initial_curvature_sigma_per_m: float | None = None
-    # conditions not used: (configuration, position) or (configuration, position, voltage)
-    held_out: tuple[tuple[str, float] | tuple[str, float, float], ...] = ()
+    # conditions not used: (configuration, position in m), or with the voltage in V behind
+    held_out: tuple[HeldOut, ...] = ()
     # B where no force was measured, which then stays as stated; None: that of a usual material
     stiffness_Nm2: float | None = None
     bootstrap: int = 0  # simulated refits that check the intervals
@@ -35,3 +39,13 @@ class FitOptions:
             raise ModelError("the tolerance of the initial curvature must not be negative")
         if self.bootstrap < 0:
             raise ModelError("the number of bootstrap samples must not be negative")
+
+
+def is_held_out(condition: Condition, held: HeldOut) -> bool:
+    """Whether a condition is one of those that an entry of `held_out` names."""
+    return (
+        condition.configuration == held[0]
+        and condition.position_m is not None
+        and abs(condition.position_m - held[1]) < _SAME_M
+        and (len(held) == 2 or condition.voltage_V == held[2])
+    )

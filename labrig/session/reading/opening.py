@@ -93,7 +93,8 @@ def check_is_hdf5(path: Path) -> None:
         if kind:
             raise other_kind(path, kind, SESSION)
         said = "is empty" if not begin else "is not an HDF5 file"
-        hint = f"; run labrig recover {typed(path)}" if has_journal else ""
+        made = "; labrig import makes one of tables" if begin else ""
+        hint = f"; run labrig recover {typed(path)}" if has_journal else made
         raise BadInputError(f"{path}: {said}, so it is no session{hint}.")
 
 

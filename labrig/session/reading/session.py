@@ -139,7 +139,10 @@ class RecordedSession(Displayed):
         raise BadInputError(f"a session has no part '{part}', but readings, runs.")
 
     def run(self, index: int) -> RunRecord:
-        """Return the run of an index. Raises BadInputError."""
+        """Return the run of an index, which counts from 0: `run(0)` is run 1 in words.
+
+        Raises BadInputError.
+        """
         for run in self.runs:
             if run.planned.index == index:
                 return run

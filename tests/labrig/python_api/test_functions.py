@@ -6,6 +6,7 @@ import doctest
 import importlib
 import inspect
 import json
+import re
 from importlib import import_module
 
 import numpy as np
@@ -126,6 +127,20 @@ def test_wrong_arguments_of_fit_are_one_sentence(session_file):
         labrig.fit(session_file, configuration="wide")
     with pytest.raises(BadInputError, match="several sessions"):
         labrig.fit(session_file, apart=True)
+
+
+@pytest.mark.parametrize(
+    ("held", "said"),
+    [
+        (("short", 10.0), "('short', 10.0): nothing was measured there; the positions of 'short'"),
+        (("wide", 0.01), "('wide', 0.01): nothing was measured there; the positions of 'wide' are"),
+        (("short", 0.01, 3.0), "('short', 0.01, 3.0): nothing was measured there"),
+    ],
+)
+def test_what_is_held_out_by_options_must_have_been_measured(held, said):
+    options = labrig.FitOptions(held_out=(held,))
+    with pytest.raises(BadInputError, match=re.escape(said)):
+        labrig.fit(measure("short"), options)
 
 
 @pytest.mark.parametrize(

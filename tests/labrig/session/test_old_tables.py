@@ -156,6 +156,12 @@ def test_a_force_needs_the_place_of_the_load_cell(tmp_path):
         read(tmp_path, text)
 
 
+def test_a_table_with_a_column_for_each_voltage_is_told_as_such(tmp_path):
+    text = "position (mm);-2 V;0 V;+2 V\n0;-1;0;1\n5;-2;0;2\n"
+    with pytest.raises(BadInputError, match=r"a column for each voltage_V \(-2 V, 0 V, \+2 V\);"):
+        read(tmp_path, text, values=["configuration=long"])
+
+
 def test_where_no_column_is_known_all_are_listed(tmp_path):
     for text, names in (("a;b\n1;2\n2;3\n", "a, b"), ("1 2 3\n4 5 6\n", "1, 2, 3")):
         with pytest.raises(BadInputError, match=rf"--columns \w+=NAME \(the file has {names}\) or"):

@@ -12,7 +12,7 @@ from typing import Final
 from labrig.errors import BadInputError
 from labrig.files import typed
 from labrig.session.tables.text.guesses import likely
-from labrig.session.tables.text.layout import TextLayout
+from labrig.session.tables.text.layout import TextLayout, is_number
 from labrig.session.tables.text.names import (
     POSITION,
     SplitName,
@@ -181,6 +181,7 @@ def check(
             )
     for name in expected.required:
         if name not in has and name != expected.numbered:
+            _refuse_a_column_for_each(file, name, found)
             free = [one for one in found if one.how is How.UNUSED and one.name]
             others = [(one.index, split_name(one.name)) for one in free]
             guesses = likely(name, others, cells) if expected.renamed and not plain else []
@@ -274,6 +275,21 @@ def _refuse_the_same_twice(file: str, found: Sequence[ColumnMeaning]) -> None:
             )
         if one.means:
             seen[one.means] = one.name
+
+
+def _refuse_a_column_for_each(file: str, ours: str, found: Sequence[ColumnMeaning]) -> None:
+    """Raise BadInputError where the names are values of the missing column: -2 V, 0 V, 2 V."""
+    split = {one.name: split_name(one.name) for one in found if not one.means}
+    values = [
+        name
+        for name, one in split.items()
+        if one.unit is not None and fits(one.unit, ours) and is_number(one.base)
+    ]
+    if values[1:]:
+        raise BadInputError(
+            f"{file}: it has a column for each {ours} ({', '.join(values[:_MOST_NAMES])}); write a "
+            f"line for each value, with a column {ours}."
+        )
 
 
 def _refuse_absent(
