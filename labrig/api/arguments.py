@@ -15,7 +15,7 @@ from typing import ParamSpec, TypeVar
 
 import numpy as np
 
-from labrig.errors import BadArgumentError
+from labrig.errors import BadArgumentError, type_in_words
 
 Given = ParamSpec("Given")
 Made = TypeVar("Made")
@@ -114,12 +114,18 @@ def elongation_kg_per_m(given: float | None) -> float | None:
     return None if given is None else _GRAM * number("elongation_g_per_m", given, above=0.0)
 
 
-def refuse_beside_options(**is_given: bool) -> None:
-    """Raise BadArgumentError for arguments that are given beside `options`, which hold them."""
-    names = [name for name, given in is_given.items() if given]
-    if names:
+def check_options(options: object, kind: type, name: str, **is_given: bool) -> None:
+    """Raise BadArgumentError for options of another kind, and for arguments that they hold."""
+    if not isinstance(options, kind):  # a caller may give anything
         raise BadArgumentError(
-            f"options hold {', '.join(names)}: give each once, there or as an argument.", *names
+            f"options: a {name} is needed, not {type_in_words(options)}; all other "
+            "arguments are given by name.",
+            "options",
+        )
+    held = [one for one, given in is_given.items() if given]
+    if held:
+        raise BadArgumentError(
+            f"options hold {', '.join(held)}: give each once, there or as an argument.", *held
         )
 
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from labrig.api.arguments import (
+    check_options,
     known_arguments,
     number,
-    refuse_beside_options,
     several,
     texts,
     whole_number,
@@ -83,7 +83,8 @@ def diagnose(
 
     """
     if options is not None:
-        refuse_beside_options(
+        check_options(
+            options, DiagnoseOptions, "labrig.DiagnoseOptions",
             model=model is not None, hold_out=bool(several(hold_out)), symmetric=symmetric,
             without=bool(several(without)), calibrate=calibrate != 0,
             stiffness_Nm2=stiffness_Nm2 is not None,

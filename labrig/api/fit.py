@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from labrig.api.arguments import (
+    check_options,
     known_arguments,
     number,
-    refuse_beside_options,
     several,
     texts,
     whole_number,
@@ -116,7 +116,8 @@ def fitted_data(
     from labrig.report.data.separate_sessions import only
 
     if options is not None:
-        refuse_beside_options(
+        check_options(
+            options, FitOptions, "labrig.FitOptions",
             configuration=bool(several(configuration)), hold_out=bool(several(hold_out)),
             symmetric=symmetric, measured_curvature=measured_curvature, bootstrap=bootstrap != 0,
             q=q != USUAL_EXPONENT, stiffness_Nm2=stiffness_Nm2 is not None,

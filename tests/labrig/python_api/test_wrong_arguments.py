@@ -376,3 +376,15 @@ def test_an_argument_that_a_function_does_not_have_is_one_sentence(job, said):
     with pytest.raises(TypeError) as told:
         job()
     assert str(told.value) == said
+
+
+@pytest.mark.parametrize(
+    ("job", "kind"),
+    [(labrig.fit, "labrig.FitOptions"), (labrig.diagnose, "labrig.DiagnoseOptions")],
+)
+def test_what_is_no_options_is_refused_with_what_is_needed(job, kind):
+    said = said_by(lambda: job(measure("short"), "short"))
+    assert said == (
+        f"options: a {kind} is needed, not a str; all other arguments are given by name."
+    )
+    assert f"a {kind} is needed, not a dict" in said_by(lambda: job(measure("short"), {}))
