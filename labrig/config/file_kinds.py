@@ -45,7 +45,7 @@ _MADE_BY = {
     CONTROLLER: " (`labrig control MODEL -o controller.toml` writes one)",
     LOAD_CELL: " (`labrig calibrate load-cell` writes one)",
     OPTICS: " (`labrig calibrate camera` writes one)",
-    SESSION: " (`labrig run` records one, `labrig import` makes one of tables)",
+    SESSION: " (`labrig run` makes one, `labrig import` one of tables)",
     **dict.fromkeys((RIG, SHEET, PROTOCOL), " (`labrig init` writes one)"),
 }
 _MOST_BYTES = 1 << 20  # more is told by its first bytes alone

@@ -142,9 +142,7 @@ def _open_old(path: Path, journal: JournalReader | None, until: ExitStack, notes
         return until.enter_context(unlocked(path))
     except (BadInputError, OSError, RuntimeError) as error:
         if journal is None:
-            raise BadInputError(
-                f"nothing can be recovered: {str(error).rstrip('.')}; and it has no whole journal."
-            ) from None
+            raise BadInputError(f"nothing to recover (no whole journal): {error}") from None
     notes.append("The session file does not open; everything comes from its journal.")
     return None
 

@@ -177,7 +177,7 @@ def test_rows_that_only_the_file_still_holds_are_added_to_those_of_the_journal(c
 def test_with_neither_file_nor_journal_the_error_says_so(cut):
     journal_path(cut).write_bytes(b"not a journal")
     cut.write_bytes(cut.read_bytes()[:3000])
-    with pytest.raises(BadInputError, match="nothing can be recovered"):
+    with pytest.raises(BadInputError, match="nothing to recover"):
         recover(cut)
 
 
