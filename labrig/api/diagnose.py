@@ -20,6 +20,7 @@ from labrig.errors import BadInputError, LabrigError
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
+from model.discrepancy.thresholds import MOST_EFFECTS
 from model.measurements import Measurements
 from model.sheet.sheet_model import SheetModel
 
@@ -42,6 +43,7 @@ def diagnose(
     symmetric: bool = False,
     without: str | Sequence[str] = (),
     calibrate: int = 0,
+    most_effects: int | None = None,
     stiffness_Nm2: float | None = None,
     keep: bool = True,
     progress: Progress | None = None,
@@ -51,7 +53,8 @@ def diagnose(
     Args:
         sessions: a session file, several of the same sheet, or `Measurements`.
         options: all options of the diagnosis at once, in place of the arguments below that they
-            hold: `model`, `hold_out`, `symmetric`, `without`, `calibrate`, `stiffness_Nm2`.
+            hold: `model`, `hold_out`, `symmetric`, `without`, `calibrate`, `most_effects`,
+            `stiffness_Nm2`.
         sheet: sheet.toml, with the CSV tables below in place of sessions.
         forces: forces.csv.
         curves: curves.csv.
@@ -65,6 +68,7 @@ def diagnose(
         symmetric: one |EIBM| for both polarities; asymmetry is then a finding.
         without: names of effects that are known to be absent; `labrig effects` lists them.
         calibrate: number of simulated sessions for the threshold of evidence; 0: the usual one.
+        most_effects: number of names to look for, 3 by default; more may take minutes.
         stiffness_Nm2: B in N m² of sheets of which no force was measured.
         keep: store the diagnosis in the (first) session file, where its report shows it.
         progress: called with the share done (0 to 1) and a text.
@@ -87,7 +91,7 @@ def diagnose(
             options, DiagnoseOptions, "labrig.DiagnoseOptions",
             model=model is not None, hold_out=bool(several(hold_out)), symmetric=symmetric,
             without=bool(several(without)), calibrate=calibrate != 0,
-            stiffness_Nm2=stiffness_Nm2 is not None,
+            most_effects=most_effects is not None, stiffness_Nm2=stiffness_Nm2 is not None,
         )  # fmt: skip
     _require_effects(without if options is None else options.exclude)
     tables = GivenTables(
@@ -104,7 +108,8 @@ def diagnose(
     if options is None:
         options = options_for(
             measurements, paths, model=model, hold_out=hold_out, symmetric=symmetric,
-            without=without, calibrate=calibrate, stiffness_Nm2=stiffness_Nm2,
+            without=without, calibrate=calibrate, most_effects=most_effects,
+            stiffness_Nm2=stiffness_Nm2,
         )  # fmt: skip
     else:
         options = _completed(options, measurements, paths)
@@ -120,18 +125,22 @@ def options_for(
     symmetric: bool,
     without: str | Sequence[str],
     calibrate: int,
+    most_effects: int | None,
     stiffness_Nm2: float | None,
 ) -> DiagnoseOptions:
     """Return the options of a diagnosis; the arguments are those of `diagnose`."""
     from labrig.analysis.holding_out import held_out
 
     _require_effects(without)
+    if most_effects is not None:
+        most_effects = whole_number("most_effects", most_effects, at_least=1, at_most=10)
     if stiffness_Nm2 is not None:
         stiffness_Nm2 = number("stiffness_Nm2", stiffness_Nm2, above=0.0)
     given = DiagnoseOptions(
         symmetric=symmetric, calibrate=whole_number("calibrate", calibrate, at_least=0),
         model=None if model is None else model_of(model), exclude=tuple(several(without)),
         hold_out=held_out(texts(hold_out), measurements), stiffness_Nm2=stiffness_Nm2,
+        most_effects=MOST_EFFECTS if most_effects is None else most_effects,
     )  # fmt: skip
     return _completed(given, measurements, sessions)
 

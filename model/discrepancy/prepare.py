@@ -10,6 +10,7 @@ import numpy as np
 from model.discrepancy.at_rest.varied import Varied
 from model.discrepancy.thresholds import (
     LONGEST_CURVE_RATIO,
+    MOST_EFFECTS,
     SHORTEST_CURVE_RATIO,
     STIFFNESS_PRIOR_LN,
 )
@@ -30,15 +31,19 @@ from model.identification.likelihood.noise.row_noise import noise_of
 from model.identification.observations import Observed, not_driven, observe
 from model.identification.starting_values import rest_field, start
 from model.measurements import (
+    Condition,
     FloatArray,
     Measurements,
     ModelError,
     RigScale,
     SheetGeometry,
+    TimeSeries,
     geometry_difference,
 )
 from model.sheet.applied_effects import effect_of
 from model.sheet.sheet_model import SheetModel
+
+_SAME_M = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +57,7 @@ class Options:
     seed: int = 0  # of these
     exclude: tuple[str, ...] = ()  # effects that are not to be considered
     model: SheetModel | None = None  # whose effects are taken as known
-    most_effects: int = 3
+    most_effects: int = MOST_EFFECTS  # more take longer
     stiffness_Nm2: float | None = None  # B of configurations without forces; None: a usual one
     promised: tuple[Next, ...] = ()  # proposals whose measurements the data hold
 
@@ -249,21 +254,24 @@ def _active(model: SheetModel | None, names: list[str], scale: RigScale) -> tupl
 
 
 def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -> Measurements:
-    """Return the data to fit: all except those held out."""
-    if not hold_out:
-        return measurements
+    """Return the data to fit: all except those held out, each of which was measured."""
+    kept, series = measurements.conditions, measurements.series
+    for name, at in hold_out:
+        if not any(_is_at(c, name, at) for c in measurements.conditions):
+            where = f"{f'{name}, ' if name else ''}{at * 1e3:g} mm"
+            raise ModelError(f"nothing was measured at the position to be held out ({where})")
+        kept = tuple(c for c in kept if not _is_at(c, name, at))
+        series = tuple(s for s in series if not _is_at(s, name, at))
+    return replace(measurements, conditions=kept, series=series)
 
-    def is_out(configuration: str, position_m: float | None) -> bool:
-        return position_m is not None and any(
-            name in ("", configuration) and abs(position_m - at) < 1e-6 for name, at in hold_out
-        )
 
-    kept = [c for c in measurements.conditions if not is_out(c.configuration, c.position_m)]
-    if len(kept) == len(measurements.conditions):
-        places = ", ".join(f"{at * 1e3:g} mm" for _, at in hold_out)
-        raise ModelError(f"nothing was measured at the position to be held out ({places})")
-    series = tuple(s for s in measurements.series if not is_out(s.configuration, s.position_m))
-    return replace(measurements, conditions=tuple(kept), series=series)
+def _is_at(one: Condition | TimeSeries, configuration: str, position_m: float) -> bool:
+    """Whether it is of this configuration (empty: of any) and position."""
+    return (
+        configuration in ("", one.configuration)
+        and one.position_m is not None
+        and abs(one.position_m - position_m) < _SAME_M
+    )
 
 
 def setups(prepared: Prepared) -> int:

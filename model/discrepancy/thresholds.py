@@ -102,9 +102,11 @@ REFINED_CANDIDATES = 4
 REFINED_AT_USUAL_SCATTER = 2
 # Share of the evidence by which linearisation may misjudge the shape of a strong effect.
 CURVATURE_SHARE = 0.1
+# Names that are looked for, unless more are asked for (`Options.most_effects`).
+MOST_EFFECTS = 3
 # Solutions of the whole model after which nothing more is tried: neither a further effect nor
-# another beginning. Of 59 open sessions the median takes 33 and the most 147; two with three strong
-# effects at once took about 200.
+# another beginning. Where more names are asked for, it grows in proportion. Of 59 open sessions the
+# median takes 33 and the most 147; two with three strong effects at once took about 200.
 MOST_SOLUTIONS = 200
 # Times its bounds to which linearisation may lead an amplitude.
 BOUNDS_FACTOR = 10.0

@@ -45,6 +45,9 @@ class DiagnoseEach(BatchTask):
     calibrate: int = option(
         "number of simulated sessions for the threshold", default=0, min=0, max=10_000
     )
+    most_effects: int | None = option(
+        "names to look for, 3 by default; more may take minutes", default=None, min=1, max=10
+    )
     model: Path | None = option("a model file whose effects are known", default=None)
     stiffness_Nm2: float | None = option(
         "B of sheets that no force was measured of", default=None, flag="--stiffness-Nm2"
@@ -84,6 +87,7 @@ class DiagnoseEach(BatchTask):
         from labrig.analysis.driven import require_driven
         from labrig.model_file import load_model, model_text
         from model.discrepancy import DiagnoseOptions, diagnose
+        from model.discrepancy.thresholds import MOST_EFFECTS
 
         del folder
         measurements = measurements_of(item.source, self.columns, self.values, self.ignore)
@@ -92,6 +96,7 @@ class DiagnoseEach(BatchTask):
         options = DiagnoseOptions(
             symmetric=self.symmetric,
             calibrate=self.calibrate,
+            most_effects=MOST_EFFECTS if self.most_effects is None else self.most_effects,
             exclude=self.without,
             model=known,
             stiffness_Nm2=self.stiffness_Nm2,

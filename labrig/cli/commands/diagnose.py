@@ -61,6 +61,10 @@ def diagnose(
     calibrate: Annotated[
         int, typer.Option(min=0, max=10_000, help="number of simulated sessions for the threshold")
     ] = 0,
+    most_effects: Annotated[
+        int | None,
+        typer.Option(min=1, max=10, help="names to look for, 3 by default; more may take minutes"),
+    ] = None,
     stiffness_Nm2: Stiffness = None,
     as_json: Json = False,
 ) -> None:  # fmt: skip
@@ -94,7 +98,8 @@ def diagnose(
     )
     options = options_for(
         measurements, sessions or [], model=model, hold_out=hold_out or (), symmetric=symmetric,
-        without=without or (), calibrate=calibrate, stiffness_Nm2=stiffness_Nm2,
+        without=without or (), calibrate=calibrate, most_effects=most_effects,
+        stiffness_Nm2=stiffness_Nm2,
     )  # fmt: skip
     with progress("diagnose") as advance:
         found = diagnosed_and_kept(measurements, sessions or [], options, advance)

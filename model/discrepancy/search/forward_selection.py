@@ -25,6 +25,7 @@ from model.discrepancy.thresholds import (
     FORM_SHARE_LIMIT,
     FURTHER_EFFECT_LN,
     LOOSE_FORM_SHARE,
+    MOST_EFFECTS,
     MOST_SOLUTIONS,
     ONE_POSITION_SHARE,
     OUTLIER_ROUNDS,
@@ -104,7 +105,7 @@ def search(
     theta: FloatArray,
     effects: Sequence[Effect],
     threshold: float,
-    most: int = 3,
+    most: int = MOST_EFFECTS,
     found: tuple[Found, ...] = (),
     report: Progress = silent,
 ) -> SearchResult:
@@ -115,7 +116,8 @@ def search(
     the share of the search that is done at least. Nothing more is tried after so many solutions of
     the model: see `Effort`.
     """
-    problem = replace(problem, effort=Effort(MOST_SOLUTIONS))
+    solutions = MOST_SOLUTIONS * max(most, MOST_EFFECTS) // MOST_EFFECTS
+    problem = replace(problem, effort=Effort(solutions))
     fitted = fit_mixed_model(problem, theta, found)
     outcome = _several_forms(fitted, effects, threshold, most, report)
     return _with_hidden(outcome, effects, threshold, most)

@@ -340,7 +340,8 @@ def cut_short(effort: Effort) -> Iterator[str]:
     if effort.cut_short:
         yield (
             f"the search ended after {effort.most:g} solutions of the model: further effects, or"
-            " other beginnings of fits, were not tried, so more may be missing than is told"
+            " other beginnings of fits, were not tried, so more may be missing than is told;"
+            " --most-effects (most_effects) goes on"
         )
 
 

@@ -195,12 +195,12 @@ def test_options_reach_the_procedure(finding, recorded, tmp_path):
     assert run(["diagnose", str(recorded), "-o", str(known)]) == 0
     options = [
         "--model", str(known), "--hold-out", "position=20", "--hold-out",
-        "configuration=long,position=0", "--symmetric", "--calibrate", "30",
+        "configuration=long,position=0", "--symmetric", "--calibrate", "30", "--most-effects", "5",
     ]  # fmt: skip
     assert run(["diagnose", str(recorded), *options]) == 0
     used = asked[-1]
     assert used.hold_out == (("", 0.02), ("long", 0.0))
-    assert (used.symmetric, used.calibrate) == (True, 30)
+    assert (used.symmetric, used.calibrate, used.most_effects) == (True, 30, 5)
     assert [e.name for e in used.model.effects] == ["nonuniform_eibm"]
 
 

@@ -162,6 +162,8 @@ def test_a_wrong_type_is_one_sentence_of_fit(session_file, options, said):
 def test_a_wrong_type_is_one_sentence_of_diagnose_and_next(session_file):
     with pytest.raises(BadInputError, match="calibrate '5': a number is needed"):
         labrig.diagnose(session_file, calibrate="5")
+    with pytest.raises(BadInputError, match="most_effects 0: a number from 1 is needed"):
+        labrig.diagnose(session_file, most_effects=0)
     with pytest.raises(BadInputError, match="hold_out '25': write position=25"):
         labrig.diagnose(session_file, hold_out=25)
     for between in ("gravity", ("gravity",), ("gravity", "clamp_angle", "roll_offset")):

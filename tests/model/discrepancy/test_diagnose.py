@@ -535,9 +535,10 @@ def test_a_model_of_another_sheet_is_refused(truth, measured, said):
         prepare(unlike, Options(model=truth))
 
 
-def test_a_position_that_was_not_measured_cannot_be_held_out():
-    with pytest.raises(ModelError, match=r"at the position to be held out \(12 mm\)"):
-        prepare(session(), Options(hold_out=(("long", 0.012),)))
+@pytest.mark.parametrize("first", [(), (("long", 0.015),)])
+def test_a_position_that_was_not_measured_cannot_be_held_out(first):
+    with pytest.raises(ModelError, match=r"at the position to be held out \(long, 12 mm\)"):
+        prepare(session(), Options(hold_out=(*first, ("long", 0.012))))
 
 
 @pytest.mark.thorough

@@ -211,3 +211,7 @@ def test_a_search_ends_after_so_many_solutions_and_says_so(monkeypatch):
     assert len(short.steps) == 1
     (note,) = cut_short(short.base.problem.effort)
     assert "after 3 solutions of the model" in note
+    assert "--most-effects (most_effects) goes on" in note
+    longer = forward_selection.search(base.problem, base.theta, some, 6.0, most=300)
+    assert longer.base.problem.effort.most == 300  # in proportion to the usual 3 effects
+    assert len(longer.steps) == len(whole.steps)
