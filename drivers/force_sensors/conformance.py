@@ -44,13 +44,14 @@ def _read(checks: Checks, sensor: ForceSensor, noise_N: float) -> None:
         if checks.is_silent():  # each further call would wait as long for the same answer
             return
         took_s.append(checks.clock.now() - began_s)
-        if checks.answered and checks.require(
-            isinstance(force_N, float), f"read_force returned {force_N!r}; a float in N is needed"
-        ):
-            checks.require(
-                abs(force_N) <= range_N,  # type: ignore[arg-type]
-                f"read_force returned {force_N!r}; the range is {range_N:g} N",
-            )
+        if not checks.answered:
+            continue
+        if not isinstance(force_N, float):
+            checks.note(f"read_force returned {force_N!r}; a float in N is needed")
+            continue
+        checks.require(
+            abs(force_N) <= range_N, f"read_force returned {force_N!r}; the range is {range_N:g} N"
+        )
     usual_s = sorted(took_s)[_READINGS // 2]
     checks.require(
         usual_s <= USUAL_S,
