@@ -121,8 +121,6 @@ def run_with(fault: Fault) -> Ended:
         write_templates(folder, simulated=True)
         (folder / "protocol.toml").write_text(_PROTOCOL)
         (folder / "world.toml").write_text(fault.toml())
-        rig = folder / "rig.toml"
-        rig.write_text(rig.read_text().replace("# world =", "world ="))
         options = write_control(folder, position_mm=10.0)
         files = [folder / file for file in ("rig.toml", "protocol.toml", "sheet.toml")]
         said = io.StringIO()

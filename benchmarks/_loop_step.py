@@ -120,7 +120,6 @@ def _write_files(folder: Path, method: Method, seed: int) -> LoopDesign:
     (folder / "protocol.toml").write_text(_PROTOCOL)
     (folder / "world.toml").write_text(_WORLD.format(seed=seed))
     rig, path = folder / "rig.toml", folder / "model.toml"
-    rig.write_text(rig.read_text().replace("# world =", "world ="))
     save_model(model(load_cell=True), path)
     sheet, made = _designed(method)
     config = controller_config(sheet, goal(method), made, path, rig)

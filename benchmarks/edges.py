@@ -51,7 +51,7 @@ def session_of(folder: Path, model: str, ppm: float, *, timed: bool) -> Path:
     write_templates(folder, simulated=True)
     (folder / "world.toml").write_text(WORLD.format(ppm=ppm, model=model))
     (folder / "protocol.toml").write_text(PROTOCOL)
-    rig = (folder / "rig.toml").read_text().replace("# world =", "world =")
+    rig = (folder / "rig.toml").read_text()
     rig = rig.replace("PCI6703/", "Dev1/").replace("PCI6034E/", "Dev1/")
     camera = rig.index("[camera]")
     rig = rig[:camera] + rig[rig.index("\n[", camera) + 1 :]

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from model.identification.fit_result import ConfigurationFit, Fit
     from model.identification.options import FitOptions
     from model.measurements import (
+        CameraUncertainty,
         Condition,
         Curve,
         Measurements,
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Along",
+    "CameraUncertainty",
     "Condition",
     "ConfigurationFit",
     "ConfiguredSheet",
@@ -51,6 +53,7 @@ __all__ = [
 ]
 _HOMES = {
     "Along": "sheet.configured_sheet",
+    "CameraUncertainty": "measurements",
     "Condition": "measurements",
     "ConfigurationFit": "identification.fit_result",
     "ConfiguredSheet": "sheet.configured_sheet",

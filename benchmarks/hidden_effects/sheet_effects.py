@@ -94,12 +94,6 @@ def _even_near_clamp(recipe: Recipe, less: float) -> None:
         recipe.bump("even_moment", 0.0, width_mm, per_m * less / (2 - less) / mean, name)
 
 
-def _standing_volts(recipe: Recipe, per_m: float) -> None:
-    """The amplifier's offset bends the sheet when it should be at rest, either configuration."""
-    volts = 2.0 * per_m / EIBM_LONG_PER_M
-    recipe.set("amplifier.offset_mV", volts * 1e3 / recipe.world["amplifier"]["gain"])
-
-
 # ---------------------------------------------------------------------------------------- in time
 
 _MOST = {"stiffening_per_min": 1.2, "weakening_per_min": 0.8, "tiring_per_min": 0.8}
@@ -214,8 +208,6 @@ FORMS: tuple[Form, ...] = (
     ),
     _CURVATURE,
     replace(_CURVATURE, form="hump", change=_hump, size=2.0, parameters=lambda _: {}),
-    replace(_CURVATURE, form="standing_volts", change=_standing_volts,
-            accepted=("even_moment", "eibm")),
     Form("eibm_asymmetry", "ratio", "1 - |EIBM(-)/EIBM(+)|", 0.15, 0.9,
          lambda r, less: r.set("eibm.negative_ratio", 1 - less), "even_moment", symmetric=True,
          parameters=lambda less: {"ratio": 1 - less}),

@@ -22,7 +22,7 @@ from labrig.files import path_of
 from labrig.progress import Progress
 from labrig.session import RecordedSession, open_session, store_measurements
 from labrig.session.supplements.store import check_can_be_added_to
-from model.measurements import Measurements, SheetGeometry, TimeSeries
+from model.measurements import CameraUncertainty, Measurements, SheetGeometry, TimeSeries
 from protocols.planning.schedule import Purpose
 
 if TYPE_CHECKING:
@@ -81,6 +81,7 @@ def measure(
         source=session.path.name,
         checksum=session.data_checksum,
         warnings=tuple(warnings),
+        camera=given.camera,
     )
 
 
@@ -104,6 +105,17 @@ class AnalysisInputs:
     calibration: LoadCellCalibration
     optics: Optics | None  # None: there are no curves
     why_no_curves: str
+
+    @property
+    def camera(self) -> CameraUncertainty:
+        """Return what the camera's calibration states of how well it is known."""
+        if self.optics is None:
+            return CameraUncertainty()
+        return CameraUncertainty(
+            scale=self.optics.px_per_mm_sigma / self.optics.px_per_mm,
+            roll_rad=self.optics.roll_sigma_rad,
+            origin_m=self.optics.origin_sigma_px / self.optics.px_per_m,
+        )
 
 
 def inputs_of(session: RecordedSession) -> AnalysisInputs:

@@ -42,6 +42,7 @@ def together(parts: Sequence[tuple[Path, Measurements]]) -> Measurements:
             ),
             source=f"{whole.source}, {one.source}",
             warnings=(*whole.warnings, *one.warnings),
+            camera=whole.camera.larger(one.camera),
         )
     return whole
 

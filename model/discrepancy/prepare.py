@@ -23,6 +23,7 @@ from model.identification.base_model import (
     weighs,
 )
 from model.identification.data.data_vector import DataVector, data_vector_of
+from model.identification.data.zero_voltage import offset_note
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Bases, FurtherColumns, sensitivities
 from model.identification.likelihood.mixed_model_fit import FitProblem
@@ -102,6 +103,7 @@ def prepare(
         raise ModelError("; ".join(dict.fromkeys(why)))
     notes += [f"left out: {sentence}" for sentence in why]
     notes += _lacks(measurements, data_vectors, options)
+    notes += [note for name in kept for note in offset_note(name, used.series)]
     known = [stated for _, stated in rests]
     forward = ForwardModel(data_vectors, [rest for rest, _ in rests])
     base = BaseOptions(symmetric=options.symmetric, stiffness_Nm2=options.stiffness_Nm2)

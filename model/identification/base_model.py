@@ -6,14 +6,16 @@ polynomials along the sheet; and a change of the initial curvature k0, likewise.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 
 from model.identification.data.data_vector import DataVector
+from model.identification.likelihood.common_errors.camera_calibration import CalibrationErrors
+from model.identification.likelihood.common_errors.drive_rise import RISE
 from model.identification.likelihood.contact_solution import ConfigurationModel
-from model.identification.likelihood.drive_rise import RISE
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import (
     WIDE_EIBM_PER_M,
@@ -22,6 +24,7 @@ from model.identification.likelihood.linearisation import (
 )
 from model.identification.priors.shared_widths import SharedWidth
 from model.measurements import (
+    CameraUncertainty,
     FloatArray,
     ModelError,
     SheetGeometry,
@@ -60,14 +63,28 @@ class BaseOptions:
 
 
 def bases_of(forward: ForwardModel, known: Sequence[bool], options: BaseOptions) -> Bases:
-    """Return B, EIBM, what is not known of k0 by configuration; how pulses rise, if recorded."""
+    """Return B, EIBM, what is not known of k0 by configuration; and what is common to them.
+
+    That is what is not known of the camera's calibration, where that is stated, and of how pulses
+    rise, where they are recorded.
+    """
     parts, place = [], 0
     for configuration_model, stated in zip(forward.configuration_models, known, strict=True):
         part, place = _part(configuration_model, place, options, stated=stated)
         parts.append(part)
+    result = Bases(parts=tuple(parts), size=place)
+    camera = CalibrationErrors(first=place, stated=_stated(forward))
+    if camera.sigma:
+        result = replace(result, camera=camera, size=camera.places.stop)
     if any(data_vector.pulses for data_vector in forward.data_vectors):
-        return Bases(parts=tuple(parts), size=place + len(RISE), rise=place)
-    return Bases(parts=tuple(parts), size=place)
+        result = replace(result, rise=result.size, size=result.size + len(RISE))
+    return result
+
+
+def _stated(forward: ForwardModel) -> CameraUncertainty:
+    """Return what a calibration states of its errors, where there are curves."""
+    seen = [one.data_vector for one in forward.configuration_models if one.has_curve.any()]
+    return reduce(CameraUncertainty.larger, (one.camera for one in seen), CameraUncertainty())
 
 
 def with_shared_width(bases: Bases) -> Bases:
@@ -114,8 +131,23 @@ def _part(
     )
     rest = dict(enumerate(rows, place))
     prior |= dict.fromkeys(rest, belief)
-    part = BaseParameters(stiffness=stiffness, eibm=eibm, forms=forms, rest=rest, prior=prior)
+    part = BaseParameters(
+        stiffness=stiffness, eibm=eibm, forms=forms, rest=rest, prior=prior,
+        at_zero=_at_zero(configuration_model.data_vector.zero_V, eibm),
+    )  # fmt: skip
     return part, place + len(rest)
+
+
+def _at_zero(zero_V: float, eibm: Mapping[float, tuple[int, float]]) -> tuple[int, float]:
+    """Return of which EIBM how much acts while 0 V is asked for: in proportion to the voltage.
+
+    It is that of the smallest voltage of the same sign; of one polarity alone, of the other one.
+    """
+    if not eibm:
+        return 0, 0.0
+    nearest_V = min(eibm, key=lambda voltage: (voltage * zero_V < 0.0, abs(voltage)))
+    place, sign = eibm[nearest_V]
+    return place, sign * zero_V / nearest_V
 
 
 def _rest_rows(

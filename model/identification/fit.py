@@ -11,6 +11,7 @@ from model.identification.along_runs import eibm_along_runs
 from model.identification.base_model import not_weighed, weighs
 from model.identification.data.outlier_readings import without_outliers
 from model.identification.data.swinging_shapes import without_swinging
+from model.identification.data.zero_voltage import offset_note
 from model.identification.fit_result import ConfigurationFit, Fit
 from model.identification.joint import Joint, joint_fit
 from model.identification.joint_deviations import deviations
@@ -247,6 +248,7 @@ def _notes(
     if parts:
         notes += _implausible(next(iter(parts.values())).joint.scatter())
     for name, one in configurations.items():
+        notes += offset_note(name, measurements.series)
         if not one.B_known:
             notes.append(not_weighed(name, one.B.value))
         elif one.B.sigma > POOR * one.B.value:

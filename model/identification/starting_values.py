@@ -9,8 +9,8 @@ import numpy as np
 
 from model.identification.base_model import weighs
 from model.identification.data.curve_smoothing import smooth
+from model.identification.likelihood.common_errors.drive_rise import RISE
 from model.identification.likelihood.contact_solution import ConfigurationModel
-from model.identification.likelihood.drive_rise import RISE
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import BaseParameters, Bases
 from model.identification.observations import Observed
@@ -77,7 +77,7 @@ def start(
         else:
             _first_guess(theta, one, configuration_model, part, stated=stated)
     if bases.rise is not None:
-        theta[bases.rise :] = [mean for mean, _ in RISE]
+        theta[bases.rise : bases.rise + len(RISE)] = [mean for mean, _ in RISE]
     if not np.all(np.isfinite(theta)):
         raise ModelError("no rough values of B and EIBM could be found; check forces and curves")
     return theta

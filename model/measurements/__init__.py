@@ -2,6 +2,7 @@
 
 from model.measurements.columns import Columns, MissingPandasError, dataframe
 from model.measurements.data import (
+    CameraUncertainty,
     Condition,
     Contact,
     Curve,
@@ -26,6 +27,7 @@ from model.measurements.scale import (
 )
 
 __all__ = [
+    "CameraUncertainty",
     "Columns",
     "Condition",
     "Contact",

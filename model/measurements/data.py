@@ -235,6 +235,22 @@ class TimeSeries(Displayed):
         return dataframe(self.columns())
 
 
+@dataclass(frozen=True, kw_only=True)
+class CameraUncertainty:
+    """Standard uncertainties that a camera's calibration states, common to all curves; 0: none."""
+
+    scale: float = 0.0  # relative
+    roll_rad: float = 0.0  # of its direction
+    origin_m: float = 0.0  # of the clamp's place, along x and along y
+
+    def larger(self, other: CameraUncertainty) -> CameraUncertainty:
+        """Return the larger of each."""
+        return CameraUncertainty(
+            scale=max(self.scale, other.scale), roll_rad=max(self.roll_rad, other.roll_rad),
+            origin_m=max(self.origin_m, other.origin_m),
+        )  # fmt: skip
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Measurements(Displayed):
     """Everything that is known of a session's outcome."""
@@ -245,6 +261,7 @@ class Measurements(Displayed):
     source: str = ""  # file name
     checksum: str = ""  # sha256 of that file, hex
     warnings: tuple[str, ...] = field(default=())
+    camera: CameraUncertainty = field(default_factory=CameraUncertainty)
 
     def summary(self) -> Summary:
         """Return one row for each condition."""

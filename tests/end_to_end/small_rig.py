@@ -66,8 +66,6 @@ def make_rig(folder: Path, protocol: str = PROTOCOL, world: str = "", board: str
     (folder / "protocol.toml").write_text(protocol)
     if world:
         (folder / "world.toml").write_text(world)
-        rig = folder / "rig.toml"
-        rig.write_text(rig.read_text().replace("# world =", "world ="))
     return folder
 
 

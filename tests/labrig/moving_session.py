@@ -64,7 +64,7 @@ TRUTH = DynamicBeam(  # what world.toml says of the long sheet
 def record(folder: Path, protocol: str = PROTOCOL, rig: tuple[str, str] = ("", "")) -> Path:
     """Return the session of a protocol; of rig.toml one text is replaced by another."""
     write_templates(folder, simulated=True)
-    text = (folder / "rig.toml").read_text().replace("# world = ", "world = ")
+    text = (folder / "rig.toml").read_text()
     assert rig[0] in text
     (folder / "rig.toml").write_text(text.replace(*rig))
     (folder / "world.toml").write_text(WORLD)

@@ -101,8 +101,6 @@ def test_a_session_that_exists_is_refused_before_the_first_begins(rig, capsys):
 def test_the_queue_stops_at_a_session_that_is_not_completed(rig, capsys):
     world = '[[faults]]\nwhat = "daq_write_refused"\nsince = "first_voltage"\nfrom_s = 6.0\n'
     (rig / "world.toml").write_text(world)
-    text = (rig / "rig.toml").read_text()
-    (rig / "rig.toml").write_text(text.replace("# world =", "world ="))
     longer = (rig / "second.toml").read_text().replace("[10]", "[0, 10, 20]")
     (rig / "second.toml").write_text(longer)
     code = labrig("queue", "first.toml", "second.toml", "third.toml", "-o", "night")

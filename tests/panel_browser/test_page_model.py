@@ -131,8 +131,6 @@ def test_a_stiffness_that_is_off_shows_while_the_sheet_moves(
 def test_the_model_follows_a_run_on_the_real_clock(tmp_path, visit):
     with rig_world(tmp_path) as world:
         (tmp_path / "world.toml").write_text(MOVING)
-        rig = tmp_path / "rig.toml"
-        rig.write_text(rig.read_text().replace("# world =", "world ="))
         save_model(model(load_cell=True, negative_ratio=0.8), tmp_path / "true.toml")
         page = enter(visit, world)
         page.evaluate(

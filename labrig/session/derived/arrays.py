@@ -14,6 +14,7 @@ from labrig.session.format import layout
 from labrig.session.format.layout import Array
 from labrig.session.reading.values import with_str
 from model.measurements import (
+    CameraUncertainty,
     Condition,
     Contact,
     Curve,
@@ -53,6 +54,7 @@ def tables_from_measurements(measurements: Measurements) -> dict[str, Array]:
         "rolls": _roll_table(conditions),
         "series": _series_table(measurements.series),
         "samples": _stacked(measurements.series, _SAMPLE),
+        "camera": _text(to_json(measurements.camera)),
     }
 
 
@@ -82,6 +84,12 @@ def measurements_from_tables(tables: Mapping[str, Array]) -> Measurements:
         source=_text_back(tables["source"]),
         checksum=_text_back(tables["checksum"]),
         warnings=from_json(tuple[str, ...], _text_back(tables["warnings"])),
+        # sessions of before do not have it
+        camera=(
+            from_json(CameraUncertainty, _text_back(tables["camera"]))
+            if "camera" in tables
+            else CameraUncertainty()
+        ),
     )
 
 

@@ -10,7 +10,7 @@ parts of a pulse, relative to the sampling point, averaged over the pulses of a 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from typing import TypedDict
 
@@ -28,8 +28,10 @@ from model.identification.data.acquisition_times import (
     run_key,
 )
 from model.identification.data.pulses import BINS_S, parts_of_pulses
+from model.identification.data.zero_voltage import zero_voltage_V
 from model.identification.observations import check_sheet, checked_curve
 from model.measurements import (
+    CameraUncertainty,
     Condition,
     Curve,
     FloatArray,
@@ -125,6 +127,8 @@ class DataVector:
     pulses: tuple[PulseSeries, ...]
     session_s: float = 0.0  # from the first reading of the longest session to its last; 0: unknown
     trends: int = TRENDS  # of the readings of a condition, the mean among them
+    zero_V: float = 0.0  # at the sheet while no voltage is asked for, as read back
+    camera: CameraUncertainty = field(default_factory=CameraUncertainty)
 
     @property
     def voltages_V(self) -> list[float]:
@@ -160,7 +164,10 @@ def data_vector_of(measurements: Measurements, configuration: str) -> DataVector
     seen += tuple(s for s in zeros_N if s is not None)
     series = [s for s in measurements.series if s.configuration == configuration and not s.extra]
     pulses = [p for s in series for p in _pulses(s, seen)]
-    return DataVector(sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.session_s)
+    return DataVector(
+        sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.session_s,
+        zero_V=zero_voltage_V(series), camera=measurements.camera,
+    )  # fmt: skip
 
 
 def _by_session(conditions: Sequence[Condition]) -> dict[int, list[Condition]]:

@@ -14,7 +14,8 @@ import numpy as np
 
 from model.effects.interface import BeamProblem
 from model.identification.data.data_vector import Index
-from model.identification.likelihood.drive_rise import RISE, rise_columns
+from model.identification.likelihood.common_errors.camera_calibration import CalibrationErrors
+from model.identification.likelihood.common_errors.drive_rise import RISE, rise_columns
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import (
     AppliedEffect,
@@ -49,6 +50,15 @@ class BaseParameters:
     forms: FloatArray  # (T, G) of Me/B along the sheet by each of the T places of a voltage
     rest: dict[int, FloatArray]  # place -> change of k0 at the nodes by it
     prior: dict[int, tuple[float, float]]  # place -> mean, width
+    # first place of the EIBM of which a share acts while 0 V is asked for, and the share
+    at_zero: tuple[int, float] = (0, 0.0)
+
+    def drives(self) -> dict[float, tuple[int, float]]:
+        """Return the places of the EIBM at all voltages, and how much of it acts; 0 V among them.
+
+        At 0 V that is what an offset of the amplifier does, as it was read back.
+        """
+        return self.eibm | ({0.0: self.at_zero} if self.at_zero[1] else {})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,6 +116,7 @@ class Bases:
     parts: tuple[BaseParameters, ...]
     size: int
     rise: int | None = None  # first place of what is not known of all pulses' rise alike
+    camera: CalibrationErrors | None = None  # what is not known of its calibration
     further: FurtherColumns | None = None
     shared: tuple[SharedWidth, ...] = ()  # widths that are not those of `parts`
 
@@ -116,7 +127,7 @@ class Bases:
             (theta[i] * row for i, row in one.rest.items()), np.zeros(configuration_model.count)
         )
         count = len(one.forms)
-        eibm = {v: sign * theta[i : i + count] @ one.forms for v, (i, sign) in one.eibm.items()}
+        eibm = {v: much * theta[i : i + count] @ one.forms for v, (i, much) in one.drives().items()}
         return configuration_model.beam(float(np.exp(theta[one.stiffness])), eibm, np.asarray(rest))
 
 
@@ -134,13 +145,13 @@ def base_steps(
     # those in which it happens to be large would count for more
     by[:, -2] = 1.0 if state.mounting is None else 1.0 / (1.0 + state.mounting.stiffness)
     result[one.stiffness] = replace(none, beam=by)
-    for voltage, (first, sign) in one.eibm.items():
+    for voltage, (first, much) in one.drives().items():
         own = configuration_model.voltage_V == voltage
-        shaped = sign * _form(state.beam.eibm[own], base.eibm[own]) * state.beam.soft[own]
+        shaped = much * _form(state.beam.eibm[own], base.eibm[own]) * state.beam.soft[own]
         for i, form in enumerate(one.forms, first):
             by = np.zeros_like(none.beam)
             by[own, :G] = shaped * form
-            if i in result:  # one |EIBM| for both polarities
+            if i in result:  # one |EIBM| for both polarities, or an offset at 0 V
                 by += result[i].beam
             result[i] = replace(none, beam=by)
     for i, row in one.rest.items():
@@ -187,6 +198,10 @@ def sensitivities(
         residual += state.residual
         steps = base_steps(forward, bases, c, state, base)
         columns[:, list(steps)] += forward.rows_of_each(c, state, list(steps.values())).T
+    if bases.camera is not None:
+        own = slice(bases.camera.first, bases.camera.places.stop)
+        columns[:, own] = sum(bases.camera.rows(forward, c, one) for c, one in enumerate(states))
+        residual -= columns[:, own] @ theta[own]
     if bases.rise is not None:
         own = slice(bases.rise, bases.rise + len(RISE))
         columns[:, own] = sum(rise_columns(forward, c, state) for c, state in enumerate(states))
@@ -264,6 +279,8 @@ def with_only(linear: Linearisation, keep: Index) -> Linearisation:
 def _prior(bases: Bases, i: int) -> tuple[float, float]:
     if bases.rise is not None and 0 <= i - bases.rise < len(RISE):
         return RISE[i - bases.rise]
+    if bases.camera is not None and i in bases.camera.places:
+        return 0.0, bases.camera.sigma[i - bases.camera.first]
     if bases.further is not None and i in bases.further.own:
         return 0.0, 1.0
     for one in bases.parts:

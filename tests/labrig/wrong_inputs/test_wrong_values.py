@@ -210,7 +210,7 @@ LINES = [
     ("rig.toml", "[stage]", "[stages]", "stages is not a known key; did you mean stage"),
     ("rig.toml", 'optics = "optics.json"', "", "[camera] optics is missing"),
     ("rig.toml", 'source = "simulated"', "source = 0", "[camera] source = 0 is real"),
-    ("rig.toml", '# world = "world.toml"', 'world = "gone.toml"', "gone.toml: no such file"),
+    ("rig.toml", 'world = "world.toml"', 'world = "gone.toml"', "gone.toml: no such file"),
     ("rig.toml", "[limits]", "[limits", "not valid TOML"),
     ("protocol.toml", "pulse_s = 0.6", "puls_s = 0.6", "did you mean pulse_s"),
     ("protocol.toml", "[pulse_train]", "[pulse_trains]", "did you mean pulse_train"),

@@ -1,0 +1,1 @@
+"""What is not known of all data alike: columns of the base model with narrow priors."""

@@ -1,0 +1,72 @@
+"""What the rig itself states is no effect: a voltage read back at 0 V, how good a camera is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from benchmarks.hidden_effects import case, hidden_session
+from model.discrepancy import diagnose
+from model.identification.data.zero_voltage import zero_voltage_V
+from model.measurements import CameraUncertainty, Measurements, TimeSeries
+
+OFFSET_V = 0.01  # at the sheet, which bends it by 0.2 per m where 2 V bend it by 40
+SCALE_ERROR = 3e-4
+
+
+@cache
+def with_changed(key: str, value: float) -> Measurements:
+    """A session of a world that is the base model but for one number."""
+    return hidden_session(case(seed=11), lambda recipe: recipe.set(key, value)).measurements
+
+
+def offset() -> Measurements:
+    return with_changed("amplifier.offset_mV", 1.0)  # its gain is 10
+
+
+def as_asked(m: Measurements) -> Measurements:
+    """The same where the output was not read back."""
+    return replace(m, series=tuple(replace(one, drive_V=np.round(one.drive_V)) for one in m.series))
+
+
+def series(drive_V: np.ndarray) -> TimeSeries:
+    return TimeSeries(
+        configuration="long", position_m=0.0, time_s=np.arange(len(drive_V)) / 100.0,
+        drive_V=drive_V,
+    )  # fmt: skip
+
+
+def test_the_voltage_before_the_first_pulse_is_that_at_rest():
+    rest = np.random.default_rng(1).normal(OFFSET_V, 1e-3, 400)
+    pulses = np.repeat([2.01, -1.99, 0.5], 60)  # a supply that is slow to return
+    assert zero_voltage_V([series(np.append(rest, pulses))]) == pytest.approx(OFFSET_V, abs=2e-4)
+    assert zero_voltage_V([series(np.append(np.nan * rest, pulses))]) == 0.0
+    assert zero_voltage_V([series(0.0 * rest), series(pulses)]) == 0.0
+    assert zero_voltage_V([]) == 0.0
+    assert zero_voltage_V(offset().series) == pytest.approx(OFFSET_V, abs=1e-3)
+
+
+def test_an_offset_of_the_amplifier_that_was_read_back_is_no_initial_curvature():
+    assert diagnose(offset()).verdict == "nothing_missing"
+
+
+def test_an_offset_that_nobody_read_back_is_one():
+    (named,) = diagnose(as_asked(offset())).effects
+    assert named.name == "initial_curvature"
+
+
+def test_a_scale_that_is_off_by_no_more_than_the_calibration_states_is_no_effect():
+    m = with_changed("view.scale_error", SCALE_ERROR)
+    assert diagnose(m).effects
+    stated = replace(m, camera=CameraUncertainty(scale=4e-4, roll_rad=1e-4, origin_m=2e-6))
+    assert diagnose(stated).verdict == "nothing_missing"
+
+
+def test_a_scale_that_is_off_by_much_more_is_named_all_the_same():
+    m = with_changed("view.scale_error", 0.01)
+    found = diagnose(replace(m, camera=CameraUncertainty(scale=4e-4)))
+    assert "camera_scale" in found.reported_set
+    assert found.effects
