@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 Kind = Literal["zero", "discarded", "kept", "no_contact"]
+_SAME_POSITION_M = 1e-5  # of a position that was measured, and one that is asked for
 Part = Literal["conditions", "readings", "curves", "signals"]
 
 
@@ -233,6 +234,15 @@ class TimeSeries(Displayed):
     def to_dataframe(self) -> pd.DataFrame:
         """Return a row for each sample; see `columns`. Needs pandas."""
         return dataframe(self.columns())
+
+
+def is_at(one: Condition | TimeSeries, configuration: str, position_m: float) -> bool:
+    """Whether it was measured in this configuration (empty: in any) and at this position."""
+    return (
+        configuration in ("", one.configuration)
+        and one.position_m is not None
+        and abs(one.position_m - position_m) < _SAME_POSITION_M
+    )
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
