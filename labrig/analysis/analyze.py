@@ -23,12 +23,14 @@ from labrig.progress import Progress
 from labrig.session import RecordedSession, open_session, store_measurements
 from labrig.session.supplements.store import check_can_be_added_to
 from model.measurements import Measurements, SheetGeometry, TimeSeries
+from model.measurements.known_arguments import known_arguments
 from protocols.planning.schedule import Purpose
 
 if TYPE_CHECKING:
     from labrig.vision import Optics
 
 
+@known_arguments
 def analyze(
     path: Path | str,
     progress: Progress | None = None,

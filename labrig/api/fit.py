@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from labrig.api.arguments import (
     check_options,
-    known_arguments,
     number,
     several,
     texts,
@@ -19,6 +18,7 @@ from labrig.errors import BadArgumentError, BadInputError
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress, silent
 from model import Fit, FitOptions, Measurements
+from model.measurements.known_arguments import known_arguments
 
 if TYPE_CHECKING:
     from labrig.report.tables.mountings import Run

@@ -39,10 +39,12 @@ from model.measurements import (
     geometry_difference,
     is_at,
 )
+from model.measurements.known_arguments import known_arguments
 from model.sheet.applied_effects import effect_of
 from model.sheet.sheet_model import SheetModel
 
 
+@known_arguments
 @dataclass(frozen=True, kw_only=True)
 class Options:
     """Options of `diagnose`."""

@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from typing import Literal
 
 from model.measurements import Condition, ModelError, is_at
+from model.measurements.known_arguments import known_arguments
 
 # configuration, position in m, and the voltage where only that is meant
 HeldOut = tuple[str, float] | tuple[str, float, float]
 
 
+@known_arguments
 @dataclass(frozen=True, kw_only=True)
 class FitOptions:
     """Options of `fit`; the defaults are the base model."""
