@@ -15,6 +15,7 @@ from labrig.config.file_kinds import MODEL, refuse_other_kind
 from labrig.errors import BadArgumentError, BadInputError, type_in_words
 from labrig.files import check_free, path_of, write_text
 from model import ModelError, SheetModel
+from model.measurements.known_arguments import known_arguments
 
 _HEADER = (
     "The model of a sheet, written by labrig fit or labrig diagnose; labrig simulate, design,",
@@ -23,6 +24,7 @@ _HEADER = (
 )
 
 
+@known_arguments
 def load_model(path: Path | str) -> SheetModel:
     """Read a model file, as `labrig fit -o` or `save_model` wrote it.
 
@@ -58,6 +60,7 @@ def moving_configuration(model: SheetModel, path: Path | str, wanted: str | None
     return wanted or known[0]
 
 
+@known_arguments
 def save_model(model: SheetModel, path: Path | str, *, force: bool = False) -> None:
     """Write a model file (TOML), which `load_model` and the commands read.
 

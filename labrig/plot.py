@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.api.arguments import known_arguments
 from labrig.api.data import AnyPath, Data, measurements_of, model_of
 from labrig.errors import BadInputError, type_in_words
 from labrig.motion.simulated import SimulatedRun
@@ -33,6 +32,7 @@ from labrig.report.parts.style import INK, colour_of, label_of, styled
 from model import Curve, Fit, Prediction, SheetModel
 from model.discrepancy import Diagnosis
 from model.dynamics import SheetMotion
+from model.measurements.known_arguments import known_arguments
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 from drivers.conformance import Checks
-from drivers.interfaces import Clock, ForceSensor
+from drivers.interfaces import FORCE_GAP_S, Clock, ForceSensor
 
 READ_S = 2.0
 OPEN_S = 10.0
 METHODS = ("open", "read_force", "tare", "close")
-# of a reading, usually: windows of protocols are 0.2 s, and between two readings lies a line
-USUAL_S = 0.25
 _READINGS = 5
 
 
@@ -54,9 +52,9 @@ def _read(checks: Checks, sensor: ForceSensor, noise_N: float) -> None:
         )
     usual_s = sorted(took_s)[_READINGS // 2]
     checks.require(
-        usual_s <= USUAL_S,
+        usual_s <= FORCE_GAP_S,
         f"read_force takes {usual_s:.2f} s; the force between two readings is a straight line, so "
-        f"{USUAL_S:g} s is the most",
+        f"{FORCE_GAP_S:g} s is the most",
     )
     checks.call("tare", sensor.tare, READ_S)
     if checks.is_silent():

@@ -130,6 +130,11 @@ class MeteredInput:
         times = ended_s - np.arange(count, 0, -1) / self.rate_hz
         return np.vstack([np.interp(times, *self._history(times[0])), volts])
 
+    def force_times_s(self, begin_s: float, end_s: float) -> FloatArray:
+        """See `InterpolatedForce.force_times_s`."""
+        times, _ = self._history(begin_s)
+        return times[: np.searchsorted(times, end_s) + 1]
+
     def interval_s(self) -> float:
         """Return the time from one reading of the meter to the next; waits for a few of them.
 

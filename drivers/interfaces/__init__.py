@@ -39,8 +39,10 @@ from drivers.interfaces.identity import (
     Identified,
 )
 from drivers.interfaces.inputs import (
+    FORCE_GAP_S,
     FloatArray,
     ForceSensor,
+    InterpolatedForce,
     SampleClock,
     SignalBlock,
     SignalInput,
@@ -61,6 +63,7 @@ from drivers.interfaces.output import (
 from drivers.interfaces.reserved_names import is_reserved
 
 __all__ = [
+    "FORCE_GAP_S",
     "FREE",
     "HARDWARE",
     "SOFTWARE",
@@ -79,6 +82,7 @@ __all__ = [
     "GreyImage",
     "Identified",
     "Interlock",
+    "InterpolatedForce",
     "LimitError",
     "LimitedTravel",
     "LostSamplesError",

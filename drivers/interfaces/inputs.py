@@ -11,6 +11,10 @@ import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 
+# Between two values of a force sensor that is asked for one at a time. Windows of protocols are
+# 0.2 s, and the force between two values is a straight line: further apart, it shows no pulse.
+FORCE_GAP_S = 0.25
+
 
 @dataclass(frozen=True)
 class SignalBlock:
@@ -77,6 +81,17 @@ class SignalInput(Protocol):
 
     def close(self) -> None:
         """Let go of the device. May be called twice."""
+
+
+@runtime_checkable
+class InterpolatedForce(Protocol):
+    """A `SignalInput` whose force is a line between values that come more seldom than samples."""
+
+    def force_times_s(self, begin_s: float, end_s: float) -> FloatArray:
+        """Return the clock times of the values that make the force from `begin_s` to `end_s`.
+
+        The last one before and the first one after are among them.
+        """
 
 
 @runtime_checkable

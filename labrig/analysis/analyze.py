@@ -23,12 +23,14 @@ from labrig.progress import Progress
 from labrig.session import RecordedSession, open_session, store_measurements
 from labrig.session.supplements.store import check_can_be_added_to
 from model.measurements import CameraUncertainty, Measurements, SheetGeometry, TimeSeries
+from model.measurements.known_arguments import known_arguments
 from protocols.planning.schedule import Purpose
 
 if TYPE_CHECKING:
     from labrig.vision import Optics
 
 
+@known_arguments
 def analyze(
     path: Path | str,
     progress: Progress | None = None,
@@ -115,6 +117,7 @@ class AnalysisInputs:
             scale=self.optics.px_per_mm_sigma / self.optics.px_per_mm,
             roll_rad=self.optics.roll_sigma_rad,
             origin_m=self.optics.origin_sigma_px / self.optics.px_per_m,
+            curve_m=SECTION_SIGMA_PX / self.optics.px_per_m,
         )
 
 

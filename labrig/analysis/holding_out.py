@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from labrig.errors import BadArgumentError
-from model.measurements import Measurements
+from model.measurements import Measurements, is_at
 
-SAME_M = 1e-5
 _EXAMPLE = "position=25 or configuration=long,position=25"
 
 
@@ -39,21 +38,18 @@ def _checked(
             f"there is no configuration {configuration!r} in the data, which have"
             f" {', '.join(known)}.",
         )
-    places = sorted(
-        {
+    if not any(is_at(c, configuration, position_m) for c in measurements.conditions):
+        places = {
             c.position_m
             for c in measurements.conditions
             if c.position_m is not None and configuration in ("", c.configuration)
         }
-    )
-    near = [place for place in places if abs(place - position_m) < SAME_M]
-    if not near:
-        have = ", ".join(f"{1e3 * place:g}" for place in places) or "none"
+        have = ", ".join(f"{1e3 * place:g}" for place in sorted(places)) or "none"
         raise _wrong(
             text,
             f"nothing was measured at {1e3 * position_m:g} mm; measured were {have} mm.",
         )
-    return configuration, near[0]
+    return configuration, position_m
 
 
 def _wrong(text: str, why: str) -> BadArgumentError:

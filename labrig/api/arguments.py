@@ -5,51 +5,18 @@ The command line says the option in place of the argument (`BadArgumentError.in_
 
 from __future__ import annotations
 
-import inspect
 import math
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
-from difflib import get_close_matches
-from functools import wraps
-from typing import ParamSpec, TypeVar
+from collections.abc import Iterable, Sequence
+from typing import TypeVar
 
 import numpy as np
 
 from labrig.errors import BadArgumentError, type_in_words
 
-Given = ParamSpec("Given")
-Made = TypeVar("Made")
 One = TypeVar("One", bound=str | float)
 _SHOWN = 60  # letters of a value in a sentence
 _GRAM = 1e-3
-
-
-def known_arguments(job: Callable[Given, Made]) -> Callable[Given, Made]:
-    """Return the function with a sentence for arguments that it does not have.
-
-    It is a TypeError, as Python's own, and says what the arguments are called.
-    """
-    parameters = inspect.signature(job).parameters
-    by_name = [one.name for one in parameters.values() if one.kind is one.KEYWORD_ONLY]
-    most = len(parameters) - len(by_name)
-
-    @wraps(job)
-    def checked(*args: Given.args, **kwargs: Given.kwargs) -> Made:
-        for name in kwargs.keys() - parameters.keys():
-            close = get_close_matches(name, parameters, n=1)
-            hint = f"did you mean {close[0]}? Its" if close else "its"
-            raise TypeError(
-                f"{job.__name__}() has no argument {name!r}; {hint} arguments are "
-                f"{', '.join(parameters)}."
-            )
-        if len(args) > most and by_name:
-            raise TypeError(
-                f"{job.__name__}() takes {most} argument{'s' * (most != 1)} without a name, not "
-                f"{len(args)}; give by name: {', '.join(f'{name}=' for name in by_name)}."
-            )
-        return job(*args, **kwargs)
-
-    return checked
 
 
 def number(

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-from labrig.api.arguments import elongation_kg_per_m, known_arguments
+from labrig.api.arguments import elongation_kg_per_m
 from labrig.api.data import AnyPath, measurements_of, model_of, name_of
 from labrig.api.fit import what_can_be_fitted
 from labrig.errors import BadArgumentError, BadInputError
@@ -19,6 +19,7 @@ from model import FitOptions, Measurements
 from model.identification.baselines import BaselineRow
 from model.measurements import Displayed, Summary, dataframe
 from model.measurements.columns import of_rows
+from model.measurements.known_arguments import known_arguments
 from model.sheet.sheet_model import SheetModel
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args, overload
 
-from labrig.api.arguments import known_arguments, number, one_of, several, shown
+from labrig.api.arguments import number, one_of, several, shown
 from labrig.api.data import AnyPath, model_of
 from labrig.api.eibm import Eibm, model_with_eibm
 from labrig.api.simulate import tell_of_misses
@@ -18,6 +18,7 @@ from model.design.elongation_map import ElongationMap, elongation_map
 from model.design.strength import Direction
 from model.measurements import Displayed, Summary, dataframe
 from model.measurements.columns import of_rows
+from model.measurements.known_arguments import known_arguments
 from model.sheet.misfit import Misfit, misfit
 from model.sheet.sheet_model import SheetModel
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from labrig.api.arguments import (
     check_options,
-    known_arguments,
     number,
     several,
     texts,
@@ -22,6 +21,7 @@ from labrig.progress import Progress
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.discrepancy.thresholds import MOST_EFFECTS
 from model.measurements import Measurements
+from model.measurements.known_arguments import known_arguments
 from model.sheet.sheet_model import SheetModel
 
 

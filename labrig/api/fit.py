@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 from labrig.api.arguments import (
     check_options,
-    known_arguments,
     number,
     several,
     texts,
@@ -19,6 +18,7 @@ from labrig.errors import BadArgumentError, BadInputError
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress, silent
 from model import Fit, FitOptions, Measurements
+from model.measurements.known_arguments import known_arguments
 
 if TYPE_CHECKING:
     from labrig.report.tables.mountings import Run
@@ -113,6 +113,7 @@ def fitted_data(
 
     `processes`: how many analyse a session that is not analysed yet.
     """
+    from labrig.analysis.holding_out import held_out
     from labrig.report.data.separate_sessions import only
 
     if options is not None:
@@ -137,7 +138,7 @@ def fitted_data(
     whole, runs = _measured(sessions, apart, progress, processes)
     measurements = only(whole, several(configuration))
     if hold_out:
-        chosen = replace(chosen, held_out=_held_out(texts(hold_out), measurements))
+        chosen = replace(chosen, held_out=held_out(texts(hold_out), measurements))
     _require_measured(chosen, measurements)
     tell_of_stiffness(measurements, chosen.stiffness_Nm2)
     source = ", ".join(map(str, paths_of(sessions))) or measurements.source or "the measurements"
@@ -195,28 +196,12 @@ def _require_measured(options: FitOptions, measurements: Measurements) -> None:
             places = {
                 c.position_m
                 for c in measurements.conditions
-                if c.configuration == held[0] and c.position_m is not None
+                if c.position_m is not None and held[0] in ("", c.configuration)
             }
             have = ", ".join(f"{place:g}" for place in sorted(places)) or "none"
+            of = f" of {held[0]!r}" if held[0] else ""
             raise BadArgumentError(
-                f"options: held_out {held}: nothing was measured there; the positions of "
-                f"{held[0]!r} are {have} m.",
+                f"options: held_out {held}: nothing was measured there; the positions{of} are "
+                f"{have} m.",
                 "options",
             )
-
-
-def _held_out(texts: list[str], measurements: Measurements) -> tuple[tuple[str, float], ...]:
-    """Return configuration and position of each condition to leave out."""
-    from labrig.analysis.holding_out import SAME_M, held_out
-
-    wanted = held_out(texts, measurements)
-    return tuple(
-        dict.fromkeys(
-            (c.configuration, c.position_m)
-            for c in measurements.conditions
-            for name, at_m in wanted
-            if name in ("", c.configuration)
-            and c.position_m is not None
-            and abs(c.position_m - at_m) < SAME_M
-        )
-    )

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from labrig.analysis.motion.dynamic_fit import DynamicFit, model_of
-from labrig.api.arguments import known_arguments
 from labrig.api.data import AnyPath, tell
 from labrig.api.motion_data import checksum_of, fits_of, request_of
 from labrig.one_blas_thread import one_blas_thread
@@ -15,6 +14,7 @@ from labrig.progress import Progress
 from model import SheetModel
 from model.measurements import Displayed, Summary, dataframe
 from model.measurements.columns import of_rows
+from model.measurements.known_arguments import known_arguments
 
 if TYPE_CHECKING:
     import pandas as pd

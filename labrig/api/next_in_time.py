@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from labrig.analysis.motion.noise import noise_at_first
 from labrig.analysis.motion.proposals import Proposal, proposals
-from labrig.api.arguments import known_arguments
 from labrig.api.data import AnyPath, model_of
 from labrig.api.motion_data import MotionRequest, fits_of, records_of, request_of
 from labrig.files import path_of
@@ -19,6 +18,7 @@ from model.dynamics import DynamicBeam
 from model.dynamics.identification import RecordedRun, RecordingNoise
 from model.measurements import Displayed, SheetGeometry, Summary, dataframe
 from model.measurements.columns import of_rows
+from model.measurements.known_arguments import known_arguments
 
 if TYPE_CHECKING:
     import pandas as pd

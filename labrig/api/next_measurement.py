@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from labrig.api.arguments import known_arguments, several, shown
+from labrig.api.arguments import several, shown
 from labrig.api.data import AnyPath, Data, model_of, paths_of, tell
 from labrig.api.diagnose import diagnosed, keep_in
 from labrig.api.tables import GivenTables, Names, data_of
@@ -19,6 +19,7 @@ from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.measurements import Displayed, Measurements, Summary
+from model.measurements.known_arguments import known_arguments
 from model.sheet.sheet_model import SheetModel
 
 _WIDTH = 98  # letters of a line

@@ -8,7 +8,6 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from drivers.interfaces import Operator
-from labrig.api.arguments import known_arguments
 from labrig.api.data import AnyPath, tell
 from labrig.errors import BadInputError, ExitCode
 from labrig.experiment.notices.hook_watch import hooks_of
@@ -22,6 +21,7 @@ from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
 from labrig.experiment.signals import stop_signals
 from labrig.files import check_session_name, path_of
+from model.measurements.known_arguments import known_arguments
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event
 from protocols.execution.stop import SignalledStop, StopRequest

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
-from labrig.api.arguments import known_arguments, number, pair
+from labrig.api.arguments import number, pair
 from labrig.api.eibm import Eibm, Rows, stated, stated_by_voltage
 from labrig.errors import BadInputError
 from model.measurements import SheetGeometry
+from model.measurements.known_arguments import known_arguments
 from model.sheet.sheet_model import SheetModel
 from model.sheet.stated import SOFTEST_PA, STIFFEST_PA, stated_model
 

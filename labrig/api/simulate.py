@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from labrig.api.arguments import known_arguments, number, numbers, several, whole_number
+from labrig.api.arguments import number, numbers, several, whole_number
 from labrig.api.data import AnyPath, model_of, name_of, tell
 from labrig.api.eibm import Eibm, model_with_eibm, voltages_of
 from labrig.errors import BadArgumentError
@@ -20,6 +20,7 @@ from model import Prediction, PredictionArray, SheetModel
 from model import predict as predict_one
 from model.measurements import Displayed, Summary, dataframe, signed
 from model.measurements.columns import of_rows
+from model.measurements.known_arguments import known_arguments
 from model.sheet.misfit import Misfit, misfit
 
 if TYPE_CHECKING:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from labrig.api.arguments import known_arguments, several, texts
+from labrig.api.arguments import several, texts
 from labrig.api.data import AnyPath, Data, measurements_of, paths_of, tell
 from labrig.errors import BadArgumentError, BadInputError
 from labrig.files import path_of
 from labrig.progress import Progress
 from model.measurements import Measurements
+from model.measurements.known_arguments import known_arguments
 
 Names = Mapping[str, object] | Sequence[str]  # {"force_mN": "F"}, or ["force_mN=F"]
 

@@ -31,8 +31,7 @@ from labrig.experiment.plan import Plan, load_plan
 from labrig.experiment.precautions import precautions
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.identities import acquisition_of
-from labrig.experiment.rig.rig import DRIVE, FORCE, Rig, opened
-from labrig.foreign_code import foreign_place
+from labrig.experiment.rig.rig import DRIVE, FORCE, Rig, opened, unexpected
 from labrig.plausibility import SetUp, calibration_age, set_up_checks
 from labrig.session.format.devices import NOT_KNOWN, acquisition_in_words
 from protocols import Schedule, positions_m, time_under_voltage_s
@@ -94,10 +93,27 @@ def preflight(rig: Rig, plan: Plan, folder: Path) -> list[Check]:
 
 def open_rig_checks(rig: Rig, plan: Plan) -> list[Check]:
     """Return the checks that need the open devices."""
-    checks = [*_boards(rig), *_inputs(rig, plan), *stage_checks(rig.stage, plan.schedule)]
+    by_device = {
+        "boards": _boards(rig),
+        "inputs": _inputs(rig, plan),
+        "stage": stage_checks(rig.stage, plan.schedule),
+    }
     if rig.camera is not None:
-        checks += camera_checks(rig, rig.camera, plan)
-    return checks
+        by_device["camera"] = camera_checks(rig, rig.camera, plan)
+    return [check for name, each in by_device.items() for check in _until_it_fails(name, each)]
+
+
+def _until_it_fails(name: str, checks: Iterator[Check]) -> Iterator[Check]:
+    """Yield the checks of a device; one that dies amid them has failed, and others are checked."""
+    try:
+        yield from checks
+    except DeviceError as fault:
+        found = in_words(fault)
+    except (Exception, SystemExit) as fault:  # noqa: BLE001 - named with its place
+        found = unexpected(f"checking the {name}", fault)
+    else:
+        return
+    yield Check(name=name, ok=False, found=found, wanted="an answer")
 
 
 def calibrations(plan: Plan) -> Iterator[Check]:
@@ -292,14 +308,8 @@ def stage_checks(stage: Positioner, schedule: Schedule) -> Iterator[Check]:
 
 
 def _travel_m(stage: LimitedTravel) -> tuple[float, float] | str:
-    """Return both ends, or why they are not known: the code may be another distribution's."""
-    try:
-        stated: object = stage.travel_m()
-    except DeviceError:
-        raise
-    except (Exception, SystemExit) as fault:  # noqa: BLE001 - named with its place
-        place = foreign_place(fault)
-        return f"its travel_m failed: {in_words(fault)}{f', in {place}' if place else ''}"
+    """Return both ends, or why they cannot be: the code may be another distribution's."""
+    stated: object = stage.travel_m()
     ends_m = two_numbers(stated)
     if ends_m is None:
         return f"its travel_m returned {stated!r:.60}"

@@ -8,7 +8,7 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
-from drivers.interfaces import DeviceError, RealClock, in_words
+from drivers.interfaces import RealClock, in_words
 from drivers.real_time import EDGES, punctual
 from drivers.safe_shutdown import NOT_SAFE, SafetyReport, make_safe
 from labrig.check import failures
@@ -218,10 +218,7 @@ def _require_ready(rig: Rig, plan: Plan, path: Path) -> None:
 
     And look at the disk on which the session will be, which only this run knows.
     """
-    try:
-        checks = [disk_space([plan], path.parent), *open_rig_checks(rig, plan)]
-    except DeviceError as fault:
-        raise NotReadyError(str(fault)) from fault
+    checks = [disk_space([plan], path.parent), *open_rig_checks(rig, plan)]
     if not all(check.ok for check in checks):
         raise NotReadyError(f"The rig is not ready: {failures(checks)}.")
 

@@ -15,6 +15,7 @@ from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
 from labrig.files import new_folder, path_of
 from labrig.session import open_session
+from model.measurements.known_arguments import known_arguments
 
 DEFAULT: Final = "csv"
 FORMATS: Final[PluginFolder[ExportFormat]] = PluginFolder(
@@ -26,6 +27,7 @@ FORMATS: Final[PluginFolder[ExportFormat]] = PluginFolder(
 )
 
 
+@known_arguments
 def export(
     session: Path | str,
     folder: Path | str,

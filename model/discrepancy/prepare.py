@@ -32,21 +32,20 @@ from model.identification.likelihood.noise.row_noise import noise_of
 from model.identification.observations import Observed, not_driven, observe
 from model.identification.starting_values import rest_field, start
 from model.measurements import (
-    Condition,
     FloatArray,
     Measurements,
     ModelError,
     RigScale,
     SheetGeometry,
-    TimeSeries,
     geometry_difference,
+    is_at,
 )
+from model.measurements.known_arguments import known_arguments
 from model.sheet.applied_effects import effect_of
 from model.sheet.sheet_model import SheetModel
 
-_SAME_M = 1e-6
 
-
+@known_arguments
 @dataclass(frozen=True, kw_only=True)
 class Options:
     """Options of `diagnose`."""
@@ -259,21 +258,12 @@ def _kept(measurements: Measurements, hold_out: tuple[tuple[str, float], ...]) -
     """Return the data to fit: all except those held out, each of which was measured."""
     kept, series = measurements.conditions, measurements.series
     for name, at in hold_out:
-        if not any(_is_at(c, name, at) for c in measurements.conditions):
+        if not any(is_at(c, name, at) for c in measurements.conditions):
             where = f"{f'{name}, ' if name else ''}{at * 1e3:g} mm"
             raise ModelError(f"nothing was measured at the position to be held out ({where})")
-        kept = tuple(c for c in kept if not _is_at(c, name, at))
-        series = tuple(s for s in series if not _is_at(s, name, at))
+        kept = tuple(c for c in kept if not is_at(c, name, at))
+        series = tuple(s for s in series if not is_at(s, name, at))
     return replace(measurements, conditions=kept, series=series)
-
-
-def _is_at(one: Condition | TimeSeries, configuration: str, position_m: float) -> bool:
-    """Whether it is of this configuration (empty: of any) and position."""
-    return (
-        configuration in ("", one.configuration)
-        and one.position_m is not None
-        and abs(one.position_m - position_m) < _SAME_M
-    )
 
 
 def setups(prepared: Prepared) -> int:

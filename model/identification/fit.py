@@ -16,7 +16,7 @@ from model.identification.fit_result import ConfigurationFit, Fit
 from model.identification.joint import Joint, joint_fit
 from model.identification.joint_deviations import deviations
 from model.identification.observations import Observed, not_driven, observe
-from model.identification.options import FitOptions, is_held_out
+from model.identification.options import FitOptions
 from model.identification.paper import PaperFit, identify
 from model.identification.residuals import ConditionResidual, Kind, Rmse, residuals, rmse
 from model.measurements import Measurements, ModelError, in_volts, rms
@@ -180,7 +180,7 @@ def _without(
     """Return the measurements without those held out, and the names of the held-out ones."""
     kept, names = [], []
     for condition in measurements.conditions:
-        if any(is_held_out(condition, held) for held in options.held_out):
+        if options.holds_out(condition):
             where = f"{(condition.position_m or 0.0) * 1e3:g} mm"
             names.append(f"{condition.configuration}, {where}, {in_volts(condition.voltage_V)}")
         else:

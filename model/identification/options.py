@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from model.measurements import Condition, ModelError
+from model.measurements import Condition, ModelError, is_at
+from model.measurements.known_arguments import known_arguments
 
 # configuration, position in m, and the voltage where only that is meant
 HeldOut = tuple[str, float] | tuple[str, float, float]
-_SAME_M = 1e-9
 
 
+@known_arguments
 @dataclass(frozen=True, kw_only=True)
 class FitOptions:
     """Options of `fit`; the defaults are the base model."""
@@ -25,7 +26,8 @@ class FitOptions:
     # how far k0 may be from what sheet.toml says, each term of it; 0: exact; None: 1 per m for a
     # sheet of the paper's size
     initial_curvature_sigma_per_m: float | None = None
-    # conditions not used: (configuration, position in m), or with the voltage in V behind
+    # conditions not used: (configuration or "" for all, position in m), or with the voltage in V
+    # behind
     held_out: tuple[HeldOut, ...] = ()
     # B where no force was measured, which then stays as stated; None: that of a usual material
     stiffness_Nm2: float | None = None
@@ -40,12 +42,12 @@ class FitOptions:
         if self.bootstrap < 0:
             raise ModelError("the number of bootstrap samples must not be negative")
 
+    def holds_out(self, condition: Condition) -> bool:
+        """Whether a condition is one of those that are not used."""
+        return any(is_held_out(condition, held) for held in self.held_out)
+
 
 def is_held_out(condition: Condition, held: HeldOut) -> bool:
     """Whether a condition is one of those that an entry of `held_out` names."""
-    return (
-        condition.configuration == held[0]
-        and condition.position_m is not None
-        and abs(condition.position_m - held[1]) < _SAME_M
-        and (len(held) == 2 or condition.voltage_V == held[2])
-    )
+    name, position_m, *voltage_V = held
+    return is_at(condition, name, position_m) and voltage_V in ([], [condition.voltage_V])

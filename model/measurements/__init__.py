@@ -13,6 +13,7 @@ from model.measurements.data import (
     Reading,
     SheetGeometry,
     TimeSeries,
+    is_at,
 )
 from model.measurements.display import Displayed, Summary, in_decimals, in_digits, in_volts, signed
 from model.measurements.geometry_difference import GeometryDifference, geometry_difference
@@ -50,6 +51,7 @@ __all__ = [
     "in_decimals",
     "in_digits",
     "in_volts",
+    "is_at",
     "length_scale",
     "load_scale",
     "rms",

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 FloatArray = npt.NDArray[np.float64]
 Kind = Literal["zero", "discarded", "kept", "no_contact"]
+_SAME_POSITION_M = 1e-5  # of a position that was measured, and one that is asked for
 Part = Literal["conditions", "readings", "curves", "signals"]
 
 
@@ -237,18 +238,31 @@ class TimeSeries(Displayed):
 
 @dataclass(frozen=True, kw_only=True)
 class CameraUncertainty:
-    """Standard uncertainties that a camera's calibration states, common to all curves; 0: none."""
+    """Standard uncertainties of curves that no mean of readings lessens; 0: none is stated.
+
+    The first three are those of the camera's calibration, common to all curves.
+    """
 
     scale: float = 0.0  # relative
     roll_rad: float = 0.0  # of its direction
     origin_m: float = 0.0  # of the clamp's place, along x and along y
+    curve_m: float = 0.0  # of the curve of a mean image, smooth along it
 
     def larger(self, other: CameraUncertainty) -> CameraUncertainty:
         """Return the larger of each."""
         return CameraUncertainty(
             scale=max(self.scale, other.scale), roll_rad=max(self.roll_rad, other.roll_rad),
-            origin_m=max(self.origin_m, other.origin_m),
+            origin_m=max(self.origin_m, other.origin_m), curve_m=max(self.curve_m, other.curve_m),
         )  # fmt: skip
+
+
+def is_at(one: Condition | TimeSeries, configuration: str, position_m: float) -> bool:
+    """Whether it was measured in this configuration (empty: in any) and at this position."""
+    return (
+        configuration in ("", one.configuration)
+        and one.position_m is not None
+        and abs(one.position_m - position_m) < _SAME_POSITION_M
+    )
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from drivers.interfaces import Frame, SampleClock, SignalBlock
+from drivers.interfaces import Frame, InterpolatedForce, SampleClock, SignalBlock
 from protocols.execution.channels import DRIVE_V
 from protocols.execution.devices import Devices
 from protocols.execution.events import FramesArrived, ReadingTaken, VoltageSet
@@ -16,6 +16,7 @@ from protocols.execution.rules import (
     Rules,
     bad_frame,
     bad_samples,
+    force_across_edge,
     late_edge,
     wrong_drive,
 )
@@ -163,6 +164,7 @@ class ReadingMaker:
             *late_edge(lateness_s(pending.edge), self._rules),
             *bad_samples(inner, self._rows.channels),
             *wrong_drive(values[DRIVE_V], pending.edge.write.sheet_V, self._rules),
+            *self._interpolated(pending, first, last),
         ]
         if frame is not None:
             why += bad_frame(frame, self._last_frame, self._reach_s, self._rules)
@@ -181,6 +183,15 @@ class ReadingMaker:
             valid=not why,
             why="; ".join(why),
         )
+
+    def _interpolated(self, pending: _Pending, first: int, last: int) -> Iterator[str]:
+        """Yield a reason where a meter read the force too seldom about a window."""
+        signals, time_of = self._devices.signals, self._sample_clock.time_of
+        if isinstance(signals, InterpolatedForce):
+            times_s = signals.force_times_s(time_of(first), time_of(last))
+            edge_s = written_s(pending.edge.write)
+            end_s = edge_s + self._run.held_s(pending.planned.step)
+            yield from force_across_edge(times_s, edge_s, end_s, self._rules)
 
     def _nearest_frame(self, sample_s: float) -> Frame | None:
         near = [f for f in self._frames if abs(self._when(f) - sample_s) <= self._reach_s]

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from drivers.interfaces import FloatArray, Frame, OvervoltageError
+from drivers.interfaces import FORCE_GAP_S, FloatArray, Frame, OvervoltageError
 from protocols.execution.channels import Channel
 
 _COARSE = slice(None, None, 4)  # of rows and columns: enough to see whether there is a picture
@@ -23,6 +24,7 @@ class Rules:
     safe_below_V: float = 0.05  # a read-back below this shows 0 V
     zero_within_s: float = 0.5  # after 0 V was written the read-back must have shown it
     unseen_s: float = 0.5  # a read-back that is no number for so long shows nothing
+    force_gap_s: float = FORCE_GAP_S  # values of a meter further apart do not show an edge
     frame_periods: float = 1.5  # a frame further from the sampling point is not its frame
     blank_frame: float = 0.01  # of full scale: a picture that varies less shows nothing
     position_tolerance_m: float = 0.0005  # of the stage's report; beyond it the operator is warned
@@ -50,6 +52,27 @@ def wrong_drive(drive_V: float, written_V: float, rules: Rules) -> Iterator[str]
     """Yield a reason when the sheet did not get what was written."""
     if abs(drive_V - written_V) > rules.drive_tolerance_V:
         yield f"the drive reads back {drive_V:.3g} V instead of {written_V:g} V"
+
+
+def force_across_edge(
+    times_s: FloatArray, begin_s: float, end_s: float, rules: Rules
+) -> Iterator[str]:
+    """Yield a reason when the force is a long line to a value at another voltage.
+
+    `times_s`: of the values around the window; the reading's voltage is there from `begin_s` to
+    `end_s`.
+    """
+    gaps_s = [
+        after_s - before_s
+        for before_s, after_s in pairwise(times_s)
+        if before_s < begin_s or after_s > end_s
+    ]
+    longest_s = max(gaps_s, default=0.0)
+    if longest_s > rules.force_gap_s:
+        yield (
+            f"the force meter gave no value for {longest_s:.2f} s, across an edge of the voltage "
+            f"(limit {rules.force_gap_s:g} s)"
+        )
 
 
 def check_drive(drive_V: FloatArray, limit_V: float, rules: Rules) -> None:

@@ -6,6 +6,7 @@ recorded with the session and replayed. Times are in s from the run's beginning.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -119,6 +120,12 @@ class PlannedRun:
     def time_of(self, reading: PlannedReading) -> float:
         """Planned time of a reading's sampling point, s."""
         return self.steps[reading.step].time_s + reading.delay_s
+
+    def held_s(self, step: int) -> float:
+        """Return how long the voltage of a step stays, s; that of the last one for good."""
+        if step + 1 >= len(self.steps):
+            return math.inf
+        return self.steps[step + 1].time_s - self.steps[step].time_s
 
 
 @dataclass(frozen=True)

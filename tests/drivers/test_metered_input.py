@@ -226,6 +226,17 @@ def test_it_says_how_often_the_meter_reads(bench):
     assert bench.signals.interval_s() == pytest.approx(INTERVAL_S)
 
 
+def test_it_says_when_the_values_came_that_make_the_force_of_some_samples(bench):
+    bench.signals.start()
+    began_s = bench.clock.now()
+    bench.meter.spoilt = 4
+    bench.wait(0.5)
+    times = bench.signals.force_times_s(began_s + 0.05, began_s + 0.25)
+    assert times[0] <= began_s + 0.05 < times[1]
+    assert times[-2] < began_s + 0.25 <= times[-1]
+    assert np.diff(times).max() == pytest.approx(5 * INTERVAL_S)
+
+
 def test_how_often_a_silent_meter_reads_is_told_as_its_silence():
     bench = Bench()
     bench.meter.spoilt = 1000

@@ -13,7 +13,7 @@ from labrig.report.data.quality import quality
 from labrig.session import open_session
 from protocols.execution.channels import drive_channel, force_channel
 from protocols.execution.events import Outcome, OutputState
-from protocols.execution.rules import bad_samples
+from protocols.execution.rules import Rules, bad_samples, force_across_edge
 from tests.end_to_end.real_rig import serving
 from tests.end_to_end.small_rig import ONE_POSITION, labrig, make_rig, run_rig
 
@@ -87,6 +87,24 @@ def test_a_meter_that_falls_silent_ends_the_run_at_zero_volts(tmp_path: Path) ->
     with open_session(folder / "s.h5") as session:
         assert session.output_state is OutputState.SAFE
         assert "the force meter 'dpm3' has given no reading" in session.reason
+
+
+def test_a_reading_whose_force_is_a_line_across_an_edge_is_not_valid(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fault = (
+        '[[faults]]\nwhat = "serial_garbage"\nsince = "first_voltage"\n'
+        "from_s = 0.75\nuntil_s = 1.1\n"
+    )
+    folder = make_metered(tmp_path / "rig", fault)
+    files = [folder / name for name in FILES]
+    assert labrig("run", *files, "-o", folder / "s.h5") == 0
+    with open_session(folder / "s.h5") as session:
+        (run,) = session.runs
+        assert run.readings["valid"].tolist() == [True, True, True, False, True, True]
+        why = str(run.readings["why"][3])
+    assert "the force meter gave no value for 0.58 s, across an edge of the voltage" in why
+    assert "run 1, reading 4 (-2 V) does not count: the force meter" in capsys.readouterr().err
 
 
 def test_a_meter_that_is_not_there_is_found_before_the_first_voltage(
@@ -188,3 +206,19 @@ def test_a_reading_at_the_end_of_a_meters_range_is_said_to_be_so_in_newtons() ->
     force = force_channel(range_V=0.98, conversion=np.asarray, raw_unit="N")
     (why,) = bad_samples(raw, (force, drive_channel(range_V=5.0)))
     assert why == "the force input is at the end of its range (±0.98 N)"
+
+
+@pytest.mark.parametrize(
+    ("times_s", "wrong"),
+    [
+        ([1.4, 1.45, 1.5, 1.55, 1.65], False),
+        ([1.35, 1.8], False),  # far apart, but both at the reading's voltage
+        ([0.9, 1.4, 1.65], True),
+        ([1.4, 1.55, 2.05], True),
+        ([1.95, 2.05], False),  # as a meter in order has it at the end of each pulse
+    ],
+)
+def test_a_long_line_counts_where_its_values_are_at_the_readings_voltage(
+    times_s: list[float], wrong: bool
+) -> None:
+    assert bool([*force_across_edge(np.array(times_s), 1.2, 1.9, Rules())]) == wrong

@@ -231,8 +231,7 @@ def _tables(fit: Fit, measurements: Measurements, sessions: dict[Run, str] | Non
     from labrig.report.tables.fit import repeats_table, scatter_table
     from labrig.report.tables.paper import compared_conditions, table_4, table_5, table_6
 
-    out = set(fit.options.held_out)
-    fitted = [c for c in measurements.conditions if (c.configuration, c.position_m) not in out]
+    fitted = [c for c in measurements.conditions if not fit.options.holds_out(c)]
     compared = compared_conditions(replace(measurements, conditions=tuple(fitted)), fit)
     tables = [table_4(fit)]
     if compared:

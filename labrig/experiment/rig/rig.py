@@ -30,7 +30,7 @@ from labrig.session import RecordedSession
 from labrig.session.recording.disk import note_a_device_left_behind
 from protocols.execution.devices import Devices
 
-__all__ = ["CURRENT", "DRIVE", "FORCE", "Rig", "opened"]
+__all__ = ["CURRENT", "DRIVE", "FORCE", "Rig", "opened", "unexpected"]
 
 # A device that has not closed after so long is left behind; ours end a last request within 5 s.
 CLOSE_S = 8.0
@@ -110,11 +110,18 @@ def opened(rig: Rig, on_step: Step = no_step) -> Iterator[Rig]:
             except DeviceError as fault:
                 raise NotReadyError(str(fault)) from fault
             except (Exception, SystemExit) as fault:
-                raise NotReadyError(_unexpected(device.what, fault)) from fault
+                raise NotReadyError(unexpected(f"opening {device.what}", fault)) from fault
             taken.append(device)
         yield rig
     finally:
         _release(rig, taken)
+
+
+def unexpected(doing: str, fault: BaseException) -> str:
+    """Return what a device raised that no driver may raise, and in whose code."""
+    place = foreign_place(fault)
+    where = "" if place is None else f", in {place}"
+    return f"{doing} failed: {type(fault).__name__}: {fault}{where}"
 
 
 @dataclass(frozen=True)
@@ -123,13 +130,6 @@ class _Device:
     take: Callable[[], None]
     release: Callable[[], None]
     of_boards: bool = True
-
-
-def _unexpected(what: str, fault: BaseException) -> str:
-    """Return what a device raised that no driver may raise, and in whose code."""
-    place = foreign_place(fault)
-    where = "" if place is None else f", in {place}"
-    return f"opening {what} failed: {type(fault).__name__}: {fault}{where}"
 
 
 def _release(rig: Rig, taken: list[_Device]) -> None:

@@ -14,14 +14,10 @@ from model.identification.residuals import ConditionResidual, residuals, rmse
 
 def left_out_rows(fit: Fit, measurements: Measurements) -> tuple[ConditionResidual, ...]:
     """Each condition left out that the fit has an answer for and whose readings count."""
-    out = set(fit.options.held_out)
     held = tuple(
         c
         for c in measurements.conditions
-        if c.position_m is not None
-        and (c.configuration, c.position_m) in out
-        and knows(fit.model, c.configuration, c.voltage_V)
-        and c.used()
+        if fit.options.holds_out(c) and knows(fit.model, c.configuration, c.voltage_V) and c.used()
     )
     names = [n for n in fit.configurations if any(c.configuration == n for c in held)]
     observed = [observe(replace(measurements, conditions=held), name) for name in names]

@@ -28,6 +28,7 @@ from labrig.session.reading.values import (
 from labrig.session.recording.hdf5 import put_text_list, set_attributes, unit_of
 from labrig.session.supplements.store import is_sealed, replaced, seal
 from model.measurements import Measurements
+from model.measurements.known_arguments import known_arguments
 
 # What was made of the measurements: texts beside them, gone with them.
 FINDINGS = frozenset({"diagnosis", "dynamic_comparison"})
@@ -49,6 +50,7 @@ def store_measurements(
         write_derived(file, measurements, curve_extractor=curve_extractor)
 
 
+@known_arguments
 def load_measurements(path: Path | str) -> Measurements:
     """Return the measurements kept in a session file that was analysed or imported.
 

@@ -19,8 +19,10 @@ from labrig.session.recording.disk import cause
 from labrig.session.recording.journal import journal_path, read_journal
 from labrig.session.recording.locking import is_locked
 from labrig.session.supplements.store import replaced
+from model.measurements.known_arguments import known_arguments
 
 
+@known_arguments
 def add_note(path: Path | str, note: Note | str) -> bool:
     """Add a note to a session that is closed, being recorded, or cut short.
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
 from labrig.errors import BadInputError
+from model.measurements.known_arguments import known_arguments
 
 TEXT_CHARACTERS_MAX: Final = 10_000
 NAME_CHARACTERS_MAX: Final = 120
@@ -29,6 +30,7 @@ def new_identifier() -> str:
     return str(uuid.uuid4())
 
 
+@known_arguments
 @dataclass(frozen=True, kw_only=True)
 class Note:
     """What was added to a session. Raises BadInputError for what a file cannot hold."""

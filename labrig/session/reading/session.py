@@ -43,6 +43,7 @@ from labrig.session.reading.values import (
 )
 from labrig.session.supplements.store import is_sealed
 from model.measurements import Displayed, Measurements, Summary, dataframe
+from model.measurements.known_arguments import known_arguments
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
 
@@ -373,6 +374,7 @@ class RecordedSession(Displayed):
         return read_text(self._file, f"{layout.ENTRY}/{name}", self.path)
 
 
+@known_arguments
 def open_session(path: Path | str, *, live: bool = False) -> RecordedSession:
     """Open a session for reading.
 

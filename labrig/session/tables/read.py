@@ -21,6 +21,7 @@ from labrig.session.tables.stated import refuse_contradicted, refuse_unused
 from labrig.session.tables.table import read_table
 from labrig.session.tables.text.meaning import AS_NAMED, ColumnNames, ExpectedColumns
 from model.measurements import Condition, Kind, Measurements, Reading, SheetGeometry, in_volts
+from model.measurements.known_arguments import known_arguments
 
 WHOLE = "a whole number from 0"
 FORCE_COLUMNS: Final = ExpectedColumns(
@@ -93,6 +94,7 @@ class ReadTables:
     tables: tuple[TextTable, ...]
 
 
+@known_arguments
 def read_tables(
     sheet: Mapping[str, SheetGeometry],
     forces: Path | str | None,

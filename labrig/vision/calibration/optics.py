@@ -27,6 +27,7 @@ from labrig.vision.facts.contract import FactOf
 from labrig.vision.facts.stated import StatesFacts
 from labrig.vision.facts.values import Point, Polygon
 from labrig.vision.thresholds import DIRECTION_MIN_PX, SCALE_MAX_PX_PER_MM
+from model.measurements.known_arguments import known_arguments
 
 FloatArray = npt.NDArray[np.float64]
 Row = tuple[float, float, float]
@@ -343,6 +344,7 @@ def project(homography: FloatArray, points: FloatArray) -> FloatArray:
     return np.asarray(lifted[:, :2] / lifted[:, 2:])
 
 
+@known_arguments
 def load_optics(path: Path | str) -> Optics:
     """Return the optics that an optics.json states. Raises BadInputError."""
     path = path_of(path)

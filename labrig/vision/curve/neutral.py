@@ -12,6 +12,7 @@ from labrig.errors import BadInputError
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.background_lines import BackgroundLine
 from model.measurements import Curve, Displayed, Summary, dataframe
+from model.measurements.known_arguments import known_arguments
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -32,6 +33,7 @@ def smallness(length_m: float) -> float:
     return float(np.clip(length_m, *USUAL_LENGTHS_M)) / length_m
 
 
+@known_arguments
 @dataclass(frozen=True, kw_only=True)
 class StripGeometry:
     """The sheet's lengths, known before the image is read.

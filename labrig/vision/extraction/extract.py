@@ -44,6 +44,7 @@ from labrig.vision.uncertainty.apparent_width import (
     something_lies_along,
 )
 from labrig.vision.uncertainty.lateral_bias import lateral_bias_px
+from model.measurements.known_arguments import known_arguments
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -51,6 +52,7 @@ FOUND_ANGLE_SIGMA_RAD = 0.05  # of the direction at the clamp, as the edges show
 DIFFERENCES = (ColourChannel.RED_GREEN, ColourChannel.GREEN_BLUE)
 
 
+@known_arguments
 def neutral_curve(
     image: npt.NDArray[Any],
     optics: Optics,

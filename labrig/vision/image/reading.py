@@ -26,6 +26,7 @@ from labrig.vision.image.names import (
     picture_name,
     whole_file,
 )
+from model.measurements.known_arguments import known_arguments
 
 _HEIC = frozenset(b"ftyp" + brand for brand in (b"heic", b"heix", b"heim", b"mif1", b"msf1"))
 _PNG_WITH_ALPHA = (4, 6)  # colour types
@@ -83,6 +84,7 @@ def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
             yield Picture(label=label, image=None, why=why)
 
 
+@known_arguments
 def read_image(path: Path | str) -> Pixels:
     """Return an image: 8 or 16 bit or floats, grey or colour, upright as its camera states."""
     path = path_of(path)

@@ -10,8 +10,10 @@ import numpy.typing as npt
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve import FindCurve, NeutralCurve, StripGeometry
 from labrig.vision.extraction.extract import neutral_curve
+from model.measurements.known_arguments import known_arguments
 
 
+@known_arguments
 class Tracker:
     """Follows one sheet through the images of one camera."""
 

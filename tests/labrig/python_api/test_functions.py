@@ -15,6 +15,7 @@ import pytest
 import labrig
 from labrig.cli.main import run
 from labrig.errors import BadInputError
+from labrig.report.tables.cross_validation import left_out_rows
 from labrig.session.tables.drive_table import load_protocol
 from labrig.session.tables.examples import write_examples
 from model import ModelError, SheetModel
@@ -141,6 +142,16 @@ def test_what_is_held_out_by_options_must_have_been_measured(held, said):
     options = labrig.FitOptions(held_out=(held,))
     with pytest.raises(BadInputError, match=re.escape(said)):
         labrig.fit(measure("short"), options)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("held", [("short", 0.010004, 2.0), ("", 0.01, 2.0)])
+def test_what_options_hold_out_is_predicted_also_of_one_voltage_and_a_rounded_position(held):
+    data = measure("short")
+    found = labrig.fit(data, labrig.FitOptions(held_out=(held,)))
+    assert found.model.held_out == ("short, 10 mm, +2 V",)
+    (row,) = left_out_rows(found, data)
+    assert (row.position_m, row.voltage_V) == (0.01, 2.0)
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import traceback
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -370,12 +371,35 @@ def test_a_curve_is_looked_for_with_optics_and_a_strip():
                 "arguments are data, model, configuration, ax."
             ),
         ),
+        (
+            lambda: labrig.open_session("session.h5", lives=True),
+            (
+                "open_session() has no argument 'lives'; did you mean live? Its arguments are "
+                "path, live."
+            ),
+        ),
+        (
+            lambda: labrig.Note("me", "a note"),
+            (
+                "Note() takes 0 arguments without a name, not 2; give by name: who=, text=, "
+                "when=, media_type=, file_name=, photograph=, identifier=."
+            ),
+        ),
     ],
 )
 def test_an_argument_that_a_function_does_not_have_is_one_sentence(job, said):
     with pytest.raises(TypeError) as told:
         job()
     assert str(told.value) == said
+
+
+@pytest.mark.parametrize("kind", [labrig.FitOptions, labrig.DiagnoseOptions])
+def test_an_option_that_there_is_not_is_answered_with_its_right_name(kind):
+    with pytest.raises(TypeError, match="no argument 'simmetric'; did you mean symmetric"):
+        kind(simmetric=True)
+    with pytest.raises(TypeError, match="no argument 'simmetric'; did you mean symmetric"):
+        replace(kind(), simmetric=True)
+    assert repr(kind(symmetric=True)) == repr(replace(kind(), symmetric=True))
 
 
 @pytest.mark.parametrize(

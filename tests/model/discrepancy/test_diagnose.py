@@ -241,6 +241,11 @@ def test_what_a_model_lacks_beside_what_it_has_is_named_with_its_own_values():
     assert found.closed > 0.5
 
 
+def test_a_position_to_hold_out_may_be_rounded():
+    whole, less = (prepare(session(), Options(hold_out=h)) for h in ((), (("", 0.015004),)))
+    assert setups(less) < setups(whole)
+
+
 @pytest.mark.thorough
 @pytest.mark.slow
 def test_a_position_held_out_is_neither_fitted_nor_told():

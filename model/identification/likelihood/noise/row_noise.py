@@ -134,6 +134,7 @@ def _kinds(
     stated = [o.curve.sigma_m for o in data_vector.seen if o.curve is not None]
     known = [float(np.mean(s)) for s in stated if s is not None]
     least_m = LEAST_MODE_M * scale.length
+    seen_m = data_vector.camera.curve_m
     typical = max(float(np.mean(known)) if known else CURVE_M * scale.length, 5.0 * least_m)
     for m in range(configuration_model.modes):
         rows = block.mode_rows[configuration_model.has_curve, m]
@@ -145,7 +146,7 @@ def _kinds(
                 size=typical / (1.0 + m),
                 unsure=priors.mode_unsure,
                 level=name,
-                least=least_m,
+                least=max(least_m, seen_m / (1.0 + m)),
             )
     if len(block.sway_rows):
         weight = np.sum(block.sway**2, axis=1)
