@@ -110,7 +110,9 @@ class AnalysisInputs:
 
     @property
     def camera(self) -> CameraUncertainty:
-        """Return what the camera's calibration states of how well it is known."""
+        """Return how well camera and curves are known, however many images there are."""
+        from labrig.vision.uncertainty.parts import SECTION_SIGMA_PX
+
         if self.optics is None:
             return CameraUncertainty()
         return CameraUncertainty(
