@@ -30,13 +30,13 @@ from labrig.experiment.rig.parts_in_use import parts_in_use
 from labrig.experiment.rig.rig import DRIVE, Rig, Step, no_step, opened
 from labrig.experiment.safe_shutdown import SafeShutdown, safe_shutdown
 from labrig.experiment.watchdog import Watchdog, watched
-from labrig.foreign_code import foreign_place
+from labrig.foreign_code import device_sentence, foreign_place
 from labrig.session import SessionWriter, WriterError
 from labrig.session.bluesky.streams import Document
 from labrig.session.format.devices import REPLAY_OF, any_simulated
 from protocols import SafetyLimits
 from protocols.execution.event_bus import EventBus
-from protocols.execution.events import Event, Outcome, OutputState, RunStarted, Warned
+from protocols.execution.events import Event, Outcome, OutputState, RunStarted, RunStopped, Warned
 from protocols.execution.rules import Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import Status
@@ -197,11 +197,13 @@ def _record(
 
 
 def _run_counter(watchdog: Watchdog) -> Callable[[Event], None]:
-    """Return a subscriber that starts the time under voltage anew with each run."""
+    """Return a subscriber that says when a run begins, and when it is over."""
 
     def follow(event: Event) -> None:
         if isinstance(event, RunStarted):
             watchdog.new_run()
+        elif isinstance(event, RunStopped):
+            watchdog.run_over()
 
     return follow
 
@@ -221,7 +223,7 @@ def _require_ready(rig: Rig, plan: Plan, path: Path) -> None:
     try:
         checks = [disk_space([plan], path.parent), *open_rig_checks(rig, plan)]
     except DeviceError as fault:
-        raise NotReadyError(str(fault)) from fault
+        raise NotReadyError(device_sentence(fault)) from fault
     if not all(check.ok for check in checks):
         raise NotReadyError(f"The rig is not ready: {failures(checks)}.")
 
