@@ -198,3 +198,11 @@ def test_a_board_whose_identity_fails_is_used_and_not_known():
 
     _, connection, _ = opened(identity=fails)
     assert connection.findings()[0].found == "it answers"
+
+
+def test_boards_without_a_simulated_one_are_not_reached_from_a_simulated_rig():
+    clock = VirtualClock()
+    made, box = family(clock)
+    with pytest.raises(DeviceError, match="the driver of these boards cannot be simulated"):
+        made.connect(SETTINGS, clock, lambda: None)
+    assert box.owner is None
