@@ -7,6 +7,8 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from traceback import walk_tb
 
+from drivers.interfaces import DeviceError, behind
+
 
 def foreign_place(error: BaseException) -> str | None:
     """Return "distribution version (file.py, line 14)" of the innermost foreign part, or None.
@@ -21,6 +23,16 @@ def foreign_place(error: BaseException) -> str | None:
             file = Path(frame.f_code.co_filename).name
             return f"{point.dist.name} {point.dist.version} ({file}, line {line})"
     return None
+
+
+def device_sentence(fault: DeviceError) -> str:
+    """Return a device's sentence; with the place where a foreign part's code raised its cause.
+
+    A DeviceError that the part itself has raised is meant for the operator as it is.
+    """
+    cause = behind(fault)
+    place = None if isinstance(cause, DeviceError) else foreign_place(cause)
+    return str(fault) if place is None else f"{fault}, in {place}"
 
 
 def _points() -> Iterator[EntryPoint]:

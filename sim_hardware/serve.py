@@ -236,7 +236,10 @@ def _serve_world(options: argparse.Namespace, clock: Clock, stack: ExitStack) ->
         raise ArgumentFaultError(f"--record {options.record} cannot be written: {fault}") from fault
     faulty = FaultyRig(clock=clock, world=world, boards=boards)
     stack.callback(boards.stop)
-    lines = [f"{family.served_as}=127.0.0.1:{boards.listen(options.port)}"]
+    try:
+        lines = [f"{family.served_as}=127.0.0.1:{boards.listen(options.port)}"]
+    except WorldError as fault:
+        raise ArgumentFaultError(str(fault)) from fault
     try:
         camera = CameraServer(world, clock, options.camera_port, faults=faulty.camera)
     except OSError as fault:

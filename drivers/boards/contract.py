@@ -149,6 +149,9 @@ class BoardFamily:
     # Say what a watchdog in the boards' hardware does when labrig is silent, from the settings and
     # the interlock's line if any. Empty: there is none, and they hold their voltage.
     own_watchdog: Callable[[Any, str | None], str] = _no_watchdog
+    # Whether `connect` reaches a simulated family through its transport. `labrig init --simulated`
+    # then writes its table with address = "simulated", where no `starter` does.
+    can_be_simulated: bool = False
     # For `labrig init --board`; None: there is nothing to start from.
     starter: Starter | None = None
 

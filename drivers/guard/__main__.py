@@ -56,7 +56,7 @@ def main() -> int:
         if ending is not Ending.HUNG:
             return ending.value
         answered = report.is_safe and took_s < _ANSWER_S
-        return what_hangs(sign, settings.address, boards_answer=answered)
+        return what_hangs(sign, settings.boards, settings.address, boards_answer=answered)
 
     rescuer = Rescuer(
         settings,

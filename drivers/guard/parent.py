@@ -25,6 +25,7 @@ from drivers.guard.settings import (
     NEW_RUN,
     READY,
     REPORT,
+    RUN_OVER,
     GuardSettings,
 )
 from drivers.guard.suspect import sign_of
@@ -36,6 +37,7 @@ ACT_S = 8.0  # the guard reports before that, and goes on where it has not succe
 _END_S = 5.0
 _UNHEARD_S = 1.0  # a guard that has not confirmed a beat for so long does not guard
 _BEAT_EVERY_S = 0.4 * HEARTBEAT_S
+_BEAT_AT_ZERO_S = 1.0
 _SIGN_EVERY_S = 0.1  # while the working loop does not beat
 _SIGN_AFTER_S = 3 * HEARTBEAT_S
 
@@ -54,7 +56,7 @@ class Guard:
         self._failure: str | None = None
         self._report: SafetyReport | None = None
         self._acts = False  # by itself, or asked to
-        self._energised = False
+        self._energised = self._in_run = False
         self._last_beat_s = self._confirmed_s = self._clock.now()
         self._unconfirmed = 0
         self._why = ""  # it has acted
@@ -111,12 +113,13 @@ class Guard:
         return self._process.pid
 
     def beat(self) -> None:
-        """Report that the working loop runs; called every 50 ms while energised. Does not block.
+        """Report that the working loop runs; called every 50 ms during a run. Does not block.
 
         Raises DeviceError when the guard has gone or has acted: the run must stop.
         """
         now = self._clock.now()
-        if not self._energised or now - self._last_beat_s < _BEAT_EVERY_S:
+        every_s = _BEAT_EVERY_S if self._energised else _BEAT_AT_ZERO_S
+        if not (self._energised or self._in_run) or now - self._last_beat_s < every_s:
             return
         self._check()
         self._last_beat_s = now
@@ -139,7 +142,14 @@ class Guard:
     def new_run(self) -> None:
         """Begin a run, at 0 V: its time under voltage is counted from 0."""
         self._check()
+        self._in_run, self._last_beat_s = True, self._clock.now()
+        self._loop_thread = threading.get_ident()
         self._send_if_heard(NEW_RUN)
+
+    def run_over(self) -> None:
+        """End a run: nothing beats until the next one, which may wait for a person."""
+        self._in_run = False
+        self._send_if_heard(RUN_OVER)
 
     def act(self, timeout_s: float = ACT_S) -> SafetyReport:
         """Let the guard make the output safe, by its own connection, and end. Never raises.
@@ -200,14 +210,15 @@ class Guard:
             pipe.write(data)
             pipe.flush()
         except OSError as fault:
-            if self._energised or data not in (AT_ZERO, BEAT, DISARM, ACT):
+            if self._energised or data not in (AT_ZERO, BEAT, DISARM, ACT, RUN_OVER):
                 raise DeviceError(f"the output guard has ended ({fault})") from fault
 
     def _give_signs(self) -> None:
         """Its thread: where the working loop is, while that does not beat."""
         while not self._ended.wait(_SIGN_EVERY_S):
             silent_s = self._clock.now() - self._last_beat_s
-            if self._energised and silent_s > _SIGN_AFTER_S:
+            due_s = _SIGN_AFTER_S if self._energised else 2 * _BEAT_AT_ZERO_S
+            if (self._energised or self._in_run) and silent_s > due_s:
                 with suppress(DeviceError, ValueError):  # a guard that is gone: the loop notices
                     self._send_if_heard(sign_of(self._loop_thread))
 

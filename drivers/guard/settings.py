@@ -11,10 +11,13 @@ from drivers.interfaces import DeviceError
 
 HEARTBEAT_S = 0.05
 HEARTBEAT_LIMIT_S = 0.4
+# At 0 V nobody is in danger, and a device that is slow may still answer.
+AT_ZERO_LIMIT_S = 15.0
 
 # From the program, one byte each, after a first line with the settings as JSON; and the life signs
 # of `suspect`, while it does not beat.
 BEAT, NEW_RUN, ENERGISED, AT_ZERO, DISARM, ACT = b".", b"N", b"E", b"Z", b"D", b"A"
+RUN_OVER = b"O"  # its program beats no more until the next run
 # To the program, a line each.
 READY, ALIVE, ACTING, REPORT, FAILED = "ready", "alive", "acting", "report", "failed"
 
@@ -27,6 +30,8 @@ class GuardSettings:
     place: Mapping[str, Any]  # from the family's `output_place`
     time_under_voltage_s: float = 30.0  # in one run, all its pulses together
     heartbeat_limit_s: float = HEARTBEAT_LIMIT_S
+    # The same at 0 V, within a run; None: a program that hangs at 0 V is left alone.
+    at_zero_limit_s: float | None = None
     report_path: str | None = None  # where the guard leaves its report when it has acted
     address: str = ""  # of the boards, for the words of the report
     program_pid: int = 0  # filled in by `Guard.start`

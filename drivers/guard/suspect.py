@@ -10,6 +10,8 @@ from __future__ import annotations
 import sys
 from types import FrameType
 
+from drivers.boards.contract import DEFAULT
+
 # Life signs, one byte each, of a program whose working loop does not beat.
 IN_THE_PROGRAM, AT_THE_BOARDS, AT_A_DEVICE = b"p", b"b", b"d"
 SIGNS = frozenset({IN_THE_PROGRAM, AT_THE_BOARDS, AT_A_DEVICE})
@@ -31,15 +33,20 @@ def sign_of(thread: int) -> bytes:
     return IN_THE_PROGRAM
 
 
-def what_hangs(sign: bytes | None, address: str, *, boards_answer: bool) -> str:
+def what_hangs(sign: bytes | None, boards: str, address: str, *, boards_answer: bool) -> str:
     """Return in words what has hung, as far as can be told.
 
-    `sign`: the newest life sign; None: the program has given none. `address`: of the boards.
-    `boards_answer`: whether they answered the guard at once.
+    `sign`: the newest life sign; None: the program has given none. `boards`: the kind of
+    their family. `address`: theirs. `boards_answer`: whether they answered the guard at once.
     """
     if sign not in (AT_A_DEVICE, AT_THE_BOARDS):
         return "the program hangs"
-    server = "the boards' driver" if address in ("", "local") else f"the device server at {address}"
+    if address in ("", "local"):
+        server = "the boards' driver"
+    elif boards == DEFAULT:
+        server = f"the device server at {address}"
+    else:
+        server = f"{boards} at {address}"
     if sign == AT_A_DEVICE and boards_answer:
         return "a device other than the boards does not answer the program"
     if sign == AT_A_DEVICE:

@@ -15,6 +15,7 @@ from drivers.guard.settings import (
     DISARM,
     ENERGISED,
     NEW_RUN,
+    RUN_OVER,
     GuardSettings,
 )
 from drivers.guard.suspect import SIGNS
@@ -61,6 +62,7 @@ class ParentWatchdog:
         self._parent_lives = parent_lives
         self._energised_s: float | None = None  # since when
         self._before_s = 0.0  # time under voltage of this run, before that
+        self._in_run = False
         self._heard_s = clock.now()
         self._grace_s = grace_s
         self._listen_until_s = -math.inf
@@ -130,19 +132,26 @@ class ParentWatchdog:
             self._before_s += self._heard_s - self._energised_s
             self._energised_s = None
         elif message == NEW_RUN:
-            self._before_s = 0.0
+            self._before_s, self._in_run = 0.0, True
+        elif message == RUN_OVER:
+            self._in_run = False
 
     def _judge(self, now: float) -> Ending | None:
         if not self._parent_lives():
             return Ending.GONE
         if self._energised_s is None:
-            return None
+            return Ending.HUNG if self._hangs_at_zero(now) else None
         if self._is_silent(now) and now >= self._listen_until_s:
             return Ending.HUNG
         under_s = self._before_s + now - self._energised_s
         if under_s > _BACKSTOP * self._settings.time_under_voltage_s:
             return Ending.TOO_LONG
         return None
+
+    def _hangs_at_zero(self, now: float) -> bool:
+        """Whether a run at 0 V is silent: a session that waits for ever would tell nobody."""
+        limit_s = self._settings.at_zero_limit_s
+        return self._in_run and limit_s is not None and now - self._heard_s > limit_s
 
 
 def messages_from(pipe: int) -> queue.Queue[bytes]:

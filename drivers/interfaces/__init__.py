@@ -31,6 +31,7 @@ from drivers.interfaces.errors import (
     LostSamplesError,
     OverloadError,
     OvervoltageError,
+    behind,
     in_words,
     is_mistake,
 )
@@ -102,6 +103,7 @@ __all__ = [
     "TriggersFrames",
     "VoltageOutput",
     "VoltageWrite",
+    "behind",
     "in_words",
     "is_mistake",
     "is_reserved",

@@ -53,6 +53,13 @@ def is_mistake(fault: BaseException) -> bool:
     return isinstance(fault, _OF_PROGRAMS) and type(fault).__module__ == "builtins"
 
 
+def behind(error: BaseException) -> BaseException:
+    """Return the error of which a device's error was made."""
+    while isinstance(error, DeviceError) and error.__cause__ is not None:
+        error = error.__cause__
+    return error
+
+
 def in_words(fault: BaseException) -> str:
     """Return what an error says, on one line and without its full stop.
 

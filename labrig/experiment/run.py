@@ -36,7 +36,7 @@ from labrig.session.bluesky.streams import Document
 from labrig.session.format.devices import REPLAY_OF, any_simulated
 from protocols import SafetyLimits
 from protocols.execution.event_bus import EventBus
-from protocols.execution.events import Event, Outcome, OutputState, RunStarted, Warned
+from protocols.execution.events import Event, Outcome, OutputState, RunStarted, RunStopped, Warned
 from protocols.execution.rules import Rules
 from protocols.execution.scheduler import Scheduler
 from protocols.execution.states import Status
@@ -197,11 +197,13 @@ def _record(
 
 
 def _run_counter(watchdog: Watchdog) -> Callable[[Event], None]:
-    """Return a subscriber that starts the time under voltage anew with each run."""
+    """Return a subscriber that says when a run begins, and when it is over."""
 
     def follow(event: Event) -> None:
         if isinstance(event, RunStarted):
             watchdog.new_run()
+        elif isinstance(event, RunStopped):
+            watchdog.run_over()
 
     return follow
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Protocol
 
 from drivers.guard import Guard, GuardSettings
+from drivers.guard.settings import AT_ZERO_LIMIT_S
 from drivers.interfaces import DeviceError, Interlock
 from drivers.safe_shutdown import SafetyReport
 from drivers.watch import WatchLink, read_token
@@ -28,6 +29,9 @@ class Watchdog(Protocol):
 
     def new_run(self) -> None:
         """Note that a run begins, at 0 V."""
+
+    def run_over(self) -> None:
+        """Note that it has ended: nothing beats until the next one."""
 
     def beat(self) -> None:
         """Note that the working loop is alive; called at least every 50 ms during a run."""
@@ -50,6 +54,9 @@ class NoWatchdog:
     def new_run(self) -> None:
         """See `Watchdog.new_run`."""
 
+    def run_over(self) -> None:
+        """See `Watchdog.run_over`."""
+
     def beat(self) -> None:
         """See `Watchdog.beat`."""
 
@@ -68,6 +75,7 @@ class InterlockWatchdog:
         self._watch = watch
         self._interlock = interlock
         self.new_run = watch.new_run
+        self.run_over = watch.run_over
         self.energised = watch.energised
         self.act = watch.act
 
@@ -98,6 +106,10 @@ class FarWatchdog:
         """See `Watchdog.new_run`."""
         self._watch.new_run()
         self._link.new_run()
+
+    def run_over(self) -> None:
+        """See `Watchdog.run_over`. The watch at the boards looks only while there is a voltage."""
+        self._watch.run_over()
 
     def beat(self) -> None:
         """See `Watchdog.beat`."""
@@ -187,6 +199,7 @@ def _settings(rig: Rig, session: Path) -> GuardSettings:
         boards=rig.config.boards_kind,
         place=output_place(rig.config),
         time_under_voltage_s=rig.config.limits.time_under_voltage_s + _GRACE_S,
+        at_zero_limit_s=AT_ZERO_LIMIT_S,
         report_path=str(guard_report_path(session).absolute()),
         address=str(getattr(rig.config.boards, "address", "")),
     )

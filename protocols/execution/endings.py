@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from drivers.interfaces import DeviceError, OverloadError, in_words, is_mistake
+from drivers.interfaces import DeviceError, OverloadError, behind, in_words, is_mistake
 from protocols.execution.event_bus import SubscriberError
 from protocols.execution.operator import DeclinedError, NoAnswerError
 from protocols.execution.runs.control_loop import ControlFaultError
@@ -22,7 +22,7 @@ def reason_of(error: BaseException, whose: Whose) -> tuple[FinishReason, str]:
     is a DeviceError: its sentence is meant for the operator.
     """
     finish, text = _reason_of(error)
-    cause = _behind(error)
+    cause = behind(error)
     of_a_device = finish is FinishReason.DEVICE_FAULT and not isinstance(cause, DeviceError)
     asked = of_a_device or finish is FinishReason.INTERNAL_ERROR or is_mistake(cause)
     place = _place(cause, whose) if asked else None
@@ -38,13 +38,6 @@ def _place(cause: BaseException, whose: Whose) -> str | None:
         return whose(cause)
     except Exception:  # noqa: BLE001 - the session ends with what is known
         return None
-
-
-def _behind(error: BaseException) -> BaseException:
-    """Return the error of which a device's error was made."""
-    while isinstance(error, DeviceError) and error.__cause__ is not None:
-        error = error.__cause__
-    return error
 
 
 def _reason_of(error: BaseException) -> tuple[FinishReason, str]:

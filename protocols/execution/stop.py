@@ -100,15 +100,15 @@ class SignalledStop:
     """Asks for a stop at each signal: after the pulse at the first Ctrl-C, else at once.
 
     A device whose code does not return, where no voltage is on and so no guard acts, would keep the
-    program for ever. So a signal interrupts it, once, where a stop at once is not obeyed for
-    `DEAF_S`. Not during the safe shutdown, which has limits of its own.
+    program for ever. So a signal interrupts it where a stop at once is not obeyed for `DEAF_S`, and
+    the next one again, as the 0 V after an interrupt may be the next call that does not return.
+    Not during the safe shutdown, which has limits of its own.
     """
 
     def __init__(self, stop: StopRequest, now: Callable[[], float] = time.monotonic) -> None:
         self._stop = stop
         self._now = now  # s
         self._urgent_s: float | None = None  # since when a stop at once is asked for
-        self._has_interrupted = False
 
     def __call__(self, name: str, count: int) -> None:
         """Take a signal. Raises KeyboardInterrupt."""
@@ -118,6 +118,6 @@ class SignalledStop:
         if self._urgent_s is None and level is StopLevel.NOW:
             self._urgent_s = now
         deaf = self._urgent_s is not None and now - self._urgent_s >= DEAF_S
-        if deaf and not (self._has_interrupted or self._stop.is_obeyed):
-            self._has_interrupted = True
+        if deaf and not self._stop.is_obeyed:
+            self._urgent_s = now
             raise KeyboardInterrupt

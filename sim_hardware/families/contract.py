@@ -22,10 +22,16 @@ class SimulatedBoards(Protocol):
     """The boards of one rig."""
 
     def transport(self) -> Any:
-        """Return what the family's driver reaches them through in this process."""
+        """Return what the family's driver reaches them through in this process; not None.
+
+        `connect` of the family is given it. It uses the world's clock, which is a virtual one.
+        """
 
     def listen(self, port: int) -> int:
-        """Answer on a port of this computer (0: a free one) and return it. PortTakenError."""
+        """Answer on a port of this computer (0: a free one) and return it. PortTakenError.
+
+        WorldError where these boards are simulated within labrig only.
+        """
 
     def stop(self) -> None:
         """Listen no more. May be called twice."""

@@ -58,6 +58,8 @@ class PtyPort:
                 self._send(self._wire.poll())
                 if ready:
                     self._send(self._wire.respond(os.read(self._ours, 4096)))
+        except Exception as fault:  # noqa: BLE001 - the device may be another distribution's
+            sys.stderr.write(f"{self.path} is gone: {self._wire.why(fault)}\n")
         finally:
             os.close(self._theirs)
             os.close(self._ours)

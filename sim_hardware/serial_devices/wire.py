@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Callable, Container
 from dataclasses import dataclass
+from pathlib import Path
+from traceback import walk_tb
 
 import numpy as np
 
@@ -27,6 +29,10 @@ class SerialFaults:
     """The port is gone."""
 
 
+class WrongAnswerError(Exception):
+    """A simulated device has answered with something else than bytes."""
+
+
 def garbled(data: bytes, seed: int) -> bytes:
     """As many bytes, at random."""
     return np.random.default_rng(seed).bytes(len(data))
@@ -42,7 +48,7 @@ class Wire:
 
     def respond(self, data: bytes) -> bytes:
         """See `SerialDevice.respond`."""
-        reply = self.device.respond(data)
+        reply = self._asked(self.device.respond, data)
         if not reply:
             return b""
         number, self._replies = self._replies, self._replies + 1
@@ -54,4 +60,23 @@ class Wire:
 
     def poll(self) -> bytes:
         """See `SerialDevice.poll`."""
-        return self.device.poll()
+        return self._asked(self.device.poll)
+
+    def why(self, fault: Exception) -> str:
+        """Return what its code raised, on one line and with the place."""
+        if isinstance(fault, WrongAnswerError):
+            return str(fault)
+        frame, line = list(walk_tb(fault.__traceback__))[-1]
+        place = f"{Path(frame.f_code.co_filename).name}, line {line}"
+        text = " ".join(f"{type(fault).__name__}: {fault}".split())
+        return f"the simulated device {type(self.device).__name__} raised {text} ({place})"
+
+    def _asked(self, method: Callable[..., object], *arguments: bytes) -> bytes:
+        """Return what the device says; its code may be another distribution's."""
+        answer = method(*arguments)
+        if not isinstance(answer, bytes | bytearray):
+            raise WrongAnswerError(
+                f"the simulated device {type(self.device).__name__} returned "
+                f"{type(answer).__name__} from {method.__name__}; it must return bytes"
+            )
+        return bytes(answer)

@@ -75,6 +75,12 @@ def main() -> None:
             except DeviceError as fault:
                 say("refused", type(fault).__name__)
             CLOCK.sleep_until(CLOCK.now() + 60.0)
+        if ENDING == "hang_at_zero" and lived > 0.2:
+            output.write(0.0)
+            guard.energised(False)
+            guard.new_run()
+            say("hanging")
+            CLOCK.sleep_until(CLOCK.now() + 60.0)
         signals.read_available()
         try:
             guard.beat()

@@ -18,8 +18,11 @@ from drivers.interfaces import RealClock
 from drivers.positioners.conformance import positioner_faults
 from labrig.config.derived import model_of
 from sim_hardware.clock import VirtualClock
+from sim_hardware.serial_devices import InMemorySerial
+from sim_hardware.serial_devices import faults as simulated_faults
 
-PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "devices.md").read_text(encoding="utf-8")
+PAGE_PATH = Path(__file__).parents[2] / "docs" / "howto" / "devices.md"
+PAGE = PAGE_PATH.read_text(encoding="utf-8")
 
 
 def shown(constant: str) -> Any:
@@ -91,6 +94,26 @@ def test_the_positioner_keeps_the_contract():
     around = SimpleNamespace(transport=Line(stepper))
     stage = kind.make(kind.settings(port="COM1"), around)
     assert positioner_faults(stage, RealClock(), outside_m=0.1) == []
+
+
+def test_the_positioner_keeps_the_contract_on_the_simulated_stepper_of_the_page_of_worlds():
+    page = PAGE_PATH.with_name("world.md").read_text(encoding="utf-8")
+    (code,) = (
+        one for one in re.findall(r"```python\n(.*?)```", page, re.DOTALL) if "SERIAL" in one
+    )
+    names: dict[str, Any] = {"__name__": "docs_stepper"}
+    exec(compile(code, "docs/howto/world.md", "exec", dont_inherit=True), names)
+    assert simulated_faults(names["SERIAL_DEVICE"]) == []
+    clock, placed = VirtualClock(), []
+    world = SimpleNamespace(place=placed.append)
+
+    def opened(_port: str, **options: Any) -> InMemorySerial:
+        return InMemorySerial(names["SERIAL_DEVICE"].make(world, clock, 0), clock, **options)
+
+    kind = shown("POSITIONER")
+    stage = kind.make(kind.settings(port="simulated"), SimpleNamespace(transport=opened))
+    assert positioner_faults(stage, clock, outside_m=0.1) == []
+    assert placed
 
 
 def test_the_force_sensor_keeps_the_contract():

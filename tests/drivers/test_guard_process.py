@@ -190,6 +190,15 @@ def test_output_is_zero_after_the_process_is_stopped(scene):
     scene.assert_safe_and_free()
 
 
+@posix
+def test_a_program_that_hangs_at_zero_volts_amid_a_run_is_reported(scene):
+    scene.run("hang_at_zero", at_zero_limit_s=0.5)
+    scene.hear("hanging")
+    report = scene.report()
+    assert report["why"] == "the program hangs"
+    assert report["state"] == "safe"
+
+
 @pytest.mark.alone
 def test_output_is_zero_when_the_loop_hangs(scene):
     scene.run("hang")

@@ -2,10 +2,21 @@
 
 import queue
 import threading
+from dataclasses import replace
 
 import pytest
 
-from drivers.guard.settings import ACT, AT_ZERO, BEAT, DISARM, ENERGISED, NEW_RUN, GuardSettings
+from drivers.guard.settings import (
+    ACT,
+    AT_ZERO,
+    AT_ZERO_LIMIT_S,
+    BEAT,
+    DISARM,
+    ENERGISED,
+    NEW_RUN,
+    RUN_OVER,
+    GuardSettings,
+)
 from drivers.guard.suspect import AT_A_DEVICE, AT_THE_BOARDS, IN_THE_PROGRAM, sign_of, what_hangs
 from drivers.guard.watch import Ending, ParentWatchdog
 from drivers.interfaces import DeviceError, RealClock
@@ -55,8 +66,8 @@ def beats(from_s: float, to_s: float, every_s: float = 0.05) -> list[tuple[float
     return [(from_s + i * every_s, BEAT) for i in range(count)]
 
 
-def watch(pipe: Pipe, lives=lambda: True) -> tuple[Ending, float]:
-    ending = ParentWatchdog(SETTINGS, pipe, pipe, pipe.confirm, lives).until_end()
+def watch(pipe: Pipe, lives=lambda: True, settings=SETTINGS) -> tuple[Ending, float]:
+    ending = ParentWatchdog(settings, pipe, pipe, pipe.confirm, lives).until_end()
     return ending, pipe.time_s
 
 
@@ -89,6 +100,25 @@ def test_silence_while_energised_is_a_hang_after_400_ms():
 def test_silence_at_zero_volts_is_no_hang():
     words = [(0.1, ENERGISED), *beats(0.15, 1.0), (1.0, AT_ZERO), (500.0, DISARM)]
     assert watch(Pipe(*words)) == (Ending.DISARMED, 500.0)
+
+
+AT_ZERO_TOO = replace(SETTINGS, at_zero_limit_s=AT_ZERO_LIMIT_S)
+
+
+def test_a_run_that_is_silent_at_zero_volts_hangs():
+    words = [(0.1, NEW_RUN), *beats(1.0, 30.0, every_s=1.0)]
+    ending, when = watch(Pipe(*words), settings=AT_ZERO_TOO)
+    assert ending is Ending.HUNG
+    assert when == pytest.approx(29.0 + AT_ZERO_LIMIT_S, abs=0.1)
+
+
+def test_between_two_runs_a_person_may_take_any_time():
+    words = [(0.1, NEW_RUN), *beats(1.0, 5.0, every_s=1.0), (5.0, RUN_OVER), (900.0, DISARM)]
+    assert watch(Pipe(*words), settings=AT_ZERO_TOO) == (Ending.DISARMED, 900.0)
+
+
+def test_before_the_first_run_a_person_may_take_any_time():
+    assert watch(Pipe((900.0, DISARM)), settings=AT_ZERO_TOO) == (Ending.DISARMED, 900.0)
 
 
 def test_a_beat_just_in_time_is_enough():
@@ -231,7 +261,12 @@ def test_the_newest_life_sign_tells_where_the_loop_hangs(given, kept):
     ],
 )
 def test_the_words_say_what_has_hung(sign, address, answer, words):
-    assert what_hangs(sign, address, boards_answer=answer).startswith(words)
+    assert what_hangs(sign, "ni", address, boards_answer=answer).startswith(words)
+
+
+def test_boards_of_another_family_are_named_by_their_kind():
+    said = what_hangs(AT_THE_BOARDS, "acme", "192.0.2.7", boards_answer=False)
+    assert said == "acme at 192.0.2.7 does not answer"
 
 
 def test_a_safe_shutdown_that_tries_again_waits_for_the_boards():

@@ -10,10 +10,12 @@ import pytest
 
 from drivers.boards.simple import SimpleBoard, SimpleSettings, simple_family
 from drivers.boards.simple.conformance import simple_board_faults
+from drivers.boards.simple.connection import inputs_of
 from drivers.interfaces import DeviceError, LimitError, RealClock
 from sim_hardware.clock import VirtualClock
 
 SETTINGS = SimpleSettings(address="here")
+INPUTS = inputs_of(SETTINGS)
 
 
 class Box:
@@ -164,3 +166,43 @@ def test_a_board_without_a_line_refuses_an_interlock():
     _, connection, _ = opened()
     with pytest.raises(DeviceError, match="has no line for an interlock"):
         connection.interlock("port0/line0")
+
+
+@pytest.mark.parametrize("wrong", [None, "1 kHz", float("nan"), 0.0, -1.0])
+@pytest.mark.parametrize("method", ["range_for", "rate_for"])
+def test_a_range_or_rate_that_is_no_number_above_0_is_named(method, wrong):
+    _, connection, _ = opened(**{method: lambda self, *asked: wrong})
+    signals = connection.signal_input(INPUTS)
+    with pytest.raises(DeviceError, match=f"{method} of mine at here returned .*number above 0"):
+        signals.open()
+
+
+def test_complex_samples_are_refused():
+    _, connection, _ = opened(read=lambda self: np.zeros((self.count, 5), dtype=complex))
+    signals = connection.signal_input(INPUTS)
+    signals.open()
+    signals.start()
+    with pytest.raises(DeviceError, match="complex"):
+        signals.read_available()
+
+
+@pytest.mark.parametrize("told", ["a box", None, 7])
+def test_a_board_whose_identity_is_none_is_used_and_not_known(told):
+    _, connection, _ = opened(identity=lambda self: told)
+    assert connection.findings()[0].found == "it answers"
+
+
+def test_a_board_whose_identity_fails_is_used_and_not_known():
+    def fails(self):
+        raise RuntimeError("no id")
+
+    _, connection, _ = opened(identity=fails)
+    assert connection.findings()[0].found == "it answers"
+
+
+def test_boards_without_a_simulated_one_are_not_reached_from_a_simulated_rig():
+    clock = VirtualClock()
+    made, box = family(clock)
+    with pytest.raises(DeviceError, match="the driver of these boards cannot be simulated"):
+        made.connect(SETTINGS, clock, lambda: None)
+    assert box.owner is None

@@ -25,7 +25,9 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "howto" / "boards.md").read_text(encoding="utf-8")
-FAMILY, PROJECT, BOX = re.findall(r"```(?:python|toml)\n(.*?)```", PAGE, re.DOTALL)
+FAMILY, PROJECT, BOX, SIMULATED, POINT = re.findall(
+    r"```(?:python|toml)\n(.*?)```", PAGE, re.DOTALL
+)
 
 
 def module(code: str) -> SimpleNamespace:
@@ -59,16 +61,24 @@ def test_the_family_keeps_every_contract(box, monkeypatch):
     assert box.edges[-1][1] == 0.0
 
 
+def install(site: Path) -> None:
+    """Write both modules of the page, and the entry points that it states."""
+    info = site / "labrig_acme-0.1.dist-info"
+    info.mkdir()
+    (site / "labrig_acme.py").write_text(FAMILY, encoding="utf-8")
+    (site / "labrig_acme_box.py").write_text(SIMULATED, encoding="utf-8")
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-acme\nVersion: 0.1\n")
+    points = ""
+    for project in (PROJECT, POINT):
+        for group, parts in tomllib.loads(project)["project"]["entry-points"].items():
+            points += f"[{group}]\n" + "".join(f"{one} = {parts[one]}\n" for one in parts)
+    (info / "entry_points.txt").write_text(points)
+
+
 @pytest.fixture
 def rig(box, tmp_path, monkeypatch):
     """The files that `labrig init` writes, without a camera; `box` is where they say."""
-    project = tomllib.loads(PROJECT)
-    ((name, where),) = project["project"]["entry-points"]["labrig.boards"].items()
-    info = tmp_path / "labrig_acme-0.1.dist-info"
-    info.mkdir()
-    (tmp_path / "labrig_acme.py").write_text(FAMILY, encoding="utf-8")
-    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: labrig-acme\nVersion: 0.1\n")
-    (info / "entry_points.txt").write_text(f"[labrig.boards]\n{name} = {where}\n")
+    install(tmp_path)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(ROOT)]))
     monkeypatch.syspath_prepend(str(tmp_path))
     assert labrig("init", tmp_path / "rig", "--board", "acme") == 0
@@ -109,3 +119,18 @@ def test_the_guard_takes_the_box_from_a_program_that_died_or_hangs(rig, box, kin
     _, said = last_words(run)  # the guard holds its end of the pipe until it is done
     assert "the output is safe: 0 V written and read back" in said
     assert box.edges[-1][1] == 0.0
+
+
+def test_a_session_is_run_on_the_simulated_box(tmp_path, monkeypatch):
+    install(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path), str(ROOT)]))
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert labrig("init", tmp_path / "rig", "--board", "acme", "--simulated") == 0
+    (tmp_path / "rig" / "protocol.toml").write_text(ONE_POSITION + "free_shapes = false\n")
+    run = started(tmp_path / "rig")
+    _, said = last_words(run)
+    assert run.returncode == 0, said
+    with open_session(tmp_path / "rig" / "s.h5") as session:
+        assert session.simulated
+        assert session.devices[0].identity.serial == "0001"
+        assert all(reading["valid"] for run in session.runs for reading in run.readings)

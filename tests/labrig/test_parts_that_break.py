@@ -23,6 +23,7 @@ from dataclasses import dataclass, field
 
 from drivers.boards.contract import BoardFamily, BoardInput
 from drivers.boards.ni.family import BOARDS as NI
+from drivers.boards.simple import SimpleBoard, SimpleSettings, simple_family
 from drivers.cameras.contract import CameraKind, CameraSettings
 from drivers.force_sensors.contract import ForceSensorKind
 from drivers.positioners.contract import PositionerKind
@@ -83,6 +84,22 @@ def family(**other):
     return BoardFamily(kind="pico", help="boards", settings=Boards, **calls)
 
 
+class Gone(SimpleBoard):
+    def __init__(self, settings):
+        pass
+
+    open = write = start = read = stop = broken
+
+    def close(self):
+        pass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Here(SimpleSettings):
+    address: str = "here"
+
+
+GONE = simple_family(kind="pico", help="boards", settings=Here, board=Gone)
 UNCONNECTED = family()
 def never(*arguments):
     threading.Event().wait(60)
@@ -104,6 +121,7 @@ none = broken_parts:NO_STAGE
 broken = broken_parts:METER
 none = broken_parts:NO_METER
 [labrig.boards]
+gone = broken_parts:GONE
 unconnected = broken_parts:UNCONNECTED
 unwired = broken_parts:UNWIRED
 deaf = broken_parts:DEAF
@@ -188,7 +206,7 @@ def test_a_meter_without_a_method_is_named(check: Check) -> None:
 @pytest.mark.slow
 def test_a_stage_that_cannot_be_opened_is_named_with_the_place_in_its_code(check: Check) -> None:
     code, said = check(('"manual"', '"shut"'))
-    where = "in broken-parts 2.0 (broken_parts.py, line 13)"
+    where = "in broken-parts 2.0 (broken_parts.py, line 14)"
     assert f"opening the stage failed: KeyError: 'no such thing', {where}" in said
     assert code == 3
 
@@ -202,6 +220,15 @@ def test_a_meter_that_cannot_be_made_is_named(check: Check) -> None:
 def test_boards_that_cannot_be_connected_are_named(check: Check) -> None:
     code, said = check(SEEN, boards="unconnected")
     assert "the family of boards 'unconnected' of broken-parts 2.0 cannot be used: KeyErr" in said
+    assert "in broken-parts 2.0 (broken_parts.py, line 14)" in said
+    assert code == 3
+
+
+def test_a_board_that_cannot_be_opened_is_named_with_the_place_in_its_code(check: Check) -> None:
+    code, said = check(SEEN, boards="gone")
+    where = "in broken-parts 2.0 (broken_parts.py, line 14)"
+    assert "no connection to pico at here: KeyError: 'no such thing'; check its power" in said
+    assert where in said
     assert code == 3
 
 

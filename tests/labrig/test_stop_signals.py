@@ -30,12 +30,21 @@ def test_a_program_that_does_not_obey_a_stop_at_once_is_interrupted_by_the_next_
         operator.press(after_s=0.6 * DEAF_S)
 
 
-def test_sigterm_asks_for_a_stop_at_once_and_the_second_one_interrupts_once():
+def test_sigterm_asks_for_a_stop_at_once_and_the_second_one_interrupts():
     operator = Pressed()
     assert operator.press("SIGTERM") is StopLevel.NOW
     with pytest.raises(KeyboardInterrupt):
         operator.press("SIGTERM", after_s=DEAF_S)
-    operator.press("SIGTERM", after_s=DEAF_S)
+
+
+def test_a_device_that_does_not_take_0_V_after_an_interrupt_is_interrupted_again():
+    operator = Pressed()
+    operator.press("SIGTERM")
+    with pytest.raises(KeyboardInterrupt):
+        operator.press("SIGTERM", after_s=DEAF_S)
+    operator.press("SIGTERM", after_s=0.5 * DEAF_S)  # it may still obey
+    with pytest.raises(KeyboardInterrupt):
+        operator.press("SIGTERM", after_s=0.6 * DEAF_S)
 
 
 def test_the_safe_shutdown_is_never_interrupted():

@@ -21,6 +21,7 @@ from sim_hardware.serial_devices import (
     SimulatedZaberStage,
     faults,
 )
+from sim_hardware.serial_devices.wire import WrongAnswerError
 
 GF = 9.80665e-3
 needs_pty = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
@@ -249,3 +250,28 @@ def test_what_is_wrong_with_a_serial_device_is_said() -> None:
         "respond must return bytes, not str",
         "poll must return bytes, not NoneType",
     ]
+
+
+def answering(answer) -> SimpleNamespace:
+    def respond(_data: bytes) -> object:
+        return answer()
+
+    return SimpleNamespace(baudrate=9600, respond=respond, poll=lambda: b"")
+
+
+def test_an_answer_that_is_no_bytes_is_told_as_such():
+    line = InMemorySerial(answering(lambda: "text"), JumpingClock(), timeout=1.0)
+    with pytest.raises(WrongAnswerError, match="returned str from respond; it must return bytes"):
+        line.write(b"?")
+
+
+@needs_pty
+def test_a_served_device_that_fails_says_so_in_one_sentence(capfd):
+    port = PtyPort(answering(lambda: 1 / 0))
+    with serial.Serial(port.path, timeout=0.2) as line:
+        line.write(b"?")
+        port._thread.join(5)
+    said = capfd.readouterr().err
+    assert f"{port.path} is gone: the simulated device SimpleNamespace raised ZeroDiv" in said
+    assert "test_serial_ports.py, line" in said
+    assert "Traceback" not in said

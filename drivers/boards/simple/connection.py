@@ -9,6 +9,7 @@ from drivers.boards.simple.board import SimpleBoard, SimpleSettings
 from drivers.boards.simple.inputs import SimpleInputs
 from drivers.boards.simple.output import SimpleOutput
 from drivers.boards.simple.turns import BoardTurns
+from drivers.identity import identities_of
 from drivers.interfaces import Clock, DeviceError, DeviceIdentity, Interlock
 
 
@@ -27,7 +28,7 @@ class SimpleConnection:
 
     def findings(self) -> Sequence[BoardFinding]:
         """See `BoardConnection.findings`."""
-        words = [f"{each.maker} {each.product} {each.serial}" for each in self.identities()]
+        words = [f"{each.maker} {each.product} {each.serial}" for each in identities_of(self)]
         found = " ".join(" ".join(words).split()) or "it answers"
         return [BoardFinding(self._kind, ok=True, found=found, wanted="any")]
 

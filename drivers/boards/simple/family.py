@@ -19,11 +19,24 @@ def simple_family(
     help: str,  # noqa: A002 - as the contract has it
     settings: type,
     board: Callable[[Any], SimpleBoard],
+    simulated: Callable[[Any, Any], SimpleBoard] | None = None,
 ) -> BoardFamily:
-    """Return a family: `settings` is a subclass of `SimpleSettings`, `board` is made of them."""
+    """Return a family: `settings` is a subclass of `SimpleSettings`, `board` is made of them.
 
-    def connect(found: SimpleSettings, clock: Clock, _transport: object) -> SimpleConnection:
-        return SimpleConnection(kind, board(found), found, clock)
+    `simulated` makes a board of the settings and the transport of a simulated family
+    (`labrig.simulated_families`). Without it no simulated rig is wired with these boards: their
+    code would reach the real ones.
+    """
+
+    def connect(found: SimpleSettings, clock: Clock, transport: object) -> SimpleConnection:
+        if transport is None:
+            return SimpleConnection(kind, board(found), found, clock)
+        if simulated is None:
+            raise DeviceError(
+                f'[{kind}] address = "simulated": the driver of these boards cannot be simulated; '
+                "its simple_family needs `simulated`, or state the address of boards"
+            )
+        return SimpleConnection(kind, simulated(found, transport), found, clock)
 
     def rescue(place: Mapping[str, Any], clock: Clock) -> SimpleRescue:
         try:
@@ -40,6 +53,7 @@ def simple_family(
         inputs=inputs_of,
         output_place=_output_place,
         rescue=rescue,
+        can_be_simulated=simulated is not None,
     )
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from numbers import Real
 
 import numpy as np
 
@@ -25,8 +27,10 @@ class SimpleInputs(Acquisition):
         if self._is_open:
             return
         with self._turns.turn(f"opening the inputs {self._wiring}") as board:
-            self._ranges = tuple(board.range_for(each.range_V) for each in self._inputs)
-            self._rate_hz = board.rate_for(self._asked_hz, len(self._inputs))
+            ranges = [board.range_for(each.range_V) for each in self._inputs]
+            rate_hz = board.rate_for(self._asked_hz, len(self._inputs))
+        self._ranges = tuple(self._positive("range_for", "V", each) for each in ranges)
+        self._rate_hz = self._positive("rate_for", "1/s", rate_hz)
         self._is_open = True
 
     def start(self) -> SampleClock:
@@ -46,7 +50,10 @@ class SimpleInputs(Acquisition):
         self._require_running()
         doing = f"reading the inputs {self._wiring}"
         with self._turns.turn(doing) as board:
-            volts = np.asarray(board.read(), dtype=float)
+            volts = np.asarray(board.read())
+            if volts.dtype.kind == "c":  # numpy would only warn, and drop a part
+                raise TypeError(f"read returned complex numbers ({volts.dtype})")
+            volts = volts.astype(float)
         if volts.ndim != 2 or len(volts) != len(self._inputs):
             raise DeviceError(
                 f"{doing} failed: {self._turns.name} gave samples of the shape {volts.shape} for "
@@ -66,6 +73,16 @@ class SimpleInputs(Acquisition):
         if self._is_open:
             self.stop()
             self._is_open = False
+
+    def _positive(self, method: str, unit: str, value: object) -> float:
+        """Return what a method of the board gave as a number: it is somebody else's code."""
+        number = float(value) if isinstance(value, Real) else math.nan
+        if not 0.0 < number < math.inf:
+            raise DeviceError(
+                f"opening the inputs {self._wiring} failed: {method} of {self._turns.name} "
+                f"returned {value!r:.60}; its code must return a number above 0, in {unit}"
+            )
+        return number
 
     def _require_open(self) -> None:
         if not self._is_open:

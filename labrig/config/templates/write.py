@@ -102,13 +102,15 @@ def _starter(board: str, *, simulated: bool) -> Starter | None:
     family = _part(BOARD_FAMILIES, "--board", board)
     if family.starter is not None or board == DEFAULT:
         return family.starter
-    if simulated:
+    if simulated and not family.can_be_simulated:
         raise BadInputError(
             f"--board {board}: these boards bring no simulated rig to start from; leave out "
             "--simulated."
         )
     return Starter(
-        table=f"[{board}]\n{settings_text(family.settings)}", simulated_table="", interlock=""
+        table=f"[{board}]\n{settings_text(family.settings)}",
+        simulated_table=f"[{board}]\n{settings_text(family.settings, {'address': SIMULATED})}",
+        interlock="",
     )
 
 

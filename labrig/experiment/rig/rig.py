@@ -25,7 +25,7 @@ from drivers.safe_shutdown import in_time
 from labrig.config import RigConfig
 from labrig.errors import LabrigWarning, NotReadyError, OutputUnknownError, warn_caller
 from labrig.experiment.rig.channels import channels_of
-from labrig.foreign_code import foreign_place
+from labrig.foreign_code import device_sentence, foreign_place
 from labrig.session import RecordedSession
 from labrig.session.recording.disk import note_a_device_left_behind
 from protocols.execution.devices import Devices
@@ -108,7 +108,7 @@ def opened(rig: Rig, on_step: Step = no_step) -> Iterator[Rig]:
             try:
                 device.take()
             except DeviceError as fault:
-                raise NotReadyError(str(fault)) from fault
+                raise NotReadyError(device_sentence(fault)) from fault
             except (Exception, SystemExit) as fault:
                 raise NotReadyError(unexpected(f"opening {device.what}", fault)) from fault
             taken.append(device)

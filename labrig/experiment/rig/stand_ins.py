@@ -23,6 +23,7 @@ from sim_hardware.serial_devices import FOLDER as SERIAL_DEVICES
 from sim_hardware.serial_devices import InMemorySerial
 from sim_hardware.world import World, WorldError, load_world
 
+_CALLED = ("transport", "listen", "stop", "fault")
 _DAY = 1_000_003  # from the seed of one session to that of the next
 
 
@@ -57,13 +58,26 @@ class StandIns:
                 f"rig.toml: [{kind}] cannot be simulated; simulated are {there}."
             ) from None
         try:
-            return family.make(self._world, self.clock, BoardOptions())
+            made = family.make(self._world, self.clock, BoardOptions())
         except WorldError as error:
             raise BadInputError(f"{_world_file(plan)}: {error}") from None
+        lacks = [name for name in _CALLED if not callable(getattr(made, name, None))]
+        if lacks:
+            raise BadInputError(
+                f"rig.toml: [{kind}] cannot be simulated: the make of its simulated family "
+                f"returned {type(made).__name__}, which has no {', '.join(lacks)}."
+            )
+        return made
 
     def boards(self) -> Any:
-        """Return the transport of the boards."""
-        return self._boards.transport()
+        """Return the transport of the boards. None would have a driver reach real ones."""
+        transport = self._boards.transport()
+        if transport is None:
+            raise BadInputError(
+                f"rig.toml: [{self._plan.rig.boards_kind}] cannot be simulated in this program: "
+                "the transport of its simulated family is None."
+            )
+        return transport
 
     def serial(self, table: str, kind: str) -> Callable[..., Any]:
         """Return what opens the serial line of a part, as pyserial's `Serial`."""

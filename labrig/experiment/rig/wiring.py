@@ -38,6 +38,7 @@ from labrig.errors import BadInputError, LabrigError, NotReadyError
 from labrig.experiment.plan import Plan
 from labrig.experiment.rig.channels import inputs_of
 from labrig.experiment.rig.rig import FORCE, Rig
+from labrig.foreign_code import foreign_place
 from protocols import RecordedOperator
 from protocols.execution.events import Event
 
@@ -102,8 +103,10 @@ def _part(folder: PluginFolder[Any], kind: str) -> Iterator[None]:
     except (DeviceError, LabrigError):
         raise
     except (Exception, SystemExit) as fault:
+        place = foreign_place(fault)
+        where = "" if place is None else f", in {place}"
         raise NotReadyError(
-            f"{_named(folder, kind)} cannot be used: {type(fault).__name__}: {fault}"
+            f"{_named(folder, kind)} cannot be used: {type(fault).__name__}: {fault}{where}"
         ) from fault
 
 
