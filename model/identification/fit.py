@@ -244,11 +244,10 @@ def _notes(
     rows: tuple[ConditionResidual, ...],
     ratio: dict[str, float],
 ) -> tuple[str, ...]:
-    notes = _left_out(measurements, parts)
+    notes = [*_left_out(measurements, parts), *offset_note(measurements.series)]
     if parts:
         notes += _implausible(next(iter(parts.values())).joint.scatter())
     for name, one in configurations.items():
-        notes += offset_note(name, measurements.series)
         if not one.B_known:
             notes.append(not_weighed(name, one.B.value))
         elif one.B.sigma > POOR * one.B.value:

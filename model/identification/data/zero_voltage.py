@@ -35,10 +35,10 @@ def _before_pulses_V(series: TimeSeries) -> FloatArray:
     return before[np.isfinite(before)]
 
 
-def offset_note(name: str, series: Iterable[TimeSeries]) -> list[str]:
-    """Return the sentence on such a voltage of a configuration, where it is worth telling."""
-    zero_V = zero_voltage_V(one for one in series if one.configuration == name and not one.extra)
+def offset_note(series: Iterable[TimeSeries]) -> list[str]:
+    """Return the sentence on such a voltage, where it is worth telling."""
+    zero_V = zero_voltage_V(one for one in series if not one.extra)
     if abs(zero_V) < TOLD_V:
         return []
-    told = f"{1e3 * zero_V:+.1f} mV reached the sheet of '{name}' (read back)"
+    told = f"{1e3 * zero_V:+.1f} mV reached the sheet (read back)"
     return [f"while 0 V was asked for, {told}: they count as so much of the EIBM"]
