@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from labrig.analysis import analyze, measure, measure_curves
+from labrig.analysis.analyze import inputs_of
 from labrig.analysis.curves import mean_image
 from labrig.config import parse_sheet
 from labrig.errors import BadInputError
@@ -52,6 +53,22 @@ def distance_m(curve, wanted):
     """Distance of each point of a curve from the nearest of many points."""
     points = np.stack([curve.x_m, curve.y_m], axis=1)
     return np.min(np.hypot(*(points[:, None] - wanted[None]).transpose(2, 0, 1)), axis=1)
+
+
+@pytest.mark.slow
+def test_how_well_the_camera_is_calibrated_goes_with_the_measurements(pictured, tmp_path):
+    path = tmp_path / "s.h5"
+    shutil.copy(pictured, path)
+    with open_session(path) as session:
+        given = inputs_of(session)
+    sure = given.optics.model_copy(update={"px_per_mm_sigma": 0.003, "origin_sigma_px": 0.06})
+    camera = replace(given, optics=sure).camera
+    assert camera.scale == pytest.approx(0.003 / 6.0)
+    assert camera.origin_m == pytest.approx(0.06 / 6000.0)
+    found = analyze(path)
+    assert 0.0 < found.camera.curve_m < 1e-5  # which every extraction has
+    assert found.camera.scale == 0.0  # optics.json states none
+    assert load_measurements(path).camera == found.camera
 
 
 @pytest.mark.slow

@@ -7,6 +7,7 @@ from dataclasses import fields, is_dataclass
 import numpy as np
 
 from model.measurements import (
+    CameraUncertainty,
     Condition,
     Contact,
     Curve,
@@ -166,6 +167,7 @@ def measurements() -> Measurements:
         source="file.h5",
         checksum="ab" * 32,
         warnings=("a warning, one",),
+        camera=CameraUncertainty(scale=4e-4, roll_rad=1e-3, origin_m=2e-6, curve_m=5e-7),
     )
 
 

@@ -11,7 +11,9 @@ import pytest
 from benchmarks.hidden_effects import case, hidden_session
 from model.discrepancy import diagnose
 from model.identification.data.zero_voltage import zero_voltage_V
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import CameraUncertainty, Measurements, TimeSeries
+from tests.model.discrepancy.sessions import fitted
 
 OFFSET_V = 0.01  # at the sheet, which bends it by 0.2 per m where 2 V bend it by 40
 SCALE_ERROR = 3e-4
@@ -70,3 +72,23 @@ def test_a_scale_that_is_off_by_much_more_is_named_all_the_same():
     found = diagnose(replace(m, camera=CameraUncertainty(scale=4e-4)))
     assert "camera_scale" in found.reported_set
     assert found.effects
+
+
+def test_curves_are_no_better_known_than_their_extraction_states():
+    """However alike they are: what is systematic in them is no effect."""
+    precise = hidden_session(case(seed=12)).measurements
+    floor_m = 5e-5
+    states = [replace(precise, camera=CameraUncertainty(curve_m=m)) for m in (0.0, floor_m)]
+    known, vague = (fitted(one) for one in states)
+    modes = [i for i, name in enumerate(known.problem.noise.names) if "long mode 0" in name]
+    assert len(modes) == 1
+
+    def variance(one: MixedModelFit) -> float:
+        rows = np.flatnonzero(one.problem.noise.masks[modes[0]])
+        return float(np.min(one.problem.noise.fixed[rows]))
+
+    assert variance(known) < 1e-13
+    assert variance(vague) == pytest.approx(floor_m**2)
+    place = vague.problem.bases.parts[0].stiffness
+    sigma = [one.solution.covariance[place, place] ** 0.5 for one in (known, vague)]
+    assert sigma[1] > 1.02 * sigma[0]
