@@ -102,7 +102,7 @@ def prepare(
         raise ModelError("; ".join(dict.fromkeys(why)))
     notes += [f"left out: {sentence}" for sentence in why]
     notes += _lacks(measurements, data_vectors, options)
-    notes += offset_note(used.series)
+    notes += offset_note(used)
     known = [stated for _, stated in rests]
     forward = ForwardModel(data_vectors, [rest for rest, _ in rests])
     base = BaseOptions(symmetric=options.symmetric, stiffness_Nm2=options.stiffness_Nm2)

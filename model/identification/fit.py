@@ -244,7 +244,7 @@ def _notes(
     rows: tuple[ConditionResidual, ...],
     ratio: dict[str, float],
 ) -> tuple[str, ...]:
-    notes = [*_left_out(measurements, parts), *offset_note(measurements.series)]
+    notes = [*_left_out(measurements, parts), *offset_note(measurements)]
     if parts:
         notes += _implausible(next(iter(parts.values())).joint.scatter())
     for name, one in configurations.items():

@@ -275,6 +275,7 @@ class Measurements(Displayed):
     source: str = ""  # file name
     checksum: str = ""  # sha256 of that file, hex
     warnings: tuple[str, ...] = field(default=())
+    # as camera and curves are stated to be known
     camera: CameraUncertainty = field(default_factory=CameraUncertainty)
 
     def summary(self) -> Summary:

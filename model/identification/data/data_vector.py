@@ -166,7 +166,7 @@ def data_vector_of(measurements: Measurements, configuration: str) -> DataVector
     pulses = [p for s in series for p in _pulses(s, seen)]
     return DataVector(
         sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.session_s,
-        zero_V=zero_voltage_V(series), camera=measurements.camera,
+        zero_V=zero_voltage_V(measurements, configuration), camera=measurements.camera,
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from benchmarks.hidden_effects import case, hidden_session
 from model.discrepancy import diagnose
 from model.identification.data.zero_voltage import zero_voltage_V
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
-from model.measurements import CameraUncertainty, Measurements, TimeSeries
+from model.measurements import CameraUncertainty, Condition, Measurements, TimeSeries
 from tests.model.discrepancy.sessions import fitted
 
 OFFSET_V = 0.01  # at the sheet, which bends it by 0.2 per m where 2 V bend it by 40
@@ -34,21 +34,34 @@ def as_asked(m: Measurements) -> Measurements:
     return replace(m, series=tuple(replace(one, drive_V=np.round(one.drive_V)) for one in m.series))
 
 
-def series(drive_V: np.ndarray) -> TimeSeries:
-    return TimeSeries(
-        configuration="long", position_m=0.0, time_s=np.arange(len(drive_V)) / 100.0,
-        drive_V=drive_V,
-    )  # fmt: skip
+def read_back(*drives_V: np.ndarray, asked_V: float = 2.0) -> Measurements:
+    """Runs with these read-backs, and one condition."""
+    runs = [
+        TimeSeries(
+            configuration="long", position_m=0.0, time_s=np.arange(len(each)) / 100.0, drive_V=each
+        )
+        for each in drives_V
+    ]
+    asked = Condition(configuration="long", position_m=0.0, voltage_V=asked_V, readings=())
+    return Measurements(sheets={}, conditions=(asked,), series=tuple(runs))
 
 
 def test_the_voltage_before_the_first_pulse_is_that_at_rest():
     rest = np.random.default_rng(1).normal(OFFSET_V, 1e-3, 400)
     pulses = np.repeat([2.01, -1.99, 0.5], 60)  # a supply that is slow to return
-    assert zero_voltage_V([series(np.append(rest, pulses))]) == pytest.approx(OFFSET_V, abs=2e-4)
-    assert zero_voltage_V([series(np.append(np.nan * rest, pulses))]) == 0.0
-    assert zero_voltage_V([series(0.0 * rest), series(pulses)]) == 0.0
-    assert zero_voltage_V([]) == 0.0
-    assert zero_voltage_V(offset().series) == pytest.approx(OFFSET_V, abs=1e-3)
+    found = zero_voltage_V(read_back(np.append(rest, pulses)))
+    assert found == pytest.approx(OFFSET_V, abs=2e-4)
+    assert zero_voltage_V(read_back(np.append(rest, pulses)), "short") == 0.0
+    assert zero_voltage_V(read_back(np.append(np.nan * rest, pulses))) == 0.0
+    assert zero_voltage_V(read_back(0.0 * rest, pulses)) == 0.0
+    assert zero_voltage_V(read_back()) == 0.0
+    assert zero_voltage_V(offset()) == pytest.approx(OFFSET_V, abs=1e-3)
+
+
+def test_a_small_pulse_before_larger_ones_is_no_rest():
+    small_first = np.repeat([OFFSET_V, 0.11, -0.09, 2.01, -1.99], [40, 200, 200, 60, 60])
+    found = zero_voltage_V(read_back(small_first, asked_V=0.1))
+    assert found == pytest.approx(OFFSET_V)
 
 
 def test_an_offset_of_the_amplifier_that_was_read_back_is_no_initial_curvature():
