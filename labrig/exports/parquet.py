@@ -10,8 +10,9 @@ from labrig.exports._files import new_file
 from labrig.files import all_or_none
 from labrig.session import export_session
 from labrig.session.recording.disk import written_beside
+from labrig.session.tables.write import TABLES
 
-_TABLES = ("forces.csv", "curves.csv", "signals.csv", "control.csv")
+_TABLES = (*TABLES, "control.csv")
 _TEXTS = ("configuration", "kind", "approach", "extra", "why")
 _WHOLE_NUMBERS = ("reading", "point", "mounting", "run")
 

@@ -44,10 +44,7 @@ def test_the_page_of_commands_runs_each_example_that_is_quick():
 
 def test_every_column_of_the_tables_is_described():
     page = made("csv_columns").page()
-    names = {
-        *columns.FORCES, *columns.FORCES_OPTIONAL, *columns.CURVES, *columns.CURVES_OPTIONAL,
-        *columns.SIGNALS, *columns.SIGNALS_OPTIONAL,
-    }  # fmt: skip
+    names = {name for _, *kinds in columns.TABLES.values() for kind in kinds for name in kind}
     assert all(f"| `{name}` |" in page for name in names)
     assert set(columns.MEANINGS) == names
 

@@ -237,7 +237,7 @@ def test_an_inline_figure_has_names_of_its_own_and_no_metadata():
 @pytest.mark.usefixtures("words_only")
 def test_imported_tables_are_reported_without_what_only_a_recording_has(tmp_path):
     path = session(tmp_path / "made.h5", measure("long"))
-    forces, curves, _ = export_session(path, tmp_path / "csv")
+    forces, curves, *_ = export_session(path, tmp_path / "csv")
     sheet = tmp_path / "sheet.toml"
     sheet.write_text(TEXTS["sheet.toml"], encoding="utf-8")
     import_session(sheet, forces, tmp_path / "imported.h5", curves=curves)

@@ -59,6 +59,8 @@ def import_tables(
 
     signals: configuration, position_mm, time_s, drive_V; also force_mN, current_mA.
 
+    A camera_uncertainty.csv in the folder of the curves is read with them.
+
     Other units are converted where the name states them: force [N], force (gf), x (cm); a position
     in degrees or radians is multiplied by the arc's radius. Other names are stated with --columns,
     and what no column says with --value; --ignore leaves a column out.

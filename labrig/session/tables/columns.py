@@ -1,4 +1,4 @@
-"""The columns of the three CSV files, with their units, signs and axes."""
+"""The columns of the CSV files, with their units, signs and axes."""
 
 from __future__ import annotations
 
@@ -42,6 +42,9 @@ CURVES_IGNORED: Final = ("image", "strip", "state", "frame", "time_s", "reason")
 SIGNALS: Final = ("configuration", "position_mm", "time_s", "drive_V")
 SIGNALS_OPTIONAL: Final = ("force_mN", "current_mA", "mounting", "run", "extra")
 
+# How well camera and curves are known, one line for all curves.
+CAMERA: Final = ("scale_fraction", "roll_deg", "origin_mm", "curve_mm")
+
 KINDS: Final = ("zero", "discarded", "kept", "no_contact")
 APPROACHES: Final = ("up", "down")
 
@@ -84,6 +87,10 @@ MEANINGS: Final = {
     "drive_V": "at the sheet, as read back",
     "current_mA": "through the sheet",
     "extra": "name of the extra that the run belongs to",
+    "scale_fraction": "standard uncertainty of the camera's scale: 0.004 is 0.4 %",
+    "roll_deg": "that of its direction",
+    "origin_mm": "that of the place of the clamp in its images",
+    "curve_mm": "that of the curve of a mean image, however many images it has",
 }
 
 # What each table has a row for, the columns that it needs, and those that it may have.
@@ -95,4 +102,9 @@ TABLES: Final = {
         CURVES_OPTIONAL,
     ),
     "signals.csv": ("A row for each sample.", SIGNALS, SIGNALS_OPTIONAL),
+    "camera_uncertainty.csv": (
+        "One row, beside curves.csv: what all curves have in common.",
+        (),
+        CAMERA,
+    ),
 }

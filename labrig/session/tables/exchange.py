@@ -52,7 +52,8 @@ def import_session(
 ) -> Measurements:
     """Make a session of tables: measurements without anything raw.
 
-    Without `forces` it holds the curves alone. `about` is by default the about.toml in the folder
+    Without `forces` it holds the curves alone. A camera_uncertainty.csv beside the curves is read
+    with them. `about` is by default the about.toml in the folder
     of forces.csv or curves.csv, where there is one. `names` says what columns of other names mean.
     `agree` is called with the tables as they were understood, before anything is written; it
     raises an error where somebody does not agree.
@@ -63,11 +64,11 @@ def import_session(
     output = Path(output)
     check_session_name(output)
     text = read_text(sheet, SHEET)
-    tables = dict(zip(TABLES, (forces, curves, signals), strict=True))
     geometry = parse_sheet(text, str(sheet))
     read = read_and_understood(geometry, forces, curves, signals, names=names)
     stated = about_text(about, Path(forces or curves or sheet))
-    sums = {name: _checksum(path) for name, path in tables.items() if path is not None}
+    tables = {f"{table.kind}.csv": table.path for table in read.tables}
+    sums = {name: _checksum(path) for name, path in tables.items()}
     measurements = replace(read.measurements, checksum=next(iter(sums.values())))
     if output.exists():
         raise BadInputError(f"{output} exists already; choose another name with -o.")
@@ -76,7 +77,7 @@ def import_session(
     if agree is not None:
         agree(read.tables)
     with written_beside(output) as beside:
-        files = [path.name for path in tables.values() if path is not None]
+        files = [path.name for path in tables.values()]
         setup = _setup(text, stated, sums, read.tables)
         beside.write_bytes(_session(setup, files, measurements))
     return measurements

@@ -13,6 +13,7 @@ import numpy as np
 from labrig.errors import BadInputError, type_in_words
 from labrig.plausibility import table_warnings
 from labrig.session.tables import columns
+from labrig.session.tables.camera_uncertainty import table_beside, uncertainty_in
 from labrig.session.tables.csv_rows import NUMBER, CsvRow, TextTable, integer, one_of, truth
 from labrig.session.tables.curve_points import CurvePoints, IntArray, numbers_of
 from labrig.session.tables.decimals import from_degrees, from_milli, from_plain, milli
@@ -106,8 +107,8 @@ def read_tables(
     """Measurements from tables of forces, curves or both: CSV as labrig writes it, or others.
 
     `sheet`: the geometry of each configuration by its name; `labrig.measurements_of_tables` takes
-    sheet.toml itself. `names` says what columns of other names mean. Raises BadInputError naming
-    file, line and column.
+    sheet.toml itself. `names` says what columns of other names mean. A camera_uncertainty.csv
+    beside the curves is read with them. Raises BadInputError naming file, line and column.
     """
     if not isinstance(sheet, Mapping):  # a caller may give anything
         raise BadInputError(
@@ -134,6 +135,7 @@ def read_and_understood(
     tables = {expected.kind: read_table(path, expected, names) for path, expected in asked}
     refuse_unused(names, list(tables.values()))
     refuse_contradicted(names, list(tables.values()))
+    camera = table_beside(curves)
     gathered = _Conditions()
     if forces is not None:
         for row in tables["forces"].rows():
@@ -148,9 +150,10 @@ def read_and_understood(
         series=series_of(tables["signals"], sheet) if signals is not None else (),
         source=asked[0][0].name,
         warnings=(*without, *([_UNSAID.format(curves)] if unsaid else [])),
+        camera=uncertainty_in(camera),
     )
     found = replace(found, warnings=(*found.warnings, *table_warnings(found)))
-    return ReadTables(found, tuple(tables.values()))
+    return ReadTables(found, (*tables.values(), *([] if camera is None else [camera])))
 
 
 def _of_sheet(names: ColumnNames, sheet: Mapping[str, SheetGeometry]) -> ColumnNames:

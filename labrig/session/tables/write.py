@@ -9,16 +9,16 @@ from pathlib import Path
 from labrig.errors import BadInputError
 from labrig.files import make_folder
 from labrig.session.recording.disk import written_beside
-from labrig.session.tables import columns
+from labrig.session.tables import camera_uncertainty, columns
 from labrig.session.tables.decimals import degrees, milli, plain
 from model.measurements import Condition, Curve, Measurements, TimeSeries
 
-TABLES = ("forces.csv", "curves.csv", "signals.csv")
+TABLES = ("forces.csv", "curves.csv", "signals.csv", camera_uncertainty.FILE)
 Cells = dict[str, str]
 
 
 def write_tables(measurements: Measurements, folder: Path) -> list[Path]:
-    """Write forces.csv, and curves.csv and signals.csv where there are any; their paths.
+    """Write forces.csv, and each further table of `TABLES` where there is any of it; their paths.
 
     Optional columns are written where something is to be said in them. Raises BadInputError when a
     file is there already.
@@ -32,6 +32,11 @@ def write_tables(measurements: Measurements, folder: Path) -> list[Path]:
         ),
         "curves.csv": (columns.CURVES, columns.CURVES_OPTIONAL, _curves(measurements)),
         "signals.csv": (columns.SIGNALS, columns.SIGNALS_OPTIONAL, _signals(measurements.series)),
+        camera_uncertainty.FILE: (
+            (),
+            columns.CAMERA,
+            camera_uncertainty.cells_of(measurements.camera),
+        ),
     }
     _make(folder)
     written: list[Path] = []

@@ -31,7 +31,8 @@ from labrig.session.tables.decimals import (
     milli,
     plain,
 )
-from model.measurements import Measurements
+from labrig.session.tables.write import TABLES
+from model.measurements import CameraUncertainty, Measurements
 from protocols.execution.events import Outcome
 from tests.labrig.session.measured import measurements, same
 from tests.labrig.session.session_recording import SHEET
@@ -125,8 +126,8 @@ def test_a_session_can_be_made_of_curves_alone(tmp_path):
 def test_a_round_trip_loses_nothing(tmp_path):
     wanted = measurements()
     paths = write_tables(wanted, tmp_path / "out")
-    assert [path.name for path in paths] == ["forces.csv", "curves.csv", "signals.csv"]
-    found = read_tables(wanted.sheets, *paths)
+    assert [path.name for path in paths] == [*TABLES[:3], "camera_uncertainty.csv"]
+    found = read_tables(wanted.sheets, *paths[:3])
     by_key = {
         (c.configuration, c.position_m, c.voltage_V, c.mounting, c.approach, c.run): c
         for c in found.conditions
@@ -380,6 +381,36 @@ def test_import_then_export_then_import_is_the_same(imported, tmp_path):
     paths = export_session(imported, tmp_path / "out")
     again = read_tables(SHEETS, *paths)
     assert same(replace(again, checksum=""), replace(load_measurements(imported), checksum=""))
+
+
+def test_how_well_the_camera_is_known_stands_beside_the_curves(tmp_path):
+    (tmp_path / "camera_uncertainty.csv").write_text("scale_fraction,origin_mm\n0.004,0.02\n")
+    found = read(tmp_path, FORCES, CURVES).camera
+    assert found == CameraUncertainty(scale=0.004, origin_m=2e-5)
+    assert read(tmp_path, FORCES).camera == CameraUncertainty()
+    (tmp_path / "sheet.toml").write_text(SHEET, encoding="utf-8")
+    tables = {"forces": tmp_path / "forces.csv", "curves": tmp_path / "curves.csv"}
+    import_session(tmp_path / "sheet.toml", output=tmp_path / "old.h5", **tables)
+    assert load_measurements(tmp_path / "old.h5").camera == found
+    with open_session(tmp_path / "old.h5") as session:
+        assert session.reason.endswith("forces.csv, curves.csv, camera_uncertainty.csv.")
+        assert set(session.resolved["imported_sha256"]) == {*TABLES[:2], TABLES[3]}
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("scale\n0.004\n", "column 'scale' is not known"),
+        ("scale_fraction\n-0.004\n", "line 2: column scale_fraction: .* from 0"),
+        ("scale_fraction\nwide\n", "line 2: column scale_fraction: 'wide' is not a number from 0"),
+        ("scale_fraction\n0.004\n0.004\n", "it has 2 lines of values; write one"),
+        ("scale_fraction\n", "it has 0 lines of values; write one"),
+    ],
+)
+def test_a_fault_in_how_well_the_camera_is_known_is_told(tmp_path, text, told):
+    (tmp_path / "camera_uncertainty.csv").write_text(text)
+    with pytest.raises(BadInputError, match=rf"camera_uncertainty\.csv.*{told}"):
+        read(tmp_path, FORCES, CURVES)
 
 
 def test_an_import_overwrites_nothing_and_leaves_nothing_behind(imported, tmp_path):
