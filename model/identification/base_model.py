@@ -19,6 +19,7 @@ from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import (
     WIDE_EIBM_PER_M,
+    AtZero,
     BaseParameters,
     Bases,
 )
@@ -38,6 +39,9 @@ FREE_REST_PER_M = 60.0  # prior width of k0's terms where sheet.toml does not st
 FORM_PER_M = 60.0  # and of a change of Me/B along the sheet
 REST_PER_M = 1.0  # and of k0's terms where it does, unless another width is asked for
 LEAST_BOW_PER_M = 1e-3  # of k0 between the nodes at which it is stated
+# Prior width of how much more, relatively, a voltage that stays bends a sheet than its share of a
+# pulse does: what charging, back-relaxation and the first pulses change.
+MORE_AT_ZERO = 0.3
 # Where no force was measured the shapes know Me/B alone, and B is what somebody states, or that of
 # a usual material; it is not estimated.
 USUAL_MODULUS_PA = 1e8
@@ -131,23 +135,26 @@ def _part(
     )
     rest = dict(enumerate(rows, place))
     prior |= dict.fromkeys(rest, belief)
+    place += len(rest)
+    at_zero = _at_zero(configuration_model.data_vector.zero_V, eibm, place)
+    if at_zero is not None:
+        prior[place], place = (0.0, MORE_AT_ZERO), place + 1
     part = BaseParameters(
-        stiffness=stiffness, eibm=eibm, forms=forms, rest=rest, prior=prior,
-        at_zero=_at_zero(configuration_model.data_vector.zero_V, eibm),
-    )  # fmt: skip
-    return part, place + len(rest)
+        stiffness=stiffness, eibm=eibm, forms=forms, rest=rest, prior=prior, at_zero=at_zero
+    )
+    return part, place
 
 
-def _at_zero(zero_V: float, eibm: Mapping[float, tuple[int, float]]) -> tuple[int, float]:
-    """Return of which EIBM how much acts while 0 V is asked for: in proportion to the voltage.
+def _at_zero(zero_V: float, eibm: Mapping[float, tuple[int, float]], place: int) -> AtZero | None:
+    """Return of which EIBM how much acts while 0 V is asked for: about its share of the voltage.
 
     It is that of the smallest voltage of the same sign; of one polarity alone, of the other one.
     """
-    if not eibm:
-        return 0, 0.0
+    if not eibm or not zero_V:
+        return None
     nearest_V = min(eibm, key=lambda voltage: (voltage * zero_V < 0.0, abs(voltage)))
-    place, sign = eibm[nearest_V]
-    return place, sign * zero_V / nearest_V
+    first, sign = eibm[nearest_V]
+    return AtZero(eibm=first, share=sign * zero_V / nearest_V, more=place)
 
 
 def _rest_rows(

@@ -42,6 +42,23 @@ WIDE_LN_B, WIDE_EIBM_PER_M = 1e3, 300.0  # prior widths of the base parameters
 
 
 @dataclass(frozen=True, kw_only=True)
+class AtZero:
+    """The EIBM of a voltage that reaches the sheet while 0 V is asked for.
+
+    A voltage that stays does not bend the sheet by exactly its share of what a pulse does: it
+    charges fully, relaxes back, and finds the water where it was. `more` is what that changes.
+    """
+
+    eibm: int  # first place of the EIBM that it is a share of
+    share: float
+    more: int  # place of the relative change of that share
+
+    def much(self, theta: FloatArray) -> float:
+        """Return how much of that EIBM acts."""
+        return float(self.share * (1.0 + theta[self.more]))
+
+
+@dataclass(frozen=True, kw_only=True)
 class BaseParameters:
     """Base parameters of one configuration in the vector of all."""
 
@@ -50,15 +67,15 @@ class BaseParameters:
     forms: FloatArray  # (T, G) of Me/B along the sheet by each of the T places of a voltage
     rest: dict[int, FloatArray]  # place -> change of k0 at the nodes by it
     prior: dict[int, tuple[float, float]]  # place -> mean, width
-    # first place of the EIBM of which a share acts while 0 V is asked for, and the share
-    at_zero: tuple[int, float] = (0, 0.0)
+    at_zero: AtZero | None = None  # what acts while 0 V is asked for
 
-    def drives(self) -> dict[float, tuple[int, float]]:
+    def drives(self, theta: FloatArray) -> dict[float, tuple[int, float]]:
         """Return the places of the EIBM at all voltages, and how much of it acts; 0 V among them.
 
         At 0 V that is what an offset of the amplifier does, as it was read back.
         """
-        return self.eibm | ({0.0: self.at_zero} if self.at_zero[1] else {})
+        zero = self.at_zero
+        return self.eibm | ({} if zero is None else {0.0: (zero.eibm, zero.much(theta))})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,12 +144,18 @@ class Bases:
             (theta[i] * row for i, row in one.rest.items()), np.zeros(configuration_model.count)
         )
         count = len(one.forms)
-        eibm = {v: much * theta[i : i + count] @ one.forms for v, (i, much) in one.drives().items()}
+        drives = one.drives(theta).items()
+        eibm = {v: much * theta[i : i + count] @ one.forms for v, (i, much) in drives}
         return configuration_model.beam(float(np.exp(theta[one.stiffness])), eibm, np.asarray(rest))
 
 
 def base_steps(
-    forward: ForwardModel, bases: Bases, c: int, state: ModelState, base: BeamProblem
+    forward: ForwardModel,
+    bases: Bases,
+    c: int,
+    state: ModelState,
+    base: BeamProblem,
+    theta: FloatArray,
 ) -> dict[int, Perturbation]:
     """Return the derivatives by the base parameters of a configuration."""
     one = bases.parts[c]
@@ -145,12 +168,16 @@ def base_steps(
     # those in which it happens to be large would count for more
     by[:, -2] = 1.0 if state.mounting is None else 1.0 / (1.0 + state.mounting.stiffness)
     result[one.stiffness] = replace(none, beam=by)
-    for voltage, (first, much) in one.drives().items():
+    for voltage, (first, much) in one.drives(theta).items():
         own = configuration_model.voltage_V == voltage
-        shaped = much * _form(state.beam.eibm[own], base.eibm[own]) * state.beam.soft[own]
-        for i, form in enumerate(one.forms, first):
+        shaped = _form(state.beam.eibm[own], base.eibm[own]) * state.beam.soft[own]
+        bends = {i: much * form for i, form in enumerate(one.forms, first)}
+        if one.at_zero is not None and voltage == 0.0:
+            whole = theta[first : first + len(one.forms)] @ one.forms
+            bends[one.at_zero.more] = one.at_zero.share * whole
+        for i, bend in bends.items():
             by = np.zeros_like(none.beam)
-            by[own, :G] = shaped * form
+            by[own, :G] = shaped * bend
             if i in result:  # one |EIBM| for both polarities, or an offset at 0 V
                 by += result[i].beam
             result[i] = replace(none, beam=by)
@@ -196,7 +223,7 @@ def sensitivities(
         state = replace(state, mounting=mounted[c]) if mounted else state
         states.append(state)
         residual += state.residual
-        steps = base_steps(forward, bases, c, state, base)
+        steps = base_steps(forward, bases, c, state, base, theta)
         columns[:, list(steps)] += forward.rows_of_each(c, state, list(steps.values())).T
     if bases.camera is not None:
         own = slice(bases.camera.first, bases.camera.places.stop)

@@ -28,6 +28,7 @@ from model.identification.likelihood.mixed_model import (
 from model.identification.likelihood.model_state import AppliedEffect, FitPlace, Found, moved
 from model.identification.likelihood.noise.row_noise import RowNoise, guess_of
 from model.identification.likelihood.noise.scatter_uncertainty import Spread, freedom, spread
+from model.identification.likelihood.one_sense import within_range
 from model.identification.likelihood.random_effects import Added
 from model.identification.priors.shared_widths import estimated_widths
 from model.measurements import FloatArray, ModelError
@@ -246,6 +247,7 @@ def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
     if not np.all(np.isfinite(at.theta)):
         raise unsettled()
     linear, spans = at.linearised()
+    linear = within_range(linear, at.found, spans, weigh(linear.data, log_sigma), share=0.0)
     problem = at.problem
     solution = estimate(linear.data, problem.guess, log_sigma, FINE)
     value = solution.deviance + prior_terms(linear, problem.bases.size)
@@ -297,23 +299,24 @@ class _Iteration:
         return weigh(self.linear.data, self.start)
 
     @cached_property
+    def _bounded(self) -> Linearisation:
+        return within_range(self.linear, self.at.found, self.spans, self._at_start)
+
+    @cached_property
     def solution(self) -> Solution:
         """The solution with the noise estimated; a step that is taken back needs none."""
-        data, guess = self.linear.data, self.at.problem.guess
+        data, guess = self._bounded.data, self.at.problem.guess
         return estimate(data, guess, self.start, self.accuracy, there=self._at_start)
 
     @property
     def value(self) -> float:
         """The deviance at the end of its step, as far as a straight line goes."""
-        return self.solution.deviance + prior_terms(self.linear, self.at.problem.bases.size)
+        return self.solution.deviance + prior_terms(self._bounded, self.at.problem.bases.size)
 
     @cached_property
     def so_far(self) -> float:
         """The deviance before its step, with no more than the tolerance of the forms."""
-        moving = self._moving()
-        step = self.solution.beta[moving]
-        inner = self.solution.covariance[np.ix_(moving, moving)]
-        return self.value + float(step @ inverse_symmetric(inner) @ step)
+        return self.value + self._from_data - self._promised(self.solution)
 
     @property
     def log_sigma(self) -> FloatArray:
@@ -340,18 +343,25 @@ class _Iteration:
 
     @cached_property
     def _from_data(self) -> float:
-        return self._distance(self.solution)
+        free = self._bounded is self.linear
+        return self._distance(self.solution if free else weigh(self.linear.data, self.log_sigma))
 
     def _distance(self, solution: Solution) -> float:
-        """Square of what is left, whitened, with no step but in the tolerance of the forms."""
+        """Square of what is left, whitened, with no step but in the tolerance of the forms.
+
+        The solution is that of steps without bounds.
+        """
+        moving = self._moving()
+        step, inner = solution.beta[moving], solution.covariance[np.ix_(moving, moving)]
+        return self._promised(solution) + float(step @ inverse_symmetric(inner) @ step)
+
+    def _promised(self, solution: Solution) -> float:
+        """Square of what is left after its step, as far as a straight line goes."""
         data = self.linear.data
         error = data.y - data.X @ solution.beta
         We = (solution.weights @ error[:, :, None])[:, :, 0]
         promised = float(np.sum(error * We))
-        promised += float(np.sum(data.precision * (solution.beta + data.away) ** 2))
-        moving = self._moving()
-        step, inner = solution.beta[moving], solution.covariance[np.ix_(moving, moving)]
-        return promised + float(step @ inverse_symmetric(inner) @ step)
+        return promised + float(np.sum(data.precision * (solution.beta + data.away) ** 2))
 
     def _moving(self) -> list[int]:
         """Return the places of everything that a step changes."""

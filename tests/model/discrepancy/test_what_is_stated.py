@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.hidden_effects import case, hidden_session
+from benchmarks.hidden_effects.recipe import Recipe
 from model.discrepancy import diagnose
 from model.identification.data.zero_voltage import zero_voltage_V
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
@@ -16,17 +17,23 @@ from model.measurements import CameraUncertainty, Condition, Measurements, TimeS
 from tests.model.discrepancy.sessions import fitted
 
 OFFSET_V = 0.01  # at the sheet, which bends it by 0.2 per m where 2 V bend it by 40
+OFFSET = ("amplifier.offset_mV", 1.0)  # its gain is 10
 SCALE_ERROR = 3e-4
 
 
 @cache
-def with_changed(key: str, value: float) -> Measurements:
-    """A session of a world that is the base model but for one number."""
-    return hidden_session(case(seed=11), lambda recipe: recipe.set(key, value)).measurements
+def with_changed(*changes: tuple[str, float]) -> Measurements:
+    """A session of a world that is the base model but for some numbers."""
+
+    def change(recipe: Recipe) -> None:
+        for key, value in changes:
+            recipe.set(key, value)
+
+    return hidden_session(case(seed=11), change).measurements
 
 
 def offset() -> Measurements:
-    return with_changed("amplifier.offset_mV", 1.0)  # its gain is 10
+    return with_changed(OFFSET)
 
 
 def as_asked(m: Measurements) -> Measurements:
@@ -68,20 +75,27 @@ def test_an_offset_of_the_amplifier_that_was_read_back_is_no_initial_curvature()
     assert diagnose(offset()).verdict == "nothing_missing"
 
 
+def test_a_voltage_that_stays_need_not_bend_the_sheet_by_its_share_of_a_pulse():
+    """Before the first pulse the water is where it was: what is missing then is no k0."""
+    changes = ("amplifier.offset_mV", 2.0), ("water.first_pulse_deficit", 0.3)
+    found = diagnose(with_changed(*changes))
+    assert [one.name for one in found.effects] == ["first_pulse_transient"]
+
+
 def test_an_offset_that_nobody_read_back_is_one():
     (named,) = diagnose(as_asked(offset())).effects
     assert named.name == "initial_curvature"
 
 
 def test_a_scale_that_is_off_by_no_more_than_the_calibration_states_is_no_effect():
-    m = with_changed("view.scale_error", SCALE_ERROR)
+    m = with_changed(("view.scale_error", SCALE_ERROR))
     assert diagnose(m).effects
     stated = replace(m, camera=CameraUncertainty(scale=4e-4, roll_rad=1e-4, origin_m=2e-6))
     assert diagnose(stated).verdict == "nothing_missing"
 
 
 def test_a_scale_that_is_off_by_much_more_is_named_all_the_same():
-    m = with_changed("view.scale_error", 0.01)
+    m = with_changed(("view.scale_error", 0.01))
     found = diagnose(replace(m, camera=CameraUncertainty(scale=4e-4)))
     assert "camera_scale" in found.reported_set
     assert found.effects

@@ -1,0 +1,1 @@
+"""What a diagnosis says of sessions that went through simulated boards, camera and curves."""
