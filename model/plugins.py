@@ -106,13 +106,13 @@ def first_faults(checks: Iterable[Callable[[], Iterable[str]]]) -> list[str]:
         try:
             found = list(check())
         except (Exception, SystemExit) as error:  # noqa: BLE001 - it may raise anything
-            return [f"its code raised {type(error).__name__}: {error}{_place(error)}"]
+            return [f"its code raised {type(error).__name__}: {error}{place_of(error)}"]
         if found:
             return found
     return []
 
 
-def _place(error: BaseException) -> str:
+def place_of(error: BaseException) -> str:
     """Return where a part raised it; nothing where the part could not even be called."""
     last = extract_tb(error.__traceback__)[-1]
     file = Path(last.filename)

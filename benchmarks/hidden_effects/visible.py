@@ -22,7 +22,7 @@ import numpy as np
 
 from benchmarks.hidden_effects.in_common import in_common
 from model import Measurements
-from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.prepare import DiagnoseOptions, prepare
 from model.discrepancy.search.evidence import Candidate, Projected, candidates
 from model.effects.catalogue import catalogue
 from model.effects.interface import Effect
@@ -72,7 +72,7 @@ class Yardstick:
     """
 
     def __init__(self, bare: Measurements, symmetric: bool = False) -> None:
-        self._session, self._options = bare, Options(symmetric=symmetric)
+        self._session, self._options = bare, DiagnoseOptions(symmetric=symmetric)
         ready = prepare(bare, self._options)
         self._fitted = fit_mixed_model(ready.problem, ready.theta)
         self._bare = linearise(

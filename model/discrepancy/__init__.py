@@ -6,7 +6,7 @@ from model.discrepancy.criticism import CheckResult, VerdictCheck
 from model.discrepancy.data_checks import DataCheck, Suspicion
 from model.discrepancy.data_checks.check import CheckedData, check_data
 from model.discrepancy.diagnose import diagnose, next_measurement
-from model.discrepancy.prepare import Options as DiagnoseOptions
+from model.discrepancy.prepare import DiagnoseOptions
 from model.discrepancy.verdict.result import Diagnosis, Named, Next, Unknown
 
 __all__ = [

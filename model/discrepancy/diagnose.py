@@ -13,7 +13,7 @@ from model.discrepancy.at_rest.outcome import with_dynamics
 from model.discrepancy.at_rest.varied import Varied
 from model.discrepancy.data_checks.check import CheckedData, check_data
 from model.discrepancy.data_checks.outcome import contradiction, stopped, with_checks
-from model.discrepancy.prepare import Options, check_geometry, prepare, sessions, setups
+from model.discrepancy.prepare import DiagnoseOptions, check_geometry, prepare, sessions, setups
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import search
 from model.discrepancy.search.nonparametric_terms import unknowns
@@ -40,11 +40,13 @@ _SEARCH_FROM, _SEARCH_TO = 0.05, 0.7  # of the time that a diagnosis takes
 
 
 def diagnose(
-    measurements: Measurements, options: Options | None = None, progress: Progress | None = None
+    measurements: Measurements,
+    options: DiagnoseOptions | None = None,
+    progress: Progress | None = None,
 ) -> Diagnosis:
     """Find the effects that the base model lacks; raise `ModelError` where it cannot be fitted."""
     began = time.perf_counter()
-    options = options or Options()
+    options = options or DiagnoseOptions()
     say = progress or silent
     say(0.0, "checking the data")
     checked, rested = _checked(measurements, options)
@@ -59,10 +61,10 @@ def diagnose(
 
 
 def next_measurement(
-    measurements: Measurements, between: tuple[str, ...], options: Options | None = None
+    measurements: Measurements, between: tuple[str, ...], options: DiagnoseOptions | None = None
 ) -> Next:
     """Return which measurement separates effects best; raise `ModelError` where none does."""
-    options = options or Options()
+    options = options or DiagnoseOptions()
     if len(between) < 2:
         raise ModelError("name two effects to be told apart, for example gravity and clamp_angle")
     for name in between:
@@ -81,7 +83,7 @@ def next_measurement(
     return found
 
 
-def _checked(measurements: Measurements, options: Options) -> tuple[CheckedData, AtRest]:
+def _checked(measurements: Measurements, options: DiagnoseOptions) -> tuple[CheckedData, AtRest]:
     """Return measurements less what dynamics explain, as the data checks leave them.
 
     Where the dynamics have no answer the data as they are may say why; else raises ModelError.
@@ -106,7 +108,7 @@ def _checked(measurements: Measurements, options: Options) -> tuple[CheckedData,
 
 def _searched(
     measurements: Measurements,
-    options: Options,
+    options: DiagnoseOptions,
     say: Progress,
     varied: Sequence[Varied],
 ) -> Finding:
@@ -152,7 +154,7 @@ def _in_sessions(name: str, count: int) -> Effect:
     return found
 
 
-def _effects(options: Options, measurements: Measurements) -> list[Effect]:
+def _effects(options: DiagnoseOptions, measurements: Measurements) -> list[Effect]:
     """Return the effects to look for in the sessions and at the voltages that there are."""
     count, signs = sessions(measurements), np.sign([c.voltage_V for c in measurements.conditions])
     one_polarity = not (np.any(signs > 0.0) and np.any(signs < 0.0))

@@ -47,8 +47,8 @@ from model.sheet.sheet_model import SheetModel
 
 @known_arguments
 @dataclass(frozen=True, kw_only=True)
-class Options:
-    """Options of `diagnose`."""
+class DiagnoseOptions:
+    """Options of `diagnose`; the defaults look for all that the catalogue has."""
 
     symmetric: bool = False  # one |EIBM| for both polarities
     # positions to leave out of the fit: (configuration or "" for all, position in m)
@@ -73,7 +73,7 @@ class Prepared:
 
 
 def prepare(
-    measurements: Measurements, options: Options, varied: Sequence[Varied] = ()
+    measurements: Measurements, options: DiagnoseOptions, varied: Sequence[Varied] = ()
 ) -> Prepared:
     """Return everything usable; a `ModelError` where not even the base model can be fitted.
 
@@ -202,7 +202,7 @@ def _check_curves(one: DataVector) -> None:
 
 
 def _lacks(
-    measurements: Measurements, data_vectors: list[DataVector], options: Options
+    measurements: Measurements, data_vectors: list[DataVector], options: DiagnoseOptions
 ) -> list[str]:
     """Return messages about questions that these data cannot answer."""
     notes = []

@@ -102,7 +102,7 @@ REFINED_CANDIDATES = 4
 REFINED_AT_USUAL_SCATTER = 2
 # Share of the evidence by which linearisation may misjudge the shape of a strong effect.
 CURVATURE_SHARE = 0.1
-# Names that are looked for, unless more are asked for (`Options.most_effects`).
+# Names that are looked for, unless more are asked for (`DiagnoseOptions.most_effects`).
 MOST_EFFECTS = 3
 # Solutions of the whole model after which nothing more is tried: neither a further effect nor
 # another beginning. Where more names are asked for, it grows in proportion. Of 59 open sessions the

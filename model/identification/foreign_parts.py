@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from model.plugins import PluginWarning
+from model.plugins import PluginWarning, place_of
 
 T = TypeVar("T")
 
@@ -24,7 +24,8 @@ def answers_of(
         if wrong is not None:
             raise TypeError(f"it yielded {type(wrong).__name__}, not a {kind.__name__}")
     except (Exception, SystemExit) as error:  # noqa: BLE001 - other people's code may raise anything
-        text = f"{whose} failed with {type(error).__name__}: {error}; {without} without it."
+        raised = f"{type(error).__name__}: {error}{place_of(error)}"
+        text = f"{whose} failed with {raised}; {without} without it."
         warnings.warn(" ".join(text.split()), PluginWarning, stacklevel=3)
         return None
     return found

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from model.discrepancy import diagnose
-from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.prepare import DiagnoseOptions, prepare
 from model.effects import effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.identification.likelihood.model_state import Found
@@ -54,7 +54,7 @@ def along_the_sheet(made: Measurements, camera: Pictured) -> Measurements:
 
 
 def fitted(made: Measurements, name: str, **values: float) -> MixedModelFit:
-    ready = prepare(made, Options())
+    ready = prepare(made, DiagnoseOptions())
     first = {"relative_error": 0.01, **values}
     found = Found(effect=effect(name), values=dict.fromkeys(made.sheets, first), width=10.0)
     return fit_mixed_model(ready.problem, ready.theta, (found,), form=1e-3)

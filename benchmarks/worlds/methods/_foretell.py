@@ -19,7 +19,7 @@ from benchmarks.hidden_effects.baseline_gp import guess
 from benchmarks.hidden_effects.predicted import read_back
 from benchmarks.worlds.methods._contract import Foretell
 from model import predict
-from model.discrepancy.prepare import Options
+from model.discrepancy.prepare import DiagnoseOptions
 from model.discrepancy.search.evidence import Candidate, Projected, score, unit_values
 from model.discrepancy.verdict.written_model.fitted_model import sheet_model
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
@@ -32,7 +32,7 @@ Shapes = Mapping[str, tuple[float, float]]  # by kind of row: length (m) and sha
 
 def of_model(fitted: MixedModelFit, measurements: Measurements) -> Foretell:
     """Return what a fitted model says, written to a file and read back."""
-    return partial(predict, read_back(sheet_model(fitted, measurements, Options())))
+    return partial(predict, read_back(sheet_model(fitted, measurements, DiagnoseOptions())))
 
 
 def of_effects(

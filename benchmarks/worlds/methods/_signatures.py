@@ -8,7 +8,7 @@ from functools import cached_property
 from benchmarks.hidden_effects.records import Name
 from benchmarks.hidden_effects.visible import known
 from benchmarks.worlds.methods._contract import Answer, Foretell
-from model.discrepancy.prepare import Options, Prepared, prepare
+from model.discrepancy.prepare import DiagnoseOptions, Prepared, prepare
 from model.discrepancy.search.evidence import Candidate, candidates
 from model.effects.interface import Effect
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
@@ -26,7 +26,7 @@ class Started:
     @staticmethod
     def of(measurements: Measurements) -> Started:
         """Fit the base model."""
-        ready = prepare(measurements, Options())
+        ready = prepare(measurements, DiagnoseOptions())
         return Started(ready, fit_mixed_model(ready.problem, ready.theta), known(symmetric=False))
 
     @cached_property

@@ -19,7 +19,7 @@ from model.discrepancy.criticism.image_noise import of_images
 from model.discrepancy.criticism.set_up_scatter import of_set_ups
 from model.discrepancy.next_measurement.choice import next_measurement
 from model.discrepancy.next_measurement.separation import Suspect, separated
-from model.discrepancy.prepare import Options, Prepared, setups
+from model.discrepancy.prepare import DiagnoseOptions, Prepared, setups
 from model.discrepancy.search.cross_validation import left_out, position_groups
 from model.discrepancy.search.evidence import Candidate, candidates
 from model.discrepancy.search.forward_selection import SearchResult
@@ -117,7 +117,7 @@ class Finding:
     """A finished search, with its options and data."""
 
     measurements: Measurements
-    options: Options
+    options: DiagnoseOptions
     ready: Prepared
     outcome: SearchResult
     effects: Sequence[Effect]  # that were considered

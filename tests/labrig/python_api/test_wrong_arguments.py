@@ -395,7 +395,8 @@ def test_an_argument_that_a_function_does_not_have_is_one_sentence(job, said):
 
 @pytest.mark.parametrize("kind", [labrig.FitOptions, labrig.DiagnoseOptions])
 def test_an_option_that_there_is_not_is_answered_with_its_right_name(kind):
-    with pytest.raises(TypeError, match="no argument 'simmetric'; did you mean symmetric"):
+    said = rf"^{kind.__name__}\(\) has no argument 'simmetric'; did you mean symmetric"
+    with pytest.raises(TypeError, match=said):
         kind(simmetric=True)
     with pytest.raises(TypeError, match="no argument 'simmetric'; did you mean symmetric"):
         replace(kind(), simmetric=True)

@@ -7,7 +7,7 @@ from functools import cache
 
 from benchmarks.hidden_effects import Case, Extras, Hiding, case, hidden_session
 from model.discrepancy import DiagnoseOptions, Diagnosis, diagnose
-from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.prepare import prepare
 from model.identification.likelihood.mixed_model_fit import MixedModelFit, fit_mixed_model
 from model.measurements import Measurements
 from tests.fits_unchecked import fits_unchecked
@@ -40,7 +40,7 @@ def without_first_pulses(m: Measurements) -> Measurements:
     return replace(m, conditions=tuple(conditions))
 
 
-def fitted(m: Measurements, options: Options = Options()) -> MixedModelFit:  # noqa: B008 - frozen
+def fitted(m: Measurements, options: DiagnoseOptions = DiagnoseOptions()) -> MixedModelFit:  # noqa: B008 - frozen
     """The base model, settled."""
     ready = prepare(m, options)
     return fit_mixed_model(ready.problem, ready.theta, ready.found)

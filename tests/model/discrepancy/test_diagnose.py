@@ -10,7 +10,7 @@ import pytest
 
 from model import Measurements, ModelError, SheetGeometry
 from model.discrepancy import DiagnoseOptions, diagnose, next_measurement
-from model.discrepancy.prepare import Options, prepare, setups
+from model.discrepancy.prepare import prepare, setups
 from tests.cases import few
 from tests.model.discrepancy.sessions import (
     FALLING,
@@ -242,7 +242,7 @@ def test_what_a_model_lacks_beside_what_it_has_is_named_with_its_own_values():
 
 
 def test_a_position_to_hold_out_may_be_rounded():
-    whole, less = (prepare(session(), Options(hold_out=h)) for h in ((), (("", 0.015004),)))
+    whole, less = (prepare(session(), DiagnoseOptions(hold_out=h)) for h in ((), (("", 0.015004),)))
     assert setups(less) < setups(whole)
 
 
@@ -420,7 +420,7 @@ def test_one_position_is_few_set_ups_too():
 
 def test_zero_volts_alone_are_refused():
     with pytest.raises(ModelError, match="measured at 0 V alone: that fixes B, but says nothing"):
-        prepare(kept(session(), lambda c: c.voltage_V == 0.0), Options())
+        prepare(kept(session(), lambda c: c.voltage_V == 0.0), DiagnoseOptions())
 
 
 def test_readings_under_voltage_that_do_not_count_are_not_called_unmeasured():
@@ -431,7 +431,7 @@ def test_readings_under_voltage_that_do_not_count_are_not_called_unmeasured():
     found = session()
     spoilt_all = replace(found, conditions=tuple(map(spoilt, found.conditions)))
     with pytest.raises(ModelError, match=r"under voltage counts .*reads back 0\.2 V"):
-        prepare(spoilt_all, Options())
+        prepare(spoilt_all, DiagnoseOptions())
 
 
 @pytest.mark.slow
@@ -445,7 +445,7 @@ def test_readings_under_voltage_that_do_not_count_are_not_called_unmeasured():
     ),
 )
 def test_what_voltages_do_not_allow_is_said(condition, said: str):
-    notes = prepare(kept(session(), condition), Options()).notes
+    notes = prepare(kept(session(), condition), DiagnoseOptions()).notes
     assert any(said in note for note in notes), notes
 
 
@@ -453,13 +453,13 @@ def test_what_voltages_do_not_allow_is_said(condition, said: str):
 def test_data_without_curves_or_without_times_can_be_searched_and_say_what_they_lack():
     bare = means_of(session())
     forces = replace(bare, conditions=tuple(replace(c, curve=None) for c in bare.conditions))
-    ready = prepare(forces, Options())
+    ready = prepare(forces, DiagnoseOptions())
     assert setups(ready) == 14
     assert any("has no curves" in note for note in ready.notes)
     single = replace(
         bare, conditions=tuple(replace(c, readings=c.readings[-1:]) for c in bare.conditions)
     )
-    notes = prepare(single, Options()).notes
+    notes = prepare(single, DiagnoseOptions()).notes
     assert any("has no two readings of a condition in their order" in note for note in notes)
 
 
@@ -470,7 +470,7 @@ def test_identical_repeats_are_noted():
         replace(c, readings=tuple(replace(r, force_N=c.readings[-1].force_N) for r in c.readings))
         for c in m.conditions
     )
-    notes = prepare(replace(m, conditions=same), Options()).notes
+    notes = prepare(replace(m, conditions=same), DiagnoseOptions()).notes
     assert any("are identical: they are taken as one reading each" in note for note in notes)
 
 
@@ -481,12 +481,12 @@ def test_nothing_valid_is_refused_with_the_reason():
         for c in m.conditions
     )
     with pytest.raises(ModelError, match=r"no valid readings at all \(overload\)"):
-        prepare(replace(m, conditions=broken), Options())
+        prepare(replace(m, conditions=broken), DiagnoseOptions())
 
 
 def test_no_conditions_are_refused():
     with pytest.raises(ModelError, match="there are no measurements"):
-        prepare(replace(session(), conditions=()), Options())
+        prepare(replace(session(), conditions=()), DiagnoseOptions())
 
 
 @pytest.mark.slow
@@ -497,17 +497,17 @@ def test_a_number_that_is_not_finite_costs_its_sheet_and_is_told_with_its_place(
     bad = replace(c, readings=(*c.readings[:-1], replace(c.readings[-1], force_N=value)))
     odd = replace(m, conditions=(m.conditions[0], bad, *m.conditions[2:]))
     said = "a force of condition long, 0 mm, +2 V is not a finite number; mark it invalid"
-    ready = prepare(odd, Options())
+    ready = prepare(odd, DiagnoseOptions())
     assert f"left out: {said}" in ready.notes
     assert ready.problem.forward.names == ["short"]
     with pytest.raises(ModelError) as refused:  # where no other sheet is left
-        prepare(kept(odd, lambda c: c.configuration == "long"), Options())
+        prepare(kept(odd, lambda c: c.configuration == "long"), DiagnoseOptions())
     assert str(refused.value) == said
 
 
 @pytest.mark.slow
 def test_a_sheet_that_was_not_measured_is_left_out():
-    ready = prepare(kept(session(), lambda c: c.configuration == "short"), Options())
+    ready = prepare(kept(session(), lambda c: c.configuration == "short"), DiagnoseOptions())
     assert ready.problem.forward.names == ["short"]
 
 
@@ -518,7 +518,7 @@ def test_a_sheet_that_cannot_be_used_is_left_out_with_a_note():
         replace(c, readings=tuple(replace(r, valid=False, why="dry") for r in c.readings))
         if c.configuration == "short" else c for c in m.conditions
     )  # fmt: skip
-    ready = prepare(replace(m, conditions=broken), Options())
+    ready = prepare(replace(m, conditions=broken), DiagnoseOptions())
     assert ready.problem.forward.names == ["long"]
     assert any(n.startswith("left out: ") and "'short'" in n for n in ready.notes)
 
@@ -537,13 +537,13 @@ def test_a_model_of_another_sheet_is_refused(truth, measured, said):
     other: SheetGeometry = replace(m.sheets["long"], **measured)
     unlike = replace(m, sheets={**m.sheets, "long": other})
     with pytest.raises(ModelError, match=said):
-        prepare(unlike, Options(model=truth))
+        prepare(unlike, DiagnoseOptions(model=truth))
 
 
 @pytest.mark.parametrize("first", [(), (("long", 0.015),)])
 def test_a_position_that_was_not_measured_cannot_be_held_out(first):
     with pytest.raises(ModelError, match=r"at the position to be held out \(long, 12 mm\)"):
-        prepare(session(), Options(hold_out=(*first, ("long", 0.012))))
+        prepare(session(), DiagnoseOptions(hold_out=(*first, ("long", 0.012))))
 
 
 @pytest.mark.thorough

@@ -13,7 +13,7 @@ from model.discrepancy.answers.choice_set import ChoiceSet
 from model.discrepancy.answers.reported_set import not_ruled_out, of_name, with_alternatives
 from model.discrepancy.criticism.check_result import Consequence, Failure
 from model.discrepancy.criticism.criticise import Criticism
-from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.prepare import DiagnoseOptions, prepare
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
 from model.discrepancy.search.ranking import rank
 from model.discrepancy.verdict import decision as decisions
@@ -301,7 +301,7 @@ def test_what_is_reported_is_not_invisible(reported):
 
 def finding(promised=()) -> Finding:
     """A search that has chosen gravity."""
-    ready = prepare(session(), Options())
+    ready = prepare(session(), DiagnoseOptions())
     base = fit_mixed_model(ready.problem, ready.theta, ready.found)
     effects = [effect(name) for name in PAIR]
     ranking = rank(base, effects, locations=False)
@@ -310,7 +310,7 @@ def finding(promised=()) -> Finding:
     ranking = [size if c is chosen else c for c in ranking]
     step = SelectionStep(base, ranking, size)
     return Finding(
-        measurements=session(), options=Options(promised=promised), ready=ready,
+        measurements=session(), options=DiagnoseOptions(promised=promised), ready=ready,
         outcome=SearchResult(base, (step,), base), effects=effects, threshold=6.0,
         threshold_from="",
     )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from model import Condition, Measurements, ModelError, Reading, TimeSeries
-from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.prepare import DiagnoseOptions, prepare
 from model.identification.data.data_vector import data_vector_of, trends
 from model.identification.data.pulses import BINS_S, parts_of_pulses
 from tests.model.discrepancy.sessions import (
@@ -110,7 +110,7 @@ def test_pulses_are_counted_from_the_first_that_is_driven():
 def test_first_pulses_stand_for_themselves_and_are_in_no_mean():
     """Force and shape of each, less the mean of those that count."""
     m = session()
-    both = [prepare(one, Options()).problem.forward for one in (m, without_first_pulses(m))]
+    both = [prepare(one, DiagnoseOptions()).problem.forward for one in (m, without_first_pulses(m))]
     for block, plain, data_vector in zip(
         *(s.row_index.blocks for s in both), both[0].data_vectors, strict=True
     ):
@@ -190,7 +190,7 @@ def test_a_free_shape_has_a_curve_and_no_force(measure):
     assert all(s.curve is not None and len(s.force_N) == 0 for s in seen)
     first = min(s.clock.session[0] for s in every if not s.free)
     assert all(s.clock.session[0] == first for s in seen)
-    one = prepare(made_here, Options()).problem.forward
+    one = prepare(made_here, DiagnoseOptions()).problem.forward
     block, configuration_model = one.row_block(0), one.configuration_models[0]
     assert np.all(block.mode_rows[configuration_model.free] >= 0)
     assert not np.isin(block.trend_of, configuration_model.free).any()
@@ -236,7 +236,7 @@ def test_without_contact_the_load_cell_shows_its_zero():
     assert zero.zero
     assert zero.free
     np.testing.assert_allclose(zero.force_N, [1e-5, 2e-5, 3e-5])
-    problem = prepare(found, Options()).problem
+    problem = prepare(found, DiagnoseOptions()).problem
     block = problem.forward.row_block(0)
     configuration_model = problem.forward.configuration_models[0]
     k = len(seen) - 1
@@ -382,7 +382,7 @@ def test_every_row_stands_once_and_in_the_run_it_comes_from():
 
 @pytest.mark.slow
 def test_means_alone_have_neither_sways_nor_pulses():
-    block = prepare(means_of(session()), Options()).problem.forward.row_block(0)
+    block = prepare(means_of(session()), DiagnoseOptions()).problem.forward.row_block(0)
     timed = forward().row_block(0)
     assert (len(block.sway_rows), len(block.bin_rows)) == (0, 0)
     assert len(timed.sway_rows) > 0 < len(timed.bin_rows)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from model.discrepancy.prepare import Options
+from model.discrepancy.prepare import DiagnoseOptions
 from model.discrepancy.search.cross_validation import left_out, position_groups, predictive_gains
 from model.discrepancy.search.nonparametric_terms import shapes
 from model.discrepancy.verdict.prediction_error import (
@@ -126,7 +126,7 @@ def test_variances_are_those_of_noise_and_scatter_together():
 @pytest.mark.thorough
 def test_an_effect_that_scatter_could_swallow_is_still_chosen_without_each_position():
     """Its size from set-up to set-up would be an EIBM that scatters, had it no name."""
-    found = diagnosed(SYMMETRIC, Options(symmetric=True))
+    found = diagnosed(SYMMETRIC, DiagnoseOptions(symmetric=True))
     assert [e.name for e in found.effects] == ["eibm_asymmetry"]
     assert found.closed > 0.9
     assert not any("with a position left out" in note for note in found.notes)

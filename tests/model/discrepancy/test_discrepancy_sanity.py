@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from model import ModelError
-from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.prepare import DiagnoseOptions, prepare
 from model.discrepancy.verdict.data_checks import remarks
 from tests.model.discrepancy.sessions import base_fit, session
 
@@ -43,7 +43,7 @@ def test_curves_in_metres_are_refused():
         return replace(c, curve=curve)
 
     with pytest.raises(ModelError, match=r"long, .* is 0.05 mm long, the sheet 50 mm; check that"):
-        prepare(replace(m, conditions=tuple(in_metres(c) for c in m.conditions)), Options())
+        prepare(replace(m, conditions=tuple(in_metres(c) for c in m.conditions)), DiagnoseOptions())
 
 
 def test_a_time_since_wetting_that_is_not_known_is_named():

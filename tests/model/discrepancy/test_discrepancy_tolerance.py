@@ -7,7 +7,7 @@ from dataclasses import fields, replace
 import numpy as np
 import pytest
 
-from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.prepare import DiagnoseOptions, prepare
 from model.discrepancy.search import ranking
 from model.discrepancy.search.evidence import Score
 from model.discrepancy.search.form_share import form_share
@@ -276,7 +276,7 @@ def test_the_load_cell_s_shapes_leave_the_curves_alone_and_the_camera_s_the_forc
 def test_there_is_one_candidate_for_each_slot_and_none_for_what_nobody_could_see(measure):
     found = [c.name for c in unknowns(base_fit()) if not c.part]
     assert found == [f"unknown:{s}" for s in locations()]
-    blind = prepare(measure(curves=False, scatter=0.0), Options())
+    blind = prepare(measure(curves=False, scatter=0.0), DiagnoseOptions())
     assert "unknown:camera" not in [c.name for c in unknowns(fitted(measure(curves=False)))]
     assert any("has no curves" in note for note in blind.notes)
 

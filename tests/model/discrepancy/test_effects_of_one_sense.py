@@ -11,7 +11,7 @@ from model.effects import effect
 from model.identification.likelihood.mixed_model_fit import fit_mixed_model
 from model.identification.likelihood.model_state import Found
 from model.measurements import Measurements
-from tests.model.discrepancy.sessions import NOTHING, Options, session
+from tests.model.discrepancy.sessions import NOTHING, DiagnoseOptions, session
 
 LEADS_N = 3e-4  # by which forces of the two polarities are farther apart than the load
 
@@ -28,7 +28,7 @@ def ahead_of_the_load(m: Measurements) -> Measurements:
 
 @pytest.mark.parametrize("begins_mN", [0.02, 0.1, 0.2])
 def test_what_a_step_to_the_other_sense_promises_is_no_merit(begins_mN):
-    ready = prepare(ahead_of_the_load(session(NOTHING)), Options())
+    ready = prepare(ahead_of_the_load(session(NOTHING)), DiagnoseOptions())
     base = fit_mixed_model(ready.problem, ready.theta)
     values = {"force_mN": begins_mN, "from_no_load": 0.0, "reach_mN": 0.3}
     hysteresis = Found(

@@ -180,6 +180,7 @@ def test_a_location_of_others_that_fails_is_told_and_costs_no_verdict(monkeypatc
     monkeypatch.setattr(
         nonparametric_terms, "location", lambda name: theirs if name == "load_cell" else own(name)
     )
-    said = r"the location of discrepancy 'load_cell' of others 0\.1 failed with RuntimeError"
+    whose = r"the location of discrepancy 'load_cell' of others 0\.1"
+    said = whose + r" failed with RuntimeError: no such table \(test_reading_patterns\.py, line "
     with pytest.warns(PluginWarning, match=said):
         assert diagnose(session()).verdict == "nothing_missing"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from labrig.analysis.together import BETWEEN_S, together
-from model.discrepancy.prepare import Options, prepare
+from model.discrepancy.prepare import DiagnoseOptions, prepare
 from model.effects import effect
 from model.effects.conformance import faults
 from model.identification.data.data_vector import DataVector, data_vector_of
@@ -81,7 +81,7 @@ def test_of_one_session_both_times_are_the_same():
 @pytest.mark.slow
 def test_readings_of_a_later_session_come_after_all_of_the_first():
     whole = together([(Path("a.h5"), session()), (Path("b.h5"), session())])
-    forward = prepare(whole, Options()).problem.forward
+    forward = prepare(whole, DiagnoseOptions()).problem.forward
     block, seen = forward.row_block(0), forward.data_vectors[0].seen
     day = np.array([seen[int(k)].session for k in block.reading_of[block.in_time]])
     assert np.all(np.diff(day) >= 0)

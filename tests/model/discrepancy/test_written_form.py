@@ -12,7 +12,6 @@ from benchmarks.hidden_effects.predicted import base_model, errors
 from benchmarks.hidden_effects.unmeasured import unmeasured
 from model import SheetModel, predict
 from model.discrepancy import DiagnoseOptions, diagnose
-from model.discrepancy.prepare import Options
 from model.discrepancy.search.nonparametric_terms import all_shapes
 from model.discrepancy.verdict.inferred_form import form_of
 from model.discrepancy.verdict.written_model.written_form import terms_of
@@ -132,7 +131,7 @@ def test_with_the_written_model_nothing_is_missing_and_no_form_is_let_in_again()
     assert again.model.merit["force_rmse_N"] == pytest.approx(
         read_back(OTHER_FORM).merit["force_rmse_N"], rel=0.1
     )
-    known = fitted(session(OTHER_FORM), Options(model=read_back(OTHER_FORM)))
+    known = fitted(session(OTHER_FORM), DiagnoseOptions(model=read_back(OTHER_FORM)))
     (one,), (span,) = known.found, known.spans
     assert span.stop - span.start == len(one.parameters())
     assert form_of(known, 0)[0] == pytest.approx(0.0, abs=1e-9)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.discrepancy.prepare import Options
+from model.discrepancy.prepare import DiagnoseOptions
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.verdict.decision import Decision
 from model.discrepancy.verdict.inferred_form import foretells
@@ -49,7 +49,7 @@ class Writer:
 
     outcome: SearchResult
     measurements: Measurements
-    options: Options
+    options: DiagnoseOptions
 
     def written(self, decision: Decision) -> WrittenModel:
         """Return what is written of a decision; it takes fits, so it is made of the last one.

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.prepare import Options
+from model.discrepancy.prepare import DiagnoseOptions
 from model.discrepancy.verdict.written_model.effect_uncertainty import uncertainties
 from model.discrepancy.verdict.written_model.written_deviations import deviations
 from model.discrepancy.verdict.written_model.written_form import with_bands
@@ -24,7 +24,9 @@ from model.sheet.free_effect import FreeEffect
 from model.sheet.sheet_model import SheetModel
 
 
-def sheet_model(final: MixedModelFit, measurements: Measurements, options: Options) -> SheetModel:
+def sheet_model(
+    final: MixedModelFit, measurements: Measurements, options: DiagnoseOptions
+) -> SheetModel:
     """Return the model with the effects found and their forms."""
     forward = final.problem.forward
     sheets = {name: _sheet(final, c) for c, name in enumerate(forward.names)}
