@@ -6,6 +6,7 @@ import pytest
 from labrig.errors import BadInputError
 from labrig.vision import StripGeometry, neutral_curve
 from tests.cases import few
+from tests.labrig.vision.drawn_strips import BENT_UP, STRIP
 
 
 def refused(image, optics, strip, said):
@@ -24,6 +25,19 @@ def test_a_refusal_names_the_step_that_failed(plain, known):
     noise = np.random.default_rng(4).normal(90, 6, plain.image.shape).astype(np.uint8)
     refused(noise, optics, strip, "search failed: no")
     refused(plain.image, optics, replace(strip, free_length_m=0.043), "check of the end failed: ")
+
+
+@pytest.mark.parametrize("free_m", [0.003, 0.012])
+def test_an_elongation_that_bends_is_told_as_one(free_m):
+    """It is taken as straight; nothing said so, and the clamp and the length were blamed."""
+    bent = StripGeometry(
+        free_length_m=free_m, elongation_m=STRIP.free_length_m - free_m,
+        thickness_m=STRIP.thickness_m,
+    )  # fmt: skip
+    refused(BENT_UP.image, BENT_UP.optics, bent, "and whether the elongation is straight")
+    curve = neutral_curve(BENT_UP.image, BENT_UP.optics, replace(STRIP, free_length_m=0.045))
+    assert not curve.ok
+    assert "elongation" not in curve.why
 
 
 def test_a_black_image(plain, known):
