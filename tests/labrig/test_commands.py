@@ -274,7 +274,7 @@ def test_the_columns_of_the_tables_are_explained_with_their_axes_and_signs(
     assert run(["config", "columns"]) == 0
     said = capsys.readouterr().out
     assert said.startswith("Axes and signs: x runs along the sheet")
-    for name, (_, required, optional) in TABLES.items():
-        assert f"{name}: A row for each" in said
+    for name, (about, required, optional) in TABLES.items():
+        assert f"{name}: {about.rstrip('.')}" in said
         assert all(column in said for column in (*required, *optional))
     assert "towards larger positions" in said
