@@ -53,10 +53,10 @@ def import_session(
     """Make a session of tables: measurements without anything raw.
 
     Without `forces` it holds the curves alone. A camera_uncertainty.csv beside the curves is read
-    with them. `about` is by default the about.toml in the folder
-    of forces.csv or curves.csv, where there is one. `names` says what columns of other names mean.
-    `agree` is called with the tables as they were understood, before anything is written; it
-    raises an error where somebody does not agree.
+    with them. `about` is by default the about.toml in the folder of forces.csv or curves.csv, where
+    there is one. `names` says what columns of other names mean. `agree` is called with the tables
+    as they were understood, before anything is written; it raises an error where somebody does not
+    agree.
 
     Raises BadInputError for a fault in a file (naming it, the line and the column) and when the
     output exists.

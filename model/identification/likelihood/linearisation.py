@@ -53,8 +53,8 @@ class AtZero:
     share: float
     more: int  # place of the relative change of that share
 
-    def much(self, theta: FloatArray) -> float:
-        """Return how much of that EIBM acts."""
+    def acting_share(self, theta: FloatArray) -> float:
+        """Return the share of that EIBM that acts."""
         return float(self.share * (1.0 + theta[self.more]))
 
 
@@ -75,7 +75,7 @@ class BaseParameters:
         At 0 V that is what an offset of the amplifier does, as it was read back.
         """
         zero = self.at_zero
-        return self.eibm | ({} if zero is None else {0.0: (zero.eibm, zero.much(theta))})
+        return self.eibm | ({} if zero is None else {0.0: (zero.eibm, zero.acting_share(theta))})
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -247,7 +247,8 @@ def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
     if not np.all(np.isfinite(at.theta)):
         raise unsettled()
     linear, spans = at.linearised()
-    linear = within_range(linear, at.found, spans, weigh(linear.data, log_sigma), share=0.0)
+    if at.found:
+        linear = within_range(linear, at.found, spans, weigh(linear.data, log_sigma), share=0.0)
     problem = at.problem
     solution = estimate(linear.data, problem.guess, log_sigma, FINE)
     value = solution.deviance + prior_terms(linear, problem.bases.size)
@@ -299,19 +300,19 @@ class _Iteration:
         return weigh(self.linear.data, self.start)
 
     @cached_property
-    def _bounded(self) -> Linearisation:
+    def _in_range(self) -> Linearisation:
         return within_range(self.linear, self.at.found, self.spans, self._at_start)
 
     @cached_property
     def solution(self) -> Solution:
         """The solution with the noise estimated; a step that is taken back needs none."""
-        data, guess = self._bounded.data, self.at.problem.guess
+        data, guess = self._in_range.data, self.at.problem.guess
         return estimate(data, guess, self.start, self.accuracy, there=self._at_start)
 
     @property
     def value(self) -> float:
         """The deviance at the end of its step, as far as a straight line goes."""
-        return self.solution.deviance + prior_terms(self._bounded, self.at.problem.bases.size)
+        return self.solution.deviance + prior_terms(self._in_range, self.at.problem.bases.size)
 
     @cached_property
     def so_far(self) -> float:
@@ -343,7 +344,7 @@ class _Iteration:
 
     @cached_property
     def _from_data(self) -> float:
-        free = self._bounded is self.linear
+        free = self._in_range is self.linear
         return self._distance(self.solution if free else weigh(self.linear.data, self.log_sigma))
 
     def _distance(self, solution: Solution) -> float:

@@ -53,7 +53,7 @@ def base_fit(of: Case = NOTHING) -> MixedModelFit:
 
 
 @cache
-def diagnosed(of: Case = NOTHING, options: DiagnoseOptions = DiagnoseOptions()) -> Diagnosis:  # noqa: B008
+def diagnosed(of: Case = NOTHING, options: DiagnoseOptions = DiagnoseOptions()) -> Diagnosis:  # noqa: B008 - frozen
     """What is found, if nobody asks whether the data are right."""
     with fits_unchecked():
         return diagnose(session(of), options)

@@ -12,6 +12,7 @@ from benchmarks.hidden_effects import case, hidden_session
 from benchmarks.hidden_effects.recipe import Recipe
 from model.discrepancy import diagnose
 from model.identification.data.zero_voltage import zero_voltage_V
+from model.identification.likelihood.linearisation import sensitivities
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import CameraUncertainty, Condition, Measurements, TimeSeries
 from tests.model.discrepancy.sessions import fitted
@@ -80,6 +81,22 @@ def test_a_voltage_that_stays_need_not_bend_the_sheet_by_its_share_of_a_pulse():
     changes = ("amplifier.offset_mV", 2.0), ("water.first_pulse_deficit", 0.3)
     found = diagnose(with_changed(*changes))
     assert [one.name for one in found.effects] == ["first_pulse_transient"]
+
+
+def test_the_derivative_by_what_stays_is_that_of_the_residuals():
+    one, step = fitted(offset()), 0.05
+    forward, bases = one.problem.forward, one.problem.bases
+    columns = sensitivities(forward, bases, one.theta)[2]
+    for part in bases.parts:
+        place = part.at_zero.more
+        moved = step * (np.arange(bases.size) == place)
+        before, after = (
+            sensitivities(forward, bases, one.theta + end)[1] for end in (-moved, moved)
+        )
+        slope = (before - after) / (2.0 * step)  # a residual is measured less simulated
+        largest = np.max(np.abs(columns[:, place]))
+        assert largest > 1e-6
+        np.testing.assert_allclose(columns[:, place], slope, atol=0.005 * largest)
 
 
 def test_an_offset_that_nobody_read_back_is_one():
