@@ -40,10 +40,10 @@ def examples() -> list[Example]:
     plain = _optics()
     empty = np.full(SIZE_PX[::-1], BACKGROUND)
     return [
-        _drawn("a bright strip bent up", 18.0, plain),
-        _drawn("a dark strip bent down", -25.0, plain, sign=-1.0),
-        _drawn("a straight strip in 16 bits", 0.0, _optics(bits=16), depth=16),
-        _drawn("a strip before a turned camera", 18.0, _optics(roll_rad=0.1)),
+        drawn_arc("a bright strip bent up", 18.0, plain),
+        drawn_arc("a dark strip bent down", -25.0, plain, sign=-1.0),
+        drawn_arc("a straight strip in 16 bits", 0.0, _optics(bits=16), depth=16),
+        drawn_arc("a strip before a turned camera", 18.0, _optics(roll_rad=0.1)),
         Example(
             "an image without a strip", _noisy(np.full(SIZE_PX[::-1], BACKGROUND)), plain, None
         ),
@@ -56,9 +56,10 @@ def _optics(**changes: Any) -> Optics:
     return Optics.model_validate({**known, **changes})
 
 
-def _drawn(
+def drawn_arc(
     name: str, curvature_per_m: float, optics: Optics, *, sign: float = 1.0, depth: int = 8
 ) -> Example:
+    """Return the image of a strip that is an arc, brighter or darker than what is behind it."""
     columns, rows = SIZE_PX
     u, v = np.meshgrid(np.arange(columns, dtype=float), np.arange(rows, dtype=float))
     plane = optics.pixel_to_world(np.column_stack([u.ravel(), v.ravel()]))

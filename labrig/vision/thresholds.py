@@ -48,6 +48,7 @@ START_CHI2_MAX: Final = 4.0**2
 CLAMP_KINK_SIGMA_RAD: Final = 0.04  # that a sheet may have where it leaves the jaws
 CURVATURE_MAX_PER_M: Final = 400.0  # of a usual strip of 40 to 60 mm, searched for
 CURVATURE_REFUSED_RATIO: Final = 1.5  # of a fitted curvature to the largest one searched for
+ELONGATION_TURN_MAX_RAD: Final = 0.8  # along one that is not straight, and at its joint
 TURN_MAX_RAD: Final = 4.8  # from clamp to end: 240 degrees and a little
 
 # The sheet's end against the stated length. By trial on drawn scenes, of which some hide the end;

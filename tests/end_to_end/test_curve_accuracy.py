@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from sim_hardware.world import World, load_world
 
 LIMIT_M = 0.1e-3
 GAIN = 10.0
+IMAGES = 10
 
 
 def distance_m(points: np.ndarray, polyline: np.ndarray) -> np.ndarray:
@@ -21,6 +24,24 @@ def distance_m(points: np.ndarray, polyline: np.ndarray) -> np.ndarray:
     along = ((points[:, None] - start) * step).sum(2) / (step**2).sum(1)
     foot = start + np.clip(along, 0.0, 1.0)[..., None] * step
     return np.asarray(np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1))
+
+
+def known(configuration: str) -> tuple[Optics, StripGeometry]:
+    """What `labrig init` writes of camera and sheet, for mean images."""
+    optics = Optics.from_json(template_text("optics.json")).model_copy(update={"bits": 16})
+    sheet = parse_sheet(template_text("sheet.toml"), "sheet.toml")[configuration]
+    strip = StripGeometry(
+        free_length_m=sheet.free_length_m,
+        elongation_m=sheet.elongation_m,
+        thickness_m=sheet.thickness_m,
+    )
+    return optics, strip
+
+
+def mean_image(world: World, now_s: float, first: int = 0) -> np.ndarray:
+    """The mean of ten images, as 16 bit."""
+    images = [world.image(now_s, first + 1 + n).astype(float) for n in range(IMAGES)]
+    return np.rint(256 * np.mean(images, axis=0)).astype(np.uint16)
 
 
 @pytest.mark.slow
@@ -34,13 +55,7 @@ def distance_m(points: np.ndarray, polyline: np.ndarray) -> np.ndarray:
 def test_curves_of_mean_images_are_right_to_a_tenth_of_a_millimetre(
     configuration: str, seed: int
 ) -> None:
-    optics = Optics.from_json(template_text("optics.json")).model_copy(update={"bits": 16})
-    sheet = parse_sheet(template_text("sheet.toml"), "sheet.toml")[configuration]
-    strip = StripGeometry(
-        free_length_m=sheet.free_length_m,
-        elongation_m=sheet.elongation_m,
-        thickness_m=sheet.thickness_m,
-    )
+    optics, strip = known(configuration)
     clock = VirtualClock()
     world = World(load_world(None, seed), clock)
     world.mount(configuration)
@@ -50,14 +65,33 @@ def test_curves_of_mean_images_are_right_to_a_tenth_of_a_millimetre(
         for voltage_V in (0.0, 2.0, -2.0):
             world.write("PCI6703", "ao0", voltage_V / GAIN, clock.now())
             clock.sleep_until(clock.now() + 0.5)
-            images = []
-            for _ in range(10):
-                number += 1
-                images.append(world.image(clock.now(), number).astype(float))
-            mean = np.rint(256 * np.mean(images, axis=0)).astype(np.uint16)
-            found = neutral_curve(mean, optics, strip)
+            found = neutral_curve(mean_image(world, clock.now(), number), optics, strip)
+            number += IMAGES
             assert found.ok, found.why
             points = np.column_stack([found.x_m, found.y_m])
             rms_m = float(np.sqrt(np.mean(distance_m(points, world.true_shape(clock.now())) ** 2)))
             assert rms_m < LIMIT_M
-            assert found.s_m[-1] == pytest.approx(sheet.free_length_m + sheet.elongation_m)
+            assert found.s_m[-1] == pytest.approx(strip.length_m)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("position_m", [0.0, 0.02])
+def test_the_curve_of_an_elongation_that_gives_way_is_right_and_says_so(
+    position_m: float, tmp_path: Path
+) -> None:
+    """It was taken as straight, and no curve of such a sheet was found."""
+    settings = tmp_path / "world.toml"
+    settings.write_text("[configurations.short]\nelongation_give = 0.3\n")
+    optics, strip = known("short")
+    clock = VirtualClock()
+    world = World(load_world(settings, 3), clock)
+    world.mount("short")
+    world.place(position_m)
+    world.write("PCI6703", "ao0", 2.0 / GAIN, clock.now())
+    clock.sleep_until(0.5)
+    found = neutral_curve(mean_image(world, clock.now()), optics, strip)
+    assert found.ok, found.why
+    assert any("no straight elongation fits" in text for text in found.warnings)
+    away_m = distance_m(np.column_stack([found.x_m, found.y_m]), world.true_shape(clock.now()))
+    assert np.all(away_m < np.maximum(4 * found.sigma_m, 0.01e-3))
+    assert float(np.sqrt(np.mean(away_m**2))) < 0.02e-3

@@ -19,7 +19,6 @@ from labrig.vision.uncertainty.residual_offset import offset_px
 
 FloatArray = npt.NDArray[np.float64]
 START_CELLS_MIN = 20
-STRAIGHT = ", and whether the elongation is straight"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -68,11 +67,6 @@ class SeenCurve:
     def covered(self) -> float:
         """Share of the length on which the sheet is seen."""
         return float(self.fit.used[2:-2].mean())
-
-    @property
-    def whether_straight(self) -> str:
-        """What else to check where a strip has an elongation, which is taken as straight."""
-        return STRAIGHT if self.fit.section.elongation.any() else ""
 
     @property
     def length_mm(self) -> float:

@@ -43,7 +43,9 @@ class StripGeometry:
     """
 
     free_length_m: float
-    elongation_m: float = 0.0  # rigid and straight, beyond the free length
+    elongation_m: float = 0.0  # rigid, beyond the free length
+    # else it may bend; so it is looked for, too, where no straight one fits the image
+    elongation_straight: bool = True
     thickness_m: float = _UNSTATED
     thickness_known: bool = True  # else `thickness_m` is a guess, and the image is measured
     length_known: bool = True  # else `free_length_m` is a guess, and it is followed to its end
@@ -117,6 +119,7 @@ class NeutralCurve(Displayed):
     free_length_m: float = 0.0  # of the strip, as stated
     thickness_m: float = 0.0
     elongation_width_px: float = 0.0  # visible thickness of the elongation, as found
+    elongation_straight: bool = True  # whether a straight one fits the image
     excess_px: FloatArray = field(default_factory=_nothing)  # visible width beyond the thickness
     # how far what touches the sheet on one side may have biased the curve, by point
     lateral_bias_px: FloatArray = field(default_factory=_nothing)

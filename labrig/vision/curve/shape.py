@@ -2,9 +2,11 @@
 
 `phi` is the spline's exact antiderivative, `r` its integral by Simpson's rule. All lengths here
 are in pixels of the sheet's plane (world coordinates times px_per_m), y up. Beyond the free length
-the curvature is zero: the elongation is straight by construction.
+the curvature is zero where the elongation is taken as straight. Else it may turn at its joint, and
+its curvature is linear between a few nodes and zero at its end, as under a force.
 
-Parameters: [offset along the normal at the clamp, angle at the clamp, spline coefficients].
+Parameters: [offset along the normal at the clamp, angle at the clamp, spline coefficients, those
+of an elongation that is not straight].
 """
 
 from __future__ import annotations
@@ -16,10 +18,13 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.curve.smoothness import log_weights, smooth_priors
+from labrig.vision.curve.smoothness import log_weights, second_parts, smooth_priors
 from labrig.vision.jit import jit
 
 FloatArray = npt.NDArray[np.float64]
+
+ELONGATION_PIECES = 3  # in which the curvature of one that bends is linear
+ELONGATION_TURN_RAD = 0.3  # what it may bend by, and turn at its joint
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -36,6 +41,7 @@ class ShapeBasis:
     penalty: FloatArray  # (coefficients, coefficients): c' penalty c = int (dk/ds)^2 ds
     priors: FloatArray  # (kinds, coefficients, coefficients): see smooth_priors
     log_weight: FloatArray  # (kinds,)
+    rest_bends: bool = False  # whether the elongation may
 
     @property
     def size(self) -> int:
@@ -132,9 +138,14 @@ def _integral(nodes: FloatArray, middles: FloatArray, sixth: float) -> FloatArra
 
 @lru_cache(maxsize=16)
 def make_basis(
-    free_px: float, total_px: float, coefficients: int, longest_step_px: float = 1.0
+    free_px: float,
+    total_px: float,
+    coefficients: int,
+    longest_step_px: float = 1.0,
+    *,
+    straight_rest: bool = True,
 ) -> ShapeBasis:
-    """Return the basis for a sheet of `free_px` and a straight rest up to `total_px`."""
+    """Return the basis for a sheet of `free_px` and a rest up to `total_px`."""
     from scipy.interpolate import BSpline
 
     cells = max(16, math.ceil(total_px / min(1.0, longest_step_px)))
@@ -149,7 +160,7 @@ def make_basis(
     penalty = _penalty(splines.derivative(), knots)
     priors = smooth_priors(penalty, _penalty(splines.derivative(2), knots), free_px)
     curvature = np.where(inside[:, None], splines(np.minimum(s, free_px)), 0.0)
-    return ShapeBasis(
+    basis = ShapeBasis(
         free_px=free_px,
         total_px=total_px,
         step_px=step,
@@ -161,6 +172,63 @@ def make_basis(
         priors=priors,
         log_weight=log_weights(priors),
     )
+    return basis if straight_rest or total_px <= free_px else _with_bending_rest(basis)
+
+
+def _with_bending_rest(basis: ShapeBasis) -> ShapeBasis:
+    """Return the basis with what an elongation may bend, behind the spline's coefficients."""
+    free, length = basis.free_px, basis.total_px - basis.free_px
+    middles: FloatArray = basis.s[:-1] + basis.step_px / 2
+    hats = _Hats(free, length / ELONGATION_PIECES)
+    # the joint's turn is counted as a curvature over the free length, so that all have one unit
+    joint, joint_mid = (free * (s > free)[:, None] for s in (basis.s, middles))
+    penalty = np.zeros((1 + ELONGATION_PIECES, 1 + ELONGATION_PIECES))
+    penalty[0, 0], penalty[1:, 1:] = 1 / free, hats.penalty()
+    prior = np.zeros_like(penalty)
+    prior[0, 0] = (free / ELONGATION_TURN_RAD) ** 2
+    prior[1:, 1:] = hats.penalty() * length**3 / ELONGATION_TURN_RAD**2
+    priors = second_parts(basis.priors, prior)
+    return replace(
+        basis,
+        curvature=np.hstack([basis.curvature, np.zeros_like(joint), hats.values(basis.s)]),
+        angle=np.hstack([basis.angle, joint, hats.integrals(basis.s)]),
+        angle_mid=np.hstack([basis.angle_mid, joint_mid, hats.integrals(middles)]),
+        penalty=second_parts(basis.penalty[None], penalty)[0],
+        priors=priors,
+        log_weight=log_weights(priors),
+        rest_bends=True,
+    )
+
+
+@dataclass(frozen=True)
+class _Hats:
+    """Hat functions about nodes `width` apart, from `start` on; all are zero at the end."""
+
+    start: float
+    width: float
+
+    def _from_nodes(self, s: FloatArray) -> FloatArray:
+        """Return (len(s), nodes): the distance from each node over the width."""
+        nodes = self.start + self.width * np.arange(ELONGATION_PIECES)
+        return np.asarray((s[:, None] - nodes) / self.width, dtype=np.float64)
+
+    def values(self, s: FloatArray) -> FloatArray:
+        """Return (len(s), nodes); zero up to the start."""
+        inside = (s > self.start)[:, None]
+        return np.asarray(np.maximum(0.0, 1 - np.abs(self._from_nodes(s))) * inside)
+
+    def integrals(self, s: FloatArray) -> FloatArray:
+        """Return (len(s), nodes), from the start on."""
+        t = np.clip(self._from_nodes(s), -1.0, 1.0)
+        whole = self.width * (0.5 + t - np.sign(t) * t**2 / 2)
+        whole[:, 0] -= self.width / 2  # its first half lies before the start
+        return np.asarray(np.where(s[:, None] > self.start, whole, 0.0))
+
+    def penalty(self) -> FloatArray:
+        """Return (nodes, nodes): the integral of the square of their sum's slope."""
+        diagonal = np.diag([1.0, *[2.0] * (ELONGATION_PIECES - 1)])
+        beside = np.eye(ELONGATION_PIECES, k=1) + np.eye(ELONGATION_PIECES, k=-1)
+        return np.asarray((diagonal - beside) / self.width)
 
 
 def _penalty(slope: object, knots: FloatArray) -> FloatArray:

@@ -37,6 +37,17 @@ def smooth_priors(first_form: FloatArray, second_form: FloatArray, length: float
     return np.asarray([usual + each for each in first_order + second_order])
 
 
+def second_parts(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return (kinds, n + m, n + m) information on n coefficients, and on m others in all kinds.
+
+    `first` (kinds, n, n), `second` (m, m).
+    """
+    kinds, n, m = len(first), first.shape[1], len(second)
+    both = np.zeros((kinds, n + m, n + m))
+    both[:, :n, :n], both[:, n:, n:] = first, second
+    return both
+
+
 def log_weights(priors: FloatArray) -> FloatArray:
     """Return (kinds,) half the logarithm of each prior's determinant."""
     return np.asarray(0.5 * np.linalg.slogdet(priors)[1])

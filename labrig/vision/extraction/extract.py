@@ -278,10 +278,31 @@ def _by_intensities(
 ) -> NeutralCurve:
     by = downscaling_factor(strip.thickness_m * optics.px_per_m)
     if by == 1:
-        return _found(grey_image, optics, strip, start)
+        return _whatever_elongation(grey_image, optics, strip, start)
     grey_image, optics = downscaled_image(grey_image, by), downscaled_optics(optics, by)
     start = scaled_curve(start, 1 / by) if start is not None else None
-    return in_camera_pixels(_found(grey_image, optics, strip, start), by)
+    return in_camera_pixels(_whatever_elongation(grey_image, optics, strip, start), by)
+
+
+def _whatever_elongation(
+    image: GreyImage, optics: Optics, strip: StripGeometry, start: NeutralCurve | None
+) -> NeutralCurve:
+    """Return the curve with a straight elongation; where there is none, with one that bends.
+
+    Of two refusals that of the path which shows more of a sheet says more.
+    """
+    if strip.elongation_m == 0 or not strip.elongation_straight:
+        return _found(image, optics, strip, start)
+    bending, bent = replace(strip, elongation_straight=False), None
+    if start is not None and not start.elongation_straight:
+        bent = _found(image, optics, bending, start)
+        if bent.ok:
+            return bent
+    found = _found(image, optics, strip, start)
+    if found.ok:
+        return found
+    bent = bent or _found(image, optics, bending, None)
+    return bent if bent.ok or bent.covered > found.covered else found
 
 
 def _saturated(refusal: NeutralCurve, image: GreyImage) -> NeutralCurve:

@@ -78,6 +78,7 @@ def _in_metres(
         covariance=covariance * np.outer(unit, unit),
         normal_modes=shape.normal_modes() / ppm / unit,
         free_length_m=shape.basis.free_px / ppm,
+        elongation_straight=not shape.basis.rest_bends,
         thickness_m=2 * float(seen.fit.section.half_width[0]) / ppm,
         polarity="bright" if seen.context.sign > 0 else "dark",
         wires=seen.wires,

@@ -77,6 +77,7 @@ class Refiner:
             strip.length_m * optics.px_per_m,
             coefficients_for(free_px),
             LONGEST_STEP_M / max(1.0, smallness(strip.length_m)) * optics.px_per_m,
+            straight_rest=strip.elongation_straight,
         )
         self.mask = roll_mask(optics, image.grey.shape)
         self.faces = 0  # searches for a side face, in this image

@@ -162,7 +162,7 @@ def trace_from_clamp(
         heading=heading,
         spread=spread,
         steps=max(6, round(share * steps)),
-        straight_from=steps if free_share >= 1 else bent_steps,
+        straight_from=bent_steps if free_share < 1 and strip.elongation_straight else steps,
         wide_from=steps if free_share >= 1 and ridges.maps.shape[0] == 1 else bent_steps % steps,
         length=length,
         most_bend=int(np.clip(most_bend, 3, 40)),

@@ -16,6 +16,7 @@ def remarks(measurements: Measurements, base: MixedModelFit) -> Iterator[str]:
     """Yield one sentence for each oddity."""
     yield from _out_of_reach(base)
     yield from _of_no_run(measurements)
+    yield from _without_curves(measurements)
     yield from _wetting(measurements)
 
 
@@ -54,4 +55,18 @@ def _of_no_run(measurements: Measurements) -> Iterator[str]:
             yield (
                 f"the series of '{series.configuration}' at {series.position_m * 1e3:g} mm is left"
                 " out: no force was measured there"
+            )
+
+
+def _without_curves(measurements: Measurements) -> Iterator[str]:
+    """Where most curves of a sheet are missing, and there are some in these measurements."""
+    if all(one.curve is None for one in measurements.conditions):
+        return
+    for name in measurements.sheets:
+        own = [one for one in measurements.conditions if one.configuration == name]
+        without = sum(one.curve is None for one in own)
+        if without > len(own) / 2:
+            yield (
+                f"'{name}' has no curve in {without} of {len(own)} conditions: what only its shape"
+                " shows is not seen; the warnings of `labrig analyze` say why"
             )

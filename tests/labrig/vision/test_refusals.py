@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.errors import BadInputError
+from labrig.extractors.examples import drawn_arc
 from labrig.vision import StripGeometry, neutral_curve
 from tests.cases import few
 from tests.labrig.vision.drawn_strips import BENT_UP, STRIP
@@ -27,14 +28,18 @@ def test_a_refusal_names_the_step_that_failed(plain, known):
     refused(plain.image, optics, replace(strip, free_length_m=0.043), "check of the end failed: ")
 
 
-@pytest.mark.parametrize("free_m", [0.003, 0.012])
-def test_an_elongation_that_bends_is_told_as_one(free_m):
-    """It is taken as straight; nothing said so, and the clamp and the length were blamed."""
-    bent = StripGeometry(
-        free_length_m=free_m, elongation_m=STRIP.free_length_m - free_m,
+def test_an_elongation_that_turns_by_more_than_one_can_is_told_as_one():
+    """The clamp and the length were blamed."""
+    rolled = drawn_arc("an arc of 69 degrees", 40.0, BENT_UP.optics)
+    strip = StripGeometry(
+        free_length_m=0.003, elongation_m=STRIP.free_length_m - 0.003,
         thickness_m=STRIP.thickness_m,
     )  # fmt: skip
-    refused(BENT_UP.image, BENT_UP.optics, bent, "and whether the elongation is straight")
+    refused(rolled.image, rolled.optics, strip, "the elongation would turn by")
+    assert neutral_curve(rolled.image, rolled.optics, STRIP).ok
+
+
+def test_a_wrong_length_is_not_put_down_to_an_elongation():
     curve = neutral_curve(BENT_UP.image, BENT_UP.optics, replace(STRIP, free_length_m=0.045))
     assert not curve.ok
     assert "elongation" not in curve.why

@@ -57,3 +57,15 @@ def test_a_time_since_wetting_that_is_not_known_is_named():
     (said,) = remarks(unknown, base_fit())
     assert said.startswith("it is not known when the sheet was moistened")
     assert list(remarks(m, base_fit())) == []
+
+
+def test_a_sheet_of_which_most_curves_are_missing_is_named():
+    """All curves of a sheet may be refused, and 'nothing is missing' rests on its forces alone."""
+    m = session()
+    lost = [c for c in m.conditions if c.configuration == "long" and c.position_m != 0.0]
+    kept = tuple(replace(c, curve=None) if c in lost else c for c in m.conditions)
+    (said,) = remarks(replace(m, conditions=kept), base_fit())
+    every = sum(c.configuration == "long" for c in m.conditions)
+    assert said.startswith(f"'long' has no curve in {len(lost)} of {every} conditions")
+    none = tuple(replace(c, curve=None) for c in m.conditions)
+    assert list(remarks(replace(m, conditions=none), base_fit())) == []

@@ -20,15 +20,13 @@ class Bend(CurveCheck):
         """See `CurveCheck.finding`."""
         steepest = float(np.abs(seen.fit.shape.k).max()) * seen.context.optics.px_per_m
         most = CURVATURE_REFUSED_RATIO * CURVATURE_MAX_PER_M * smallness(seen.length_mm / 1000)
-        if steepest <= most:
-            return None
-        return self.refuse(steepest=steepest, straight=seen.whether_straight)
+        return self.refuse(steepest=steepest) if steepest > most else None
 
 
 CHECK = Bend(
     name="bend",
     looks_at="the largest curvature",
     refusal="check of the fit failed: the best curve bends by {steepest:.0f} per m, more than a "
-    "sheet can; check px_per_mm and clamp_px{straight}, or mask what crosses the sheet (--mask).",
+    "sheet can; check px_per_mm and clamp_px, or mask what crosses the sheet (--mask).",
     order=100,
 )

@@ -16,11 +16,10 @@ class CoveredShare(CurveCheck):
     def finding(self, seen: SeenCurve) -> CurveFinding | None:
         """See `CurveCheck.finding`."""
         share, hidden = seen.seen_share(slice(2, -2)), 1 - seen.covered
-        refusal = self.refusal.format(seen=share, straight=seen.whether_straight)
+        refusal = self.refusal.format(seen=share) if share < COVERED_SHARE_MIN else ""
         warned = seen.covered < COVERED_SHARE_WARNED
         return CurveFinding(
-            refusal=refusal if share < COVERED_SHARE_MIN else "",
-            warning=self.warning.format(hidden=hidden) if warned else "",
+            refusal=refusal, warning=self.warning.format(hidden=hidden) if warned else ""
         )
 
 
@@ -28,7 +27,7 @@ CHECK = CoveredShare(
     name="covered_share",
     looks_at="the share of the curve that looks like the sheet",
     refusal="search failed: no sheet was found that starts at the clamp: only {seen:.0%} of the "
-    "best path looks like one; check the image, clamp_px and the sheet's length{straight}.",
+    "best path looks like one; check the image, clamp_px and the sheet's length.",
     warning="the sheet is hidden or unclear on {hidden:.0%} of its length",
     order=30,
 )

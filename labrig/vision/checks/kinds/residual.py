@@ -18,14 +18,14 @@ class Residual(CurveCheck):
         thin = max(1.0, 2 * float(seen.fit.section.half_width[0]) / 3)
         if not seen.residual_px > RESIDUAL_MAX_PX * thin:
             return None
-        return self.refuse(residual_px=seen.residual_px, straight=seen.whether_straight)
+        return self.refuse(residual_px=seen.residual_px)
 
 
 CHECK = Residual(
     name="residual",
     looks_at="the RMS distance between the curve and the sheet as measured in pieces",
     refusal="check of the fit failed: the best curve misses the sheet by {residual_px:.2f} "
-    "pixels; something else was followed: check clamp_px and the sheet's length{straight}, or "
-    "mask what crosses it (--mask).",
+    "pixels; something else was followed: check clamp_px and the sheet's length, or mask what "
+    "crosses it (--mask).",
     order=80,
 )
