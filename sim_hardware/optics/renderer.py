@@ -22,6 +22,9 @@ _PIXEL_VARIANCE = 1 / 12
 Contact = tuple[float, float, float]
 """x and y in m of the point between the rolls, and the sheet's direction there in rad."""
 
+Band = tuple[FloatArray, FloatArray, FloatArray]
+"""Points (n, 2) in undistorted pixels, half widths (n,) and grey levels (n,)."""
+
 
 class Renderer:
     """Draws frames: bands with soft edges, two-dimensional blur, uneven light, then the sensor.
@@ -65,9 +68,11 @@ class Renderer:
         background = self.settings.background_level
         image = np.full(self._rows * self._columns, background, dtype=np.float32)
         bands = [self._band(shape, sheet_length_m) for shape in shapes]
-        if self.settings.far_face is not None:
-            self._draw_far_face(image, bands, self.settings.far_face)
-        for pixels, half, level in bands:
+        for band in bands:
+            if self.settings.far_face is not None:
+                self._draw_far_face(band, self.settings.far_face)
+                self._layer.add(1 / len(bands))
+            pixels, half, level = band
             self._layer.draw(self._geometry.distort(pixels), half, level)
             self._layer.add(1 / len(bands))
         self._layer.lay_over(image)
@@ -86,10 +91,8 @@ class Renderer:
         waves = np.cos(at[:, None] * (2 * np.pi / lengths) + phases).sum(1) / math.sqrt(3)
         return at, self.settings.sheet_level * (1 + self.settings.light.unevenness * waves)
 
-    def _band(
-        self, shape: FloatArray, sheet_length_m: float
-    ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Points (m, 2) in undistorted pixels, half widths and grey levels along the curve."""
+    def _band(self, shape: FloatArray, sheet_length_m: float) -> Band:
+        """Return the sheet with its elongation."""
         s = self.settings
         points, at = smooth_polyline(shape, 1 / self._geometry.px_per_m)
         on_sheet = at <= sheet_length_m
@@ -101,25 +104,23 @@ class Renderer:
             pixels[0] += 2 * (pixels[0] - pixels[1])
         return pixels, half * self._geometry.px_per_m, np.where(on_sheet, lit, s.elongation_level)
 
-    def _draw_far_face(
-        self,
-        image: Image,
-        bands: Sequence[tuple[FloatArray, FloatArray, FloatArray]],
-        face: FarFace,
-    ) -> None:
-        """Draw the surface that the curve sweeps as it shrinks with depth towards the centre.
+    def _draw_far_face(self, band: Band, face: FarFace) -> None:
+        """Draw what shows beside a band of the surface that it sweeps as it shrinks with depth.
 
-        It is made of bands less than a band's width apart.
+        It shrinks towards the image's centre, which keeps its directions. The strip begins at the
+        band's edge, so that none of it shines through.
         """
-        centre = self._geometry.centre_px
-        for pixels, half, level in bands:
-            shift = np.max(np.hypot(*(pixels - centre).T)) * face.depth_m / face.distance_m
-            for part in np.linspace(0, 1, 2 + math.ceil(shift / max(0.5, half.min()))):
-                size = 1 / (1 + part * face.depth_m / face.distance_m)
-                shrunk = self._geometry.distort(centre + size * (pixels - centre))
-                self._layer.draw(shrunk, half * size, np.full_like(level, face.level))
-            self._layer.add(1 / len(bands))
-        self._layer.lay_over(image)
+        pixels, half, level = band
+        size = 1 / (1 + face.depth_m / face.distance_m)
+        along = np.gradient(pixels, axis=0)
+        along /= np.maximum(np.hypot(*along.T), 1e-12)[:, None]
+        across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+        away = (size - 1) * (pixels - self._geometry.centre_px)
+        aside = np.sum(away * across, axis=1)
+        shown = np.maximum(np.abs(aside) - (1 - size) * half, 0.0)
+        middle = pixels + (np.sign(aside) * (half + shown / 2))[:, None] * across
+        middle += np.sum(away * along, axis=1)[:, None] / 2 * along
+        self._layer.draw(self._geometry.distort(middle), shown / 2, np.full_like(level, face.level))
 
     def _draw_rolls(self, image: Image, contact: Contact, sheet_length_m: float) -> None:
         x, y, angle = contact

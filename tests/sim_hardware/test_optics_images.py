@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 import numpy as np
 import pytest
 from pydantic import ValidationError
+from scipy.special import ndtr
 
 from sim_hardware.optics import (
     CameraNoise,
@@ -111,6 +113,24 @@ def test_far_face_lies_towards_the_middle_of_the_image() -> None:
     shift = (edge - 239.5) * (1 - 1 / (1 + 11 / 470))
     assert edge - 20 < rows.min() < rows.max() < edge
     assert len(rows) == pytest.approx(shift, abs=2)
+
+
+def test_nothing_of_the_far_face_shines_through_the_edge_before_it() -> None:
+    """The face lay under the edge as well, and moved it by 0.08 pixels."""
+    quiet = OpticsSettings(
+        noise=CameraNoise(electrons_per_level=1e9, read_levels=0),
+        light=Light(vignetting=0, gradient=(0, 0), unevenness=0),
+    )
+    face = quiet.model_copy(update={"far_face": FarFace(level=90)})
+    added = Renderer(face).render([SHAPE * [1, 0]], None, 0)[:, 300].astype(float)
+    added -= Renderer(quiet).render([SHAPE * [1, 0]], None, 0)[:, 300]
+    half = quiet.sheet_thickness_m * quiet.px_per_mm * 500
+    size = 1 / (1 + 11 / 470)
+    shown = (quiet.origin_px[1] - 239.5) * (1 - size) - (1 - size) * half
+    beyond = quiet.origin_px[1] - np.arange(len(added)) - half  # of the edge, towards the middle
+    sigma = math.hypot(quiet.blur_px, 1 / math.sqrt(12))
+    expected = 50 * (ndtr(beyond / sigma) - ndtr((beyond - shown) / sigma))
+    assert np.abs(added - expected).max() < 2.0
 
 
 def test_a_spot_brightens_its_place() -> None:
