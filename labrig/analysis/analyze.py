@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING
 
 from drivers.load_cell import LoadCellCalibration
@@ -83,7 +85,7 @@ def measure(
         source=session.path.name,
         checksum=session.data_checksum,
         warnings=tuple(warnings),
-        camera=given.camera,
+        camera=given.camera(seen),
     )
 
 
@@ -108,18 +110,16 @@ class AnalysisInputs:
     optics: Optics | None  # None: there are no curves
     why_no_curves: str
 
-    @property
-    def camera(self) -> CameraUncertainty:
+    def camera(self, curves: Sequence[ConditionCurves]) -> CameraUncertainty:
         """Return how well camera and curves are known, however many images there are."""
-        from labrig.vision.uncertainty.parts import SECTION_SIGMA_PX
-
         if self.optics is None:
             return CameraUncertainty()
+        looks = [one.look_px for one in curves if one.look_px is not None]
         return CameraUncertainty(
             scale=self.optics.px_per_mm_sigma / self.optics.px_per_mm,
             roll_rad=self.optics.roll_sigma_rad,
             origin_m=self.optics.origin_sigma_px / self.optics.px_per_m,
-            curve_m=SECTION_SIGMA_PX / self.optics.px_per_m,
+            curve_m=median(looks) / self.optics.px_per_m if looks else 0.0,
         )
 
 

@@ -146,7 +146,7 @@ def _kinds(
                 size=typical / (1.0 + m),
                 unsure=priors.mode_unsure,
                 level=name,
-                least=max(least_m, seen_m / (1.0 + m)),
+                least=max(least_m, seen_m),
             )
     if len(block.sway_rows):
         weight = np.sum(block.sway**2, axis=1)
