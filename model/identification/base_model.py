@@ -79,20 +79,19 @@ def bases_of(forward: ForwardModel, known: Sequence[bool], options: BaseOptions)
         part, place = _part(configuration_model, place, options, stated=stated)
         parts.append(part)
     result = Bases(parts=tuple(parts), size=place)
-    stated_errors, modes = (
-        _stated(forward),
-        [one.modes if one.has_curve.any() else 0 for one in forward.configuration_models],
-    )
+    stated_errors = _stated(forward)
     result = _with_common(result, CalibrationErrors(first=result.size, stated=stated_errors))
-    if stated_errors.curve_m > 0.0:
-        bias = CurveBias(first=result.size, curve_m=stated_errors.curve_m, modes=tuple(modes))
-        result = _with_common(result, bias)
+    modes = tuple(one.modes if one.has_curve.any() else 0 for one in forward.configuration_models)
+    result = _with_common(
+        result, CurveBias(first=result.size, curve_m=stated_errors.curve_m, modes=modes)
+    )
     if any(data_vector.pulses for data_vector in forward.data_vectors):
         result = replace(result, rise=result.size, size=result.size + len(RISE))
     return result
 
 
 def _with_common(bases: Bases, errors: CommonErrors) -> Bases:
+    """Return the base model with what is stated of such errors."""
     if not errors.sigma:
         return bases
     return replace(bases, common=(*bases.common, errors), size=places(errors).stop)

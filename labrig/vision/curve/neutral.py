@@ -43,8 +43,8 @@ class StripGeometry:
     """
 
     free_length_m: float
-    elongation_m: float = 0.0  # rigid, beyond the free length
-    # else it may bend; so it is looked for, too, where no straight one fits the image
+    elongation_m: float = 0.0  # beyond the free length
+    # else it may bend; one that bends is looked for, too, where no straight one fits the image
     elongation_straight: bool = True
     thickness_m: float = _UNSTATED
     thickness_known: bool = True  # else `thickness_m` is a guess, and the image is measured

@@ -25,7 +25,7 @@ class CurveBias:
     @property
     def sigma(self) -> list[float]:
         """Return their standard uncertainties, m."""
-        return [self.curve_m for modes in self.modes for _ in range(modes)]
+        return [self.curve_m] * sum(self.modes) if self.curve_m > 0.0 else []
 
     def rows(self, forward: ForwardModel, c: int, state: ModelState) -> FloatArray:  # noqa: ARG002
         """Return the rows of one configuration by each of them, (N, q)."""
