@@ -96,6 +96,16 @@ from model.measurements import Measurements, ModelError
 Said = TypeVar("Said")
 
 
+def _plugins() -> dict[str, str]:
+    """Return the parts of other distributions that took part, each with its distribution."""
+    return {
+        **origins_of_locations(),
+        **origins_of_patterns(),
+        **origins_of_effects(),
+        **origins_of_checks(),
+    }
+
+
 def _scatter(final: MixedModelFit) -> dict[str, float]:
     """From one set-up to the next, by name."""
     return dict(zip(ASSUMED, np.exp(final.solution.log_sigma).tolist(), strict=False))
@@ -149,23 +159,7 @@ class Finding:
         outliers = tuple(condition_name(base.problem, n) for n in self.outcome.outliers)
         return Diagnosis(
             verdict=verdict,
-            sentence=" ".join(
-                filter(
-                    None,
-                    [
-                        sentence(
-                            verdict,
-                            named,
-                            unknown,
-                            cross_validated.gap,
-                            doubt,
-                            cross_validated.closed,
-                            self.written.unsolved if self.written.without else "",
-                        ),
-                        decision.criticism.sentence,
-                    ],
-                )
-            ),
+            sentence=self._sentence(verdict, named, unknown, cross_validated, doubt),
             effects=named,
             invisible=unseen,
             limits=_not_reported(detection_limits(beside, effects), named),
@@ -197,17 +191,25 @@ class Finding:
                 *open_answers(open_still, besides=bool(named) or unknown is not None),
             ),
             model=self.written.model,
-            plugins={
-                **origins_of_locations(),
-                **origins_of_patterns(),
-                **origins_of_effects(),
-                **origins_of_checks(),
-            },
+            plugins=_plugins(),
             base=base_parameters(reported),
             checks=decision.criticism.results,
             choice_sets=decision.choice_sets,
             not_ruled_out=open_still,
         )
+
+    def _sentence(
+        self,
+        verdict: Verdict,
+        named: Sequence[Named],
+        unknown: Unknown | None,
+        left_out: _LeftOut,
+        doubt: str,
+    ) -> str:
+        """Return the sentence of the verdict, and that of the checks which failed."""
+        unsolved = self.written.unsolved if self.written.without else ""
+        said = sentence(verdict, named, unknown, left_out.gap, doubt, left_out.closed, unsolved)
+        return " ".join(filter(None, [said, self.decision.criticism.sentence]))
 
     @property
     def _enough(self) -> bool:
