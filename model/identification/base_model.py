@@ -14,8 +14,6 @@ import numpy as np
 
 from model.identification.data.data_vector import DataVector
 from model.identification.likelihood.common_errors.camera_calibration import CalibrationErrors
-from model.identification.likelihood.common_errors.contract import CommonErrors, places
-from model.identification.likelihood.common_errors.curve_bias import CurveBias
 from model.identification.likelihood.common_errors.drive_rise import RISE
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.identification.likelihood.forward_model import ForwardModel
@@ -71,30 +69,20 @@ class BaseOptions:
 def bases_of(forward: ForwardModel, known: Sequence[bool], options: BaseOptions) -> Bases:
     """Return B, EIBM, what is not known of k0 by configuration; and what is common to them.
 
-    That is what is not known of the camera's calibration and of all curves alike, where that is
-    stated, and of how pulses rise, where they are recorded.
+    That is what is not known of the camera's calibration, where that is stated, and of how pulses
+    rise, where they are recorded.
     """
     parts, place = [], 0
     for configuration_model, stated in zip(forward.configuration_models, known, strict=True):
         part, place = _part(configuration_model, place, options, stated=stated)
         parts.append(part)
     result = Bases(parts=tuple(parts), size=place)
-    stated_errors = _stated(forward)
-    result = _with_common(result, CalibrationErrors(first=result.size, stated=stated_errors))
-    modes = tuple(one.modes if one.has_curve.any() else 0 for one in forward.configuration_models)
-    result = _with_common(
-        result, CurveBias(first=result.size, curve_m=stated_errors.curve_m, modes=modes)
-    )
+    camera = CalibrationErrors(first=place, stated=_stated(forward))
+    if camera.sigma:
+        result = replace(result, camera=camera, size=camera.places.stop)
     if any(data_vector.pulses for data_vector in forward.data_vectors):
         result = replace(result, rise=result.size, size=result.size + len(RISE))
     return result
-
-
-def _with_common(bases: Bases, errors: CommonErrors) -> Bases:
-    """Return the base model with what is stated of such errors."""
-    if not errors.sigma:
-        return bases
-    return replace(bases, common=(*bases.common, errors), size=places(errors).stop)
 
 
 def _stated(forward: ForwardModel) -> CameraUncertainty:

@@ -246,7 +246,7 @@ class CameraUncertainty:
     scale: float = 0.0  # relative
     roll_rad: float = 0.0  # of its direction
     origin_m: float = 0.0  # of the clamp's place, along x and along y
-    curve_m: float = 0.0  # of each mode of the curve of a mean image, and of all of them alike
+    curve_m: float = 0.0  # of each mode of the curve of a mean image
 
     def larger(self, other: CameraUncertainty) -> CameraUncertainty:
         """Return the larger of each."""

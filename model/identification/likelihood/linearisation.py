@@ -14,7 +14,7 @@ import numpy as np
 
 from model.effects.interface import BeamProblem
 from model.identification.data.data_vector import Index
-from model.identification.likelihood.common_errors.contract import CommonErrors, places
+from model.identification.likelihood.common_errors.camera_calibration import CalibrationErrors
 from model.identification.likelihood.common_errors.drive_rise import RISE, rise_columns
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.model_state import (
@@ -133,7 +133,7 @@ class Bases:
     parts: tuple[BaseParameters, ...]
     size: int
     rise: int | None = None  # first place of what is not known of all pulses' rise alike
-    common: tuple[CommonErrors, ...] = ()  # of the camera, and of all curves
+    camera: CalibrationErrors | None = None  # what is not known of its calibration
     further: FurtherColumns | None = None
     shared: tuple[SharedWidth, ...] = ()  # widths that are not those of `parts`
 
@@ -225,9 +225,9 @@ def sensitivities(
         residual += state.residual
         steps = base_steps(forward, bases, c, state, base, theta)
         columns[:, list(steps)] += forward.rows_of_each(c, state, list(steps.values())).T
-    for errors in bases.common:
-        own = slice(places(errors).start, places(errors).stop)
-        columns[:, own] = sum(errors.rows(forward, c, one) for c, one in enumerate(states))
+    if bases.camera is not None:
+        own = slice(bases.camera.first, bases.camera.places.stop)
+        columns[:, own] = sum(bases.camera.rows(forward, c, one) for c, one in enumerate(states))
         residual -= columns[:, own] @ theta[own]
     if bases.rise is not None:
         own = slice(bases.rise, bases.rise + len(RISE))
@@ -306,9 +306,8 @@ def with_only(linear: Linearisation, keep: Index) -> Linearisation:
 def _prior(bases: Bases, i: int) -> tuple[float, float]:
     if bases.rise is not None and 0 <= i - bases.rise < len(RISE):
         return RISE[i - bases.rise]
-    for errors in bases.common:
-        if i in places(errors):
-            return 0.0, errors.sigma[i - errors.first]
+    if bases.camera is not None and i in bases.camera.places:
+        return 0.0, bases.camera.sigma[i - bases.camera.first]
     if bases.further is not None and i in bases.further.own:
         return 0.0, 1.0
     for one in bases.parts:

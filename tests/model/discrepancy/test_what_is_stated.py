@@ -12,8 +12,7 @@ from benchmarks.hidden_effects import case, hidden_session
 from benchmarks.hidden_effects.recipe import Recipe
 from model.discrepancy import diagnose
 from model.identification.data.zero_voltage import zero_voltage_V
-from model.identification.likelihood.common_errors.contract import places
-from model.identification.likelihood.linearisation import priors_of, sensitivities
+from model.identification.likelihood.linearisation import sensitivities
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import CameraUncertainty, Condition, Measurements, TimeSeries
 from tests.model.discrepancy.sessions import fitted
@@ -125,50 +124,17 @@ def test_curves_are_no_better_known_than_their_extraction_states():
     floor_m = 5e-5
     states = [replace(precise, camera=CameraUncertainty(curve_m=m)) for m in (0.0, floor_m)]
     known, vague = (fitted(one) for one in states)
-    modes = [i for i, name in enumerate(known.problem.noise.names) if "long mode 0" in name]
-    assert len(modes) == 1
+    names = vague.problem.noise.names
+    modes = [i for i, name in enumerate(names) if name.startswith("long mode")]
+    assert len(modes) > 5
 
-    def variance(one: MixedModelFit) -> float:
-        rows = np.flatnonzero(one.problem.noise.masks[modes[0]])
-        return float(np.min(one.problem.noise.fixed[rows]))
+    def variances(one: MixedModelFit) -> list[float]:
+        rows = [np.flatnonzero(one.problem.noise.masks[i]) for i in modes]
+        return [float(np.min(one.problem.noise.fixed[of])) for of in rows]
 
-    assert variance(known) < 1e-13
-    assert variance(vague) == pytest.approx(floor_m**2)
+    assert max(variances(known)) < 1e-13
+    # what images miss is near rolls and ends, so there is as much of it in the higher modes
+    assert variances(vague) == pytest.approx([floor_m**2] * len(modes))
     place = vague.problem.bases.parts[0].stiffness
     sigma = [one.solution.covariance[place, place] ** 0.5 for one in (known, vague)]
     assert sigma[1] > 1.02 * sigma[0]
-
-
-def test_a_bump_that_all_curves_share_is_no_effect_where_curves_are_known_no_better():
-    """Images of one sheet in one light mislead alike: that was called a compliance."""
-    bump_m = 1e-5
-
-    def bumped(condition: Condition) -> Condition:
-        curve = condition.curve
-        if curve is None or condition.configuration != "long":
-            return condition
-        phi = np.arctan2(np.gradient(curve.y_m), np.gradient(curve.x_m))
-        off = bump_m * np.exp(-0.5 * ((curve.s_m - 0.042) / 0.003) ** 2)
-        moved = replace(curve, x_m=curve.x_m - off * np.sin(phi), y_m=curve.y_m + off * np.cos(phi))
-        return replace(condition, curve=moved)
-
-    m = with_changed()
-    m = replace(m, conditions=tuple(map(bumped, m.conditions)))
-    assert diagnose(m).verdict == "unknown_effect"
-    stated = replace(m, camera=CameraUncertainty(curve_m=bump_m))
-    assert diagnose(stated).verdict == "nothing_missing"
-
-
-def test_the_bias_of_all_curves_is_a_parameter_with_the_stated_width():
-    stated = replace(with_changed(), camera=CameraUncertainty(curve_m=2e-6))
-    one = fitted(stated)
-    forward, bases = one.problem.forward, one.problem.bases
-    (bias,) = bases.common
-    _, width = priors_of(bases)
-    assert width[places(bias)] == pytest.approx(2e-6)
-    columns = sensitivities(forward, bases, one.theta)[2][:, places(bias)]
-    block, model = forward.row_index.blocks[0], forward.configuration_models[0]
-    first_mode = np.zeros(len(columns))
-    first_mode[block.mode_rows[model.has_curve, 0]] = 1.0
-    assert np.array_equal(columns[:, 0], first_mode)
-    assert np.array_equal(np.sum(columns, axis=1) != 0.0, np.sum(columns, axis=1) == 1.0)

@@ -29,6 +29,11 @@ class CalibrationErrors:
         each = (self.stated.scale, self.stated.roll_rad, origin_m, origin_m)
         return [one for one in each if one > 0.0]
 
+    @property
+    def places(self) -> range:
+        """Return their places among all base parameters."""
+        return range(self.first, self.first + len(self.sigma))
+
     def rows(self, forward: ForwardModel, c: int, state: ModelState) -> FloatArray:
         """Return the rows of one configuration by each of them, (N, q)."""
         seen, solved = forward.points(c, state.beam, state.solved), state.solved
