@@ -85,7 +85,7 @@ def measure(
         source=session.path.name,
         checksum=session.data_checksum,
         warnings=tuple(warnings),
-        camera=given.camera(seen),
+        camera=given.camera_uncertainty(seen),
     )
 
 
@@ -110,11 +110,11 @@ class AnalysisInputs:
     optics: Optics | None  # None: there are no curves
     why_no_curves: str
 
-    def camera(self, curves: Sequence[ConditionCurves]) -> CameraUncertainty:
+    def camera_uncertainty(self, curves: Sequence[ConditionCurves]) -> CameraUncertainty:
         """Return how well camera and curves are known, however many images there are."""
         if self.optics is None:
             return CameraUncertainty()
-        looks = [one.look_px for one in curves if one.look_px is not None]
+        looks = [one.systematic_px for one in curves if one.systematic_px is not None]
         return CameraUncertainty(
             scale=self.optics.px_per_mm_sigma / self.optics.px_per_mm,
             roll_rad=self.optics.roll_sigma_rad,

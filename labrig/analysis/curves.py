@@ -56,7 +56,7 @@ class ConditionCurves:
     mean: Curve | None
     by_reading: dict[int, Curve] = field(default_factory=dict)
     contact: Contact | None = None  # as the mean image shows it
-    look_px: float | None = None  # how well any number of such images shows the curve; None: none
+    systematic_px: float | None = None  # uncertainty of the mean image's curve; None: no curve
     warnings: tuple[str, ...] = ()
 
 
@@ -161,7 +161,7 @@ def mean_image(images: Iterable[GreyImage], full_scale: float) -> GreyImage:
 def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
     """Find the curves of one condition."""
     from labrig.vision import compare_with_frames, contact_from_image
-    from labrig.vision.uncertainty.parts import look_sigma_px
+    from labrig.vision.uncertainty.parts import systematic_sigma_px
 
     run = session.run(job.run)
     volts = in_volts(job.voltage_V)
@@ -197,7 +197,7 @@ def curves_of(job: CurveJob, session: RecordedSession) -> ConditionCurves:
         run=job.run,
         voltage_V=job.voltage_V,
         mean=mean.as_curve() if mean is not None and mean.ok else None,
-        look_px=look_sigma_px(mean) if mean is not None and mean.ok else None,
+        systematic_px=systematic_sigma_px(mean) if mean is not None and mean.ok else None,
         by_reading=by_reading,
         contact=contact,
         warnings=tuple(warnings),

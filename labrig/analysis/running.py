@@ -98,7 +98,7 @@ class RunningAnalysis:
             series=(),
             source=session.path.name,
             warnings=tuple(text for one in curves for text in one.warnings),
-            camera=given.camera(curves),
+            camera=given.camera_uncertainty(curves),
         )
 
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.polynomial import legendre
+from scipy.interpolate import CubicSpline
 
 from labrig.config import parse_sheet
 from labrig.config.templates import template_text
 from labrig.vision import Optics, StripGeometry, neutral_curve
+from labrig.vision.uncertainty.parts import SECTION_SIGMA_PX
 from sim_hardware.clock import VirtualClock
 from sim_hardware.world import World, load_world
 
@@ -24,6 +28,18 @@ def distance_m(points: np.ndarray, polyline: np.ndarray) -> np.ndarray:
     along = ((points[:, None] - start) * step).sum(2) / (step**2).sum(1)
     foot = start + np.clip(along, 0.0, 1.0)[..., None] * step
     return np.asarray(np.linalg.norm(points[:, None] - foot, axis=2).min(axis=1))
+
+
+def offsets_m(x_m: np.ndarray, y_m: np.ndarray, shape: np.ndarray) -> np.ndarray:
+    """Distance of each point to the left of a smooth curve through these places."""
+    steps = np.hypot(*np.diff(shape, axis=0).T)
+    smooth = CubicSpline(np.append(0.0, np.cumsum(steps)), shape)
+    s = np.linspace(0.0, steps.sum(), 8001)
+    line, along = smooth(s), smooth(s, 1)
+    nearest = np.argmin(np.hypot(x_m[:, None] - line[:, 0], y_m[:, None] - line[:, 1]), axis=1)
+    gap = np.column_stack([x_m, y_m]) - line[nearest]
+    t = along[nearest] / np.hypot(*along[nearest].T)[:, None]
+    return np.asarray(t[:, 0] * gap[:, 1] - t[:, 1] * gap[:, 0])
 
 
 def known(configuration: str) -> tuple[Optics, StripGeometry]:
@@ -95,3 +111,33 @@ def test_the_curve_of_an_elongation_that_gives_way_is_right_and_says_so(
     away_m = distance_m(np.column_stack([found.x_m, found.y_m]), world.true_shape(clock.now()))
     assert np.all(away_m < np.maximum(4 * found.sigma_m, 0.01e-3))
     assert float(np.sqrt(np.mean(away_m**2))) < 0.02e-3
+
+
+@pytest.mark.slow
+def test_noiseless_images_show_the_modes_of_a_curve_as_well_as_is_stated(tmp_path: Path) -> None:
+    """A diagnosis takes each mode of a curve to be known so well, however many images there are."""
+    settings = tmp_path / "world.toml"
+    settings.write_text(
+        "[camera.noise]\nelectrons_per_level = 1e4\nread_levels = 0.3\n"
+        "[camera.light]\nvignetting = 0.0\ngradient = [0.0, 0.0]\nunevenness = 0.0\n"
+    )
+    clock = VirtualClock()
+    world = World(load_world(settings, 11), clock)
+    _, strip = known("long")
+    calibration = world.settings.camera.calibration() | {"bits": 16}
+    optics = Optics.from_json(json.dumps(calibration))
+    world.mount("long")
+    modes_px = []
+    for position_m in (0.0, 0.015, 0.03):
+        world.place(position_m)
+        for voltage_V in (0.0, 2.0, -2.0):
+            world.write("PCI6703", "ao0", voltage_V / GAIN, clock.now())
+            clock.sleep_until(clock.now() + 0.5)
+            found = neutral_curve(mean_image(world, clock.now()), optics, strip)
+            true = world.true_shape(clock.now())
+            off_px = offsets_m(found.x_m, found.y_m, true) * optics.px_per_m
+            t = np.linspace(-1.0, 1.0, len(off_px))
+            modes_px.append(legendre.legfit(t, off_px, 9))
+    rms_px = float(np.sqrt(np.mean(np.square(modes_px))))
+    assert rms_px < SECTION_SIGMA_PX
+    assert rms_px > 0.1 * SECTION_SIGMA_PX

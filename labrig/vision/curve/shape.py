@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 import numpy.typing as npt
 
-from labrig.vision.curve.smoothness import log_weights, second_parts, smooth_priors
+from labrig.vision.curve.smoothness import block_diagonal, log_weights, smooth_priors
 from labrig.vision.jit import jit
 
 FloatArray = npt.NDArray[np.float64]
@@ -187,13 +187,13 @@ def _with_bending_rest(basis: ShapeBasis) -> ShapeBasis:
     prior = np.zeros_like(penalty)
     prior[0, 0] = (free / ELONGATION_TURN_RAD) ** 2
     prior[1:, 1:] = hats.penalty() * length**3 / ELONGATION_TURN_RAD**2
-    priors = second_parts(basis.priors, prior)
+    priors = block_diagonal(basis.priors, prior)
     return replace(
         basis,
         curvature=np.hstack([basis.curvature, np.zeros_like(joint), hats.values(basis.s)]),
         angle=np.hstack([basis.angle, joint, hats.integrals(basis.s)]),
         angle_mid=np.hstack([basis.angle_mid, joint_mid, hats.integrals(middles)]),
-        penalty=second_parts(basis.penalty[None], penalty)[0],
+        penalty=block_diagonal(basis.penalty[None], penalty)[0],
         priors=priors,
         log_weight=log_weights(priors),
         rest_bends=True,

@@ -37,8 +37,8 @@ def smooth_priors(first_form: FloatArray, second_form: FloatArray, length: float
     return np.asarray([usual + each for each in first_order + second_order])
 
 
-def second_parts(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Return (kinds, n + m, n + m) information on n coefficients, and on m others in all kinds.
+def block_diagonal(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Return (kinds, n + m, n + m) information on n coefficients and on m others.
 
     `first` (kinds, n, n), `second` (m, m).
     """

@@ -278,13 +278,13 @@ def _by_intensities(
 ) -> NeutralCurve:
     by = downscaling_factor(strip.thickness_m * optics.px_per_m)
     if by == 1:
-        return _whatever_elongation(grey_image, optics, strip, start)
+        return _straight_or_bending(grey_image, optics, strip, start)
     grey_image, optics = downscaled_image(grey_image, by), downscaled_optics(optics, by)
     start = scaled_curve(start, 1 / by) if start is not None else None
-    return in_camera_pixels(_whatever_elongation(grey_image, optics, strip, start), by)
+    return in_camera_pixels(_straight_or_bending(grey_image, optics, strip, start), by)
 
 
-def _whatever_elongation(
+def _straight_or_bending(
     image: GreyImage, optics: Optics, strip: StripGeometry, start: NeutralCurve | None
 ) -> NeutralCurve:
     """Return the curve with a straight elongation; where there is none, with one that bends.

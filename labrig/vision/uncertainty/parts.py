@@ -54,8 +54,8 @@ def section_sigma_px(blur_px: float) -> float:
     return float(SECTION_SIGMA_PX * max(1.0, blur_px / SHARP_BLUR_PX) ** 2)
 
 
-def look_sigma_px(curve: NeutralCurve) -> float:
-    """Return how well any number of such images shows the curve, with its side face."""
+def systematic_sigma_px(curve: NeutralCurve) -> float:
+    """Return the uncertainty of a curve in its image that no averaging of images removes."""
     faces = curve.side_face_px * curve.side_face_share * SIDE_FACE_SIGMA_RATIO
     face = float(np.sqrt(np.mean(faces**2))) if len(faces) else 0.0
     return float(np.hypot(section_sigma_px(curve.blur_px), face))

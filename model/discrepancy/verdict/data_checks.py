@@ -67,6 +67,6 @@ def _without_curves(measurements: Measurements) -> Iterator[str]:
         without = sum(one.curve is None for one in own)
         if without > len(own) / 2:
             yield (
-                f"'{name}' has no curve in {without} of {len(own)} conditions: what only its shape"
-                " shows is not seen; the warnings of `labrig analyze` say why"
+                f"'{name}' has no curve in {without} of {len(own)} conditions, so that its shape"
+                " says little; where one was refused, `labrig analyze` says why"
             )

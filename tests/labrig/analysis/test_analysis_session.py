@@ -62,7 +62,7 @@ def test_how_well_the_camera_is_calibrated_goes_with_the_measurements(pictured, 
     with open_session(path) as session:
         given = inputs_of(session)
     sure = given.optics.model_copy(update={"px_per_mm_sigma": 0.003, "origin_sigma_px": 0.06})
-    camera = replace(given, optics=sure).camera([])
+    camera = replace(given, optics=sure).camera_uncertainty([])
     assert camera.scale == pytest.approx(0.003 / 6.0)
     assert camera.origin_m == pytest.approx(0.06 / 6000.0)
     found = analyze(path)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from labrig.vision import StripGeometry, Tracker, neutral_curve
-from labrig.vision.uncertainty.parts import look_sigma_px
+from labrig.vision.uncertainty.parts import systematic_sigma_px
 from tests.cases import few
 
 
@@ -212,7 +212,7 @@ def test_the_calibrations_uncertainty_is_in_the_credible_band(plain, known):
 def test_the_stated_covariance_gives_the_stated_band(plain, known):
     curve = neutral_curve(plain.image, *known(plain))
     variance = ((curve.normal_modes @ curve.covariance) * curve.normal_modes).sum(axis=1)
-    look_m = look_sigma_px(curve) * 1e-3 / 8.9
+    look_m = systematic_sigma_px(curve) * 1e-3 / 8.9
     assert np.sqrt(variance + look_m**2) == pytest.approx(curve.sigma_m, rel=1e-6)
 
 
