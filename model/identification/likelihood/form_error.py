@@ -195,11 +195,9 @@ def _by_parameter(
         outer = forward.outer_step(c, state, here, forward.no_step(c))
         both.append((beam, outer))
     (low, outer_low), (high, outer_high) = both
-    step = replace(
-        outer_high, beam=forward.configuration_models[c].change(low, high, state.solved.contact)
-    )
-    rows = forward.rows_of(c, state, step) - forward.rows_of(
-        c, state, replace(outer_low, beam=0.0 * outer_low.beam)
-    )
+    # what is outside of the beam problem bends free shapes and late images, too
+    change = forward.configuration_models[c].change(low, high, state.solved.contact)
+    step = replace(outer_high, beam=outer_high.beam + change)
+    rows = forward.rows_of(c, state, step) - forward.rows_of(c, state, outer_low)
     result: FloatArray = rows / (2.0 * h)
     return result
