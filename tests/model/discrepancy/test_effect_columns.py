@@ -23,9 +23,10 @@ def test_free_shapes_change_with_a_parameter_as_its_column_says(name: str):
     problem, forward = base.problem, base.problem.forward
     effect = catalogue()[name]
     size = effect.parameters[0]
-    small = dict(plausible(effect))  # a column takes the EIBM as changed already, which is second order
+    # a column takes the EIBM as changed already, which is of second order
+    small = dict(plausible(effect))
     small[size.name] *= 0.05
-    values = {n: small for n in forward.names}
+    values = dict.fromkeys(forward.names, small)
     one = Found(effect=effect, values=values)
     linear = linearise(forward, problem.bases, problem.noise, base.theta, (one.active,))
     column = effect_columns(forward, linear, one, (one.active,))[0][:, 0]
