@@ -89,7 +89,11 @@ def _share(lag: Callable[[float], FloatArray], p: Values) -> FloatArray:
 def strains(
     beam: BeamProblem, contact: ContactSolution
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """At 0 V, mean and half difference of the polarities, at the place of each: (K, G) each."""
+    """At 0 V, mean and half difference of the polarities, at the place of each: (K, G) each.
+
+    Where a place lacks one of the polarities the voltage adds nothing to the strain at 0 V; where
+    it lacks 0 V the mean of the polarities stands for that.
+    """
     load = finite(contact.normal_N)[:, None] * finite(contact.lever) / beam.stiffness[:, None]
     strain = beam.soft * (beam.eibm + beam.bend - load)
     at, sign = beam.stated_m, np.sign(beam.voltage_V)
@@ -101,9 +105,11 @@ def strains(
         count = np.sum(use, axis=1, keepdims=True)
         return use @ strain / np.maximum(count, 1.0), np.minimum(count, 1.0)
 
-    (at_zero, _), (positive, one), (negative, other) = (mean_at(v) for v in (0.0, 1.0, -1.0))
-    mean, half = (0.5 * one * other * v for v in (positive + negative, positive - negative))
-    return at_zero, mean, half
+    (at_zero, rested), (positive, one), (negative, other) = (mean_at(v) for v in (0.0, 1.0, -1.0))
+    both = one * other
+    mean, half = (0.5 * both * v for v in (positive + negative, positive - negative))
+    at_zero = np.where(rested > 0.0, at_zero, mean)
+    return at_zero, np.where(both > 0.0, mean, at_zero), half
 
 
 def _mean(values: FloatArray, beam: BeamProblem) -> FloatArray:

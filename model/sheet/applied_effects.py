@@ -185,8 +185,10 @@ def _setups(
 ) -> list[ConditionProblem]:
     """Return the setups with all differences of a beam from the plain one."""
     R = beam.sheet.arc_radius_m
-    moment = (beam.eibm + beam.bend) * beam.stiffness[:, None]
-    moment = moment - (plain.eibm + plain.bend) * plain.stiffness[:, None]
+    B, plain_B = beam.stiffness[:, None], plain.stiffness[:, None]
+    induced = beam.eibm * B - plain.eibm * plain_B
+    moment = induced + beam.bend * B - plain.bend * plain_B
+    ratio = _opposite_ratios(setups)
     rest, soft = beam.rest - plain.rest, beam.soft - plain.soft
     one = Field.constant(1.0, beam.sheet.free_length_m)
     plus = _Sums(beam)
@@ -202,6 +204,7 @@ def _setups(
                 setup, softness=softness, B_Nm2=float(beam.stiffness[k]),
                 angle_rad=setup.angle_rad + float(beam.shift_m[k]) / R,
                 rest=plus(setup.rest, rest[k]), eibm=plus(setup.eibm, moment[k]),
+                induced=plus(setup.eibm, induced[k]), opposite_ratio=ratio[abs(setup.voltage_V)],
                 clamp_rad=float(beam.tilt_rad[k]), offset_m=float(beam.offset_m[k]),
                 reach_m=float(beam.reach_m[k]),
                 elongation_soft=float(beam.elongation_soft[k]),

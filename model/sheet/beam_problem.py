@@ -49,6 +49,8 @@ class ConditionProblem:
     B_Nm2: float  # the reference stiffness
     rest: Field  # k0(s)
     eibm: Field  # Me(s), and every other moment that is not the contact's
+    induced: Field | None = None  # Me(s) alone; None: there is no other moment
+    opposite_ratio: float = 1.0  # |EIBM(-)/EIBM(+)| at the clamp
     softness: Field | None = None  # B/B(s); None: the same stiffness everywhere
     clamp_rad: float = 0.0  # direction in which the sheet leaves the clamp
     elongation_soft: float = 0.0  # B over the elongation's stiffness; 0: rigid

@@ -89,12 +89,15 @@ def as_imaged(
     if setup.voltage_V == 0.0:
         return setup
     at_m = np.nan if position_m is None else position_m
-    run = typical_run(setup.voltage_V, -setup.voltage_V, setup.sheet.rise_time_s, at_m)
+    run = typical_run(
+        setup.voltage_V, -setup.voltage_V, setup.sheet.rise_time_s, at_m, setup.opposite_ratio
+    )
     seen = image_change(inner, run.clock)
     if seen is None:
         return setup
     more = mean_over(seen, run.at(setup.voltage_V))
-    return replace(setup, eibm=setup.eibm * (1.0 + more))
+    induced = setup.eibm if setup.induced is None else setup.induced  # weight is never late
+    return replace(setup, eibm=setup.eibm + induced * more)
 
 
 def camera_m(

@@ -13,9 +13,11 @@ from model.design.force_map import force_map
 from model.effects import catalogue
 from model.identification.likelihood.form_ways import sampled
 from model.sheet.beam_problem import ActiveEffect, Profile
+from model.sheet.instruments import as_imaged
 from tests.cases import few
 
 POSITION_M = 0.01
+RISE_S = 0.05
 MEAN_POWER = 0.25 / np.log(2.0)  # of 1/2, over all powers from 1 to 2
 # they are 0 in the middle of a session, or at the sampling point, or a matter of the rise time
 NOT_IN_MEANS = {"force_drift", "stiffness_drift", "eibm_drift", "back_relaxation", "frame_delay"}
@@ -462,3 +464,37 @@ def test_waves_across_the_image_are_read_as_a_diagnosis_writes_them(along, waves
     """Their numbers are those of a division, which ends beside whole numbers."""
     made = sampled(np.cos, along, 0.0, waves - 1.0, nodes=waves, unit="mm")
     assert Profile.from_dict(made.to_dict(), "form[0]") == made
+
+
+def test_a_late_image_shows_another_eibm_and_the_same_weight(truth: SheetModel):
+    s_m, late = np.linspace(0.0, 0.05, 11), active("frame_delay", delay_s=0.45)
+    slow = _rising(truth, truth.sheet("long").eibm)
+    light, heavy = (
+        slow.with_effects(late, *more) for more in ((), (active("gravity", load_N_per_m=0.02),))
+    )
+    changes = []
+    for model in (light, heavy):
+        setup = model.setup("long", POSITION_M, 2.0)
+        changes.append(as_imaged(setup, model.effects, POSITION_M).eibm(s_m) - setup.eibm(s_m))
+    assert np.max(np.abs(changes[0])) > 0.1 * abs(truth.sheet("long").mean_eibm(2.0))
+    np.testing.assert_allclose(changes[1], changes[0], rtol=1e-9)
+
+
+def test_a_late_image_shows_what_is_left_of_the_other_polarity(truth: SheetModel):
+    """Twice the EIBM at -2 V leaves twice as much."""
+    weak = truth.sheet("long").eibm[2.0]
+    changes = []
+    for factor in (-1.0, -2.0):
+        eibm = {2.0: weak, -2.0: replace(weak, values=factor * weak.values)}
+        model = _rising(truth, eibm).with_effects(active("frame_delay", delay_s=0.45))
+        setup = model.setup("long", POSITION_M, 2.0)
+        then = as_imaged(setup, model.effects, POSITION_M)
+        changes.append((then.eibm(0.0) / setup.eibm(0.0)).item())
+    left = np.exp(-0.05 / RISE_S)
+    assert 1.0 - np.array(changes) == pytest.approx([2.0 * left, 3.0 * left], rel=0.02)
+
+
+def _rising(truth: SheetModel, eibm: dict[float, Along]) -> SheetModel:
+    one = truth.sheet("long")
+    geometry = replace(one.sheet, rise_time_s=RISE_S)
+    return replace(truth, sheets={"long": replace(one, sheet=geometry, eibm=eibm)})

@@ -14,6 +14,7 @@ from model.effects.conformance import plausible
 from model.effects.interface import AcquisitionTimes, LoadCellInput
 from model.effects.nonlinear_stiffness import bent, bent_by_power, exponent
 from model.effects.sliding import slid
+from model.effects.viscoelastic_creep import strains
 from model.locations.examples import (
     LENGTH_M,
     NODES,
@@ -594,6 +595,25 @@ def test_a_strain_that_stays_becomes_the_shape_at_rest(from_run):
         mean = np.mean(share[beam.reading_of == k])
         np.testing.assert_allclose(rest[k], mean * bent[k], atol=1e-12)
     assert effect("viscoelastic_creep").course(clock, creep()) is None
+
+
+@pytest.mark.parametrize("left_out_V", [-2.0, 0.0, 2.0])
+def test_where_a_voltage_is_left_out_the_voltage_changes_nothing_of_the_strain_that_stays(
+    left_out_V,
+):
+    beam, contact = example_beam()
+    use = (beam.voltage_V != left_out_V) & np.isfinite(beam.stated_m)
+    of = {
+        name: getattr(beam, name)[use]
+        for name in ("voltage_V", "stated_m", "stiffness", "eibm", "bend", "soft")
+    }
+    held = {"normal_N": contact.normal_N[use], "lever": contact.lever[use]}
+    at_zero, mean, half = strains(replace(beam, **of), replace(contact, **held))
+    np.testing.assert_array_equal(mean, at_zero)
+    whole_at_zero, whole_mean, whole_half = strains(beam, contact)
+    same = whole_at_zero if left_out_V else whole_mean
+    np.testing.assert_array_equal(at_zero, same[use])
+    np.testing.assert_array_equal(half, 0.0 if left_out_V else whole_half[use])
 
 
 def test_what_lags_behind_is_on_the_average_in_the_beam_already():
