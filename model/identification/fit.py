@@ -19,7 +19,7 @@ from model.identification.observations import Observed, not_driven, observe
 from model.identification.options import FitOptions
 from model.identification.paper import PaperFit, identify
 from model.identification.residuals import ConditionResidual, Kind, Rmse, residuals, rmse
-from model.measurements import Measurements, ModelError, in_volts, rms
+from model.measurements import Measurements, ModelError, in_decimals, in_volts, rms
 from model.sheet import misfit
 from model.sheet.configured_sheet import Along, ConfiguredSheet, FittedPositions
 from model.sheet.deviations import Deviations
@@ -83,6 +83,7 @@ def fit(measurements: Measurements, options: FitOptions | None = None) -> Fit:
         *cleaned.sentences(),
         *swinging,
         *_notes(measurements, parts, configurations, rows, ratio),
+        *_missed(done[1]),
     )
     return Fit(
         model=done[0], varying_model=done[1], configurations=configurations, residuals=rows,
@@ -223,6 +224,24 @@ def _implausible(scatter: Mapping[str, float]) -> list[str]:
         for name, what in (("stiffness", "stiffness"), ("eibm", "EIBM"))
         if scatter.get(name, 0.0) > MOST_SCATTER
     ]
+
+
+def _missed(along: SheetModel) -> list[str]:
+    """Return a sentence for each sheet whose data not even the EIBM along it describes."""
+    found = [misfit.misfit(along, name) for name in along.sheets]
+    return [
+        f"the EIBM along the sheet, too, misses the data of '{one.configuration}' by"
+        f" {one.in_words} (RMS){_of_forces(one)}: B and EIBM are not to be trusted; check the signs"
+        " and units of forces, voltages and curves, or diagnose"
+        for one in found
+        if one.misses
+    ]
+
+
+def _of_forces(one: misfit.Misfit) -> str:
+    if one.force_N is None or one.force_size_N is None:
+        return ""
+    return f", where the forces are {in_decimals(1e3 * one.force_size_N, 3)} mN"
 
 
 def _bootstrap(joint: Joint, options: FitOptions) -> dict[str, float]:

@@ -74,7 +74,8 @@ def identify(observed: Observed, rest: Field, weight_exponent: float = 1.0) -> P
     if B <= 0.0:
         raise ModelError(
             f"configuration '{name}': (7) gives a negative stiffness; the forces have the opposite"
-            " sign of what the shapes say (check the load cell's sign and the arc's origin)"
+            " sign of what the shapes say (check the signs of the forces and of the curves, and"
+            " the arc's origin)"
         )
     share = weights / weights.sum()
     degrees = max(len(each) - 1, 1)

@@ -239,5 +239,6 @@ def _from_shapes(
 def _wrong_sign(observed: Observed) -> ModelError:
     return ModelError(
         f"configuration '{observed.sheet.configuration}': the forces have the opposite sign of what"
-        " the shapes say, so B would be negative (check the load cell's sign and the arc's origin)"
+        " the shapes say, so B would be negative (check the signs of the forces and of the"
+        " curves, and the arc's origin)"
     )

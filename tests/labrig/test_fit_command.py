@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import re
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -347,3 +349,23 @@ def test_a_copy_of_a_session_is_no_further_measurement(day_1, day_2, tmp_path, c
 def test_all_positions_held_out_is_one_sentence(day_1, capsys):
     held = [text for p in (0, 10, 20, 30) for text in ("--hold-out", f"position={p}")]
     assert "every condition is held out" in refused(capsys, day_1, *held)
+
+
+# -- data that contradict each other
+
+
+@pytest.mark.slow
+def test_a_fit_says_that_voltages_of_the_wrong_sign_leave_it_wrong(tmp_path, capsys):
+    """The forces alone have them, so no B and EIBM explain forces and curves together."""
+    tables = Path(__file__).parents[2] / "docs" / "tutorials" / "data"
+    with (tables / "forces.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    forces = tmp_path / "forces.csv"
+    with forces.open("w", encoding="utf-8", newline="") as file:
+        table = csv.DictWriter(file, rows[0])
+        table.writeheader()
+        table.writerows({**row, "voltage_V": -float(row["voltage_V"])} for row in rows)
+    others = "--sheet", tables / "sheet.toml", "--curves", tables / "curves.csv"
+    said = printed(capsys, *others, "--forces", forces)
+    assert "B and EIBM are not to be trusted; check the signs and units of forces" in said
+    assert "not to be trusted" not in printed(capsys, *others, "--forces", tables / "forces.csv")
