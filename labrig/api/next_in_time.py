@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from labrig.analysis.motion.noise import noise_at_first
+from labrig.analysis.motion.noise import noise_at_first, noise_of_residuals
 from labrig.analysis.motion.proposals import Proposal, proposals
 from labrig.api.data import AnyPath, model_of
 from labrig.api.motion_data import MotionRequest, fits_of, records_of, request_of
@@ -124,4 +124,5 @@ def _stated(
     name = moving_configuration(known, shown, None)
     runs = [run for record in records_of(request, name, progress) for run in record.runs]
     beam, _ = known.moving(name, None)
-    return {name: (known.sheet(name).sheet, beam, runs, noise_at_first(runs))}
+    noise = noise_of_residuals(beam, runs, noise_at_first(runs))  # as a fit has it at its end
+    return {name: (known.sheet(name).sheet, beam, runs, noise)}

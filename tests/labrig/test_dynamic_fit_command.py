@@ -153,6 +153,14 @@ def test_the_same_in_python_fits_a_screen_and_a_data_frame(fitted, fits, path, t
     assert set(rows.run) == {"now", "release", "chirp", "load-cell step", "position 15 mm"}
 
 
+def test_what_is_known_now_is_what_the_fit_of_the_stated_model_says(fits, model, path):
+    rows = labrig.next_in_time(path, model=str(model)).to_dataframe()
+    now = rows[rows.run == "now"].set_index("parameter")
+    for one in fits[0].found.parameters:
+        ratio = now.sigma[one.name] / one.parameter.sigma
+        assert 0.6 < ratio < 1.3, one.name  # what is known now stands for all samples by a few
+
+
 def test_an_unknown_fluid_is_one_sentence(path):
     with pytest.raises(BadInputError, match=r"fluid: .oil. is not one of .air., "):
         labrig.fit_in_time(path, fluid="oil")

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from drivers.interfaces import DeviceIdentity
+from labrig.cli.main import run
 from labrig.errors import BadInputError
 from labrig.report.data.findings import Findings
 from labrig.report.data.fitted import FittedSheets
@@ -197,6 +198,28 @@ def test_a_file_where_the_folder_should_be_is_refused(tmp_path):
     (tmp_path / "out").write_text("mine")
     with pytest.raises(BadInputError, match="a folder is needed"):
         write_report(path, tmp_path / "out")
+
+
+HEAD = '<!DOCTYPE html><meta name="generator" content="labrig 0.1">'
+
+
+@pytest.mark.parametrize(
+    ("command", "page", "said"),
+    [
+        ("report", "<h1>My own page</h1>", "this is no page of labrig's; give another folder"),
+        ("report", HEAD, "this page is a diagnosis (labrig diagnose); give another folder"),
+        ("diagnose", "<h1>My own page</h1>", "this is no page of labrig's; give another folder"),
+        ("diagnose", f'{HEAD}<meta name="labrig-session-state" content="1">',
+         "this page is a session's (labrig report); give another folder"),
+    ],
+)  # fmt: skip
+def test_a_page_of_another_kind_is_not_replaced(command, page, said, tmp_path, capsys):
+    path = session(tmp_path / "made.h5", None)
+    (tmp_path / "index.html").write_text(page, encoding="utf-8")
+    option = {"report": "-o", "diagnose": "--report"}[command]
+    assert run([command, str(path), option, str(tmp_path)]) == 2
+    assert said in " ".join(capsys.readouterr().err.split())
+    assert (tmp_path / "index.html").read_text(encoding="utf-8") == page
 
 
 def test_a_folder_that_cannot_be_made_is_told_before_the_session_is_analysed(tmp_path):

@@ -25,7 +25,6 @@ from labrig.cli.options import (
     Values,
 )
 from labrig.cli.screen import print_json, progress, say, warn
-from labrig.errors import BadInputError
 from labrig.files import check_free
 
 
@@ -81,8 +80,10 @@ def diagnose(
     if output is not None:
         check_name(output)
         check_free(output, force=force)
-    if report is not None and report.exists() and not report.is_dir():
-        raise BadInputError(f"{report}: this is a file, a folder is needed.")
+    if report is not None:
+        from labrig.report.page.diagnosis import check_folder, write_diagnosis
+
+        check_folder(report)
     for name in without or ():
         effect(name)  # at once: what follows may take minutes
     check_stiffness(stiffness_Nm2)
@@ -116,8 +117,6 @@ def diagnose(
         save_model(found.model, output, force=True)
         written.append(output)
     if report is not None:
-        from labrig.report.page.diagnosis import write_diagnosis
-
         written.append(write_diagnosis(found, report))
     if as_json:
         print_json(found.to_json())

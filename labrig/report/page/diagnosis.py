@@ -11,7 +11,7 @@ from labrig.report.diagnosis.figures import FIGURES, draw_diagnosis
 from labrig.report.diagnosis.parameters import percent
 from labrig.report.diagnosis.tables import verdict_title
 from labrig.report.page.diagnosis_sections import sections_of
-from labrig.report.page.page import FILES, render_page, write_page
+from labrig.report.page.page import FILES, PAGE, check_page_is_free, render_page, write_page
 from labrig.report.page.summary import Card
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.table import fixed
@@ -32,10 +32,16 @@ IN_TIME = (
 )
 
 
-def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
-    """Write the page and its figures and return the page's path."""
+def check_folder(folder: Path) -> None:
+    """Raise BadInputError where it is a file, or holds a page that is no diagnosis."""
     if folder.exists() and not folder.is_dir():
         raise BadInputError(f"{folder}: this is a file, a folder is needed.")
+    check_page_is_free(folder, of_session=False)
+
+
+def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
+    """Write the page and its figures and return the page's path."""
+    check_folder(folder)
     figures = FigureFolder(folder / "figures")
     drawn = draw_diagnosis(found, figures)
     figures.remove_others(FIGURES)
@@ -48,8 +54,8 @@ def write_diagnosis(found: Diagnosis, folder: Path) -> Path:
         sections=sections_of(found, drawn),
         files=FILES,
     )
-    write_page(text, folder / "index.html")
-    return folder / "index.html"
+    write_page(text, folder / PAGE)
+    return folder / PAGE
 
 
 def _title(found: Diagnosis) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from labrig.errors import BadInputError
 from labrig.files import write_text
 from labrig.report.data.findings import Findings
 from labrig.report.page.sections import ReportContent
@@ -15,6 +16,10 @@ from labrig.report.sections.interface import SECTIONS
 from labrig.version import version
 
 FILES = "figures/ as PNG and SVG"
+PAGE = "index.html"
+_HEAD = 2000  # characters, in which a page states what made it
+_MADE_BY_LABRIG = '<meta name="generator" content="labrig '
+_OF_SESSION = '<meta name="labrig-session-state" '
 
 
 def render(findings: Findings, content: ReportContent, files: str = FILES) -> str:
@@ -51,6 +56,23 @@ def render_page(template: str, **values: object) -> str:
 
 def _with_true_minus(text: str) -> str:
     return re.sub(r"(?<![\w.])-(?=\d)|(?<= )-(?= )", "\N{MINUS SIGN}", text)
+
+
+def check_page_is_free(folder: Path, *, of_session: bool) -> None:
+    """Raise BadInputError where the folder's page is not one of the same kind: it would be lost.
+
+    of_session: the page to come is the report of a session, and not a diagnosis alone.
+    """
+    page = folder / PAGE
+    if not page.is_file():
+        return
+    with page.open(encoding="utf-8", errors="replace") as file:
+        head = file.read(_HEAD)
+    if _MADE_BY_LABRIG not in head:
+        raise BadInputError(f"{page}: this is no page of labrig's; give another folder.")
+    if (_OF_SESSION in head) != of_session:
+        found = "a diagnosis (labrig diagnose)" if of_session else "a session's (labrig report)"
+        raise BadInputError(f"{page}: this page is {found}; give another folder.")
 
 
 def write_page(text: str, path: Path) -> None:

@@ -9,7 +9,7 @@ from labrig.errors import BadInputError
 from labrig.files import new_folder
 from labrig.progress import Progress, silent
 from labrig.report.data.findings import Findings, gather
-from labrig.report.page.page import render, write_page
+from labrig.report.page.page import PAGE, check_page_is_free, render, write_page
 from labrig.report.page.sections import report_content
 from labrig.report.parts.figures import FigureFolder
 from labrig.report.parts.style import DEFAULT_FORMATS
@@ -40,7 +40,7 @@ def write_report(
     it, or to the folder of that name. `figures_named`: where the page says that they are, for a
     caller who puts them elsewhere. A session that was not analysed yet is analysed first, by so
     many `processes`; the page says what cannot be measured or fitted. Raises BadInputError when the
-    session cannot be read or a folder not be written.
+    session cannot be read, a folder not be written, or its page is not labrig's.
     """
     session = Path(session)
     folder = session.with_name(f"{session.stem}-report") if folder is None else Path(folder)
@@ -48,11 +48,12 @@ def write_report(
     for one in (folder, figures):
         if one.exists() and not one.is_dir():
             raise BadInputError(f"{one}: this is a file, a folder is needed.")
+    check_page_is_free(folder, of_session=True)
     open_session(session).close()  # what is no session leaves no folder
     with new_folder(folder):  # at once: what goes into it may take minutes
         found = gather(session, progress, tell, processes=processes)
         _write(found, folder, figures, formats, figures_named, progress, tell)
-    return folder / "index.html"
+    return folder / PAGE
 
 
 def _write(
@@ -70,4 +71,4 @@ def _write(
             tell(text)
         named = figures_named or _named(figures, folder)
         files = f"{named} as {' and '.join(one.upper() for one in formats)}"
-        write_page(render(found, content, files), folder / "index.html")
+        write_page(render(found, content, files), folder / PAGE)
