@@ -133,8 +133,11 @@ def _listen(rig: Rig, load_N: float, tell: Callable[[str], None]) -> float:
     return mean_V
 
 
-def write_calibration(made: LoadCellCalibration, path: Path) -> None:
-    """Write load_cell.toml, beside its place first; an older one is kept as NAME.DATE.toml."""
+def write_calibration(made: LoadCellCalibration, path: Path) -> Path | None:
+    """Write load_cell.toml, beside its place first; an older one is kept as NAME.DATE.toml.
+
+    Returns that of the older one; None where there was none.
+    """
     lines = [
         "# Calibration of the load cell with dead weights: volts = offset + sensitivity * force.",
         f"date = {made.date.isoformat()}",
@@ -150,12 +153,12 @@ def write_calibration(made: LoadCellCalibration, path: Path) -> None:
     part = part_of(path)
     try:
         part.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        if path.exists():
-            path.replace(_kept_name(path))
+        kept = path.replace(_kept_name(path)) if path.exists() else None
         part.replace(path)
     except OSError as error:
         discard(part)
         raise not_written(path, error) from None
+    return kept
 
 
 def _kept_name(path: Path) -> Path:

@@ -7,7 +7,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from model.measurements import Condition, Curve, FloatArray, Measurements
+from labrig.plausibility.set_up import length_checks
+from model.measurements import Condition, Curve, FloatArray, Measurements, SheetGeometry
 
 # Far beyond what a sheet on such a rig does, and far below what its load cell and stage resolve.
 LARGEST_FORCE_N, SMALLEST_FORCE_N = 1.0, 5e-6
@@ -35,10 +36,18 @@ def table_warnings(measurements: Measurements) -> Iterator[str]:
     yield from _measured("position_mm", positions_m, MEASURED_M)
     yield from _measured("voltage_V", voltages_V, MEASURED_V)
     yield from _times([one.time_s for one in measurements.series])
+    used = {each.configuration for each in conditions}
+    yield from _lengths(sheet for name, sheet in measurements.sheets.items() if name in used)
     for name, sheet in measurements.sheets.items():
         yield from _curves(
             name, sheet.free_length_m + sheet.elongation_m, _all_curves(conditions, name)
         )
+
+
+def _lengths(sheets: Iterable[SheetGeometry]) -> Iterator[str]:
+    found = {check.name: check for sheet in sheets for check in length_checks(sheet)}
+    for check in found.values():
+        yield f"{check.name} is {check.found}, usual is {check.wanted}: is its unit right?"
 
 
 def _forces(values: list[float]) -> Iterator[str]:

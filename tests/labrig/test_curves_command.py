@@ -288,6 +288,7 @@ def test_dead_weights_calibrate_the_load_cell_and_the_old_calibration_is_kept(
     made = load_load_cell(tmp_path / "rig" / "load_cell.toml")
     assert made.sensitivity_V_per_N == pytest.approx(0.15296, rel=5e-3)
     assert 0 < made.sensitivity_sigma_V_per_N < 1e-3
-    assert len(list((tmp_path / "rig").glob("load_cell.2*.toml"))) == 1
+    (kept,) = (tmp_path / "rig").glob("load_cell.2*.toml")
+    assert f"; the one before is {kept}\n" in capsys.readouterr().out
     assert run(["calibrate", "load-cell", str(tmp_path / "rig" / "rig.toml"), "--weight-mN=0"]) == 2
     assert "at least three readings" in capsys.readouterr().err

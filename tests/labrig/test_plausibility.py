@@ -78,6 +78,15 @@ def test_another_unit_is_asked_about_and_the_question_stays_with_the_session(
     assert f"warning: {warnings[0]}" in capsys.readouterr().err
 
 
+def test_a_thickness_in_metres_is_asked_about(tmp_path: Path) -> None:
+    (tmp_path / "sheet.toml").write_text(SHEET.replace("= 0.21", "= 0.00021"))
+    (tmp_path / "forces.csv").write_text(f"{FORCES}sheet,0,2,0,2.1\n")
+    sheets = parse_sheet((tmp_path / "sheet.toml").read_text(), "sheet.toml")
+    assert read_tables(sheets, tmp_path / "forces.csv", None).warnings == (
+        "sheet.toml [sheet] thickness_mm is 0.00021 mm, usual is 0.01 to 3 mm: is its unit right?",
+    )
+
+
 FORCES = "configuration,position_mm,voltage_V,reading,force_mN\n"
 
 

@@ -66,8 +66,8 @@ def load_cell(
         f"sensitivity {made.sensitivity_V_per_N:.6f} ± {made.sensitivity_sigma_V_per_N:.6f} V/N, "
         f"offset {1e6 * made.offset_V:+.2f} ± {1e6 * made.offset_sigma_V:.2f} µV"
     )
-    write_calibration(made, path)
-    say(f"wrote {path}")
+    kept = write_calibration(made, path)
+    say(f"wrote {path}" + (f"; the one before is {kept}" if kept else ""))
 
 
 def camera(
