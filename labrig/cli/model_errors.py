@@ -26,8 +26,23 @@ def warn_of_misses(found: Iterable[Misfit]) -> None:
     tell_of_misses(list(found))
 
 
-def say_errors(found: Iterable[Misfit]) -> None:
+def say_errors(found: Iterable[Misfit], model: SheetModel) -> None:
     """Print the errors at the conditions that the model was fitted to, where they are known."""
     known = [f"{one.configuration} {one.in_words}" for one in found if one.in_words]
-    if known:
-        say(f"errors of the model at the data it was fitted to, RMS: {', '.join(known)}")
+    if not known:
+        return
+    say(f"errors of the model at the data it was fitted to, RMS: {', '.join(known)}")
+    left_out = _in_time(model)
+    if left_out:
+        say(
+            f"The prediction leaves out what changes along a run ({', '.join(left_out)}); the data "
+            "have it, so these errors may be larger than those of the diagnosis."
+        )
+
+
+def _in_time(model: SheetModel) -> list[str]:
+    """Return the titles of the effects that `simulate` at rest cannot have."""
+    from model.effects import effect, title
+
+    names = [one.name for one in model.effects if not one.location]
+    return [title(name) for name in names if effect(name).location == "time"]

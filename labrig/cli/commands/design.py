@@ -89,13 +89,15 @@ def design(
         for found in answers
         if with_map
     }
-    _show(answers, maps, as_json=as_json)
+    _show(answers, maps, known, as_json=as_json)
     for path in [] if output is None else _draw(known, answers, maps, output):
         if not as_json:
             say(f"wrote {path}")
 
 
-def _show(answers: Design, maps: dict[str, ElongationMap], *, as_json: bool) -> None:
+def _show(
+    answers: Design, maps: dict[str, ElongationMap], known: SheetModel, *, as_json: bool
+) -> None:
     from labrig.report.design.answers import tables
     from labrig.report.design.elongation import as_dict, elongation_table
 
@@ -109,7 +111,7 @@ def _show(answers: Design, maps: dict[str, ElongationMap], *, as_json: bool) -> 
         if table.note:
             say(table.note)
             say()
-    say_errors(answers.errors)
+    say_errors(answers.errors, known)
 
 
 def _draw(

@@ -137,7 +137,7 @@ def _at_rest(
         return
     table = found.summary()
     print_table(f"{stated.path}", table.columns, table.rows)
-    say_errors(found.errors)
+    say_errors(found.errors, found.model)
 
 
 def _in_time(

@@ -10,6 +10,8 @@ import pytest
 from labrig.cli.main import run
 from labrig.model_file import save_model
 from labrig.report.tables.model_file import model_rows
+from model.parameter import Parameter
+from model.sheet.beam_problem import ActiveEffect
 from tests.labrig.diagnose.made import constant, named_effect
 from tests.labrig.report_data import measure, session, truth
 
@@ -25,6 +27,23 @@ def test_the_true_model_is_nearer_than_one_with_its_mean_eibm():
     assert true.curve_rmse_m < 5e-6
     assert mean.force_rmse_N > 3e-4
     assert mended.force_rmse_N == pytest.approx(true.force_rmse_N, abs=1e-5)
+
+
+def test_simulate_says_which_effects_a_prediction_at_rest_leaves_out(tmp_path, capsys):
+    lacks = {
+        name: Parameter(value=value, sigma=0.0, unit="")
+        for name, value in (("relative_deficit", 0.1), ("ratio", 0.2))
+    }
+    pulses = ActiveEffect(name="first_pulse_transient", parameters=lacks)
+    model = replace(constant(truth("long")), merit={"force_rmse_N": 7.5e-5})
+    asked = ["--position-mm", "12", "--voltage", "2"]
+    for effects, told in (((named_effect(), pulses), True), ((named_effect(),), False)):
+        path = tmp_path / f"{len(effects)}.toml"
+        save_model(model.with_effects(*effects), path)
+        assert run(["simulate", str(path), *asked]) == 0
+        out = " ".join(capsys.readouterr().out.split())
+        assert "long 0.075 mN" in out
+        assert ("leaves out what changes along a run (first pulse transient)" in out) is told
 
 
 @pytest.mark.thorough
