@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from labrig.session import RecordedSession
+from labrig.session import RecordedSession, load_measurements
+from model import Condition
 from protocols.planning.schedule import ReadingKind
 
 Key = tuple[str, float | None, float]  # configuration, position in mm, voltage
@@ -34,6 +35,12 @@ class ConditionMean:
 def condition_means(session: RecordedSession) -> dict[Key, ConditionMean]:
     """By configuration, position and voltage, all runs there together."""
     forces: dict[Key, list[float]] = {}
+    for condition in imported_conditions(session):
+        if condition.position_m is not None:
+            place_mm = round(1e3 * condition.position_m, 6)
+            key = (condition.configuration, place_mm, round(condition.voltage_V, 9))
+            used = [1e3 * reading.force_N for reading in condition.used()]
+            forces.setdefault(key, []).extend(used)
     for run in session.runs:
         place_m = run.planned.position_m
         if not run.started or place_m is None:
@@ -43,7 +50,14 @@ def condition_means(session: RecordedSession) -> dict[Key, ConditionMean]:
                 voltage_V = round(float(row["voltage_V"]), 9)
                 key = (run.planned.configuration, round(1e3 * place_m, 6), voltage_V)
                 forces.setdefault(key, []).append(1e3 * float(row["force_N"]))
-    return {key: _mean(values) for key, values in forces.items()}
+    return {key: _mean(values) for key, values in forces.items() if values}
+
+
+def imported_conditions(session: RecordedSession) -> tuple[Condition, ...]:
+    """Return those of a session of imported tables, which has no runs; none of others."""
+    if session.runs or not session.has_measurements:
+        return ()
+    return load_measurements(session.path).conditions
 
 
 def compare_means(a: RecordedSession, b: RecordedSession) -> list[dict[str, Any]]:

@@ -20,7 +20,7 @@ from typing import TypeVar
 
 from labrig.library.cache_folder import cache_folder
 
-VERSION = 2  # of the tables, and of which fit is chosen; each version has a file of its own
+VERSION = 3  # of tables, what is read, and which fit is chosen; each version has a file of its own
 PATIENCE_S = 60.0  # for other programs that write
 _AGAIN_S = 0.02
 MEMORY = ":memory:"

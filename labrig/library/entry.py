@@ -8,7 +8,12 @@ from pathlib import Path
 from typing import Any
 
 from labrig.errors import LabrigError
-from labrig.library.conditions import condition_means, largest_force_mN, median_scatter_mN
+from labrig.library.conditions import (
+    condition_means,
+    imported_conditions,
+    largest_force_mN,
+    median_scatter_mN,
+)
 from labrig.library.fits import Fits
 from labrig.serialise import to_plain
 from labrig.session import Note, RecordedSession, open_session
@@ -88,12 +93,14 @@ def _entry(session: RecordedSession, bare: CatalogueEntry) -> CatalogueEntry:
     begun = [run for run in session.runs if run.started]
     names = dict.fromkeys(run.planned.configuration for run in session.runs)
     readings = [run.readings for run in begun]
+    tables = imported_conditions(session)
+    imported = [one for each in tables for one in each.readings]
     whole = session.was_closed
     about, notes = session.about, session.notes
     return replace(
         bare,
         started=session.started,
-        sheet=tuple(names) or _sheets_of(session),
+        sheet=tuple(names or dict.fromkeys(one.configuration for one in tables)),
         protocol=session.schedule.protocol,
         outcome=session.outcome.value,
         output=session.output_state.value,
@@ -102,8 +109,9 @@ def _entry(session: RecordedSession, bare: CatalogueEntry) -> CatalogueEntry:
         boards=session.boards,
         runs=len(session.runs),
         runs_complete=sum(run.completed for run in session.runs),
-        readings=sum(len(rows) for rows in readings),
-        invalid=sum(int((~rows["valid"]).sum()) for rows in readings),
+        readings=sum(len(rows) for rows in readings) + len(imported),
+        invalid=sum(int((~rows["valid"]).sum()) for rows in readings)
+        + sum(not one.valid for one in imported),
         duration_s=session.duration_s,
         clock=session.clock,
         analysed=session.has_measurements,
@@ -139,9 +147,3 @@ def _earlier(session: RecordedSession) -> tuple[str, ...]:
     """Return the checksums that the data had, but for the present one."""
     now = session.data_checksum
     return tuple(dict.fromkeys(each for each in session.data_checksums if each != now))
-
-
-def _sheets_of(session: RecordedSession) -> tuple[str, ...]:
-    """Of a session that was imported and has no runs."""
-    found = session.resolved.get("sheet", {})
-    return tuple(found) if isinstance(found, dict) else ()

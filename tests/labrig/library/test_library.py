@@ -10,9 +10,11 @@ import subprocess
 import sys
 from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from labrig.cli.main import run
 from labrig.errors import BadInputError
 from labrig.library import CatalogueEntry, Library, SessionQuery, index, read_entry
 from labrig.library.database import Database
@@ -54,6 +56,17 @@ def looked(monkeypatch):
 
     monkeypatch.setattr(index, "read_entry", look)
     return names
+
+
+def test_an_entry_of_imported_tables_says_what_they_hold(tmp_path):
+    tables = Path(__file__).parents[3] / "docs" / "tutorials" / "data"
+    files = [f"--{name}={tables / name}.csv" for name in ("forces", "curves")]
+    path = tmp_path / "mine.h5"
+    sheet = f"--sheet={tables / 'sheet.toml'}"
+    assert run(["import", sheet, *files, "-o", str(path), "--yes"]) == 0
+    entry = read_entry(path, "mine.h5")
+    assert (entry.sheet, entry.readings, entry.invalid) == (("long",), 24, 0)
+    assert entry.largest_force_mN == pytest.approx(1.957, abs=1e-3)
 
 
 @pytest.mark.slow
