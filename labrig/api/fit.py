@@ -13,8 +13,9 @@ from labrig.api.arguments import (
     texts,
     whole_number,
 )
-from labrig.api.data import AnyPath, Data, measurements_of, paths_of, tell, tell_of_stiffness
+from labrig.api.data import Data, measurements_of, paths_of, tell, tell_of_stiffness
 from labrig.errors import BadArgumentError, BadInputError
+from labrig.files import AnyPath
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress, silent
 from model import Fit, FitOptions, Measurements
@@ -188,9 +189,17 @@ def _measured(
 
 
 def _require_measured(options: FitOptions, measurements: Measurements) -> None:
-    """Raise BadArgumentError for what is to be held out, and was not measured."""
+    """Raise BadArgumentError for what is to be fitted, or held out, and was not measured."""
     from model.identification.options import is_held_out
 
+    known = list(dict.fromkeys(c.configuration for c in measurements.conditions))
+    for name in options.configurations or ():
+        if name not in known:
+            raise BadArgumentError(
+                f"options: configurations: nothing was measured of {name!r}; measured were "
+                f"{', '.join(known) or 'none'}.",
+                "options",
+            )
     for held in options.held_out:
         if not any(is_held_out(c, held) for c in measurements.conditions):
             places = {

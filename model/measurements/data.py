@@ -308,7 +308,7 @@ class Measurements(Displayed):
             "conditions": self._conditions, "readings": self._readings,
             "curves": self._curves, "signals": self._signals,
         }  # fmt: skip
-        if part not in tables:
+        if part not in list(tables):
             raise ModelError(f"measurements have no part '{part}', but {', '.join(tables)}")
         return dataframe(tables[part]())
 
