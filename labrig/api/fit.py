@@ -168,6 +168,7 @@ def _measured(
     """Return the measurements, and which of several sessions each run is from."""
     from labrig.analysis.distinct import check_distinct
     from labrig.analysis.together import together
+    from labrig.plausibility import field_warnings
     from labrig.report.data.findings import measured
     from labrig.report.data.separate_sessions import apart as taken_apart
     from labrig.report.data.separate_sessions import labels
@@ -177,7 +178,11 @@ def _measured(
     if apart and len(paths) < 2:
         raise BadArgumentError("apart: give several sessions to be kept apart.", "apart")
     if not paths:
-        return measurements_of(sessions, progress, processes=processes), {}
+        given = measurements_of(sessions, progress, processes=processes)
+        if not given.source:  # no file: nobody has looked at the units yet
+            for sentence in field_warnings(given):
+                tell(sentence)
+        return given, {}
     check_distinct(paths)
     names = labels(paths)
     advance = progress or silent

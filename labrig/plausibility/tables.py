@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -39,6 +40,18 @@ def table_warnings(measurements: Measurements) -> Iterator[str]:
         yield from _curves(
             name, sheet.free_length_m + sheet.elongation_m, _all_curves(conditions, name)
         )
+
+
+def field_warnings(measurements: Measurements) -> Iterator[str]:
+    """Yield the same sentences of measurements that somebody made in Python, with their fields."""
+    for sentence in table_warnings(measurements):
+        yield re.sub(r"\b(force|position|x|y)_m(m|N)( in m(m|N))?", _as_field, sentence)
+
+
+def _as_field(column: re.Match[str]) -> str:
+    name, unit, has_unit, _ = column.groups()
+    in_SI = "N" if unit == "N" else "m"
+    return f"{name}_{in_SI}{f' in {in_SI}' if has_unit else ''}"
 
 
 def _forces(values: list[float]) -> Iterator[str]:

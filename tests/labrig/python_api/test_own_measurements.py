@@ -11,6 +11,7 @@ import pytest
 
 import labrig
 from labrig.api.data import measurements_of
+from labrig.plausibility import field_warnings
 from model import Curve, Measurements, Reading, TimeSeries
 from tests.labrig.report_data import measure
 
@@ -91,6 +92,30 @@ def test_arrays_of_other_types_and_lists_are_taken_and_left_as_they_are():
             readings=[Reading(index=np.int64(0), kind="kept", force_N=np.float64(1e-3))],
         )
         assert measurements_of(given, None) is given
+
+
+def scaled(*, force: float = 1.0, position: float = 1.0) -> Measurements:
+    conditions = tuple(
+        replace(
+            c,
+            position_m=None if c.position_m is None else position * c.position_m,
+            readings=tuple(replace(r, force_N=force * r.force_N) for r in c.readings),
+        )
+        for c in own().conditions
+    )
+    return replace(own(), conditions=conditions, source="")
+
+
+@pytest.mark.slow
+def test_a_unit_that_can_hardly_be_meant_is_told_before_the_fit():
+    with pytest.warns(labrig.LabrigWarning, match=r"The forces reach .* mN: is force_N in N\?"):
+        labrig.fit(scaled(force=1e3))
+
+
+def test_what_is_said_of_a_unit_has_the_names_and_units_of_the_fields():
+    first, second = field_warnings(scaled(position=1e-3))
+    assert first == "No position is farther from 0 than 0.03 mm: is position_m in m?"
+    assert second.startswith("position_m has 4 values in 1 group: was it measured?")
 
 
 @pytest.mark.parametrize(
