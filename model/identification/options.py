@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 from model.measurements import (
     Condition,
@@ -18,7 +18,6 @@ from model.measurements.known_arguments import known_arguments
 
 # configuration, position in m, and the voltage where only that is meant
 HeldOut = tuple[str, float] | tuple[str, float, float]
-EibmForm = Literal["along", "constant"]
 _PLACE = '("long", 0.025)'
 
 
@@ -30,7 +29,7 @@ class FitOptions:
     configurations: tuple[str, ...] | None = None  # None: all that were measured
     weight_exponent: float = 1.0  # q of (7)
     # how the EIBM may vary along the sheet while B is found; the reported constant is its mean
-    eibm_form: EibmForm = "along"
+    eibm_form: Literal["along", "constant"] = "along"
     symmetric: bool = False  # one |EIBM| for both polarities
     measured_curvature: bool = False  # find k0 from the curves at 0 V although sheet.toml states it
     # how far k0 may be from what sheet.toml says, each term of it; 0: exact; None: 1 per m for a
@@ -49,7 +48,7 @@ class FitOptions:
         require_number("weight_exponent", self.weight_exponent)
         if self.weight_exponent < 0.0:
             raise ModelError("the weight exponent q must not be negative")
-        if self.eibm_form not in get_args(EibmForm):
+        if self.eibm_form not in ("along", "constant"):
             raise ModelError(f"eibm_form {self.eibm_form!r} is none of along, constant")
         require_truth("symmetric", self.symmetric)
         require_truth("measured_curvature", self.measured_curvature)
