@@ -15,6 +15,7 @@ import labrig
 from labrig.api.next_measurement import NextMeasurement
 from labrig.cli.main import run
 from labrig.errors import BadInputError
+from labrig.extractors.choice import chosen_extractor
 from model import Prediction, PredictionArray
 from model.discrepancy import Next
 from tests.labrig.report_data import measure
@@ -371,6 +372,23 @@ def test_a_curve_is_looked_for_with_optics_and_a_strip():
     assert said_by(lambda: labrig.neutral_curve(pixels, optics, "sheet.toml")) == (
         "strip: a labrig.StripGeometry is needed, not a str."
     )
+    assert said_by(lambda: labrig.neutral_curve(pixels, optics, strip, start="last")) == (
+        "start: a labrig.NeutralCurve is needed, not a str."
+    )
+    assert said_by(lambda: labrig.StripGeometry(free_length_m="0.03")) == (
+        "free_length_m '0.03': a number is needed."
+    )
+
+
+@pytest.mark.parametrize(
+    ("extractor", "said"),
+    [
+        ("gone", "extractor: there is no curve extractor 'gone'; choose one of: intensity_fit."),
+        (None, "extractor: a text is needed, not None."),
+    ],
+)
+def test_an_extractor_is_named_as_the_function_names_it(extractor, said):
+    assert said_by(lambda: chosen_extractor(extractor)) == said
 
 
 # -- arguments that a function does not have
