@@ -15,6 +15,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 from labrig.errors import BadArgumentError, BadInputError, LabrigError, type_in_words
 
+AnyPath = str | os.PathLike[str]  # also an open session
 SESSION_ENDINGS = (".h5", ".hdf5", ".nxs")
 # A path that cannot be written at all; other errors are the disk's.
 _WRONG_PATH = frozenset(
@@ -24,7 +25,7 @@ _WRONG_PATH = frozenset(
 _PARTS = count()
 
 
-def path_of(path: str | os.PathLike[str]) -> Path:
+def path_of(path: AnyPath) -> Path:
     """Return a path that was given as text, as a path or as an open session.
 
     Raises BadInputError for anything else: a caller in Python may give anything.

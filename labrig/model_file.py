@@ -13,7 +13,7 @@ from tomlkit.items import Array, Item, Trivia, Whitespace
 from labrig.config.base import parse_toml, read_text
 from labrig.config.file_kinds import MODEL, refuse_other_kind
 from labrig.errors import BadArgumentError, BadInputError, type_in_words
-from labrig.files import check_free, path_of, write_text
+from labrig.files import AnyPath, check_free, path_of, write_text
 from model import ModelError, SheetModel
 from model.measurements.known_arguments import known_arguments
 
@@ -25,7 +25,7 @@ _HEADER = (
 
 
 @known_arguments
-def load_model(path: Path | str) -> SheetModel:
+def load_model(path: AnyPath) -> SheetModel:
     """Read a model file, as `labrig fit -o` or `save_model` wrote it.
 
     Raises BadInputError of one sentence that names file and key.
@@ -61,7 +61,7 @@ def moving_configuration(model: SheetModel, path: Path | str, wanted: str | None
 
 
 @known_arguments
-def save_model(model: SheetModel, path: Path | str, *, force: bool = False) -> None:
+def save_model(model: SheetModel, path: AnyPath, *, force: bool = False) -> None:
     """Write a model file (TOML), which `load_model` and the commands read.
 
     It is written beside its place and renamed, so that with `force` a file of that name is replaced

@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from labrig.api.data import AnyPath, Data, measurements_of, model_of
+from labrig.api.data import Data, measurements_of, model_of
 from labrig.errors import BadInputError, type_in_words
+from labrig.files import AnyPath
 from labrig.motion.simulated import SimulatedRun
 from labrig.report.data.models import ALONG, CONSTANT, kind_of
 from labrig.report.data.selection import configurations
@@ -197,6 +198,7 @@ def diagnosis(found: Diagnosis, *, ax: Axes | None = None) -> Axes:
         The axes. Raises LabrigError where nothing was searched.
 
     """
+    _require_diagnosis(found)
     if not found.ranking:
         raise BadInputError(f"there is no ranking to draw: {found.sentence}")
     with _axes(ax) as axes:
@@ -219,6 +221,7 @@ def diagnosis_forces(
         The axes. Raises LabrigError for a configuration that was not measured.
 
     """
+    _require_diagnosis(found)
     name = _chosen(configuration, configurations_of(found))
     with _axes(ax) as axes:
         draw_forces_before_and_after(axes, found, name)
@@ -259,12 +262,23 @@ def motion(
 def _axes(ax: Axes | None) -> Iterator[Axes]:
     """Yield the axes to draw into, in the style of the reports where they are new."""
     if ax is not None:
+        from matplotlib.axes import Axes as AnyAxes
+
+        if not isinstance(ax, AnyAxes):  # a caller may give anything, such as an array of them
+            raise BadInputError(f"ax: one matplotlib Axes is needed, not {type_in_words(ax)}.")
         yield ax
         return
     from matplotlib import pyplot as plt
 
     with styled():
         yield plt.subplots()[1]
+
+
+def _require_diagnosis(found: object) -> None:
+    if not isinstance(found, Diagnosis):
+        raise BadInputError(
+            f"found: what labrig.diagnose returns is needed, not {type_in_words(found)}."
+        )
 
 
 def _chosen(configuration: str | None, known: list[str]) -> str:

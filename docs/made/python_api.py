@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import ast
+import dataclasses
 import enum
 import inspect
+import io
 import re
+import textwrap
+import tokenize
 from collections.abc import Iterator
 from typing import Any
 
@@ -20,6 +25,7 @@ HEAD = """\
 Numbers are in SI units: V, N, m, s, rad. Each name is loaded when it is first used.
 """
 _PACKAGES = (labrig, model, labrig.testing)
+_FOR_TOOLS = ("fmt:", "noqa", "type:", "pragma:")  # comments that say nothing to a reader
 _MODULE = re.compile(r"\b(?:[a-z_]\w*\.)+(?=[A-Za-z_])")  # before the name of a type
 
 
@@ -57,6 +63,7 @@ def _class(name: str, thing: type) -> Iterator[str]:
     signature = _signature(thing) if shown is None and not _is_protocol(thing) else ""
     yield f"`````{{py:class}} {name}{signature}"
     yield _doc(thing)
+    yield from _fields(thing)
     for member, value in vars(thing).items():
         inner = value.fget if isinstance(value, property) else _plain(value)
         documented = inspect.isfunction(inner) and bool(inspect.getdoc(inner))
@@ -64,6 +71,42 @@ def _class(name: str, thing: type) -> Iterator[str]:
             kind = "property" if isinstance(value, property) else "method"
             yield from _function(member, inner, kind)
     yield "`````\n"
+
+
+def _fields(thing: type) -> Iterator[str]:
+    """Yield what the comments say of the fields of a data class; the signature has their types."""
+    said = field_comments(thing) if dataclasses.is_dataclass(thing) else {}
+    if said:
+        yield ""
+        yield from (f"- `{name}`: {text}".replace("<", "\\<") for name, text in said.items())
+        yield ""
+
+
+def field_comments(thing: type) -> dict[str, str]:
+    """Return the comment behind or directly above each public field of a class, in one line."""
+    source = textwrap.dedent(inspect.getsource(thing))
+    lines, comments = source.splitlines(), _comments(source)
+    names = [field.name for field in dataclasses.fields(thing) if not field.name.startswith("_")]
+    found = {}
+    for field in ast.walk(ast.parse(source)):
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name):
+            last = field.end_lineno or field.lineno
+            parts = [comments[n] for n in range(field.lineno, last + 1) if n in comments]
+            above = field.lineno - 1
+            while lines[above - 1].lstrip().startswith("#"):
+                parts.insert(0, comments.get(above, ""))
+                above -= 1
+            text = " ".join(filter(None, parts))
+            if text and field.target.id in names:
+                found[field.target.id] = text
+    return found
+
+
+def _comments(source: str) -> dict[int, str]:
+    """Return the comments by line, without those that are for tools."""
+    tokens = tokenize.generate_tokens(io.StringIO(source).readline)
+    every = {t.start[0]: t.string.lstrip("# ") for t in tokens if t.type == tokenize.COMMENT}
+    return {line: text for line, text in every.items() if not text.startswith(_FOR_TOOLS)}
 
 
 def _plain(value: Any) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
 
@@ -20,7 +19,7 @@ from labrig.analysis.wetting import wetting_warnings
 from labrig.config import parse_sheet, recorded_calibration
 from labrig.errors import BadInputError
 from labrig.extractors.choice import BUILT_IN, chosen_extractor
-from labrig.files import path_of
+from labrig.files import AnyPath, path_of
 from labrig.progress import Progress
 from labrig.session import RecordedSession, open_session, store_measurements
 from labrig.session.supplements.store import check_can_be_added_to
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
 
 @known_arguments
 def analyze(
-    path: Path | str,
+    path: AnyPath,
     progress: Progress | None = None,
     *,
     workers: int = 1,

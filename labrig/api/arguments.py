@@ -8,13 +8,15 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterable, Sequence
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from labrig.errors import BadArgumentError, type_in_words
 
 One = TypeVar("One", bound=str | float)
+Numbers = float | Sequence[float] | npt.NDArray[np.floating[Any] | np.integer[Any]]
 _SHOWN = 60  # letters of a value in a sentence
 _GRAM = 1e-3
 
@@ -51,7 +53,7 @@ def whole_number(
     return int(found)
 
 
-def numbers(name: str, given: float | Sequence[float] | None) -> list[float]:
+def numbers(name: str, given: Numbers | None) -> list[float]:
     """Return numbers that were given alone or as a sequence. Raises BadArgumentError."""
     return [number(name, one) for one in several(given)]
 
@@ -96,7 +98,7 @@ def check_options(options: object, kind: type, name: str, **is_given: bool) -> N
         )
 
 
-def several(given: One | Sequence[One] | None) -> list[One]:
+def several(given: One | Sequence[One] | npt.NDArray[Any] | None) -> list[One]:
     """Return a list of what was given alone, as a sequence or not at all."""
     if given is None:
         return []

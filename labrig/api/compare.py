@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from labrig.api.arguments import elongation_kg_per_m
-from labrig.api.data import AnyPath, measurements_of, model_of, name_of
+from labrig.api.data import measurements_of, model_of, name_of
 from labrig.api.fit import what_can_be_fitted
 from labrig.errors import BadArgumentError, BadInputError
-from labrig.files import path_of
+from labrig.files import AnyPath, path_of
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress, silent
 from model import FitOptions, Measurements

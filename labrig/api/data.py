@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,14 +14,13 @@ from labrig.errors import (
     type_in_words,
     warn_caller,
 )
-from labrig.files import path_of
+from labrig.files import AnyPath, path_of
 from labrig.progress import Progress, silent
-from model.measurements import Measurements
+from model.measurements import Measurements, require_well_formed
 
 if TYPE_CHECKING:
     from model.sheet.sheet_model import SheetModel  # a run needs none, and would load it first
 
-AnyPath = str | os.PathLike[str]
 Data = AnyPath | Measurements
 
 
@@ -57,8 +56,12 @@ def paths_of(data: Data | Sequence[AnyPath]) -> list[Path]:
 def measurements_of(
     data: Data | Sequence[AnyPath], progress: Progress | None, *, processes: int = 1
 ) -> Measurements:
-    """Return measurements as they are, or those of sessions; analyse what is not analysed yet."""
+    """Return measurements as they are, or those of sessions; analyse what is not analysed yet.
+
+    Raises ModelError for measurements with a field that is not as its class states it.
+    """
     if isinstance(data, Measurements):
+        require_well_formed(data)
         return data
     from labrig.analysis.distinct import check_distinct
     from labrig.analysis.together import together
@@ -92,7 +95,9 @@ def name_of(model: AnyPath | SheetModel) -> str:
 def _as_list(data: AnyPath | Sequence[AnyPath]) -> list[AnyPath]:
     if isinstance(data, str | os.PathLike):
         return [data]
-    if not isinstance(data, Iterable) or hasattr(data, "columns"):  # a data frame is its columns
+    # a data frame is its columns, an open h5py.File its groups, and bytes are numbers
+    no_paths = isinstance(data, bytes | Mapping) or hasattr(data, "columns")
+    if no_paths or not isinstance(data, Iterable):
         raise BadInputError(
             f"a session file, several, or measurements are needed, not {type_in_words(data)}; "
             "for tables see labrig.measurements_of_tables."

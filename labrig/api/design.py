@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args, overload
 
 from labrig.api.arguments import number, one_of, several, shown
-from labrig.api.data import AnyPath, model_of
+from labrig.api.data import model_of
 from labrig.api.eibm import Eibm, model_with_eibm
 from labrig.api.simulate import tell_of_misses
 from labrig.errors import BadArgumentError
+from labrig.files import AnyPath
 from labrig.one_blas_thread import one_blas_thread
 from labrig.report.design.answers import DesignAnswers, Wanted, answer, as_dict, tables
 from model.design.elongation_map import ElongationMap, elongation_map

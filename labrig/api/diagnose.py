@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import cast
 
 from labrig.api.arguments import (
     check_options,
@@ -13,14 +14,23 @@ from labrig.api.arguments import (
     texts,
     whole_number,
 )
-from labrig.api.data import AnyPath, Data, model_of, paths_of, tell, tell_of_stiffness
+from labrig.api.data import Data, model_of, paths_of, tell, tell_of_stiffness
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.errors import BadInputError, LabrigError
+from labrig.files import AnyPath
+from labrig.model_file import no_model
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next
 from model.discrepancy.thresholds import MOST_EFFECTS
-from model.measurements import Measurements
+from model.measurements import (
+    Measurements,
+    ModelError,
+    is_number,
+    require_number,
+    require_truth,
+    require_whole_number,
+)
 from model.measurements.known_arguments import known_arguments
 from model.sheet.sheet_model import SheetModel
 
@@ -149,8 +159,37 @@ def _completed(
     options: DiagnoseOptions, measurements: Measurements, sessions: Sequence[Path]
 ) -> DiagnoseOptions:
     """Return options with the promises that the sessions kept; tell what is not used."""
+    _require_values(options)
     tell_of_stiffness(measurements, options.stiffness_Nm2)
     return replace(options, promised=options.promised or promises_kept_in(sessions))
+
+
+def _require_values(options: DiagnoseOptions) -> None:
+    """Raise ModelError for values of options that mean nothing, before anything takes minutes."""
+    require_truth("symmetric", options.symmetric)
+    require_whole_number("calibrate", options.calibrate, at_least=0)
+    require_whole_number("seed", options.seed, at_least=0)
+    require_whole_number("most_effects", options.most_effects, at_least=1)
+    if options.stiffness_Nm2 is not None:
+        require_number("stiffness_Nm2", options.stiffness_Nm2, above=0.0)
+    if options.model is not None and not isinstance(options.model, SheetModel):
+        raise no_model(options.model, "options: model: what labrig.load_model returns")
+    names, places = cast("object", options.exclude), cast("object", options.hold_out)
+    if not isinstance(names, tuple | list):
+        raise ModelError(f"exclude {names!r}: a tuple of names is needed")
+    if not isinstance(places, tuple | list) or not all(_is_place(one) for one in places):
+        raise ModelError(
+            f'hold_out {places!r}: a tuple of places is needed, such as (("long", 0.025),)'
+        )
+
+
+def _is_place(one: object) -> bool:
+    return (
+        isinstance(one, tuple | list)
+        and len(one) == 2
+        and isinstance(one[0], str)
+        and is_number(one[1])
+    )
 
 
 def diagnosed_and_kept(

@@ -16,7 +16,8 @@ from model.sheet.sheet_model import SheetModel
 from model.sheet.stated import StatedEibm, with_eibm
 
 # Me in N m: a number, a function of s_m, or (s_m, Me_Nm) with straight lines between the nodes
-Rows = tuple[Sequence[float], Sequence[float]] | Sequence[Sequence[float]]
+Row = Sequence[float] | FloatArray
+Rows = tuple[Row, Row] | Sequence[Sequence[float]] | FloatArray
 Eibm = float | Callable[[FloatArray], FloatArray] | Rows
 LONGEST_RATIO = 10.0  # of the last place of a stated EIBM to the sheet's length
 NODES = 51  # at which a function is taken, along the longest sheet; as of a fit

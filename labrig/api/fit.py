@@ -13,8 +13,9 @@ from labrig.api.arguments import (
     texts,
     whole_number,
 )
-from labrig.api.data import AnyPath, Data, measurements_of, paths_of, tell, tell_of_stiffness
+from labrig.api.data import Data, measurements_of, paths_of, tell, tell_of_stiffness
 from labrig.errors import BadArgumentError, BadInputError
+from labrig.files import AnyPath
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress, silent
 from model import Fit, FitOptions, Measurements
@@ -167,6 +168,7 @@ def _measured(
     """Return the measurements, and which of several sessions each run is from."""
     from labrig.analysis.distinct import check_distinct
     from labrig.analysis.together import together
+    from labrig.plausibility import field_warnings
     from labrig.report.data.findings import measured
     from labrig.report.data.separate_sessions import apart as taken_apart
     from labrig.report.data.separate_sessions import labels
@@ -176,7 +178,11 @@ def _measured(
     if apart and len(paths) < 2:
         raise BadArgumentError("apart: give several sessions to be kept apart.", "apart")
     if not paths:
-        return measurements_of(sessions, progress, processes=processes), {}
+        given = measurements_of(sessions, progress, processes=processes)
+        if not given.source:  # no file: nobody has looked at the units yet
+            for sentence in field_warnings(given):
+                tell(sentence)
+        return given, {}
     check_distinct(paths)
     names = labels(paths)
     advance = progress or silent
@@ -188,9 +194,17 @@ def _measured(
 
 
 def _require_measured(options: FitOptions, measurements: Measurements) -> None:
-    """Raise BadArgumentError for what is to be held out, and was not measured."""
+    """Raise BadArgumentError for what is to be fitted, or held out, and was not measured."""
     from model.identification.options import is_held_out
 
+    known = list(dict.fromkeys(c.configuration for c in measurements.conditions))
+    for name in options.configurations or ():
+        if name not in known:
+            raise BadArgumentError(
+                f"options: configurations: nothing was measured of {name!r}; measured were "
+                f"{', '.join(known) or 'none'}.",
+                "options",
+            )
     for held in options.held_out:
         if not any(is_held_out(c, held) for c in measurements.conditions):
             places = {

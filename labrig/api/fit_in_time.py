@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from labrig.analysis.motion.dynamic_fit import DynamicFit, model_of
-from labrig.api.data import AnyPath, tell
+from labrig.api.data import tell
 from labrig.api.motion_data import checksum_of, fits_of, request_of
+from labrig.files import AnyPath
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress
 from model import SheetModel

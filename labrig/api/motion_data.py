@@ -12,8 +12,9 @@ from labrig.analysis.motion.beginning import ELONGATION_UNKNOWN, StatedValues
 from labrig.analysis.motion.dynamic_fit import DynamicFit, NoSheetInTimeError, dynamic_fit
 from labrig.analysis.motion.record import MotionRecord, motion_record, moving_configurations
 from labrig.api.arguments import elongation_kg_per_m, numbers, one_of, several
-from labrig.api.data import AnyPath, paths_of, tell
+from labrig.api.data import paths_of, tell
 from labrig.errors import BadArgumentError, BadInputError
+from labrig.files import AnyPath
 from labrig.progress import Progress, within
 from labrig.session import RecordedSession, open_session
 

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from labrig.analysis.motion.noise import noise_at_first, noise_of_residuals
 from labrig.analysis.motion.proposals import Proposal, proposals
-from labrig.api.data import AnyPath, model_of
+from labrig.api.data import model_of
 from labrig.api.motion_data import MotionRequest, fits_of, records_of, request_of
-from labrig.files import path_of
+from labrig.files import AnyPath, path_of
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress
 from model import SheetModel

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from labrig.api.arguments import several, shown
-from labrig.api.data import AnyPath, Data, model_of, paths_of, tell
+from labrig.api.data import Data, model_of, paths_of, tell
 from labrig.api.diagnose import diagnosed, keep_in
 from labrig.api.tables import GivenTables, Names, data_of
 from labrig.config.base import parse_toml
 from labrig.errors import BadArgumentError
-from labrig.files import check_free, path_of, write_text
+from labrig.files import AnyPath, check_free, path_of, write_text
 from labrig.one_blas_thread import one_blas_thread
 from labrig.progress import Progress
 from model.discrepancy import DiagnoseOptions, Diagnosis, Next

@@ -8,7 +8,7 @@ from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 from drivers.interfaces import Operator
-from labrig.api.data import AnyPath, tell
+from labrig.api.data import tell
 from labrig.errors import BadInputError, ExitCode
 from labrig.experiment.notices.hook_watch import hooks_of
 from labrig.experiment.notices.hooks import Hooks, NotifyingOperator
@@ -20,7 +20,7 @@ from labrig.experiment.rig.rig import Step, no_step
 from labrig.experiment.rig.wiring import wire
 from labrig.experiment.run import Result, run_session
 from labrig.experiment.signals import stop_signals
-from labrig.files import check_session_name, path_of
+from labrig.files import AnyPath, check_session_name, path_of
 from model.measurements.known_arguments import known_arguments
 from protocols.execution.event_bus import EventBus
 from protocols.execution.events import Event

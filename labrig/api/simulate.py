@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 import numpy.typing as npt
 
-from labrig.api.arguments import number, numbers, several, whole_number
-from labrig.api.data import AnyPath, model_of, name_of, tell
+from labrig.api.arguments import Numbers, number, numbers, several, whole_number
+from labrig.api.data import model_of, name_of, tell
 from labrig.api.eibm import Eibm, model_with_eibm, voltages_of
 from labrig.errors import BadArgumentError
-from labrig.files import path_of
+from labrig.files import AnyPath, path_of
 from labrig.one_blas_thread import one_blas_thread
 from model import Prediction, PredictionArray, SheetModel
 from model import predict as predict_one
@@ -82,6 +82,21 @@ class SimulatedConditions(Displayed, Sequence[Prediction]):
         return [one.to_json() for one in self.conditions]
 
 
+@overload
+def predict(
+    model: AnyPath | SheetModel, configuration: str, position_m: float, voltage_V: float
+) -> Prediction: ...
+
+
+@overload
+def predict(
+    model: AnyPath | SheetModel,
+    configuration: str,
+    position_m: npt.ArrayLike,
+    voltage_V: npt.ArrayLike,
+) -> PredictionArray: ...
+
+
 @known_arguments
 def predict(
     model: AnyPath | SheetModel,
@@ -103,7 +118,9 @@ def predict(
         `y_m` and `curvature_per_m` have shape S + (points,). What is not reachable is NaN.
 
     Raises:
-        ModelError: one sentence for an unknown configuration or voltage.
+        ModelError: one sentence for an unknown configuration or voltage, and for what is no finite
+            number, such as a masked one.
+        BadInputError: one sentence for what is no model.
 
     Example:
         >>> import labrig, numpy as np
@@ -125,8 +142,8 @@ def predict(
 def simulate(
     model: AnyPath | SheetModel,
     *,
-    position_mm: float | Sequence[float] = (),
-    voltage: float | Sequence[float] = (),
+    position_mm: Numbers = (),
+    voltage: Numbers = (),
     configuration: str | Sequence[str] = (),
     session: int = 0,
     eibm: Mapping[float, Eibm] | None = None,

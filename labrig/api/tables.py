@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from labrig.api.arguments import several, texts
-from labrig.api.data import AnyPath, Data, measurements_of, paths_of, tell
+from labrig.api.data import Data, measurements_of, paths_of, tell
 from labrig.errors import BadArgumentError, BadInputError
-from labrig.files import path_of
+from labrig.files import AnyPath, path_of
 from labrig.progress import Progress
 from model.measurements import Measurements
 from model.measurements.known_arguments import known_arguments

@@ -9,11 +9,11 @@ from tempfile import TemporaryDirectory
 from typing import Final
 
 from drivers.plugins import OWN, PluginFolder, UnknownPartError
-from labrig.errors import BadArgumentError, LabrigError
+from labrig.errors import BadArgumentError, LabrigError, type_in_words
 from labrig.exports._files import new_file
 from labrig.exports.conformance import faults
 from labrig.exports.contract import ExportFormat
-from labrig.files import new_folder, path_of
+from labrig.files import AnyPath, new_folder, path_of
 from labrig.session import open_session
 from model.measurements.known_arguments import known_arguments
 
@@ -29,8 +29,8 @@ FORMATS: Final[PluginFolder[ExportFormat]] = PluginFolder(
 
 @known_arguments
 def export(
-    session: Path | str,
-    folder: Path | str,
+    session: AnyPath,
+    folder: AnyPath,
     format: str = DEFAULT,  # noqa: A002 - what it is; the function formats nothing else
 ) -> list[Path]:
     """Write a closed session into a folder in a format of this name.
@@ -50,6 +50,8 @@ def export(
         LabrigError: another distribution's format does not say what it wrote.
 
     """
+    if not isinstance(format, str):
+        raise BadArgumentError(f"format: a text is needed, not {type_in_words(format)}.", "format")
     try:
         chosen = FORMATS.get(format)
     except UnknownPartError as error:

@@ -8,7 +8,7 @@ from typing import Any, Final
 import numpy.typing as npt
 
 from drivers.plugins import PluginFolder, UnknownPartError
-from labrig.errors import BadInputError
+from labrig.errors import BadArgumentError, type_in_words
 from labrig.extractors.conformance import faults, faults_of_curve
 from labrig.extractors.contract import CurveExtractor
 from labrig.vision import NeutralCurve, Optics, StripGeometry
@@ -59,11 +59,13 @@ class ChosenExtractor:
         return NeutralCurve(ok=False, why=f"the curve extractor '{self.name}' {what}.")
 
 
-def chosen_extractor(name: str = BUILT_IN, *, option: str = "--extractor") -> ChosenExtractor:
+def chosen_extractor(name: str = BUILT_IN, *, option: str = "extractor") -> ChosenExtractor:
     """Return the extractor of this name. Raises BadInputError, which lists those there are."""
+    if not isinstance(name, str):  # a caller may give anything
+        raise BadArgumentError(f"{option}: a text is needed, not {type_in_words(name)}.", option)
     try:
         extractor = EXTRACTORS.get(name)
     except UnknownPartError as error:
-        raise BadInputError(f"{option}: {error}.") from None
+        raise BadArgumentError(f"{option}: {error}.", option) from None
     part = EXTRACTORS.parts()[name]
     return ChosenExtractor(name, f"{part.distribution} {part.version}".strip(), extractor)

@@ -7,6 +7,6 @@ mean, such as lengths in metres. Asked by imports of tables, `check`, `plan`, an
 
 from labrig.plausibility.calibration import calibration_age
 from labrig.plausibility.set_up import SetUp, set_up_checks
-from labrig.plausibility.tables import table_warnings
+from labrig.plausibility.tables import field_warnings, table_warnings
 
-__all__ = ["SetUp", "calibration_age", "set_up_checks", "table_warnings"]
+__all__ = ["SetUp", "calibration_age", "field_warnings", "set_up_checks", "table_warnings"]

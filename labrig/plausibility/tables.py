@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator
 
 import numpy as np
@@ -48,6 +49,18 @@ def _lengths(sheets: Iterable[SheetGeometry]) -> Iterator[str]:
     found = {check.name: check for sheet in sheets for check in length_checks(sheet)}
     for check in found.values():
         yield f"{check.name} is {check.found}, usual is {check.wanted}: is its unit right?"
+
+
+def field_warnings(measurements: Measurements) -> Iterator[str]:
+    """Yield the same sentences of measurements that somebody made in Python, with their fields."""
+    for sentence in table_warnings(measurements):
+        yield re.sub(r"\b(force|position|x|y)_m(m|N)( in m(m|N))?", _as_field, sentence)
+
+
+def _as_field(column: re.Match[str]) -> str:
+    name, unit, has_unit, _ = column.groups()
+    in_SI = "N" if unit == "N" else "m"
+    return f"{name}_{in_SI}{f' in {in_SI}' if has_unit else ''}"
 
 
 def _forces(values: list[float]) -> Iterator[str]:

@@ -1,5 +1,11 @@
 """`Measurements`: the one table between the rig and the model, and how it is shown and exported."""
 
+from model.measurements.checked_values import (
+    is_number,
+    require_number,
+    require_truth,
+    require_whole_number,
+)
 from model.measurements.columns import Columns, MissingPandasError, dataframe
 from model.measurements.data import (
     CameraUncertainty,
@@ -26,6 +32,7 @@ from model.measurements.scale import (
     scale_of,
     scale_of_measurements,
 )
+from model.measurements.well_formed import require_well_formed
 
 __all__ = [
     "CameraUncertainty",
@@ -52,8 +59,13 @@ __all__ = [
     "in_digits",
     "in_volts",
     "is_at",
+    "is_number",
     "length_scale",
     "load_scale",
+    "require_number",
+    "require_truth",
+    "require_well_formed",
+    "require_whole_number",
     "rms",
     "scale_of",
     "scale_of_measurements",

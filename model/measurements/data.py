@@ -60,9 +60,9 @@ class SheetGeometry(Displayed):
 class Curve(Displayed):
     """A neutral curve, from the clamp (s = 0) to the visible end of sheet or elongation."""
 
-    s_m: FloatArray  # (points,)
-    x_m: FloatArray
-    y_m: FloatArray
+    s_m: FloatArray  # (points,), rising, from 0 at the clamp
+    x_m: FloatArray  # along the clamped sheet's tangent
+    y_m: FloatArray  # to the side of positive deflection and of positive position on the arc
     curvature_per_m: FloatArray | None = None
     # of the distance along the normal, from the image alone; None: not stated
     sigma_m: FloatArray | None = None
@@ -113,8 +113,8 @@ class Reading(Displayed):
     # From 0, in time order over the whole run, zero readings and pulses alike; labrig show and
     # labrig mark count it from 1
     index: int
-    kind: Kind
-    force_N: float
+    kind: Kind  # zero and kept count; discarded and no_contact do not
+    force_N: float  # on the load cell, along the arc's tangent, towards larger positions
     time_s: float | None = None  # since the run began
     session_s: float | None = None  # since the session began
     wetted_s: float | None = None  # since the last wetting
@@ -308,7 +308,7 @@ class Measurements(Displayed):
             "conditions": self._conditions, "readings": self._readings,
             "curves": self._curves, "signals": self._signals,
         }  # fmt: skip
-        if part not in tables:
+        if part not in list(tables):
             raise ModelError(f"measurements have no part '{part}', but {', '.join(tables)}")
         return dataframe(tables[part]())
 

@@ -18,6 +18,7 @@ _LENGTHS = {
     "arc_radius_mm": "arc_radius_m",
 }  # fmt: skip
 FITTED = "fitted_positions_mm"  # of a configuration in a model file
+SAME_V = 1e-6  # relative: a voltage this close to one that was fitted is that one
 NEAR_M = 5e-4  # a position this close to those fitted is one of them
 
 
@@ -109,6 +110,8 @@ class ConfiguredSheet(Displayed):
         """Me(s) at a voltage: known at the fitted ones and 0 V, in proportion between."""
         length = self.sheet.free_length_m
         volts = sorted({0.0, *self.eibm})
+        # one of a float32 array differs from what was fitted in its eighth digit
+        voltage_V = next((v for v in volts if abs(v - voltage_V) <= SAME_V * abs(v)), voltage_V)
         if not volts[0] <= voltage_V <= volts[-1]:
             known = f"{volts[0]:g} V to {volts[-1]:+g} V" if len(volts) > 1 else "0 V alone"
             raise ModelError(

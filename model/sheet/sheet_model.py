@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import isfinite
@@ -14,6 +13,7 @@ import numpy.typing as npt
 from model.dynamics import ContactSetup, DynamicBeam, DynamicSheet
 from model.effects.between_sessions import sessions_in
 from model.measurements import Displayed, FloatArray, ModelError, Summary
+from model.measurements.checked_values import shown
 from model.parameter import finite
 from model.sheet.beam_problem import ActiveEffect, ConditionProblem
 from model.sheet.configured_sheet import FITTED, ConfiguredSheet, FittedPositions, table
@@ -65,7 +65,7 @@ class SheetModel(Displayed):
         """Return a configuration's parameters."""
         if not self.sheets:
             raise ModelError("this model has no configuration: nothing was fitted")
-        if configuration not in self.sheets:
+        if not isinstance(configuration, str) or configuration not in self.sheets:
             known = ", ".join(sorted(self.sheets))
             raise ModelError(f"the model has no configuration '{configuration}' (it has: {known})")
         return self.sheets[configuration]
@@ -272,12 +272,14 @@ def _numbers(name: str, given: npt.ArrayLike) -> FloatArray:
     """Return a number or an array of them. Raises ModelError, which names the argument."""
     try:
         found = np.asarray(given)
-        if found.dtype.kind in "US":  # NumPy would take the text of a number
+        # NumPy would take the text of a number, half of a complex one, and what a mask hides
+        if found.dtype.kind in "USc" or np.ma.is_masked(given):
             raise TypeError
         return found.astype(np.float64)
     except (TypeError, ValueError):  # also rows of different lengths
-        said = reprlib.repr(given)
-        raise ModelError(f"{name} {said}: a number or an array of numbers is needed") from None
+        raise ModelError(
+            f"{name} {shown(given)}: a number or an array of numbers is needed"
+        ) from None
 
 
 def _merit(data: dict[str, Any], where: str = "") -> dict[str, float]:

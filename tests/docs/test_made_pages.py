@@ -57,6 +57,16 @@ def test_every_public_name_is_documented_with_a_docstring():
         assert not callable(thing) or inspect.getdoc(thing), f"{name} has no docstring"
 
 
+def test_what_a_field_of_a_data_class_means_is_on_the_page():
+    page = made("python_api").page()
+    for said in (
+        '- `held_out`: conditions not used: (configuration or "" for all, position in m)',
+        "- `position_m`: along the arc; None: free, no load cell touches the sheet",
+        "- `most_effects`: more take longer",
+    ):
+        assert said in page
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("file", ["rig", "sheet", "protocol", "load_cell", "about", "optics"])
 def test_every_key_of_a_configuration_file_is_on_its_page(file):

@@ -35,7 +35,7 @@ def compare_methods(
             f"--method: {', '.join(names)}: an extractor cannot be compared with itself; "
             "`labrig curves --method list` lists all."
         )
-    methods = [chosen_extractor(name, option="--method") for name in names]
+    methods = [chosen_extractor(name, option="method") for name in names]
     rows: list[MethodCurve] = []
     for image in compared(sources, options, methods):
         rows += image

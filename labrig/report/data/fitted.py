@@ -26,7 +26,7 @@ class FittedSheets:
 def fit_what_can_be(measurements: Measurements, options: FitOptions | None = None) -> FittedSheets:
     """Fit all configurations together, or those for which that is possible."""
     options = options or FitOptions()
-    names = configurations(measurements)
+    names = options.configurations or configurations(measurements)
     try:
         return FittedSheets(fit(measurements, options))
     except ModelError as error:

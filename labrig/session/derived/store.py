@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from labrig.errors import BadInputError
-from labrig.files import path_of, typed
+from labrig.files import AnyPath, path_of, typed
 from labrig.session.derived.arrays import (
     COLUMNS,
     UNITS,
@@ -51,7 +51,7 @@ def store_measurements(
 
 
 @known_arguments
-def load_measurements(path: Path | str) -> Measurements:
+def load_measurements(path: AnyPath) -> Measurements:
     """Return the measurements kept in a session file that was analysed or imported.
 
     A recorded session that was not analysed yet has none: call `labrig.analyze` first. `labrig.fit`

@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from labrig.errors import BadInputError, LabrigError
-from labrig.files import path_of
+from labrig.files import AnyPath, path_of
 from labrig.session.notes.note import NAME_CHARACTERS_MAX, Note
 from labrig.session.notes.stored import add_to_file
 from labrig.session.notes.waiting import WaitingNotes, open_waiting
@@ -23,7 +23,7 @@ from model.measurements.known_arguments import known_arguments
 
 
 @known_arguments
-def add_note(path: Path | str, note: Note | str) -> bool:
+def add_note(path: AnyPath, note: Note | str) -> bool:
     """Add a note to a session that is closed, being recorded, or cut short.
 
     `note` is a `Note`, or its text alone: it is then by the operators that the session states.

@@ -17,7 +17,7 @@ from labrig.session.format.layout import Array
 from labrig.session.format.setup import SessionSetup
 from labrig.session.marks.mark import Mark, Place, standing
 from labrig.session.reading.values import read_array, read_dataset, read_table
-from model.measurements import Displayed, Summary, dataframe, in_volts
+from model.measurements import Displayed, Summary, dataframe, in_volts, is_number
 from protocols.execution.channels import FORCE_N
 from protocols.planning.schedule import PlannedRun
 
@@ -244,10 +244,10 @@ class RunRecord(Displayed):
 
     def image(self, row: int) -> GreyImage:
         """Return an image by its row, 0 to `frame_count` - 1."""
-        if not 0 <= row < self.frame_count:
+        if not is_number(row) or not 0 <= row < self.frame_count:
             raise BadInputError(
                 f"{self._path}: run {self.planned.index + 1} has {self.frame_count} images and "
-                f"none in row {row}."
+                f"none in row {row!r}."
             )
         return read_array(self._images(), self._path, row)
 

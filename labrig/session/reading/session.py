@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 
 from labrig.config.about import About, recorded_about
 from labrig.config.derived import SIMULATED
-from labrig.errors import BadInputError
-from labrig.files import path_of
+from labrig.errors import BadInputError, type_in_words
+from labrig.files import AnyPath, path_of
 from labrig.session.format import layout
 from labrig.session.format.checksums import SUPPLEMENT_SUM
 from labrig.session.format.devices import REPLAY_OF, boards_in_words
@@ -42,7 +42,7 @@ from labrig.session.reading.values import (
     text_attribute,
 )
 from labrig.session.supplements.store import is_sealed
-from model.measurements import Displayed, Measurements, Summary, dataframe
+from model.measurements import Displayed, Measurements, Summary, dataframe, is_number
 from model.measurements.known_arguments import known_arguments
 from protocols.execution.events import Outcome, OutputState
 from protocols.planning.schedule import Schedule
@@ -147,6 +147,8 @@ class RecordedSession(Displayed):
         for run in self.runs:
             if run.planned.index == index:
                 return run
+        if not is_number(index):
+            raise BadInputError(f"{self.path}: run {index!r}: an index is needed, from 0.")
         numbers = run_numbers(self.runs)
         has = f"its runs are {numbers}" if numbers else "it has none"
         raise BadInputError(f"{self.path}: there is no run {index + 1}; {has}.")
@@ -347,6 +349,11 @@ class RecordedSession(Displayed):
 
         Raises BadInputError where xarray is not installed, or content is damaged.
         """
+        if measurements is not None and not isinstance(measurements, Measurements):
+            raise BadInputError(
+                "measurements: what labrig.load_measurements returns is needed, not "
+                f"{type_in_words(measurements)}."
+            )
         try:
             attributes = {"identifier": self.identifier, "start_time": self.started}
             attributes |= {"title": self.about.title} if self.about.title else {}
@@ -375,7 +382,7 @@ class RecordedSession(Displayed):
 
 
 @known_arguments
-def open_session(path: Path | str, *, live: bool = False) -> RecordedSession:
+def open_session(path: AnyPath, *, live: bool = False) -> RecordedSession:
     """Open a session for reading.
 
     Raises BadInputError, in a sentence, for whatever is no whole session of this format. A session

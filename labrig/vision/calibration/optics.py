@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import math
 from enum import StrEnum
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
@@ -20,7 +19,7 @@ from pydantic import Field, model_validator
 from labrig.config.base import parse_json, read_text, validate
 from labrig.config.file_kinds import OPTICS, refuse_other_kind
 from labrig.errors import BadInputError
-from labrig.files import path_of
+from labrig.files import AnyPath, path_of
 from labrig.vision.calibration.lens import distort, undistort
 from labrig.vision.facts.catalogue import strip_facts
 from labrig.vision.facts.contract import FactOf
@@ -345,7 +344,7 @@ def project(homography: FloatArray, points: FloatArray) -> FloatArray:
 
 
 @known_arguments
-def load_optics(path: Path | str) -> Optics:
+def load_optics(path: AnyPath) -> Optics:
     """Return the optics that an optics.json states. Raises BadInputError."""
     path = path_of(path)
     return Optics.from_json(read_text(path, OPTICS), str(path))

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from labrig.errors import BadInputError
 from labrig.vision.calibration.optics import Optics
 from labrig.vision.curve.background_lines import BackgroundLine
-from model.measurements import Curve, Displayed, Summary, dataframe
+from model.measurements import Curve, Displayed, Summary, dataframe, is_number
 from model.measurements.known_arguments import known_arguments
 
 if TYPE_CHECKING:
@@ -51,6 +51,9 @@ class StripGeometry:
     length_known: bool = True  # else `free_length_m` is a guess, and it is followed to its end
 
     def __post_init__(self) -> None:
+        for name in ("free_length_m", "elongation_m", "thickness_m"):
+            if not is_number(value := getattr(self, name)):
+                raise BadInputError(f"{name} {value!r}: a number is needed.")
         if self.thickness_m is _UNSTATED:
             guess_m = min(USUAL_THICKNESS_M, 0.1 * self.free_length_m)
             object.__setattr__(self, "thickness_m", guess_m)

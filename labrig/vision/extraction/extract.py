@@ -69,15 +69,15 @@ def neutral_curve(
     been changed by that. What cannot be measured comes back with `ok` False and the
     reason, never raised. `labrig.read_image` and `labrig.load_optics` read the files.
     """
-    _refuse_other_types(optics, strip)
+    _refuse_other_types(optics, strip, start)
     found = unconfirmed_curve(image, optics, strip, start=start)
     if found.ok and start is not None and start.ok and not changed_by_it(start):
         return found.confirmed()
     return seen_again(found, image, optics, strip).confirmed()
 
 
-def _refuse_other_types(optics: object, strip: object) -> None:
-    """Raise BadInputError for what stands in the place of optics or strip: a caller may err."""
+def _refuse_other_types(optics: object, strip: object, start: object) -> None:
+    """Raise BadInputError for what stands in the place of one of these: a caller may err."""
     if not isinstance(optics, Optics):
         raise BadInputError(
             f"optics: a labrig.Optics is needed, not {type_in_words(optics)}; "
@@ -85,6 +85,8 @@ def _refuse_other_types(optics: object, strip: object) -> None:
         )
     if not isinstance(strip, StripGeometry):
         raise BadInputError(f"strip: a labrig.StripGeometry is needed, not {type_in_words(strip)}.")
+    if start is not None and not isinstance(start, NeutralCurve):
+        raise BadInputError(f"start: a labrig.NeutralCurve is needed, not {type_in_words(start)}.")
 
 
 def unconfirmed_curve(

@@ -77,6 +77,8 @@ def in_levels(image: npt.NDArray[Any], optics: Optics) -> npt.NDArray[Any]:
 
 def read_grey_image(image: npt.NDArray[Any], optics: Optics) -> GreyImage:
     """Check an image and turn it into floats; colour is turned into grey with a warning."""
+    if isinstance(image, np.ndarray):  # FITS, and some TIFF, have the bytes the other way round
+        image = image.astype(image.dtype.newbyteorder("="), copy=False)
     grey, warnings = _grey(image, optics.channel)
     rows, columns = grey.shape
     if min(rows, columns) < IMAGE_SIDE_MIN_PX:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from labrig.config.file_kinds import IMAGE, kind_of_file, other_kind
 from labrig.errors import BadInputError
-from labrig.files import path_of
+from labrig.files import AnyPath, path_of
 from labrig.vision.image.films import frames_in
 from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.names import (
@@ -85,7 +85,7 @@ def pictures_in(path: Path, every: int = 1) -> Iterator[Picture]:
 
 
 @known_arguments
-def read_image(path: Path | str) -> Pixels:
+def read_image(path: AnyPath) -> Pixels:
     """Return an image: 8 or 16 bit or floats, grey or colour, upright as its camera states."""
     path = path_of(path)
     return _decoded(_bytes(path), path)

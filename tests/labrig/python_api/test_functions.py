@@ -513,6 +513,20 @@ def test_a_fit_is_no_model_and_its_models_are_named(fitted):
         labrig.predict(fitted, "long", 0.0, 2.0)
 
 
+def test_what_is_no_run_no_image_and_no_measurements_is_one_sentence(session_file, tmp_path):
+    with labrig.open_session(session_file) as opened:
+        with pytest.raises(BadInputError, match="run '0': an index is needed, from 0"):
+            opened.run("0")
+        with pytest.raises(BadInputError, match="none in row '0'"):
+            opened.run(0).image("0")
+        with pytest.raises(BadInputError, match="load_measurements returns is needed, not a str"):
+            opened.to_xarray("session.h5")
+    with pytest.raises(BadInputError, match="format: a text is needed, not None"):
+        labrig.export(session_file, tmp_path / "tables", None)
+    with pytest.raises(labrig.ModelError, match="measurements have no part"):
+        labrig.load_measurements(session_file).to_dataframe(["curves"])
+
+
 @pytest.mark.slow
 def test_an_open_session_stands_for_its_file(session_file):
     with labrig.open_session(session_file) as opened:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import traceback
 from dataclasses import replace
+from functools import partial
 from typing import cast
 
 import numpy as np
@@ -14,6 +15,7 @@ import labrig
 from labrig.api.next_measurement import NextMeasurement
 from labrig.cli.main import run
 from labrig.errors import BadInputError
+from labrig.extractors.choice import chosen_extractor
 from model import Prediction, PredictionArray
 from model.discrepancy import Next
 from tests.labrig.report_data import measure
@@ -123,6 +125,38 @@ def test_a_place_that_is_no_number_is_one_sentence_of_predict(wrong):
     for place in ((wrong, 2), (0.01, wrong)):
         said = said_by(lambda place=place: labrig.predict(sheet(), "sheet", *place))
         assert "a number or an array of numbers is needed" in said or "finite numbers" in said
+
+
+@pytest.mark.parametrize("wrong", [np.ma.masked_array([0.01, 0.02], [False, True]), [0.01 + 0j]])
+def test_what_a_mask_hides_and_half_of_a_complex_number_are_not_predicted(wrong):
+    said = said_by(lambda: labrig.predict(sheet(), "sheet", wrong, 2.0))
+    assert "position_m" in said
+    assert "a number or an array of numbers is needed" in said
+    assert "\n" not in said
+
+
+@pytest.mark.parametrize("volts", [np.float32(1.1), -1.1 - 1e-8, [np.float32(1.1)]])
+def test_a_voltage_of_32_bits_is_the_one_that_was_fitted(volts):
+    model = sheet(EIBM_Nm={1.1: 36e-6, -1.1: -28e-6})
+    asked = labrig.predict(model, "sheet", 0.01, volts)
+    exact = labrig.predict(model, "sheet", 0.01, np.sign(volts) * 1.1)
+    np.testing.assert_allclose(asked.F_N, exact.F_N)
+    assert "1.11 V is outside" in said_by(lambda: labrig.predict(model, "sheet", 0.01, 1.11))
+
+
+def test_a_list_is_no_name_of_a_sheet():
+    said = said_by(lambda: labrig.predict(sheet(), ["sheet"], 0.01, 2.0))
+    assert said.startswith("the model has no configuration '['sheet']'")
+
+
+def test_arrays_and_pairs_of_arrays_have_a_type_of_an_argument():
+    """What is written here is what mypy accepts."""
+    rows = (np.array([0.0, 0.05]), np.array([36e-6, 12e-6]))
+    model = labrig.sheet(**NUMBERS, B_Nm2=1.27e-6, EIBM_Nm={2.0: rows})
+    found = labrig.simulate(model, position_mm=np.array([0.0, 10.0]), voltage=2)
+    one: Prediction = labrig.predict(model, "sheet", 0.01, 2.0)
+    both: PredictionArray = labrig.predict(model, "sheet", np.array([0.0, 0.01]), 2.0)
+    assert [each.F_N for each in found][1] == one.F_N == pytest.approx(both.F_N[1])
 
 
 @pytest.mark.parametrize(
@@ -304,6 +338,17 @@ def test_what_is_no_model_is_told_before_a_file_is_written(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
+def test_figures_are_drawn_into_one_axes_of_what_was_diagnosed():
+    from matplotlib.figure import Figure
+
+    both, eibm = Figure().subplots(2), labrig.plot.eibm
+    wanted = "ax: one matplotlib Axes is needed, not a"
+    assert said_by(lambda: eibm(sheet(), ax=both)) == f"{wanted} ndarray."
+    assert said_by(lambda: eibm(sheet(), ax=both[0].figure)) == f"{wanted} Figure."
+    for draw in (labrig.plot.diagnosis, labrig.plot.diagnosis_forces):
+        assert "what labrig.diagnose returns is needed, not a str" in said_by(partial(draw, "s.h5"))
+
+
 def test_what_is_no_prediction_is_not_drawn():
     wanted = "predictions are needed, as labrig.predict and labrig.simulate return them, not "
     assert said_by(lambda: labrig.plot.shapes(sheet(), sheet())) == f"{wanted}a SheetModel."
@@ -327,6 +372,23 @@ def test_a_curve_is_looked_for_with_optics_and_a_strip():
     assert said_by(lambda: labrig.neutral_curve(pixels, optics, "sheet.toml")) == (
         "strip: a labrig.StripGeometry is needed, not a str."
     )
+    assert said_by(lambda: labrig.neutral_curve(pixels, optics, strip, start="last")) == (
+        "start: a labrig.NeutralCurve is needed, not a str."
+    )
+    assert said_by(lambda: labrig.StripGeometry(free_length_m="0.03")) == (
+        "free_length_m '0.03': a number is needed."
+    )
+
+
+@pytest.mark.parametrize(
+    ("extractor", "said"),
+    [
+        ("gone", "extractor: there is no curve extractor 'gone'; choose one of: intensity_fit."),
+        (None, "extractor: a text is needed, not None."),
+    ],
+)
+def test_an_extractor_is_named_as_the_function_names_it(extractor, said):
+    assert said_by(lambda: chosen_extractor(extractor)) == said
 
 
 # -- arguments that a function does not have

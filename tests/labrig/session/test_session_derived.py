@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -20,7 +22,8 @@ from labrig.session import (
     verify,
 )
 from labrig.session.derived.arrays import measurements_from_tables, tables_from_measurements
-from model.measurements import Measurements
+from model.measurements import Measurements, Reading
+from tests.labrig.report_data import measure
 from tests.labrig.session.measured import measurements, same
 from tests.labrig.session.session_recording import record, small_schedule
 
@@ -145,6 +148,29 @@ def test_what_the_page_shows_reads_the_curves_without_labrig(session, monkeypatc
     (wanted, *_) = (c for c in measurements().conditions if c.curve is not None)
     np.testing.assert_array_equal(found["curve"]["x_m"], wanted.curve.x_m)
     assert found["place"]["voltage_V"] == wanted.voltage_V
+
+
+@pytest.mark.slow
+def test_the_means_that_the_page_shows_are_those_of_labrig(session, monkeypatch):
+    """Each sheet by itself, and without the first pulses: /session/data has all readings."""
+    pytest.importorskip("pandas")
+    (example,) = re.findall(r"```python\n(.*?)```", PAGE.read_text("utf-8"), re.DOTALL)
+    measured = measure("long", "short")
+    first = measured.conditions[0]
+    pulse = Reading(index=99, kind="discarded", force_N=1.0)
+    wrong = Reading(index=98, kind="kept", force_N=1.0, valid=False, why="knocked")
+    changed = replace(first, readings=(pulse, wrong, *first.readings))
+    store_measurements(session, replace(measured, conditions=(changed, *measured.conditions[1:])))
+    monkeypatch.chdir(session.parent)
+    session.rename("session.h5")
+    found: dict[str, Any] = {}
+    exec(compile(example, str(PAGE), "exec"), found)
+    assert len(found["means"]) == len(measured.conditions)
+    for one in measured.conditions:
+        place = (one.configuration.encode(), one.position_m, one.voltage_V, 0, 0)
+        row, forces_N = found["means"].loc[place], one.forces_N()
+        assert row["mean"] == pytest.approx(forces_N.mean())
+        assert row["sem"] == pytest.approx(forces_N.std(ddof=1) / len(forces_N) ** 0.5)
 
 
 def test_each_column_of_what_was_derived_has_its_unit(session):

@@ -27,6 +27,7 @@ from labrig.vision import (
 )
 from labrig.vision.batch.curves import curves_of
 from labrig.vision.calibration.drawing import write_drawing
+from labrig.vision.image.image import read_grey_image
 from labrig.vision.image.library_messages import without_lines_of_libraries
 from labrig.vision.image.names import PictureLabel
 from labrig.vision.image.reading import pictures_in
@@ -150,6 +151,18 @@ def test_in_python_floats_from_0_to_1_are_told():
     optics = Optics(px_per_mm=8.0, clamp_px=(80.0, 100.0))
     why = neutral_curve(image, optics, StripGeometry(free_length_m=0.02)).why
     assert "multiply floats from 0 to 1 by 255, or check lens cap" in why
+
+
+def test_in_python_an_image_may_have_its_bytes_the_other_way_round():
+    """As FITS files and some TIFF have them; it was said to have neither 8 nor 16 bits."""
+    image = (marked(200, 300) + 30).astype(np.uint16) * 256
+    optics = Optics(px_per_mm=8.0, clamp_px=(80.0, 100.0))
+    strip = StripGeometry(free_length_m=0.02)
+    whys = [neutral_curve(one, optics, strip).why for one in (image, image.astype(">u2"))]
+    assert whys[0] == whys[1]
+    assert "values" not in whys[1]
+    turned = read_grey_image(image.astype(">u2"), optics)
+    np.testing.assert_array_equal(turned.grey, read_grey_image(image, optics).grey)
 
 
 def test_each_page_of_a_tiff_is_an_image(folder):
