@@ -27,8 +27,9 @@ def older_picture(clock: AcquisitionTimes, age_s: float) -> FloatArray:
 
 
 def through_zero(clock: AcquisitionTimes) -> AcquisitionTimes:
-    """Return the EIBM follows the voltage through 0, each polarity at its own slope.
+    """Return the times for an EIBM that follows the voltage through 0, each polarity in proportion.
 
     Otherwise it goes straight from one settled value to the other.
     """
-    return replace(clock, opposite=np.sign(clock.opposite))
+    in_volts = np.where(np.isfinite(clock.opposite_V), clock.opposite_V, np.sign(clock.opposite))
+    return replace(clock, opposite=in_volts)

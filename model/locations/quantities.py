@@ -32,6 +32,7 @@ class AcquisitionTimes:
     wetted_s: FloatArray  # since the sheet was last wetted
     driven_s: FloatArray  # under voltage since then
     opposite: FloatArray  # EIBM just before the last edge, over that after it: -1, or 0 at first
+    opposite_V: FloatArray | float = np.nan  # the voltage, likewise; NaN: as large before as after
     rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
     worked_s: FloatArray | float = 0.0  # under voltage in all sessions
     overall: FloatArray | float = 0.5  # 0 .. 1 over all sessions analysed together

@@ -88,6 +88,7 @@ def _longer(seen: ConditionData) -> ConditionData:
         session=np.full(count, float(np.mean(clock.session))),
         overall=np.full(count, float(np.mean(clock.overall))),
         opposite=np.resize(clock.opposite, count),
+        opposite_V=np.resize(np.asarray(clock.opposite_V), count),
         rise_s=np.full(count, np.broadcast_to(clock.rise_s, len(clock.voltage_V))[0]),
         pulse=on(clock.pulse, pulses),
         run_s=on(clock.run_s, seconds),
@@ -128,7 +129,7 @@ def free_shapes(one: DataVector) -> tuple[ConditionData, ...]:
             if like is None:
                 continue
             clock = ReadingTimes(
-                voltage_V=volts, zeros=0, ratio=1.0, rise_s=one.sheet.rise_time_s, worked_s=0.0
+                voltage_V=volts, zeros=0, rise_s=one.sheet.rise_time_s, worked_s=0.0
             ).of_no_reading(0.5)
             result.append(
                 replace(

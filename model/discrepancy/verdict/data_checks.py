@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from model.discrepancy.thresholds import SLIP_LENGTH_RATIO
-from model.identification.data.acquisition_times import run_key
+from model.identification.data.run_key import run_key
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import Measurements
 

@@ -12,22 +12,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from model.effects.interface import AcquisitionTimes
+from model.identification.data.preceding_eibm import PrecedingEibm
 from model.identification.data.pulses import SAMPLE_S
-from model.measurements import Condition, FloatArray, Reading, TimeSeries
+from model.identification.data.run_key import RunKey, run_key
+from model.measurements import Condition, FloatArray, Reading
 
 PULSE_S = 0.6
 AMID = 10.0  # number of a pulse long after the first one
 OFF_PULSE, MOST_DISCARDED = 0.1, 6  # of times that count pulses, in pulses
-# configuration, position (inf: free), mounting, run, tilt of the rig
-RunKey = tuple[str, float, int, int, float]
-
-
-def run_key(condition: Condition | TimeSeries) -> RunKey:
-    """Return the key that all conditions of one set-up share."""
-    position = np.inf if condition.position_m is None else condition.position_m
-    # a series does not say how the rig was tilted
-    tilt_rad = condition.tilt_rad if isinstance(condition, Condition) else 0.0
-    return condition.configuration, float(position), condition.mounting, condition.run, tilt_rad
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,14 +91,16 @@ class ReadingTimes:
 
     voltage_V: float
     zeros: int  # readings of the run before its first pulse
-    ratio: float  # |EIBM(-)/EIBM(+)|
     rise_s: float
     worked_s: float  # under voltage before the run
     driven_s: float = 0.0  # ... since the sheet was last wetted
     position_m: float = np.nan  # NaN: free
+    before: PrecedingEibm = field(default_factory=PrecedingEibm)
     overall: Callable[[float], float] = field(default=lambda share: share)  # see `SessionTimes`
 
-    def of(self, readings: list[Reading], session: list[float]) -> AcquisitionTimes:
+    def of(
+        self, readings: list[Reading], session: list[float], key: RunKey | None = None
+    ) -> AcquisitionTimes:
         """Of readings in time order; those without times are taken as spaced by the pulses."""
         index = np.array([r.index for r in readings], dtype=float)
         run_s = np.array(
@@ -115,28 +109,35 @@ class ReadingTimes:
         wetted = np.array(
             [t if r.wetted_s is None else r.wetted_s for r, t in zip(readings, run_s, strict=True)]
         )
-        clock = self._clock(index, run_s, np.array(session), wetted)
+        before_V = self.before.voltages_V(key, self.voltage_V, [r.index for r in readings])
+        clock = self._clock(index, run_s, np.array(session), wetted, before_V)
         return replace(clock, channels=_channels(readings))
 
     def of_no_reading(self, session: float) -> AcquisitionTimes:
         """Of a free shape, at this time of the session, in a pulse amid others."""
         pulse = np.full(1, AMID)
         run_s = PULSE_S * pulse + SAMPLE_S
-        return replace(self, zeros=0)._clock(pulse, run_s, np.full(1, session), run_s)
+        before_V = self.before.voltages_V(None, self.voltage_V, [0])
+        return replace(self, zeros=0)._clock(pulse, run_s, np.full(1, session), run_s, before_V)
 
     def _clock(
-        self, index: FloatArray, run_s: FloatArray, session: FloatArray, wetted: FloatArray
-    ) -> AcquisitionTimes:
+        self, index: FloatArray, run_s: FloatArray, session: FloatArray, wetted: FloatArray,
+        before_V: FloatArray,
+    ) -> AcquisitionTimes:  # fmt: skip
         shape = index.shape
         pulse = index - self.zeros if self.voltage_V else np.full(shape, -1.0)
         driven = PULSE_S * np.maximum(pulse, 0.0)
         dried = self.driven_s + driven
-        before = -self.ratio if self.voltage_V > 0.0 else -1.0 / self.ratio
-        opposite = np.where(pulse > 0.0, before, 0.0) if self.voltage_V else np.ones(shape)
+        opposite, opposite_V = np.ones(shape), np.ones(shape)
+        if self.voltage_V:
+            before_V = np.where(pulse > 0.0, before_V, 0.0)
+            opposite = self.before.eibm(before_V, self.voltage_V)
+            opposite_V = before_V / self.voltage_V
         return AcquisitionTimes(
             voltage_V=np.full(shape, self.voltage_V), pulse_s=np.full(shape, SAMPLE_S),
             pulse=pulse, run_s=run_s, session=session, wetted_s=wetted, driven_s=dried,
-            opposite=opposite, rise_s=np.full(shape, self.rise_s), worked_s=self.worked_s + driven,
+            opposite=opposite, opposite_V=opposite_V, rise_s=np.full(shape, self.rise_s),
+            worked_s=self.worked_s + driven,
             position_m=np.full(shape, self.position_m),
             overall=np.array([self.overall(float(t)) for t in session]),
         )  # fmt: skip
@@ -231,17 +232,3 @@ def _before(last: Reading, first: Reading) -> int:
     timed = (first.time_s - last.time_s) / PULSE_S - 1.0
     whole = abs(timed - round(timed)) < OFF_PULSE and 0 <= round(timed) <= MOST_DISCARDED
     return round(timed) if whole else numbered
-
-
-def opposite_ratio(conditions: list[Condition]) -> float:
-    """Rough |EIBM(-)/EIBM(+)|, from how far the forces move."""
-    mean: dict[float, list[float]] = {}
-    for c in conditions:
-        if c.position_m is not None and c.used():
-            mean.setdefault(np.sign(c.voltage_V), []).append(
-                float(np.mean([r.force_N for r in c.used()]))
-            )
-    if not {-1.0, 0.0, 1.0} <= set(mean):
-        return 1.0
-    zero, up, down = (float(np.mean(mean[k])) for k in (0.0, 1.0, -1.0))
-    return float(np.clip(abs(down - zero) / max(abs(up - zero), 1e-9), 0.3, 3.0))

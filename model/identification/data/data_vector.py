@@ -21,13 +21,12 @@ from numpy.polynomial import legendre
 from model.effects.interface import AcquisitionTimes
 from model.identification.data.acquisition_times import (
     ReadingTimes,
-    RunKey,
     SessionTimes,
     first_pulses,
-    opposite_ratio,
-    run_key,
 )
+from model.identification.data.preceding_eibm import PrecedingEibm
 from model.identification.data.pulses import BINS_S, parts_of_pulses
+from model.identification.data.run_key import RunKey, run_key
 from model.identification.data.zero_voltage import zero_voltage_V
 from model.identification.observations import check_sheet, checked_curve
 from model.measurements import (
@@ -149,12 +148,12 @@ def data_vector_of(measurements: Measurements, configuration: str) -> DataVector
         raise ModelError(f"configuration '{configuration}' has no conditions: nothing was measured")
     session = SessionTimes.of(every)
     zeros = first_pulses(own)
-    ratio = opposite_ratio(own)
+    before = PrecedingEibm.of(own)
     begun = {
         number: min((session.share(c, r) for c in some for r in c.used()), default=0.5)
         for number, some in _by_session(own).items()
     }
-    found = [_seen(c, sheet, session, zeros, ratio, begun[c.session]) for c in own]
+    found = [_seen(c, sheet, session, zeros, before, begun[c.session]) for c in own]
     seen = tuple(s for s in found if s is not None)
     if not seen:
         reasons = sorted({r.why for c in own for r in c.readings if r.why})
@@ -195,15 +194,13 @@ def means_of(whole: DataVector) -> DataVector:
 
 def _told_apart(conditions: Sequence[Condition]) -> list[Condition]:
     """Give conditions that are approached from above a run of their own, where none is stated."""
-
-    def place(one: Condition) -> tuple[object, ...]:
-        return one.configuration, one.position_m, one.mounting, one.run, one.tilt_rad
-
-    below = {place(one) for one in conditions if one.approach != "down"}
+    below = {run_key(one) for one in conditions if one.approach != "down"}
+    beyond = 1 + max((one.run for one in conditions), default=0)  # no run of theirs has it yet
     return [
-        replace(one, run=one.run + 1) if one.approach == "down" and place(one) in below else one
+        replace(one, run=beyond + one.run)
+        if one.approach == "down" and run_key(one) in below else one
         for one in conditions
-    ]
+    ]  # fmt: skip
 
 
 def _seen(
@@ -211,7 +208,7 @@ def _seen(
     sheet: SheetGeometry,
     session: SessionTimes,
     zeros: dict[RunKey, int],
-    ratio: float,
+    before: PrecedingEibm,
     begun: float,
 ) -> ConditionData | None:
     """Return the data of a condition; None where nothing is usable.
@@ -239,7 +236,7 @@ def _seen(
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     key = run_key(condition)
     timing = ReadingTimes(
-        voltage_V=condition.voltage_V, zeros=zeros.get(key, 0), ratio=ratio,
+        voltage_V=condition.voltage_V, zeros=zeros.get(key, 0), before=before,
         rise_s=sheet.rise_time_s, worked_s=session.worked_s.get(key, 0.0),
         driven_s=session.driven_s.get(key, 0.0), position_m=np.nan if at_m is None else float(at_m),
         overall=partial(session.overall, condition),
@@ -250,7 +247,7 @@ def _seen(
         position_m=np.nan if at_m is None else float(at_m), voltage_V=condition.voltage_V,
         up=-1.0 if condition.approach == "down" else 1.0, force_N=forces,
         clock=(
-            timing.of(readings, at) if len(forces)
+            timing.of(readings, at, key) if len(forces)
             else timing.of_no_reading(_taken(condition, session, begun))
         ),
         counts=np.arange(len(forces)) >= len(early), curve=curve, own_curves=() if free else own,
@@ -295,7 +292,7 @@ def _load_cell_zero(
         raise ModelError(f"a force of condition {name} is not a finite number; mark it invalid")
     times = [begun if r.session_s is None else session.share(condition, r) for r in readings]
     timing = ReadingTimes(
-        voltage_V=0.0, zeros=0, ratio=1.0, rise_s=0.0, worked_s=0.0,
+        voltage_V=0.0, zeros=0, rise_s=0.0, worked_s=0.0,
         overall=partial(session.overall, condition),
     )  # fmt: skip
     return ConditionData(
@@ -353,12 +350,11 @@ def _pulses(series: TimeSeries, seen: tuple[ConditionData, ...]) -> Iterator[Pul
     """Parts of the kept pulses of one run, for each driving voltage."""
     if series.position_m is None:
         return
-    parts = parts_of_pulses(series)
-    for i, one in enumerate(seen):
-        # a series does not say how the rig was tilted
-        if one.run[:4] != run_key(series)[:4] or one.voltage_V == 0.0:
-            continue
-        own = parts.get(float(np.sign(one.voltage_V)))
+    # a series does not say how the rig was tilted
+    same = {i: one for i, one in enumerate(seen) if one.run[:4] == run_key(series)[:4]}
+    parts = parts_of_pulses(series, {one.voltage_V for one in same.values()})
+    for i, one in same.items():
+        own = parts.get(one.voltage_V)
         if own is None or len(own) < FEWEST_PULSES:
             continue
         yield PulseSeries(

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from model.identification.data.acquisition_times import run_key
 from model.identification.data.robust_line import off_line, robust_sd
+from model.identification.data.run_key import run_key
 from model.identification.reading_patterns.catalogue import not_outliers
 from model.identification.reading_patterns.contract import ReadingsOfCondition
 from model.measurements import (

@@ -6,6 +6,7 @@ the sampling point: the level is in the readings already.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from itertools import pairwise
 
 import numpy as np
@@ -17,13 +18,14 @@ BINS_S = np.array([0.15, 0.19, 0.23, 0.28, 0.34, 0.40])  # edges of the parts of
 DISCARDED = 2  # first pulses of a run, as in the paper
 STEP_V = 0.25  # smaller changes of the drive are its read-back's noise
 FEWEST_SAMPLES = 20
+FAR = 0.3  # of a voltage, from what was asked for
 
 
-def parts_of_pulses(series: TimeSeries) -> dict[float, FloatArray]:
-    """Force in the parts of each kept pulse, (pulses, parts) in N, by the sign of the voltage.
+def parts_of_pulses(series: TimeSeries, voltages_V: Collection[float]) -> dict[float, FloatArray]:
+    """Force in the parts of each kept pulse, (pulses, parts) in N, by which voltage it has.
 
-    Pulses in which a part holds no finite sample are left out. A `ModelError` where the clock or
-    the drive is not finite.
+    Pulses in which a part holds no finite sample are left out, as are those of other voltages. A
+    `ModelError` where the clock or the drive is not finite.
     """
     if series.force_N is None or len(series.time_s) < FEWEST_SAMPLES:
         return {}
@@ -43,9 +45,16 @@ def parts_of_pulses(series: TimeSeries) -> dict[float, FloatArray]:
         driven += 1
         before = t[a - 1] if a else t[a]  # the edge lies between two samples
         part = _parts(t[a:b] - 0.5 * (before + t[a]), force[a:b])
-        if driven > DISCARDED and part is not None:
-            found.setdefault(float(np.sign(volts)), []).append(part)
-    return {sign: np.array(parts) for sign, parts in found.items()}
+        asked_V = _nearest(volts, voltages_V)
+        if driven > DISCARDED and part is not None and asked_V is not None:
+            found.setdefault(asked_V, []).append(part)
+    return {asked_V: np.array(parts) for asked_V, parts in found.items()}
+
+
+def _nearest(volts: float, voltages_V: Collection[float]) -> float | None:
+    """Return the voltage that was asked for; None: it is far from all of these."""
+    near = [one for one in voltages_V if one and abs(volts / one - 1.0) < FAR]
+    return min(near, key=lambda one: abs(volts - one), default=None)
 
 
 def _parts(t_s: FloatArray, force_N: FloatArray) -> FloatArray | None:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from model.effects.interface import AcquisitionTimes
-from model.identification.data.acquisition_times import RunKey
 from model.identification.data.data_vector import (
     ConditionData,
     DataVector,
@@ -20,6 +19,7 @@ from model.identification.data.data_vector import (
     trends,
 )
 from model.identification.data.pulses import SAMPLE_S, WINDOW_S
+from model.identification.data.run_key import RunKey
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.measurements import FloatArray
 

@@ -298,6 +298,18 @@ def test_a_position_approached_from_above_is_a_run_of_its_own():
     assert {s.run[3] for s in both.seen if s.up > 0.0} == {0}
 
 
+def test_four_runs_at_a_place_of_which_two_are_from_above_stay_four():
+    m = session()
+    (lowest, *_) = [c for c in m.conditions if c.position_m == 0.01 and c.voltage_V == 0.0]
+    four = [
+        replace(lowest, run=run, approach=approach)
+        for run in (0, 1) for approach in ("up", "down")
+    ]  # fmt: skip
+    only = [c for c in m.conditions if c.position_m != 0.01]
+    seen = data_vector_of(replace(m, conditions=(*only, *four)), "long").seen
+    assert len({one.run for one in seen if one.position_m == 0.01}) == 4
+
+
 # ------------------------------------------------------------------------------ series
 
 
@@ -308,6 +320,9 @@ def test_a_series_belongs_to_its_run_alone():
     twice = replace(m, conditions=(*m.conditions, *second), series=(*m.series, *series))
     pulses = [p for p in data_vector_of(twice, "long").pulses if p.run[1] == 0.01]
     assert sorted(p.run[3] for p in pulses) == [0, 0, 1, 1]
+
+
+BOTH_V = (2.0, -2.0)
 
 
 def made(seconds: float = 7.0, rate: float = 100.0, lag_s: float = 0.03) -> TimeSeries:
@@ -323,39 +338,54 @@ def made(seconds: float = 7.0, rate: float = 100.0, lag_s: float = 0.03) -> Time
 
 
 def test_parts_of_a_pulse_are_means_less_that_about_the_sample():
-    parts = parts_of_pulses(made(rate=5000.0))
-    assert set(parts) == {1.0, -1.0}
+    parts = parts_of_pulses(made(rate=5000.0), BOTH_V)
+    assert set(parts) == set(BOTH_V)
     a, b = BINS_S[:-1], BINS_S[1:]
     mean = 0.03 * (np.exp(-a / 0.03) - np.exp(-b / 0.03)) / (b - a)
     mean -= 0.03 * (np.exp(-0.4 / 0.03) - np.exp(-0.6 / 0.03)) / 0.2
-    np.testing.assert_allclose(parts[1.0][0], -4e-3 * mean, atol=1.5e-7)
-    np.testing.assert_allclose(parts[-1.0][0], 4e-3 * mean, atol=1.5e-7)
+    np.testing.assert_allclose(parts[2.0][0], -4e-3 * mean, atol=1.5e-7)
+    np.testing.assert_allclose(parts[-2.0][0], 4e-3 * mean, atol=1.5e-7)
 
 
 def test_the_first_two_pulses_and_the_one_cut_short_are_left_out():
-    parts = parts_of_pulses(made(7.0))  # eleven pulses and 0.4 s of the twelfth
-    assert [len(parts[sign]) for sign in (1.0, -1.0)] == [5, 4]
+    parts = parts_of_pulses(made(7.0), BOTH_V)  # eleven pulses and 0.4 s of the twelfth
+    assert [len(parts[volts]) for volts in BOTH_V] == [5, 4]
 
 
 def test_a_gap_in_a_series_costs_its_pulse_alone():
     series = made()
     force = series.force_N.copy()
     force[(series.time_s > 1.5) & (series.time_s < 1.55)] = np.nan
-    parts = parts_of_pulses(replace(series, force_N=force))
-    assert [len(parts[sign]) for sign in (1.0, -1.0)] == [4, 4]
+    parts = parts_of_pulses(replace(series, force_N=force), BOTH_V)
+    assert [len(parts[volts]) for volts in BOTH_V] == [4, 4]
+
+
+def test_pulses_of_another_voltage_are_not_averaged_with_them():
+    series = made(14.0)
+    k = np.floor(series.time_s / 0.6).astype(int)
+    half = k % 4 > 1  # +2, -2, +1, -1 V and so on, read back 3 % too large
+    less = np.where(half, 0.5, 1.0)
+    several = replace(series, drive_V=1.03 * less * series.drive_V, force_N=less * series.force_N)
+    asked_V = (2.0, -2.0, 1.0, -1.0)
+    parts = parts_of_pulses(several, asked_V)
+    found = {volts: len(each) for volts, each in parts.items()}
+    assert found == {2.0: 5, -2.0: 5, 1.0: 6, -1.0: 5}
+    np.testing.assert_allclose(parts[1.0].mean(axis=0), 0.5 * parts[2.0].mean(axis=0), rtol=1e-9)
+    assert set(parts_of_pulses(several, BOTH_V)) == set(BOTH_V)
+    assert len(parts_of_pulses(several, BOTH_V)[2.0]) == 5  # those of 1 V are of no condition
 
 
 @pytest.mark.parametrize("seconds", [0.1, 0.3, 0.5, 0.9])
 def test_a_series_shorter_than_its_pulses_says_nothing(seconds: float):
-    assert parts_of_pulses(made(seconds)) == {}
+    assert parts_of_pulses(made(seconds), BOTH_V) == {}
 
 
 def test_a_series_without_force_says_nothing_and_one_without_clock_is_refused():
     series = made()
-    assert parts_of_pulses(replace(series, force_N=None)) == {}
+    assert parts_of_pulses(replace(series, force_N=None), BOTH_V) == {}
     broken = replace(series, time_s=np.where(series.time_s > 3.0, np.nan, series.time_s))
     with pytest.raises(ModelError, match="the series of long holds a number that is not finite"):
-        parts_of_pulses(broken)
+        parts_of_pulses(broken, BOTH_V)
 
 
 # -------------------------------------------------------------------------------- rows
