@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import zip_longest
 
 import numpy as np
 
@@ -255,24 +256,29 @@ def _slow_waves(block: RowBlock, times: str) -> list[FloatArray]:
 
 
 def _in_time(forward: ForwardModel, c: int, step: Perturbation, along: Along) -> Ways:
-    """Yield changes within a pulse; over run or session something is added: drifts cross zero."""
+    """Yield changes within a pulse; over run or session something is added: drifts cross zero.
+
+    What a sheet's data cannot show is no change, so that each way has its place in all sheets.
+    """
     if along == "time":
         yield from _in_pulses(forward, c, step)
-    block = forward.row_block(c)
+    block, none = forward.row_block(c), forward.no_step(c)
     driven = block.clock.voltage_V != 0.0
-    if not len(block.clock.pulse_s):  # shapes alone: none of them is dated
-        return
-    size = [0.5 * float(np.ptp(v)) for v in (step.eibm, step.stiffness, step.force_N)]
-    if not (any(size) or np.any(step.force_N)):
-        return
+    dated = len(block.clock.pulse_s) > 0  # else shapes alone
+    changes = (step.eibm, step.stiffness, step.force_N)
+    size = [0.5 * float(np.ptp(v)) if dated else 0.0 for v in changes]
+    shown = any(size) or bool(np.any(step.force_N))
     for over, times in _SLOW[along]:
+        waves = _slow_waves(block, times) if shown else []
         force = step.force_N if over == "run" else size[2]
         span = _Span(over, *_ends(getattr(block.clock, times)))
-        for j, wave in zip(SLOW_WAVES, _slow_waves(block, times), strict=False):
+        for j, wave in zip_longest(SLOW_WAVES, waves):
+            if wave is None:
+                yield Way(none, 0.6 * FORM / j)
+                continue
             way = replace(
-                forward.no_step(c), eibm=size[0] * wave * driven, stiffness=size[1] * wave,
-                force_N=force * wave,
-            )  # fmt: skip
+                none, eibm=size[0] * wave * driven, stiffness=size[1] * wave, force_N=force * wave
+            )
             yield Way(way, 0.6 * FORM / j, partial(_slow_terms, span, j, size))
 
 

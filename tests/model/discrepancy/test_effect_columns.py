@@ -9,10 +9,11 @@ import pytest
 
 from model.effects import catalogue
 from model.effects.conformance import plausible
-from model.identification.likelihood.form_error import effect_columns
+from model.identification.likelihood.form_error import effect_columns, whole_step
+from model.identification.likelihood.form_ways import ways_of
 from model.identification.likelihood.linearisation import linearise
 from model.identification.likelihood.model_state import Found
-from tests.model.discrepancy.sessions import Case, Extras, base_fit
+from tests.model.discrepancy.sessions import Case, Extras, base_fit, fitted, session
 
 FREE = Case((), extras=Extras(free_shapes=True), seed=3)
 
@@ -58,3 +59,23 @@ def _of_free_shapes(forward) -> list[int]:
         for k in of.unread:
             rows += forward.row_block(c).mode_rows[k].tolist()
     return rows
+
+
+@pytest.mark.parametrize("name", ["charging_lag", "first_pulse_transient"])
+def test_a_deviation_goes_with_the_same_in_a_sheet_of_shapes_alone(name: str):
+    m = session(FREE)
+    shapes = [c for c in m.conditions if c.configuration == "short" or c.position_m is None]
+    base = fitted(replace(m, conditions=tuple(shapes), series=()))
+    forward, effect = base.problem.forward, catalogue()[name]
+    values = dict.fromkeys(forward.names, plausible(effect))
+    active = (Found(effect=effect, values=values).active,)
+    linear = linearise(forward, base.problem.bases, base.problem.noise, base.theta, active)
+    steps = [
+        whole_step(forward, c, linear.states[c], linear.states[c].base, (), *active)
+        for c in range(len(forward.names))
+    ]
+    _, ways = ways_of(forward, linear.states, effect, steps)
+    assert set(forward.names) == {"long", "short"}
+    told = [{one.along for terms in way.terms.values() for one in terms()} for way in ways]
+    assert {len(each) for each in told} <= {0, 1}
+    assert {"session", "run"} & set().union(*told)
