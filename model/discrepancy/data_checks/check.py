@@ -15,7 +15,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from model.discrepancy.data_checks.catalogue import data_checks
-from model.discrepancy.data_checks.changed_data import Compared, Trial, compared, of_one
+from model.discrepancy.data_checks.changed_data import (
+    EXPLAINED_MISFIT,
+    Compared,
+    Trial,
+    compared,
+    of_one,
+)
 from model.discrepancy.data_checks.content_digest import content_digest
 from model.discrepancy.data_checks.contract import Change, DataCheck, Suspicion
 from model.discrepancy.data_checks.few_voltages import with_few_voltages
@@ -111,7 +117,7 @@ def _once(data: Measurements, checks: Sequence[DataCheck]) -> tuple[Suspicion, .
 def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Suspicion]:
     few = bare(data)
     tolerances = Tolerances.of(few)
-    stiffness, suspicious = dict[str, float](), list[Compared]()
+    stiffness, mended, left = dict[str, float](), list[Compared](), list[Compared]()
     as_stated = dict[str, tuple[Measurements, QuickFit | None]]()
     for name in data.sheets:
         own = of_one(few, name)
@@ -123,12 +129,17 @@ def _of_the_fit(data: Measurements, checks: Sequence[DataCheck]) -> Iterator[Sus
             stiffness[name] = float(np.exp(stated.theta[stated.bases.parts[0].stiffness]))
             continue
         found = compared(name, own, stated, tolerances, checks)
-        if not _changes_along(found, own, tolerances):
-            suspicious.append(found)
-    for one in _changed([one for one in suspicious if _mended(one)]):
+        explained = _changes_along(found, own, tolerances)
+        if _mended(found) and not explained:
+            mended.append(found)
+        elif (along := _changed_along(found, own, tolerances)) is not None:
+            mended.append(along)
+        elif not explained:
+            left.append(found)
+    for one in _changed(mended):
         yield _unless_refused(one, as_stated, tolerances)
-    for failed in suspicious:
-        if not _mended(failed) and _fails(failed.stated, data):
+    for failed in left:
+        if _fails(failed.stated, data):
             own = as_stated[failed.name][0]
             known = [one for check in checks for one in check.of_failed_fit(own)]
             if known or _fails_along(own, tolerances):
@@ -157,6 +168,26 @@ def _changes_along(one: Compared, own: Measurements, tolerances: Tolerances) -> 
         return False
     along = quick_fit(own, tolerances, along=True)
     return along is not None and along.squares < best.fit.squares
+
+
+def _changed_along(one: Compared, own: Measurements, tolerances: Tolerances) -> Compared | None:
+    """Return what mends a configuration if its EIBM changes along the sheet; None: nothing does.
+
+    A constant EIBM fits such a sheet badly, whatever is changed. Of what has two values alone
+    (signs, polarities) the other one then leaves next to nothing, where the stated one leaves much.
+    """
+    trials = [trial for trial in one.trials if not trial.change.continuous]
+    stated = quick_fit(own, tolerances, along=True) if trials else None
+    if stated is None or stated.misfit < EXPLAINED_MISFIT:
+        return None
+    for trial in trials:
+        data, value = trial.change.apply(own, trial.fit.value), trial.fit.value
+        fit = quick_fit(data, tolerances, value, stated=stated, along=True)
+        if fit is None or fit.misfit > EXPLAINED_MISFIT:
+            continue
+        if fit.squares < LEFT_BY_CHANGED_DATUM * stated.squares:
+            return replace(one, stated=stated, trials=(replace(trial, fit=fit),))
+    return None
 
 
 def _unless_refused(

@@ -29,7 +29,7 @@ from model.identification.likelihood import gauss_newton
 from model.plugins import Part, PluginWarning
 from tests.cases import few
 from tests.model.discrepancy.foreign_sessions import Foreign, foreign_session
-from tests.model.discrepancy.sessions import session
+from tests.model.discrepancy.sessions import FALLING, session
 
 BY_NAME = {one.name: one for one in MISTAKES}
 
@@ -50,6 +50,15 @@ def forces_changed(m, change):
         return replace(c, readings=tuple(readings))
 
     return replace(m, conditions=tuple(other(c) for c in m.conditions), series=())
+
+
+def test_polarities_exchanged_in_the_curves_are_seen_where_the_eibm_falls_along_the_sheet():
+    falling = session(FALLING)
+    made = BY_NAME["polarities exchanged in the curves"].make(falling, np.random.default_rng(3))
+    exchanged = made[0]
+    assert check_data(falling).stops == ()
+    (stop,) = check_data(exchanged).stops
+    assert stop.check == "polarity"
 
 
 def test_the_check_on_the_page_about_extending_conforms():
@@ -248,7 +257,7 @@ def test_the_sign_of_the_forces_is_told_where_the_base_model_fits_neither(fallin
     assert check_data(falling).suspicions == ()
     (one,) = check_data(forces_changed(falling, lambda _, forces: -forces)).suspicions
     assert (one.check, one.severity, one.value) == ("force_sign", "stop", -1.0)
-    assert "'long' (force_mN) have the opposite sign of what the curves say" in one.sentence
+    assert "'long' (force_mN) contradict the curves unless they have the other sign" in one.sentence
 
 
 @pytest.mark.slow
