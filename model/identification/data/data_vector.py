@@ -25,7 +25,7 @@ from model.identification.data.acquisition_times import (
     first_pulses,
 )
 from model.identification.data.preceding_eibm import PrecedingEibm
-from model.identification.data.pulses import BINS_S, parts_of_pulses
+from model.identification.data.pulses import BINS_S, begin_from_rest, parts_of_pulses
 from model.identification.data.run_key import RunKey, run_key
 from model.identification.data.zero_voltage import zero_voltage_V
 from model.identification.observations import check_sheet, checked_curve
@@ -148,7 +148,9 @@ def data_vector_of(measurements: Measurements, configuration: str) -> DataVector
         raise ModelError(f"configuration '{configuration}' has no conditions: nothing was measured")
     session = SessionTimes.of(every)
     zeros = first_pulses(own)
-    before = PrecedingEibm.of(own)
+    series = [s for s in measurements.series if s.configuration == configuration and not s.extra]
+    rests = bool(series) and all(begin_from_rest(s) for s in series)
+    before = PrecedingEibm.of(own, rests=rests)
     begun = {
         number: min((session.share(c, r) for c in some for r in c.used()), default=0.5)
         for number, some in _by_session(own).items()
@@ -161,7 +163,6 @@ def data_vector_of(measurements: Measurements, configuration: str) -> DataVector
         raise ModelError(f"configuration '{configuration}' has no valid readings at all{why}")
     zeros_N = (_load_cell_zero(c, session, begun[c.session]) for c in own)
     seen += tuple(s for s in zeros_N if s is not None)
-    series = [s for s in measurements.series if s.configuration == configuration and not s.extra]
     pulses = [p for s in series for p in _pulses(s, seen)]
     return DataVector(
         sheet=sheet, seen=seen, pulses=tuple(pulses), session_s=session.session_s,

@@ -25,9 +25,10 @@ class PrecedingEibm:
     order_V: Mapping[RunKey, Mapping[int, float]] = field(default_factory=dict)  # by index
     per_volt: Mapping[float, float] = field(default_factory=dict)  # in proportion to the EIBM's
     usual_V: Mapping[float, float] = field(default_factory=dict)  # before a voltage, mostly
+    rests: bool = False  # between two pulses lies a time at 0 V
 
     @staticmethod
-    def of(conditions: Sequence[Condition]) -> PrecedingEibm:
+    def of(conditions: Sequence[Condition], *, rests: bool = False) -> PrecedingEibm:
         """Return those of one configuration. Of the EIBM's size the forces tell, roughly."""
         order_V = dict[RunKey, dict[int, float]]()
         for c in conditions:
@@ -39,7 +40,9 @@ class PrecedingEibm:
             if volts and run.get(index - 1)
         )
         usual_V = {volts: before_V for (volts, before_V), _ in reversed(pairs.most_common())}
-        return PrecedingEibm(order_V=order_V, per_volt=_moved_per_volt(conditions), usual_V=usual_V)
+        return PrecedingEibm(
+            order_V=order_V, per_volt=_moved_per_volt(conditions), usual_V=usual_V, rests=rests
+        )
 
     def voltages_V(self, key: RunKey | None, voltage_V: float, index: Sequence[int]) -> FloatArray:
         """Return the voltage before each reading of this voltage with these indices: (n,).
@@ -47,6 +50,8 @@ class PrecedingEibm:
         Where it is not recorded, the one counts that mostly is before this one, or else the other
         polarity. Between two pulses of the same voltage lies a rest at 0 V.
         """
+        if self.rests:
+            return np.zeros(len(index))
         run = self.order_V.get(key, {}) if key else {}
         usual_V = self.usual_V.get(voltage_V, -voltage_V)
         found_V = np.array([run.get(one - 1, usual_V) for one in index], dtype=float)

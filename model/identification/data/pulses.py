@@ -57,6 +57,16 @@ def _nearest(volts: float, voltages_V: Collection[float]) -> float | None:
     return min(near, key=lambda one: abs(volts - one), default=None)
 
 
+def begin_from_rest(series: TimeSeries) -> bool:
+    """Whether the voltage goes back to 0 between the pulses of a series, wherever one follows."""
+    t, level = np.asarray(series.time_s), np.round(np.asarray(series.drive_V) / STEP_V)
+    starts = np.concatenate([[0], 1 + np.flatnonzero(np.diff(level))])
+    lasts = np.diff(np.append(t[starts], t[-1:])) > WINDOW_S  # not on the way to another level
+    driven = level[starts[lasts]] != 0.0
+    first = int(np.argmax(driven)) if len(driven) else 0
+    return bool(np.sum(driven) > 1 and not np.any(driven[first + 1 :] & driven[first:-1]))
+
+
 def _parts(t_s: FloatArray, force_N: FloatArray) -> FloatArray | None:
     """Mean force in each part of a pulse, less that about the sample; None: not recorded."""
     at = force_N[np.abs(t_s - SAMPLE_S) <= WINDOW_S]

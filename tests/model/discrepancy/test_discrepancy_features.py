@@ -11,7 +11,7 @@ import pytest
 from model import Condition, Measurements, ModelError, Reading, TimeSeries
 from model.discrepancy.prepare import DiagnoseOptions, prepare
 from model.identification.data.data_vector import data_vector_of, trends
-from model.identification.data.pulses import BINS_S, parts_of_pulses
+from model.identification.data.pulses import BINS_S, begin_from_rest, parts_of_pulses
 from tests.model.discrepancy.sessions import (
     base_fit,
     fitted,
@@ -373,6 +373,22 @@ def test_pulses_of_another_voltage_are_not_averaged_with_them():
     np.testing.assert_allclose(parts[1.0].mean(axis=0), 0.5 * parts[2.0].mean(axis=0), rtol=1e-9)
     assert set(parts_of_pulses(several, BOTH_V)) == set(BOTH_V)
     assert len(parts_of_pulses(several, BOTH_V)[2.0]) == 5  # those of 1 V are of no condition
+
+
+def test_pulses_with_rests_between_them_begin_from_rest():
+    series = made(14.0)
+    k = np.floor(series.time_s / 0.6).astype(int)
+    rested = replace(series, drive_V=np.where(k % 2, 0.01, np.where(k % 4, -2.0, 2.0)))
+    stairs = replace(series, drive_V=2.0 * np.round(np.sin(0.5 * k), 1))  # through 0 V, too
+    alone = replace(series, drive_V=np.where(k == 3, 2.0, 0.0))
+    found = [begin_from_rest(one) for one in (rested, series, stairs, alone)]
+    assert found == [True, False, False, False]
+    m = session()
+    resting = [
+        replace(rested, configuration=s.configuration, position_m=s.position_m) for s in m.series
+    ]
+    seen = data_vector_of(replace(m, series=tuple(resting)), "long").seen
+    assert {x for one in seen if one.voltage_V for x in one.clock.opposite.tolist()} == {0.0}
 
 
 @pytest.mark.parametrize("seconds", [0.1, 0.3, 0.5, 0.9])
