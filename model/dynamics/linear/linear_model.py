@@ -26,7 +26,8 @@ def linear_model(small: SmallMotion) -> LinearSystem:
     """Return the model from the source's voltage_V to force_N, tip_m and current_A.
 
     The force is F along the arc's tangent, 0 of a free sheet; the tip is the end of sheet or
-    elongation, measured along its normal. Raises ModelError for a sheet without electrodes.
+    elongation, measured along its normal. About 0 V the moment per volt is the mean of those for
+    both signs. Raises ModelError for a sheet without electrodes.
     """
     if small.line is None:
         raise ModelError("a linear model from voltage needs the sheet's electrodes")
@@ -100,7 +101,7 @@ def _parts(small: SmallMotion, line: LineModes) -> _Parts:
         rows[:, (2 + i) * m : (3 + i) * m] = share * K @ Z
     on = small.body.space
     U = line.at(np.minimum(on.s_m, line.length_m))
-    rows[:, -line.terms :] = small.moment_per_volt_Nm * (moments(on) @ U)
+    rows[:, -line.terms :] = moments(on) @ (small.moment_per_volt_Nm[:, None] * U)
     return _Parts(rows, m, slip)
 
 
