@@ -77,7 +77,7 @@ class DrivenMoment:
         if isinstance(drive, PrescribedMoment):
             return drive.at(ends_s, self._on.s_m) @ self._moments.T, (nothing,) * 3
         held = drive.at(ends_s[:-1] + 0.5 * step_s)
-        source = np.concatenate([held[:1], held]) if len(held) else nothing
+        source = np.concatenate([held[:1], held]) if len(held) else drive.at(ends_s)
         if self.line is None:
             return np.zeros((len(ends_s), self._on.size)), (source, source, nothing)
         modes = self.line.respond(self._state, step_s, held)
