@@ -198,6 +198,15 @@ def test_the_validity_map_tells_where_the_linear_model_may_be_used(truth):
     assert narrow.valid(0.01).mean() < 0.6
 
 
+@pytest.mark.parametrize(
+    "ask", [lambda m: linearise(m, "long", 0.01), lambda m: fit_linear(m, "long", LOW, HIGH)]
+)
+def test_without_a_driving_voltage_there_is_no_linear_model(truth, ask):
+    undriven = SheetModel(sheets={"long": replace(truth.sheet("long"), eibm={})})
+    with pytest.raises(ModelError, match="'long' has no driving voltage"):
+        ask(undriven)
+
+
 @pytest.mark.parametrize("lag", [0.0, 0.03])
 def test_the_controller_gives_the_wanted_response_on_the_state_space(truth, lag):
     linear, _ = fit_linear(truth, "short", LOW, HIGH)
