@@ -57,8 +57,11 @@ def read_by(system: LinearSystem, resonance_hz: float, damping: float) -> Linear
 
     The cell is so much stiffer than the sheet that it follows without acting back.
     """
-    if not (0.0 < resonance_hz < np.inf and 0.0 < damping < np.inf):
-        raise ModelError("a load cell's resonance and damping must be positive")
+    if not (0.0 < resonance_hz < np.inf and 0.0 <= damping < np.inf):
+        raise ModelError(
+            "a load cell's resonance must be positive and its damping zero or positive,"
+            f" not {resonance_hz:g} Hz and {damping:g}"
+        )
     w, n = 2.0 * np.pi * resonance_hz, system.order
     force = system.outputs.index("force_N")
     A = np.zeros((n + 2, n + 2))

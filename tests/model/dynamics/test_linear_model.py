@@ -167,6 +167,12 @@ def test_a_load_cell_reads_the_force_as_its_resonance_lets_it():
         read_by(system, 0.0, 0.3)
 
 
+def test_a_load_cell_may_have_no_damping():
+    system = straight(0.0).output("force_N")
+    found = read_by(system, 100.0, 0.0).response(np.array([50.0]))[0, 0, 0]
+    assert found == pytest.approx(system.response(np.array([50.0]))[0, 0, 0] / 0.75, rel=1e-6)
+
+
 def first_frequency_hz(system):
     waves = system.poles[system.poles.imag > 0]
     return waves.imag.min() / (2 * np.pi)
