@@ -33,8 +33,6 @@ class ElongationMap:
     high_m: FloatArray
     alone_m2_per_N: FloatArray  # without an elongation
     elongated_m2_per_N: FloatArray
-    length_alone_m: FloatArray  # free length of those sheets; NaN where there is none
-    length_elongated_m: FloatArray
     direction: Direction
 
     @property
@@ -69,8 +67,8 @@ def elongation_map(
         model, configuration, lengths, ELONGATION_R * R, asked, np.zeros(len(positions))
     )
     return ElongationMap(
-        low_m=low, high_m=high, alone_m2_per_N=alone[0], elongated_m2_per_N=elongated[0],
-        length_alone_m=alone[1], length_elongated_m=elongated[1], direction=direction,
+        low_m=low, high_m=high, alone_m2_per_N=alone, elongated_m2_per_N=elongated,
+        direction=direction,
     )  # fmt: skip
 
 
@@ -84,9 +82,7 @@ def _positions(low: FloatArray, high: FloatArray) -> FloatArray:
 _Sections = tuple[FloatArray, FloatArray, FloatArray, Direction]
 
 
-def _least_alone(
-    model: SheetModel, configuration: str, asked: _Sections
-) -> tuple[FloatArray, FloatArray]:
+def _least_alone(model: SheetModel, configuration: str, asked: _Sections) -> FloatArray:
     """Return the same without an elongation, where some length reaches."""
     needed_m = shortest_alone_m(model, configuration, asked[0])
     reaching = needed_m[np.isfinite(needed_m)]
@@ -104,14 +100,13 @@ def _least(
     extra_m: float,
     asked: _Sections,
     needed_m: FloatArray,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the least area over force, and its length, of each section.
+) -> FloatArray:
+    """Return the least area over force of each section.
 
     needed_m: the shortest length that is taken for each position.
     """
     positions, low, high, direction = asked
     area = np.full((len(low), len(high)), np.inf)
-    best = np.full(area.shape, np.nan)
     for length in lengths:
         possible = strength(model, configuration, float(length), extra_m, positions, direction)
         possible[length < needed_m] = 0.0
@@ -122,5 +117,5 @@ def _least(
             inside = (positions >= low[i]) & (positions <= high[j])
             weakest = float(np.min(possible[inside]))
             if weakest > 0.0 and length / weakest < area[i, j]:
-                area[i, j], best[i, j] = length / weakest, length
-    return area, best
+                area[i, j] = length / weakest
+    return area

@@ -56,7 +56,9 @@ def force_map(
     kept = _kept.get()
     if kept is None:
         return _solved_map(model, configuration, p, V)
-    key = json.dumps([model.to_dict(), configuration, p.tolist(), V.tolist()])
+    # a model file states neither its session nor the length that its sheet was cut from
+    beside_file = [model.session, dict(model.cut_from_m)]
+    key = json.dumps([model.to_dict(), beside_file, configuration, p.tolist(), V.tolist()])
     if key not in kept:
         kept[key] = _solved_map(model, configuration, p, V)
     return kept[key]

@@ -43,7 +43,7 @@ def linearise(
     model: SheetModel, configuration: str, position_m: float, voltage_V: float = 0.0
 ) -> LinearModel:
     """Slopes of F at one place and voltage; at a kink of Me(V), as at 0 V, the mean of both."""
-    volts = known_voltages(model, configuration)
+    volts = _driven_voltages(model, configuration)
     lower, upper = max(voltage_V - STEP_V, volts[0]), min(voltage_V + STEP_V, volts[-1])
 
     def question(changed: SheetModel) -> list[float]:
@@ -74,11 +74,22 @@ def linearise(
     )
 
 
+def _driven_voltages(model: SheetModel, configuration: str) -> FloatArray:
+    """Return the voltages of the model, 0 V included; a model without others has no gain."""
+    volts = known_voltages(model, configuration)
+    if len(volts) == 1:
+        raise ModelError(
+            f"the model of '{configuration}' has no driving voltage, so that it says nothing of a"
+            " voltage's effect"
+        )
+    return volts
+
+
 def fit_linear(
     model: SheetModel, configuration: str, low_m: float, high_m: float
 ) -> tuple[LinearModel, float]:
     """Fit the plane F(p, V) over section and voltages (least squares); return it and its RMS."""
-    volts = known_voltages(model, configuration)
+    volts = _driven_voltages(model, configuration)
     p, V = section(low_m, high_m, 31), np.linspace(volts[0], volts[-1], 9)
     middle = 0.5 * (low_m + high_m)
     A = np.stack(

@@ -1,7 +1,7 @@
 """Forces of a sheet in a working section: the first five questions of the paper's section 5.
 
 Every answer carries the uncertainty of the model's parameters through. The sixth, the sheet of
-least area, is in `sizing.py`; linear models and control in `linear.py`.
+least area, is in `sizing.py`; linear models and control are in `linear_models.py`.
 """
 
 from __future__ import annotations
@@ -35,7 +35,6 @@ class StraightLine:
     slope_N_per_m: Parameter
     at_zero_N: Parameter
     rms_error_N: Parameter
-    largest_error_N: float
     range_N: float  # of F over the section
 
     @property
@@ -61,13 +60,11 @@ def best_line(
 
     slope, start, error = propagate(model, configuration, question, ("N/m", "N", "N"))
     force = force_map(model, configuration, p, volts).tangential_N[:, column]
-    off = float(np.max(np.abs(slope.value * p + start.value - force)))
     return StraightLine(
         voltage_V=voltage_V,
         slope_N_per_m=slope,
         at_zero_N=start,
         rms_error_N=error,
-        largest_error_N=off,
         range_N=float(np.ptp(force)),
     )
 

@@ -12,14 +12,13 @@ from model.dynamics.beam import (
 )
 from model.dynamics.dynamic_sheet import DynamicSheet, LoadCellResonance, PronyTerm
 from model.dynamics.energy_balance import Energy, energy
-from model.dynamics.fluid import AIR, VACUUM, FluidLoad, fluid_load, hydrodynamic_function
+from model.dynamics.fluid import VACUUM, FluidLoad, fluid_load, hydrodynamic_function
 from model.dynamics.line import ElectrodeLine, LineModes
 from model.dynamics.linearised import SmallMotion, linearise
 from model.dynamics.material import Viscoelasticity
 from model.dynamics.motion import Resolution, SheetMotion, Simulation, simulate
 
 __all__ = [
-    "AIR",
     "NO_ELONGATION",
     "UNDRIVEN",
     "VACUUM",

@@ -149,12 +149,14 @@ class DynamicSheet:
 
 
 def fluid_around(name: str, width_m: float) -> FluidLoad:
-    """Return the load of a fluid on a sheet of this width."""
+    """Return the load of a fluid, one of FLUIDS, on a sheet of this width. Raises ModelError."""
     if name == "water":
         return fluid_load(width_m, 1000.0, 1e-3, WATER_FREQUENCY_HZ, drag_coefficient=2.0)
     if name == "air":
         return fluid_load(width_m, 1.2, 1.82e-5, AIR_FREQUENCY_HZ, drag_coefficient=2.0)
-    return VACUUM
+    if name == "vacuum":
+        return VACUUM
+    raise ModelError(f"'{name}' is no fluid that is known: one of {', '.join(FLUIDS)} is wanted")
 
 
 class _DynamicReader:

@@ -38,7 +38,6 @@ class FluidLoad:
 
 
 VACUUM = FluidLoad()
-AIR = FluidLoad(added_mass_kg_per_m=1.2e-4, quadratic_Ns2_per_m3=0.013)
 
 
 def hydrodynamic_function(reynolds: FloatArray | float, *, circle: bool = False) -> FloatArray:

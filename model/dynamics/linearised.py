@@ -28,7 +28,7 @@ class SmallMotion:
     body: Body
     material: Viscoelasticity
     line: LineModes | None
-    moment_per_volt_Nm: float
+    moment_per_volt_Nm: FloatArray  # at each node, by the sign of the voltage there
     mass: FloatArray  # (N, N)
     damping: FloatArray  # (N, N) of the fluid
     geometric: FloatArray  # (N, N) of the contact force
@@ -103,7 +103,7 @@ class SmallMotion:
             raise ModelError("a transfer function from voltage needs the sheet's electrodes")
         modes = self.line.transfer(p)
         U = self.line.at(np.minimum(self.body.space.s_m, self.line.length_m)) @ modes
-        answer = self.respond(p, self.moment_per_volt_Nm * (projection(self.body.space) @ U))
+        answer = self.respond(p, projection(self.body.space) @ (self.moment_per_volt_Nm * U))
         x, y = self.places(rows_at(self.body.space, s_m))
         N = self.body.space.size
         clamp = complex(self.line.clamp_V(modes[None], np.ones(1))[0])
@@ -120,7 +120,10 @@ class SmallMotion:
 
 
 def linearise(of: Simulation) -> SmallMotion:
-    """Return the small motions about the state of a simulation that is at rest."""
+    """Return the small motions about the state of a simulation that is at rest.
+
+    Where the sheet is at 0 V, its moment per volt is the mean of those for U > 0 and U < 0.
+    """
     body, state, contact = of.body, of.state, of.setup is not None
     if np.max(np.abs(state.v)) * body.space.length_m > 1e-6:
         raise ModelError("only about a state at rest can the motion be linearised")
@@ -139,7 +142,7 @@ def linearise(of: Simulation) -> SmallMotion:
     phi = body.angle @ state.q + psi[0]
     return SmallMotion(
         body=body, material=of.beam.material, line=of.line,
-        moment_per_volt_Nm=of.beam.moment_per_volt_Nm[0], mass=D[:size, 2 * size + 2 :],
+        moment_per_volt_Nm=of.moment_per_volt_Nm, mass=D[:size, 2 * size + 2 :],
         damping=D[:size, size + 2 : 2 * size + 2], geometric=D[:size, :size],
         of_contact=D[:size, size : size + c], closure=D[size : size + c, : size + c],
         force=_force(of, size), shape=(np.sin(phi), np.cos(phi)),

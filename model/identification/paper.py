@@ -28,7 +28,6 @@ class Sample:
     l_hat_m: float
     turn_rad: float  # alpha_hat - alpha_hat0
     mean_moment_Nm: float  # (3)
-    mean_moment_sigma_Nm: float
     B_Nm2: float  # (7) for this condition; NaN where it is left out
     weight: float
     lever_m: tuple[FloatArray, FloatArray]  # s and (p_hat - r(s)).t_hat
@@ -51,8 +50,6 @@ class PaperFit:
     eibm_sigma_Nm: dict[float, float]
     s_m: FloatArray
     eibm_along_Nm: dict[float, FloatArray]  # (8), mean over positions
-    eibm_along_sigma_Nm: dict[float, FloatArray]
-    eibm_mean_Nm: dict[float, float]  # mean of (8) over [0, l]
 
 
 def identify(observed: Observed, rest: Field, weight_exponent: float = 1.0) -> PaperFit:
@@ -81,19 +78,18 @@ def identify(observed: Observed, rest: Field, weight_exponent: float = 1.0) -> P
     degrees = max(len(each) - 1, 1)
     sigma = float(np.sqrt(np.sum(share**2 * (each - B) ** 2) * (degrees + 1) / degrees))
     s_m = np.linspace(0.0, observed.sheet.free_length_m, 51)
-    constant, constant_sigma, along, along_sigma = {}, {}, {}, {}
+    constant, constant_sigma, along = {}, {}, {}
     for voltage in observed.voltages_V:
         here = [s for s in samples if s.observation.voltage_V == voltage]
         if not here:
             continue
         values = np.array([B * s.turn_rad / s.l_hat_m - s.mean_moment_Nm for s in here])
-        constant[voltage], constant_sigma[voltage] = _mean(values[:, None], 0)
+        constant[voltage], constant_sigma[voltage] = _mean(values)
         curves = [B * (s.curve.curvature(s_m) - rest(s_m)) - s.moment_Nm(s_m) for s in here]
-        along[voltage], along_sigma[voltage] = _mean_rows(np.array(curves))
+        along[voltage] = np.mean(curves, axis=0)
     return PaperFit(
         configuration=name, samples=tuple(samples), B_Nm2=B, B_sigma_Nm2=sigma, eibm_Nm=constant,
-        eibm_sigma_Nm=constant_sigma, s_m=s_m, eibm_along_Nm=along, eibm_along_sigma_Nm=along_sigma,
-        eibm_mean_Nm={v: float(np.trapezoid(m, s_m) / s_m[-1]) for v, m in along.items()},
+        eibm_sigma_Nm=constant_sigma, s_m=s_m, eibm_along_Nm=along,
     )  # fmt: skip
 
 
@@ -115,19 +111,13 @@ def loaded(observed: Observed, o: Observation, rest: Field, exponent: float) -> 
     fixes = o.voltage_V == 0.0 and abs(moment) > sigma and turn != 0.0
     return Sample(
         observation=o, curve=curve, N_N=float(N), s_hat_m=at.s_hat_m, l_hat_m=l_hat, turn_rad=turn,
-        mean_moment_Nm=moment, mean_moment_sigma_Nm=float(sigma),
-        B_Nm2=l_hat * moment / turn if fixes else np.nan,
+        mean_moment_Nm=moment, B_Nm2=l_hat * moment / turn if fixes else np.nan,
         weight=abs(moment) ** exponent if fixes else 0.0, lever_m=(s, lever),
     )  # fmt: skip
 
 
-def _mean(values: FloatArray, column: int) -> tuple[float, float]:
-    mean, sigma = _mean_rows(values)
-    return float(mean[column]), float(sigma[column])
-
-
-def _mean_rows(rows: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _mean(values: FloatArray) -> tuple[float, float]:
     """Mean over positions and its standard uncertainty from their scatter."""
-    if len(rows) == 1:
-        return rows[0], np.full(rows.shape[1], np.nan)
-    return rows.mean(0), rows.std(0, ddof=1) / np.sqrt(len(rows))
+    if len(values) == 1:
+        return float(values[0]), np.nan
+    return float(values.mean()), float(values.std(ddof=1) / np.sqrt(len(values)))

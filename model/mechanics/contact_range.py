@@ -16,10 +16,13 @@ LARGEST = 50.0  # N R^2/B of any force that a sheet could meet
 
 
 def _at(batch: Problems, angles: FloatArray) -> Problems:
-    """Return the batch's first problem at other positions."""
+    """Return the batch's first problem, with its radius, at other positions."""
     K = len(angles)
     kappa = np.repeat(batch.kappa[:1], K, axis=0)  # a read-only view would be compiled for anew
-    return replace(batch, kappa=kappa, softness=batch.softness[:1], angle_rad=angles)
+    return replace(
+        batch, kappa=kappa, softness=batch.softness[:1], angle_rad=angles,
+        radius_m=float(batch.each_radius_m[0]), radii_m=None,
+    )  # fmt: skip
 
 
 def limit_m(batch: Problems) -> tuple[float, bool]:
@@ -31,7 +34,8 @@ def limit_m(batch: Problems) -> tuple[float, bool]:
     # not farther than half a turn: the way to a place in a wrong unit has millions of steps
     asked = float(np.clip(batch.angle_rad[0], -np.pi, np.pi))
     angles = np.linspace(-WIDEST_RAD, WIDEST_RAD, 193)
-    found = solve(_at(batch, angles))
+    tried = _at(batch, angles)
+    found = solve(tried)
     good = found.status == SolverStatus.SOLVED
     if not good.any():
         return np.nan, False
@@ -47,7 +51,8 @@ def limit_m(batch: Problems) -> tuple[float, bool]:
         first = int(np.argmax(bad))
         inside, outside = float(between[first - 1]), float(between[first])
         s_hat = float(found.s_hat_m[first - 1])
-    return inside * batch.radius_m, bool(s_hat > batch.reach_m - 0.02 * batch.radius_m)
+    R = tried.radius_m
+    return inside * R, bool(s_hat > batch.reach_m - 0.02 * R)
 
 
 def stable(found: Equilibria, index: int = 0) -> bool:
@@ -98,8 +103,9 @@ def other_solutions(found: Equilibria) -> list[float]:
     p = found.problems
     if p.reach_m <= p.length_m * (1.0 + 1e-9):
         return []
-    nus = np.linspace(-10.0, 10.0, 9) / p.radius_m**2
-    contacts = np.linspace(1.01 * p.radius_m, max(p.reach_m, 1.02 * p.radius_m), 4)
+    R = float(p.each_radius_m[0])
+    nus = np.linspace(-10.0, 10.0, 9) / R**2
+    contacts = np.linspace(1.01 * R, max(p.reach_m, 1.02 * R), 4)
     starts = np.array([(nu, s) for nu in nus for s in contacts])
     many = _at(p, np.full(len(starts), p.angle_rad[0]))
     psi = np.repeat(found.psi[:1], len(starts), axis=0)
@@ -110,8 +116,8 @@ def other_solutions(found: Equilibria) -> list[float]:
     again = solve(many, begin)
     known = [float(found.nu[0])]
     for nu in again.nu[again.status == SolverStatus.SOLVED]:
-        if abs(nu) * p.radius_m**2 > LARGEST:
+        if abs(nu) * R**2 > LARGEST:
             continue  # wound up: no sheet gets there
-        if all(abs(nu - other) > SAME * (abs(other) + 1.0 / p.radius_m**2) for other in known):
+        if all(abs(nu - other) > SAME * (abs(other) + 1.0 / R**2) for other in known):
             known.append(float(nu))
     return known[1:]

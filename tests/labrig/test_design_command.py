@@ -162,3 +162,14 @@ def test_a_section_that_is_none_is_told_in_a_sentence(
 ) -> None:
     assert run(["design", str(model_file), "--section", section]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_a_model_without_a_driving_voltage_is_told_to_have_none(
+    model_file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = load_model(model_file)
+    still = replace(model, sheets={"short": replace(model.sheet("short"), eibm={})})
+    save_model(still, model_file, force=True)
+    assert run(["design", str(model_file), "--section", "0:12"]) == 0
+    told = " ".join(capsys.readouterr().err.split())
+    assert "no answer to linear model: the model of 'short' has no driving voltage" in told

@@ -61,6 +61,25 @@ def test_questions_about_the_same_maps_solve_them_once(truth, monkeypatch):
     assert 2 * (len(solved) - apart) <= apart
 
 
+def test_kept_maps_are_those_of_a_session_and_of_a_measured_length(truth):
+    own = {"session_1": 0.3, "session_2": -0.3}
+    of_sessions = {name: Parameter(value=c, sigma=0.0, unit="") for name, c in own.items()}
+    differs = truth.with_effects(ActiveEffect(name="session_eibm", parameters=of_sessions))
+    falls = truth.with_effects(
+        ActiveEffect(
+            name="nonuniform_eibm",
+            parameters={"decay_length_mm": Parameter(value=12.0, sigma=0.0, unit="mm")},
+        )
+    )
+    cut = [replace(falls, cut_from_m={"long": length_m}) for length_m in (0.05, 0.1)]
+    for pair in ([differs.in_session(1), differs.in_session(2)], cut):
+        alone = [force_map(one, "long", 0.01, 2.0).tangential_N[0, 0] for one in pair]
+        with force_maps.keeping_maps():
+            kept = [force_map(one, "long", 0.01, 2.0).tangential_N[0, 0] for one in pair]
+        assert alone[0] != alone[1]
+        assert kept == alone
+
+
 def test_the_best_line_of_the_short_sheet_fits_within_a_percent(unsure):
     line = best_line(unsure, "short", LOW, HIGH, 0.0)
     assert line.relative_error < 0.01
@@ -196,6 +215,15 @@ def test_the_validity_map_tells_where_the_linear_model_may_be_used(truth):
     narrow = validity(truth, linearise(truth, "long", 0.0), LOW, HIGH)
     assert narrow.valid(0.01)[0, 4] == 1.0  # at its operating point
     assert narrow.valid(0.01).mean() < 0.6
+
+
+@pytest.mark.parametrize(
+    "ask", [lambda m: linearise(m, "long", 0.01), lambda m: fit_linear(m, "long", LOW, HIGH)]
+)
+def test_without_a_driving_voltage_there_is_no_linear_model(truth, ask):
+    undriven = SheetModel(sheets={"long": replace(truth.sheet("long"), eibm={})})
+    with pytest.raises(ModelError, match="'long' has no driving voltage"):
+        ask(undriven)
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.03])

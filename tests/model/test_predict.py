@@ -32,6 +32,13 @@ def test_the_limit_of_reach_is_where_the_sheet_slips_out(curvature, limit_mm):
     assert limit * 1e3 == pytest.approx(limit_mm, abs=0.05)
 
 
+def test_the_limit_is_that_of_the_first_problem_whatever_radii_the_others_have():
+    one = problems(Field.constant(20, 0.05), 1.5, R)
+    both = problems(Field.constant(20, 0.05), [1.5, 0.2], R)
+    both = replace(both, radii_m=np.array([R, 0.03]), radius_m=0.03)
+    assert limit_m(both) == pytest.approx(limit_m(one))
+
+
 def test_an_unreachable_position_is_an_answer(truth: SheetModel):
     found = predict(truth, "long", 0.052, 2.0)
     assert not found.reachable
@@ -161,6 +168,13 @@ def test_a_long_elongation_can_be_wound_round_and_that_is_said():
     others = other_solutions(solve(batch))
     assert any(nu * R * R == pytest.approx(-3.29, abs=0.01) for nu in others)
     assert other_solutions(solve(problems(Field.constant(60.0, 0.05), 0.5, R))) == []
+
+
+def test_further_solutions_are_those_of_the_first_problem_whatever_radii_the_others_have():
+    one = problems(Field.constant(60.0, 0.05), 0.5, R, 0.05)
+    both = problems(Field.constant(60.0, 0.05), [0.5, 0.4], R, 0.05)
+    both = replace(both, radii_m=np.array([R, 0.03]), radius_m=0.03)
+    assert other_solutions(solve(both)) == pytest.approx(other_solutions(solve(one)), rel=1e-6)
 
 
 @pytest.mark.slow

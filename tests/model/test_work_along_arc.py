@@ -70,7 +70,6 @@ def test_the_map_keeps_the_margin_of_a_model_that_is_uncertain(truth: SheetModel
     unsure = replace(truth, sheets={"long": replace(one, eibm=eibm)})
     found = elongation_map(unsure, "long", [0.0], [0.02])
     size = least_area(unsure, "long", 0.0, 0.02, 5e-4, elongated=False)
-    assert found.length_alone_m[0, 0] == pytest.approx(size.length_m, rel=2e-3)
     assert found.alone_m2_per_N[0, 0] * 5e-4 == pytest.approx(size.area_m2.value, rel=2e-3)
 
 

@@ -55,7 +55,8 @@ def control(
 ) -> None:
     """Design a controller of the force, and say what it does.
 
-    It is linear, about rest at 0 V.
+    It is linear, about rest at 0 V, with the mean of the moments per volt for positive and negative
+    voltages.
 
     `labrig run --controller` uses it. PI has the highest integral gain at which the sensitivity's
     peak Ms stays below 1.6; LQG keeps the same bound.

@@ -49,7 +49,8 @@ def response(
 ) -> None:
     """Compute a step and a Bode plot about rest at 0 V.
 
-    The small-signal response is drawn, and written as CSV tables.
+    The small-signal response is drawn, and written as CSV tables. The moment per volt is the mean
+    of those for positive and negative voltages.
 
     Writes OUTPUT.png and .svg, OUTPUT_step.csv and OUTPUT_bode.csv into the folder.
     """

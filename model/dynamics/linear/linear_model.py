@@ -26,7 +26,8 @@ def linear_model(small: SmallMotion) -> LinearSystem:
     """Return the model from the source's voltage_V to force_N, tip_m and current_A.
 
     The force is F along the arc's tangent, 0 of a free sheet; the tip is the end of sheet or
-    elongation, measured along its normal. Raises ModelError for a sheet without electrodes.
+    elongation, measured along its normal. About 0 V the moment per volt is the mean of those for
+    both signs. Raises ModelError for a sheet without electrodes.
     """
     if small.line is None:
         raise ModelError("a linear model from voltage needs the sheet's electrodes")
@@ -56,8 +57,11 @@ def read_by(system: LinearSystem, resonance_hz: float, damping: float) -> Linear
 
     The cell is so much stiffer than the sheet that it follows without acting back.
     """
-    if not (0.0 < resonance_hz < np.inf and 0.0 < damping < np.inf):
-        raise ModelError("a load cell's resonance and damping must be positive")
+    if not (0.0 < resonance_hz < np.inf and 0.0 <= damping < np.inf):
+        raise ModelError(
+            "a load cell's resonance must be positive and its damping zero or positive,"
+            f" not {resonance_hz:g} Hz and {damping:g}"
+        )
     w, n = 2.0 * np.pi * resonance_hz, system.order
     force = system.outputs.index("force_N")
     A = np.zeros((n + 2, n + 2))
@@ -100,7 +104,7 @@ def _parts(small: SmallMotion, line: LineModes) -> _Parts:
         rows[:, (2 + i) * m : (3 + i) * m] = share * K @ Z
     on = small.body.space
     U = line.at(np.minimum(on.s_m, line.length_m))
-    rows[:, -line.terms :] = small.moment_per_volt_Nm * (moments(on) @ U)
+    rows[:, -line.terms :] = moments(on) @ (small.moment_per_volt_Nm[:, None] * U)
     return _Parts(rows, m, slip)
 
 

@@ -15,6 +15,7 @@ PLANT_STATES = 12  # of the model that goes with a controller: 0.1 % of the stat
 DESIGN_STATES = 8  # of the one that LQG is made on
 SETTLED = 0.02  # of the step
 _RISEN = 0.9
+_LEAST_DAMPING = 1e-9  # damping ratio of a mode: less is rounding
 _LONGEST_S = 10.0
 
 
@@ -52,10 +53,14 @@ def designed(
     `delay_s`: from a force to the voltage that it leads to, the mean age of the samples included.
     Raises ModelError where no controller of this kind keeps the loop's margin.
     """
-    if not (0.0 < rate_hz < np.inf and 0.0 < limit_V < np.inf and np.isfinite(step_N)):
-        raise ModelError("rate and limit of a loop must be positive")
+    _check(rate_hz, limit_V, step_N)
     if abs(sheet.static_gain[0, 0]) == 0.0:
         raise ModelError("the voltage does not move the force, so nothing can be controlled")
+    if np.any(sheet.poles.real >= -_LEAST_DAMPING * np.abs(sheet.poles)):
+        raise ModelError(
+            "a controller needs a model in which every motion dies out: give a load cell with a"
+            " resonance a damping above 0"
+        )
     sampled = discretised(sheet, 1.0 / rate_hz, delay_s)
     plant = _reduced(sheet, PLANT_STATES, rate_hz, delay_s)
     match method:
@@ -73,6 +78,18 @@ def designed(
         sensitivity_peak=controller.sensitivity_peak(sampled),
         step=step_figures(controller, plant, step_N, limit_V),
     )
+
+
+def _check(rate_hz: float, limit_V: float, step_N: float) -> None:
+    for name, value, unit in (("rate", rate_hz, "Hz"), ("voltage limit", limit_V, "V")):
+        if not 0.0 < value < np.inf:
+            raise ModelError(
+                f"the {name} of a loop must be positive and finite, not {value:g} {unit}"
+            )
+    if not np.isfinite(step_N) or step_N == 0.0:
+        raise ModelError(
+            f"the step of the force must be finite and not 0, it is {1e3 * step_N:g} mN"
+        )
 
 
 def step_figures(

@@ -11,6 +11,7 @@ from model.measurements import FloatArray, ModelError
 from model.mechanics.field import Field
 
 Drive = HeldVoltage | PrescribedMoment
+NO_VOLTAGE_V = 1e-6  # of the double layer: less is what remains of a charge
 Electrical = tuple[FloatArray, FloatArray, FloatArray]  # source, V(0) and current
 
 
@@ -59,6 +60,15 @@ class DrivenMoment:
             return np.asarray(self._moments @ drive.at(np.zeros(1), self._on.s_m)[0])
         return np.asarray(self._of_modes(self._state[None])[0])
 
+    def moment_per_volt_Nm(self) -> FloatArray:
+        """Return dMe/dU at each node, by the sign of U there; where it is 0 V the mean of both."""
+        up, down = self._beam.moment_per_volt_Nm
+        mean = np.full(len(self._on.s_m), 0.5 * (up + down))
+        if self.line is None:
+            return mean
+        U = self._line_at_nodes @ self._state
+        return np.where(np.abs(U) < NO_VOLTAGE_V, mean, np.where(U > 0.0, up, down))
+
     def follow(
         self, drive: Drive, ends_s: FloatArray, step_s: FloatArray
     ) -> tuple[FloatArray, Electrical]:
@@ -67,7 +77,7 @@ class DrivenMoment:
         if isinstance(drive, PrescribedMoment):
             return drive.at(ends_s, self._on.s_m) @ self._moments.T, (nothing,) * 3
         held = drive.at(ends_s[:-1] + 0.5 * step_s)
-        source = np.concatenate([held[:1], held]) if len(held) else nothing
+        source = np.concatenate([held[:1], held]) if len(held) else drive.at(ends_s)
         if self.line is None:
             return np.zeros((len(ends_s), self._on.size)), (source, source, nothing)
         modes = self.line.respond(self._state, step_s, held)

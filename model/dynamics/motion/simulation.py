@@ -113,6 +113,11 @@ class Simulation:
         """Return the electrodes; None where the moment is prescribed."""
         return self._driven.line
 
+    @property
+    def moment_per_volt_Nm(self) -> FloatArray:
+        """Return the slope of Me by the sheet's voltage at each node; at 0 V the mean of both."""
+        return self._driven.moment_per_volt_Nm()
+
     def advance(
         self,
         drive: Drive,

@@ -84,7 +84,7 @@ class GridMotion:
 
     def shape_at(self, time_s: float) -> FloatArray | None:
         """Return the shape (POINTS, 2) at a time, in m; None where it is no longer, or not yet."""
-        x, y = np.concatenate(self._x or [np.empty((0, POINTS))]), None
+        x = np.concatenate(self._x or [np.empty((0, POINTS))])
         y = np.concatenate(self._y or [np.empty((0, POINTS))])
         place = time_s / GRID_S - (self.count - len(x))
         if not 0.0 <= place <= len(x) - 1:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import legendre
 
-from model.dynamics import DynamicBeam, ElectrodeLine, HeldVoltage, Viscoelasticity
+from model.dynamics import DynamicBeam, ElectrodeLine, FluidLoad, HeldVoltage, Viscoelasticity
 from model.mechanics.field import Field
 from model.mechanics.tip_load import tip_load
 
@@ -17,6 +17,7 @@ B, MU, L, R = 1.27e-6, 5.775e-3, 0.05, 0.04
 LINE = ElectrodeLine(
     electrode_ohm_per_m=4000.0, capacitance_F_per_m=0.3, bulk_ohm_m=0.5, leak_S_per_m=0.1
 )
+AIR = FluidLoad(added_mass_kg_per_m=1.2e-4, quadratic_Ns2_per_m3=0.013)
 STRAIGHT = Field.constant(0.0, L)
 CURVED = Field.smooth(lambda s: 24.0 * np.exp(-s / 0.04), L)
 PULSES = HeldVoltage(np.array([0.1, 0.7]), np.array([2.0, -2.0]))

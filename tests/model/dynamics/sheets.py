@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from model.dynamics import (
-    AIR,
     VACUUM,
     ContactSetup,
     DynamicBeam,
@@ -23,6 +22,7 @@ from model.dynamics.linear.linear_model import linear_model
 from model.dynamics.linear.state_space import LinearSystem
 from model.dynamics.linearised import SmallMotion, linearise
 from model.mechanics.field import Field
+from tests.model.dynamics.cases import AIR
 from tests.model.dynamics.closed_form import StraightSheet
 
 B, LENGTH_M, RADIUS_M = 1.27e-6, 0.05, 0.04

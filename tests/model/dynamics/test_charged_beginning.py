@@ -9,7 +9,7 @@ from model.dynamics import ContactSetup, HeldVoltage, Simulation, simulate, star
 from model.dynamics.identification import RunPlan
 from model.dynamics.identification.predicted_run import predict
 from model.dynamics.motion import Resolution
-from tests.model.dynamics.cases import R, driven
+from tests.model.dynamics.cases import R, driven, plain
 
 HELD = HeldVoltage(np.array([-1e4, 0.2]), np.array([1.5, -1.5]))
 ROLLS = ContactSetup(radius_m=R, position_m=0.005)
@@ -28,6 +28,20 @@ def test_what_was_held_for_long_is_where_a_long_motion_comes_to(setup):
     assert begun.force_N == pytest.approx(long.force_N, abs=3e-7)
     assert begun.x_m == pytest.approx(long.x_m, abs=1e-6)
     assert begun.y_m == pytest.approx(long.y_m, abs=1e-6)
+
+
+def test_an_instant_alone_has_what_it_has_as_the_first_of_several():
+    drive = HeldVoltage(np.array([-100.0]), np.array([2.0]))
+    alone = Simulation(driven(), None, drive).advance(drive, [0.0])
+    several = Simulation(driven(), None, drive).advance(drive, [0.0, 1e-3])
+    for name in ("drive_V", "sheet_V", "current_A"):
+        assert getattr(alone, name)[0] == getattr(several, name)[0]
+    assert alone.drive_V == 2.0
+
+
+def test_an_instant_without_electrodes_has_its_voltage():
+    drive = HeldVoltage(np.zeros(1), np.ones(1))
+    assert Simulation(plain(), None, drive).advance(drive, [0.0]).drive_V == 1.0
 
 
 def test_pulses_before_the_beginning_leave_their_charge():

@@ -9,7 +9,8 @@ import pytest
 
 from labrig.model_file import load_model, save_model
 from model import ModelError, SheetModel
-from model.dynamics import HeldVoltage, simulate
+from model.dynamics import VACUUM, HeldVoltage, simulate
+from model.dynamics.dynamic_sheet import fluid_around
 from tests.model.dynamics.cases import B
 
 
@@ -96,6 +97,13 @@ BAD = {
 def test_what_cannot_be_is_refused_with_its_place(truth, sentence):
     with pytest.raises(ModelError, match=sentence):
         SheetModel.from_dict(file_with(truth, **BAD[sentence]))
+
+
+@pytest.mark.parametrize("name", ["mercury", "Water", ""])
+def test_an_unknown_fluid_is_no_vacuum(name):
+    with pytest.raises(ModelError, match=f"'{name}' is no fluid.* air, water, vacuum"):
+        fluid_around(name, 0.011)
+    assert fluid_around("vacuum", 0.011) == VACUUM
 
 
 def test_without_the_table_the_answer_says_so(truth):

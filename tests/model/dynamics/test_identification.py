@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from model import ModelError
-from model.dynamics import AIR, ContactSetup, ElectrodeLine, HeldVoltage, Resolution
+from model.dynamics import ContactSetup, ElectrodeLine, HeldVoltage, Resolution
 from model.dynamics.identification import (
     ChannelNoise,
     RecordedRun,
@@ -24,7 +24,7 @@ from model.dynamics.identification.thresholds import MOST_PRIOR
 from model.dynamics.identification.uncertainty import judged, surely
 from model.dynamics.load_cell import LoadCellFilter
 from tests.cases import few
-from tests.model.dynamics.cases import L, R, driven
+from tests.model.dynamics.cases import AIR, L, R, driven
 
 SHEET = driven(fluid=AIR)
 COARSE = Resolution(step_s=2e-3, degrees=(6, 2), free_degrees=6, line_terms=6)

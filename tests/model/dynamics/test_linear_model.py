@@ -18,6 +18,7 @@ from model.dynamics import (
     Simulation,
 )
 from model.dynamics.linear.linear_model import linear_model, read_by
+from model.dynamics.linearised import linearise
 from model.measurements import ModelError
 from model.mechanics.equilibrium import problems, solve
 from model.mechanics.field import Field
@@ -109,6 +110,51 @@ def test_a_small_step_of_voltage_moves_the_sheet_as_the_linear_model_says(positi
     assert np.abs(found - wanted)[1:].max() < 2e-3 * np.abs(wanted).max()
 
 
+UNEQUAL = {"moment_per_volt_Nm": (30 * B, 60 * B)}
+
+
+def held_at(volts):
+    return HeldVoltage(np.array([-100.0]), np.array([volts]))
+
+
+def tip_m(sheet, volts):
+    motion = Simulation(sheet, None, held_at(volts), resolution=FINE).advance(
+        held_at(volts), np.zeros(1)
+    )
+    return float(motion.x_m[0, -1]), float(motion.y_m[0, -1]), float(motion.phi_rad[0, -1])
+
+
+@pytest.mark.parametrize("volts", [2.0, -2.0])
+def test_about_a_voltage_the_gain_is_that_of_its_sign(volts):
+    sheet, step_V = beam(**UNEQUAL), 1e-3
+    small = linearise(Simulation(sheet, None, held_at(volts), resolution=FINE))
+    (x0, y0, _), (x1, y1, _) = (tip_m(sheet, volts + d) for d in (-step_V, step_V))
+    phi = tip_m(sheet, volts)[2]
+    wanted = (np.cos(phi) * (y1 - y0) - np.sin(phi) * (x1 - x0)) / (2 * step_V)
+    found = linear_model(small).output("tip_m")
+    assert found.static_gain[0, 0] == pytest.approx(wanted, rel=1e-5)
+    x, y, _, _ = small.transfer(0.0, np.array([sheet.length_m]))
+    assert abs(np.cos(phi) * y[0] - np.sin(phi) * x[0]) == pytest.approx(abs(wanted), rel=1e-5)
+
+
+def test_at_0_V_the_gain_is_the_mean_of_both_signs():
+    found = model_of(beam(**UNEQUAL), 0.015).static_gain
+    mean = model_of(beam(moment_per_volt_Nm=(45 * B, 45 * B)), 0.015).static_gain
+    np.testing.assert_allclose(found, mean)
+
+
+def test_a_sheet_that_is_discharged_is_at_0_V():
+    drive = HeldVoltage(np.array([-200.0, -100.0]), np.array([-2.0, 0.0]))
+    small = linearise(Simulation(beam(**UNEQUAL), None, drive, resolution=FINE))
+    assert small.moment_per_volt_Nm == pytest.approx(45 * B)
+
+
+def test_where_the_voltage_changes_its_sign_along_the_sheet_each_place_has_its_own():
+    drive = HeldVoltage(np.array([-100.0, -0.3]), np.array([-2.0, 2.0]))
+    small = linearise(Simulation(beam(**UNEQUAL), None, drive, resolution=FINE))
+    assert set(np.round(small.moment_per_volt_Nm / B)) == {30.0, 60.0}
+
+
 def test_a_load_cell_reads_the_force_as_its_resonance_lets_it():
     system = straight(0.0)
     read = read_by(system, 100.0, 0.3)
@@ -119,6 +165,12 @@ def test_a_load_cell_reads_the_force_as_its_resonance_lets_it():
         np.testing.assert_allclose(read.response(f)[:, k, 0], wanted, rtol=1e-6)
     with pytest.raises(ModelError, match="must be positive"):
         read_by(system, 0.0, 0.3)
+
+
+def test_a_load_cell_may_have_no_damping():
+    system = straight(0.0).output("force_N")
+    found = read_by(system, 100.0, 0.0).response(np.array([50.0]))[0, 0, 0]
+    assert found == pytest.approx(system.response(np.array([50.0]))[0, 0, 0] / 0.75, rel=1e-6)
 
 
 def first_frequency_hz(system):

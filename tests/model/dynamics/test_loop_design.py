@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from model.dynamics.linear.linear_model import read_by
 from model.dynamics.linear.loop_design import PLANT_STATES, designed, figures_of
 from model.dynamics.linear.state_space import balanced
 from model.measurements import ModelError
@@ -66,6 +67,21 @@ def test_a_sheet_that_the_voltage_does_not_move_is_refused(sheets):
         designed(free, "pi", **LOOP)
 
 
-def test_a_rate_that_is_none_is_refused(sheets):
-    with pytest.raises(ModelError, match="must be positive"):
-        designed(sheets["long, 0 mm"], "pi", rate_hz=0.0, delay_s=0.0, limit_V=2.0)
+def test_a_load_cell_that_rings_for_ever_is_refused(sheets):
+    rings = read_by(sheets["long, 0 mm"], 100.0, 0.0)
+    with pytest.raises(ModelError, match="give a load cell with a resonance a damping above 0"):
+        designed(rings, "pi", **LOOP)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "sentence"),
+    [
+        ({"rate_hz": 0.0}, "rate of a loop must be positive and finite, not 0 Hz"),
+        ({"limit_V": np.inf}, "voltage limit of a loop must be positive and finite, not inf V"),
+        ({"step_N": np.inf}, "step of the force must be finite and not 0, it is inf mN"),
+        ({"step_N": 0.0}, "step of the force must be finite and not 0, it is 0 mN"),
+    ],
+)
+def test_a_loop_that_is_none_is_refused_with_what_is_wrong(sheets, wrong, sentence):
+    with pytest.raises(ModelError, match=sentence):
+        designed(sheets["long, 0 mm"], "pi", **(LOOP | wrong))

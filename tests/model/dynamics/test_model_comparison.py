@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from model.dynamics import AIR, ContactSetup, HeldVoltage, Resolution
+from model.dynamics import ContactSetup, HeldVoltage, Resolution
 from model.dynamics.comparison import (
     FullContender,
     MeasuredRun,
@@ -24,6 +24,7 @@ from model.dynamics.models.conformance import SHEET
 from model.measurements import ModelError
 from model.mechanics.field import Field
 from tests.cases import few
+from tests.model.dynamics.cases import AIR
 from tests.model.dynamics.cases import driven as moving
 from tests.model.dynamics.compared import NOISE, PULSES, planned, recorded
 
