@@ -173,8 +173,7 @@ class Joint:
 
     def noise_found(self) -> dict[str, float]:
         """Return the logarithms of all standard deviations: scatters, then noises."""
-        names, values = self.fitted.problem.noise_names(), self.fitted.solution.log_sigma
-        return dict(zip(names, values.tolist(), strict=True))
+        return self.fitted.noise_found()
 
     # -- rows whose products with the parameters are quantities
 
@@ -331,10 +330,7 @@ def _fitted_from(
     theta = start(observed, forward, bases, known, before)
     if not are_known(forward.names, bases, before):
         theta = least_squares(forward, bases, theta)
-    names, found = problem.noise_names(), earlier.noise_found()
-    pairs = zip(names, problem.guess.tolist(), strict=True)
-    noise = np.array([found.get(name, guess) for name, guess in pairs])
     try:
-        return fit_at_set_ups(problem, theta, noise)
+        return fit_at_set_ups(problem, theta, problem.noise_from(earlier.noise_found()))
     except ModelError:
         return None
