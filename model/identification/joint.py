@@ -24,7 +24,7 @@ from model.identification.data.data_vector import data_vector_of, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
 from model.identification.likelihood.linearisation import BaseParameters, Bases
-from model.identification.likelihood.mixed_model import estimate
+from model.identification.likelihood.mixed_model import UnsettledError, estimate
 from model.identification.likelihood.mixed_model_fit import (
     FitProblem,
     MixedModelFit,
@@ -274,7 +274,7 @@ def joint_fit(
         try:
             begin = _begin(observed, forward, bases, known)
             fitted = fit_at_set_ups(problem, begin)
-        except np.linalg.LinAlgError:
+        except (UnsettledError, np.linalg.LinAlgError):
             raise ModelError(_no_fit(forward.names)) from None
     loaded = [
         np.minimum(

@@ -22,7 +22,8 @@ from model.discrepancy.thresholds import (
 )
 from model.discrepancy.verdict.result import ChosenValue
 from model.effects.interface import Effect
-from model.identification.likelihood.mixed_model_fit import MixedModelFit, unsettled
+from model.identification.likelihood.mixed_model import unsettled
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import Found
 from model.locations import location
 

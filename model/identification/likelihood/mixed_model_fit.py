@@ -23,6 +23,7 @@ from model.identification.likelihood.mixed_model import (
     effects,
     estimate,
     inverse_symmetric,
+    unsettled,
     weigh,
 )
 from model.identification.likelihood.model_state import AppliedEffect, FitPlace, Found, moved
@@ -290,11 +291,6 @@ def without_free(fitted: MixedModelFit) -> MixedModelFit:
     problem = replace(fitted.problem, free=None)
     at = _LinearisationPoint(problem=problem, theta=fitted.theta, found=fitted.found, added=None)
     return _finished(at, fitted.solution.log_sigma)
-
-
-def unsettled() -> ModelError:
-    """Return the error of a fit that leads nowhere."""
-    return ModelError("the fit did not settle: the data contradict the model too much")
 
 
 @dataclass(frozen=True, kw_only=True)
