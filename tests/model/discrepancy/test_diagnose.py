@@ -57,9 +57,11 @@ def names(found) -> list[str]:
 
 
 @pytest.mark.slow
-def test_the_progress_is_a_share_and_a_text_as_everywhere():
+@pytest.mark.parametrize("calibrate", [0, 2])
+def test_the_progress_is_a_share_and_a_text_as_everywhere(calibrate: int):
     told: list[tuple[float, str]] = []
-    diagnose(session(NOTHING), None, lambda share, text: told.append((share, text)))
+    options = DiagnoseOptions(calibrate=calibrate)
+    diagnose(session(NOTHING), options, lambda share, text: told.append((share, text)))
     shares = [share for share, _ in told]
     assert shares == sorted(shares)
     assert told[0] == (0.0, "checking the data")
