@@ -36,7 +36,9 @@ from model.measurements import (
     silent,
 )
 
-_SEARCH_FROM, _SEARCH_TO = 0.05, 0.7  # of the time that a diagnosis takes
+# of the time that a diagnosis takes: the search, and the calibration amid it where that is asked
+_SEARCH_FROM, _SEARCH_TO = 0.05, 0.7
+_CALIBRATION_FROM, _CALIBRATION_TO = 0.3, 0.45
 
 
 def diagnose(
@@ -117,24 +119,25 @@ def _searched(
     ready = prepare(measurements, options, varied)
     effects = _effects(options, measurements)
 
-    def searching(share: float, step: str) -> None:
-        say(_SEARCH_FROM + (_SEARCH_TO - _SEARCH_FROM) * share, step)
-
     enough = setups(ready) >= FEWEST_SETUPS
+    calibrated = bool(options.calibrate) and enough
     limit, limit_from = EVIDENCE_THRESHOLD_LN, "the built-in value"
     if not enough:
         limit, limit_from = np.inf, "nothing is named: too few set-ups"
     outcome = search(
-        ready.problem, ready.theta, effects, limit, options.most_effects, ready.found, searching
-    )
-    if options.calibrate and enough:
+        ready.problem, ready.theta, effects, limit, options.most_effects, ready.found,
+        _part(say, _SEARCH_FROM, _CALIBRATION_FROM if calibrated else _SEARCH_TO),
+    )  # fmt: skip
+    if calibrated:
         pool = [*candidates(outcome.base, effects), *unknowns(outcome.base)]
-        gains = null_gains(outcome.base, pool, options.calibrate, options.seed, say)
+        simulating = _part(say, _CALIBRATION_FROM, _CALIBRATION_TO)
+        gains = null_gains(outcome.base, pool, options.calibrate, options.seed, simulating)
         limit = threshold(gains)
         limit_from = f"{options.calibrate} simulated sessions of the base model"
         outcome = search(
-            ready.problem, ready.theta, effects, limit, options.most_effects, ready.found, searching
-        )
+            ready.problem, ready.theta, effects, limit, options.most_effects, ready.found,
+            _part(say, _CALIBRATION_TO, _SEARCH_TO),
+        )  # fmt: skip
     say(_SEARCH_TO, "comparing with other explanations")
     return Finding(
         measurements=measurements,
@@ -145,6 +148,15 @@ def _searched(
         threshold=limit,
         threshold_from=limit_from,
     )
+
+
+def _part(say: Progress, first: float, last: float) -> Progress:
+    """Return the progress of a part of the work, from one share of the whole to another."""
+
+    def within(share: float, step: str) -> None:
+        say(first + (last - first) * share, step)
+
+    return within
 
 
 def _in_sessions(name: str, count: int) -> Effect:

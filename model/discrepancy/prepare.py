@@ -160,6 +160,8 @@ def _with_dynamics(
         places.append(place)
         zero.append(value)
         step.append(change)
+    if not rows:  # of configurations that were left out, or of the contacts' places alone
+        return bases
     further = FurtherColumns(
         rows=np.stack(rows, axis=1), places=tuple(places), zero=np.array(zero),
         step=np.array(step), own=range(bases.size, size),

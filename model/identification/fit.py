@@ -131,12 +131,14 @@ class _Part:
         self.measured = joint.rest(n)(self.s_m)
         self.rest = configuration_model.rest if self.known else joint.rest(n)
         curves = any(o.curve is not None for o in observed.touching())
+        weighed = weighs(joint.forward.data_vectors[n])
         self.paper: PaperFit | None = None
-        if curves and 0.0 in {o.voltage_V for o in observed.touching()}:
+        self.no_paper = ""  # why it is missing
+        if weighed and curves and 0.0 in {o.voltage_V for o in observed.touching()}:
             try:
                 self.paper = identify(observed, self.rest, options.weight_exponent)
-            except ModelError:
-                self.paper = None
+            except ModelError as error:
+                self.no_paper = str(error)
 
     def sheet(self, varying: bool) -> ConfiguredSheet:
         """As a part of a model."""
@@ -274,6 +276,11 @@ def _notes(
             notes.append(
                 f"B of '{name}' is hardly fixed by these data (±{share:.0f} %): only forces fix it,"
                 " shapes fix Me/B"
+            )
+        if parts[name].no_paper:
+            notes.append(
+                "there are no parameters condition by condition, the paper's way:"
+                f" {parts[name].no_paper}"
             )
         joint, n = parts[name].joint, parts[name].n
         notes += [

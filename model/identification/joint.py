@@ -24,7 +24,7 @@ from model.identification.data.data_vector import data_vector_of, means_of
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.gauss_newton import least_squares
 from model.identification.likelihood.linearisation import BaseParameters, Bases
-from model.identification.likelihood.mixed_model import estimate
+from model.identification.likelihood.mixed_model import UnsettledError, estimate
 from model.identification.likelihood.mixed_model_fit import (
     FitProblem,
     MixedModelFit,
@@ -173,8 +173,7 @@ class Joint:
 
     def noise_found(self) -> dict[str, float]:
         """Return the logarithms of all standard deviations: scatters, then noises."""
-        names, values = self.fitted.problem.noise_names(), self.fitted.solution.log_sigma
-        return dict(zip(names, values.tolist(), strict=True))
+        return self.fitted.noise_found()
 
     # -- rows whose products with the parameters are quantities
 
@@ -275,7 +274,7 @@ def joint_fit(
         try:
             begin = _begin(observed, forward, bases, known)
             fitted = fit_at_set_ups(problem, begin)
-        except np.linalg.LinAlgError:
+        except (UnsettledError, np.linalg.LinAlgError):
             raise ModelError(_no_fit(forward.names)) from None
     loaded = [
         np.minimum(
@@ -331,10 +330,7 @@ def _fitted_from(
     theta = start(observed, forward, bases, known, before)
     if not are_known(forward.names, bases, before):
         theta = least_squares(forward, bases, theta)
-    names, found = problem.noise_names(), earlier.noise_found()
-    pairs = zip(names, problem.guess.tolist(), strict=True)
-    noise = np.array([found.get(name, guess) for name, guess in pairs])
     try:
-        return fit_at_set_ups(problem, theta, noise)
+        return fit_at_set_ups(problem, theta, problem.noise_from(earlier.noise_found()))
     except ModelError:
         return None

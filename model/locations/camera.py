@@ -215,5 +215,4 @@ LOCATION = Camera(
     depends="in the pictures alone, not in the forces",
     unit="mm",
     order=70,
-    of_the_rig_along=frozenset({"s"}),
 )

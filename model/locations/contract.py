@@ -21,7 +21,7 @@ once for each candidate.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -156,8 +156,6 @@ class Location:
     order: int  # of presentation; that of the catalogue of effects, too
     # whether it concerns single readings rather than their means: then it needs series in time
     in_time: bool = False
-    # coordinates along which a term is the rig's, the same for all configurations
-    of_the_rig_along: frozenset[str] = field(default_factory=frozenset)
 
     def beam(self, beam: BeamProblem, term: Term) -> BeamProblem:
         """Return the beam problem with the term in it."""

@@ -224,6 +224,16 @@ def test_forces_alone_give_stiffness_and_constant_eibm(measure, truth):
 
 
 @pytest.mark.slow
+def test_why_there_are_no_parameters_condition_by_condition_is_a_note(measure):
+    data = measure(seed=10, names=("short",))
+    blind = (replace(c, curve=None) if c.voltage_V == 0.0 else c for c in data.conditions)
+    found = fit(replace(data, conditions=tuple(blind)))
+    assert found.configurations["short"].paper is None
+    (note,) = (n for n in found.notes if "condition by condition" in n)
+    assert "needs force and curve at 0 V" in note
+
+
+@pytest.mark.slow
 def test_held_out_conditions_are_not_used_and_are_named(measure):
     data = measure(seed=11, names=("short",))
     found = fit(data, FitOptions(held_out=(("short", 0.01), ("short", 0.02, 2.0))))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from model import Curve, FitOptions, Measurements, ModelError, fit
+from model.identification.likelihood.noise.row_covariance import RowCovariance
 
 
 def changed(data: Measurements, index: int, **fields: object) -> Measurements:
@@ -204,7 +205,7 @@ def test_a_fit_that_ends_far_beside_the_data_is_a_sentence(data, monkeypatch):
     def ends(*_given):
         raise np.linalg.LinAlgError("a covariance is not positive")
 
-    monkeypatch.setattr("model.identification.joint.fit_at_set_ups", ends)
+    monkeypatch.setattr(RowCovariance, "of", ends)
     with pytest.raises(ModelError, match="no fit of 'long' was found: the model stays far from"):
         fit(data)
 

@@ -16,6 +16,7 @@ from model.identification.likelihood.mixed_model import (
 )
 from model.identification.likelihood.noise.row_covariance import Data
 from model.identification.likelihood.noise.scatter_uncertainty import freedom, spread
+from model.measurements import ModelError
 
 
 def made(random, runs=40, u=0.3, tau=0.1):
@@ -241,6 +242,15 @@ def test_weights_are_the_inverse_of_the_covariance_however_they_are_found(scatte
     inverse = np.linalg.inv(V)
     sure = 1e-15 * np.linalg.cond(V)[:, None, None] * np.abs(inverse).max((1, 2), keepdims=True)
     assert np.all(np.abs(W - inverse) < 100.0 * sure)
+
+
+@pytest.mark.parametrize("solve", [weigh, lambda data, at: estimate(data, at)])
+@pytest.mark.parametrize("scatters", [0, 1])
+def test_a_covariance_that_is_not_positive_is_a_sentence(solve, scatters):
+    data, _ = made(np.random.default_rng(0), runs=4)
+    data = replace(data, groups=data.groups[:scatters], fixed=np.full((4, 5), -1.0))
+    with pytest.raises(ModelError, match="the fit did not settle"):
+        solve(data, np.log(np.append(np.full(scatters, 0.1), 0.1)))
 
 
 def wandering(random):

@@ -18,7 +18,7 @@ from model.discrepancy.criticism.named_model import MOUNTING, NamedModel, limite
 from model.discrepancy.search.beside_others import evidence_beside
 from model.discrepancy.search.form_share import form_share
 from model.discrepancy.search.forward_selection import SearchResult
-from model.discrepancy.search.nonparametric_terms import unknowns
+from model.discrepancy.search.nonparametric_terms import is_nonparametric, unknowns
 from model.discrepancy.search.ranking import RankedCandidate, best_scores
 from model.discrepancy.thresholds import COMPARED_NAMES
 from model.discrepancy.verdict.posterior import Choice, ResidualTerms
@@ -79,7 +79,7 @@ class ComparedAnswers:
     def _of_rest(self) -> ChoiceSet:
         """Return the answers to what else is not in the model."""
         ranking = self._last_ranking
-        free = max((c.ln_bayes_factor for c in ranking if _is_free(c)), default=0.0)
+        free = max((c.ln_bayes_factor for c in ranking if is_nonparametric(c.name)), default=0.0)
         best = ranking[0] if ranking else None
         nothing = _nothing(
             0.0 if best is None else best.ln_bayes_factor, self._worth(best),
@@ -228,15 +228,11 @@ def _nothing(gain: float, worth: float, *, further: bool, considered: bool) -> A
 
 def _free_gain(before: MixedModelFit, ranking: Sequence[RankedCandidate]) -> float:
     """Return the evidence of the best nonparametric term for the model without a name."""
-    ranked = [c.ln_bayes_factor for c in ranking if _is_free(c)]
+    ranked = [c.ln_bayes_factor for c in ranking if is_nonparametric(c.name)]
     if ranked:
         return max(ranked)
     scores = best_scores(before, unknowns(before), before.solution)
     return max((one.log_bayes for one in scores.values()), default=0.0)
-
-
-def _is_free(one: RankedCandidate) -> bool:
-    return one.name.startswith("unknown:")
 
 
 def _signed_log(value: float) -> float:

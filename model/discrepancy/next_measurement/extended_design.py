@@ -8,9 +8,12 @@ import numpy as np
 
 from model.discrepancy.next_measurement.menu import CandidateMeasurement
 from model.identification.likelihood.forward_model import ForwardModel
-from model.identification.likelihood.linearisation import Bases, linearise
-from model.identification.likelihood.mixed_model import weigh
-from model.identification.likelihood.mixed_model_fit import FitProblem, MixedModelFit
+from model.identification.likelihood.linearisation import Bases
+from model.identification.likelihood.mixed_model_fit import (
+    FitProblem,
+    MixedModelFit,
+    weighed_at,
+)
 from model.identification.likelihood.noise.row_noise import noise_of
 from model.measurements import FloatArray
 
@@ -25,52 +28,30 @@ def extended(fitted: MixedModelFit, entry: CandidateMeasurement) -> MixedModelFi
         configuration_model.rest for configuration_model in problem.forward.configuration_models
     ]
     forward = ForwardModel(data_vectors, rests, like=problem.forward)
-    noise = noise_of(forward)
     bases = problem.bases
     if bases.further is not None:  # planned data are those of a sheet at rest
         bases = replace(bases, further=bases.further.of_rows(forward.row_index.size))
-    larger = FitProblem.of(forward, bases, noise)
-    if any(
-        len(a.voltages_V) != len(b.voltages_V)
-        for a, b in zip(data_vectors, problem.forward.data_vectors, strict=True)
-    ):
-        bases = _with_half(replace(problem, bases=bases), forward)
-        larger = replace(larger, bases=bases)
-    theta = fitted.theta
-    if bases.size > problem.bases.size:
-        theta = np.concatenate([theta, _half_start(problem, bases, theta)])
-    linear = linearise(forward, bases, noise, theta)
-    log_sigma = larger.guess.copy()
-    n = min(len(log_sigma), len(fitted.solution.log_sigma))
-    log_sigma[:n] = fitted.solution.log_sigma[:n]
-    return MixedModelFit(
-        problem=larger,
-        theta=theta,
-        found=(),
-        linear=linear,
-        solution=weigh(linear.data, log_sigma),
-        deviance=0.0,
-        spans=(),
-    )
+    bases, theta = _with_half(bases, forward, fitted.theta)
+    larger = FitProblem.of(forward, bases, noise_of(forward))
+    # the effects that a model states stay in it, or the separations would be of another model
+    return weighed_at(larger, theta, fitted.found, larger.noise_from(fitted.noise_found()))
 
 
-def _with_half(problem: FitProblem, forward: ForwardModel) -> Bases:
-    """Parameters of the further voltages, after all others."""
-    parts, place = [], problem.bases.size
-    for one, own in zip(problem.bases.parts, forward.data_vectors, strict=True):
-        eibm = dict(one.eibm)
-        for volts in own.voltages_V:
-            if volts not in eibm:
-                eibm[volts], place = (place, 1.0), place + 1
+def _with_half(bases: Bases, forward: ForwardModel, theta: FloatArray) -> tuple[Bases, FloatArray]:
+    """Return bases and parameters with those of half voltages after all others.
+
+    Each begins at half of the whole voltage's EIBM, and where that is one for both polarities the
+    half voltages have one, too.
+    """
+    parts, more = [], list[float]()
+    for one, own in zip(bases.parts, forward.data_vectors, strict=True):
+        eibm, places = dict(one.eibm), dict[int, int]()
+        for volts in (v for v in own.voltages_V if v not in one.eibm):
+            whole, sign = one.eibm[2.0 * volts]
+            if whole not in places:
+                places[whole] = len(theta) + len(more)
+                more.append(0.5 * float(theta[whole]))
+            eibm[volts] = places[whole], sign
         parts.append(replace(one, eibm=eibm))
-    return replace(problem.bases, parts=tuple(parts), size=place)
-
-
-def _half_start(problem: FitProblem, bases: Bases, theta: FloatArray) -> FloatArray:
-    more = np.zeros(bases.size - problem.bases.size)
-    for one in bases.parts:
-        for volts, (i, _) in one.eibm.items():
-            if i >= problem.bases.size:
-                like = one.eibm.get(2.0 * volts)
-                more[i - problem.bases.size] = 0.5 * theta[like[0]] if like else 0.0
-    return more
+    larger = replace(bases, parts=tuple(parts), size=bases.size + len(more))
+    return larger, np.concatenate([theta, more])

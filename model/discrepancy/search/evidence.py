@@ -21,7 +21,7 @@ from model.identification.likelihood.form_ways import atoms
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Linearisation
 from model.identification.likelihood.mixed_model import Solution, estimate
-from model.identification.likelihood.mixed_model_fit import MixedModelFit
+from model.identification.likelihood.mixed_model_fit import MixedModelFit, prior_terms
 from model.identification.likelihood.model_state import ModelState
 from model.measurements import FloatArray
 
@@ -283,24 +283,19 @@ def _rescored(fitted: MixedModelFit, one: Score) -> tuple[float, Solution]:
 
     forward = fitted.problem.forward
     q = one.candidate.columns.shape[1]
-    best, kept = -np.inf, fitted.solution
-    scale = one.scale
+    best, kept, scale = -np.inf, fitted.solution, one.scale
+    inside = prior_terms(fitted.linear, fitted.problem.bases.size)  # of the effects in the model
     while scale <= 1.01 * max(one.candidate.sizes):
         linear = with_columns(forward, fitted.linear, one.candidate.columns, scale**-2.0)
         guess = fitted.problem.guess
         solution = estimate(linear.data, guess, kept.log_sigma, 0.02, there=kept)
-        value = solution.deviance + 2.0 * q * float(np.log(scale)) - prior_terms(fitted)
+        value = solution.deviance + 2.0 * q * float(np.log(scale)) + inside
         gain = 0.5 * (fitted.deviance - value)
         if gain <= best:
             break
         # only a candidate that is worth something is worth another size
         best, kept, scale = gain, solution, 3.0 * scale if gain > 2.0 else np.inf
     return best - float(np.log(len(one.candidate.sizes))), kept
-
-
-def prior_terms(fitted: MixedModelFit) -> float:
-    """Return ln of the determinant of the priors of the effects that are in the model already."""
-    return float(np.sum(np.log(fitted.linear.data.precision[fitted.problem.bases.size :])))
 
 
 def unit_values(effect: Effect, values: Values, amplitude: float) -> dict[str, float]:

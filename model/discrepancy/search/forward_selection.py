@@ -234,7 +234,7 @@ def nonparametric_replaces_any_names(outcome: SearchResult, most: int) -> bool:
 def _left_out(outcome: SearchResult, fitted: MixedModelFit, numbers: list[int]) -> MixedModelFit:
     """Return the model without these conditions; the base is fitted without them, too."""
     outcome.outliers += numbers
-    problem, base = without(fitted.problem, numbers), outcome.base
+    problem, base = without(fitted, numbers), outcome.base
     again = fit_mixed_model(problem, fitted.theta, fitted.found)
     nothing_new = len(fitted.found) == len(base.found)
     outcome.base = again if nothing_new else fit_mixed_model(problem, base.theta, base.found)

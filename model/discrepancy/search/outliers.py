@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.search.evidence import Candidate
+from model.discrepancy.verdict.prediction_error import variance
 from model.identification.data.data_vector import Index
 from model.identification.likelihood.mixed_model_fit import FitProblem, MixedModelFit
 from model.identification.likelihood.random_effects import ASSUMED
@@ -16,7 +17,7 @@ SIZES = (0.3, 1.0, 3.0, 10.0)
 FORCE_N, MODE_M = 1e-4, 2e-5
 SET_UP = ("stiffness", "eibm", "position", "clamp_tilt", "registration", "force_zero")
 SET_UP_SIZES = (4.0, 8.0, 16.0)
-OUT = 1e6  # how much noisier a condition left out is taken to be
+OUT = 1e6  # times the variance of a condition that is left out
 
 
 def outlier_candidates(fitted: MixedModelFit) -> list[Candidate]:
@@ -116,17 +117,15 @@ def condition_name(problem: FitProblem, number: int) -> str:
     return names[number]
 
 
-def without(problem: FitProblem, numbers: list[int]) -> FitProblem:
-    """Return the same data with some conditions so noisy that they do not count."""
-    fixed, forward = problem.noise.fixed.copy(), problem.forward
-    first = 0
-    for block, configuration_model in zip(
-        forward.row_index.blocks, forward.configuration_models, strict=True
-    ):
+def without(fitted: MixedModelFit, numbers: list[int]) -> FitProblem:
+    """Return the data of a fit with some conditions so noisy that they do not count."""
+    problem, first = fitted.problem, 0
+    out = np.zeros(problem.forward.row_index.size, dtype=bool)
+    for block in problem.forward.row_index.blocks:
+        count = len(block.mode_rows)
         for k in (n - first for n in numbers):
-            if 0 <= k < configuration_model.K:
-                fixed[block.trend_rows[block.trend_of == k]] += OUT * 1e-8
-                rows = block.mode_rows[k]
-                fixed[rows[rows >= 0]] += OUT * 1e-8
-        first += configuration_model.K
+            if 0 <= k < count:
+                out |= block.of_condition(k, len(out))
+        first += count
+    fixed = np.where(out, OUT * variance(fitted), problem.noise.fixed)
     return replace(problem, noise=replace(problem.noise, fixed=fixed))

@@ -11,6 +11,7 @@ from model.discrepancy.criticism.image_noise import with_usual_noise
 from model.discrepancy.search.beside_others import evidence_beside, evidence_beside_at_usual_noise
 from model.discrepancy.search.evidence import Score
 from model.discrepancy.search.forward_selection import SearchResult, SelectionStep
+from model.discrepancy.search.nonparametric_terms import is_nonparametric
 from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement.best_candidates import refine_best
 from model.discrepancy.search.refinement.fits import settled
@@ -22,7 +23,8 @@ from model.discrepancy.thresholds import (
 )
 from model.discrepancy.verdict.result import ChosenValue
 from model.effects.interface import Effect
-from model.identification.likelihood.mixed_model_fit import MixedModelFit, unsettled
+from model.identification.likelihood.mixed_model import unsettled
+from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.likelihood.model_state import Found
 from model.locations import location
 
@@ -267,14 +269,14 @@ def residual_terms(
     outcome: SearchResult, final: MixedModelFit, effects: Sequence[Effect]
 ) -> ResidualTerms | None:
     """Return how much free forms could still explain."""
-    first = [c for c in outcome.steps[0].ranking if c.name.startswith("unknown:")]
+    first = [c for c in outcome.steps[0].ranking if is_nonparametric(c.name)]
     if not first:
         return None
     best = max(first, key=lambda c: c.ln_bayes_factor)
     explained = 0.5 * (outcome.base.deviance - final.deviance) if final.found else 0.0
     ranked = (step for step in outcome.steps if step.before is final)
     same = next(ranked, None) or SelectionStep(final, rank(final, effects))
-    last = [c for c in same.ranking if c.name.startswith("unknown:")]
+    last = [c for c in same.ranking if is_nonparametric(c.name)]
     best_on_final = max(last, key=lambda c: c.ln_bayes_factor, default=None)
     ln_bayes_factor = best_on_final.ln_bayes_factor if best_on_final is not None else 0.0
     total = max(best.ln_bayes_factor, explained + max(ln_bayes_factor, 0.0))

@@ -198,7 +198,8 @@ def table(
     """Every condition, measured and simulated; `before`, `after` (N,) are left-out residuals."""
     noise, log_sigma = np.sqrt(variance(final)), final.solution.log_sigma
     set_ups = [at_set_ups(fitted, log_sigma) for fitted in (base, final)]
-    forces = [refitted(base), refitted(final), before, after, *set_ups]
+    nominal = [refitted(fitted) for fitted in (base, final)]
+    forces = [*nominal, before, after, *set_ups]
     rows = []
     for c, (block, seen) in enumerate(
         zip(base.problem.forward.row_index.blocks, base.problem.forward.data_vectors, strict=True)
@@ -211,10 +212,9 @@ def table(
             sigma = float(noise[mean[0]]) if len(mean) else np.nan
             expected = [force - float(r[mean[0]]) if len(mean) else np.nan for r in forces]
             measured = base.problem.forward.configuration_models[c].measured(k)
-            first, last = (_simulated(fitted, c, k, refitted(fitted)) for fitted in (base, final))
-            offset_first, offset_last = (
+            first, last, offset_first, offset_last = (
                 _simulated(fitted, c, k, off)
-                for fitted, off in zip((base, final), set_ups, strict=True)
+                for fitted, off in zip((base, final) * 2, (*nominal, *set_ups), strict=True)
             )
             rows.append(
                 ErrorRow(

@@ -10,16 +10,19 @@ import numpy as np
 from model.discrepancy.verdict.measured_places import Seen, seen_at
 from model.identification.data.data_vector import ConditionData
 from model.identification.likelihood.forward_model import ForwardModel
+from model.identification.residuals import distance_to
 from model.measurements import rms
+from model.sheet import misfit
 from model.sheet.sheet_model import SheetModel
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Error:
-    """Distances of one condition: of its mean force, and of its curve, RMS; NaN: not measured."""
+    """Errors of one condition, as those of a fit; NaN: not measured."""
 
+    measured_N: float  # its mean force
     force_N: float
-    curve_m: float
+    curve_m: float  # RMS distance of the sheet itself, not its elongation
 
 
 def with_stated_errors(
@@ -50,25 +53,27 @@ def with_stated_errors(
 def _errors(model: SheetModel, name: str, some: Sequence[ConditionData]) -> list[Error]:
     """Return those of conditions of one session and configuration."""
     places = [(float(one.position_m), float(one.voltage_V)) for one in some]
-    return [_error(*both) for both in zip(some, seen_at(model, name, places), strict=True)]
+    length_m = model.sheet(name).sheet.free_length_m
+    seen = seen_at(model, name, places)
+    return [_error(one, found, length_m) for one, found in zip(some, seen, strict=True)]
 
 
-def _error(one: ConditionData, found: Seen) -> Error:
-    force = found.F_N - float(np.mean(one.kept_N)) if len(one.kept_N) else np.nan
-    if one.curve is None:
-        return Error(force, np.nan)
-    s_m = one.curve.s_m
-    distance_m = np.hypot(
-        np.interp(s_m, found.s_m, found.x_m) - one.curve.x_m,
-        np.interp(s_m, found.s_m, found.y_m) - one.curve.y_m,
+def _error(one: ConditionData, found: Seen, length_m: float) -> Error:
+    measured_N = float(np.mean(one.kept_N)) if len(one.kept_N) else np.nan
+    inside = found.s_m <= length_m * (1.0 + 1e-9)
+    off_m = (
+        np.nan
+        if one.curve is None
+        else distance_to(found.x_m[inside], found.y_m[inside], one.curve, length_m)
     )
-    return Error(force, rms(distance_m))
+    return Error(measured_N=measured_N, force_N=found.F_N - measured_N, curve_m=off_m)
 
 
 def _merit(errors: Sequence[Error]) -> dict[str, float]:
     """Return the errors by the names that a model file has; those that exist."""
     merit = {
-        "force_rmse_N": rms(np.array([e.force_N for e in errors])),
-        "curve_rmse_m": rms(np.array([e.curve_m for e in errors])),
+        misfit.FORCE: rms(np.array([e.force_N for e in errors])),
+        misfit.CURVE: rms(np.array([e.curve_m for e in errors])),
+        misfit.FORCE_SIZE: rms(np.array([e.measured_N for e in errors])),
     }
     return {name: value for name, value in merit.items() if np.isfinite(value)}

@@ -6,6 +6,7 @@ import numpy as np
 
 from model.identification.likelihood.forward_model import ForwardModel
 from model.identification.likelihood.linearisation import Bases, priors_of, sensitivities
+from model.identification.likelihood.mixed_model import unsettled
 from model.measurements import FloatArray, ModelError
 
 FORCE_SIGMA_N, MODE_SIGMA_M = 1e-4, 1e-4  # what is weighed as one
@@ -26,7 +27,8 @@ def least_squares(
 
     Damped after Levenberg and Marquardt where a step leads too far. It ends where a step takes
     less than the share `enough` from the squares. It is given up after `FEW_STEPS` where these are
-    still above `worthless`, in units of `weighted_squares`.
+    still above `worthless`, in units of `weighted_squares`. Raises ModelError where it leads
+    nowhere.
     """
     mean, width = priors_of(bases)
     stiffness = [one.stiffness for one in bases.parts]
@@ -44,7 +46,10 @@ def least_squares(
             break
         A = by.T @ by + np.diag(precision)
         A[np.diag_indices(len(theta))] *= 1.0 + damping
-        step = np.linalg.solve(A, by.T @ left - precision * (theta - mean))
+        try:
+            step = np.linalg.solve(A, by.T @ left - precision * (theta - mean))
+        except np.linalg.LinAlgError as error:
+            raise unsettled() from error
         step *= min(1.0, LONGEST_LOG_B / max(float(np.max(np.abs(step[stiffness]))), 1e-12))
         try:
             there = rows(theta + step)

@@ -9,16 +9,39 @@ Thompson 1971), under wide priors that matter only where the data say nothing.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
 
 from model.identification.likelihood.noise.row_covariance import Data, RowCovariance
-from model.measurements import FloatArray
+from model.measurements import FloatArray, ModelError
 
 LONGEST = 1.5  # change of any ln sigma in one step
 WELL_CONDITIONED = 1e-8  # reciprocal condition of a matrix; below it a cheaper way loses digits
+
+
+class UnsettledError(ModelError):
+    """A fit leads nowhere."""
+
+
+def unsettled() -> UnsettledError:
+    """Return the error of a fit that leads nowhere."""
+    return UnsettledError("the fit did not settle: the data contradict the model too much")
+
+
+@contextmanager
+def _positive() -> Iterator[None]:
+    """Raise `UnsettledError` where a matrix that should be positive is not.
+
+    Far from the data numbers are so large that rounding alone may do that.
+    """
+    try:
+        yield
+    except np.linalg.LinAlgError as error:
+        raise unsettled() from error
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,8 +56,9 @@ class Solution:
     noise: RowCovariance | None = field(default=None, repr=False, compare=False)
 
 
+@_positive()
 def weigh(data: Data, log_sigma: FloatArray) -> Solution:
-    """Generalised least squares at given scatter."""
+    """Generalised least squares at given scatter; raises UnsettledError where there is none."""
     noise = RowCovariance.of(data, log_sigma)
     WX = noise.weights @ data.X
     information = _stacked(data.X).T @ _stacked(WX) + np.diag(data.precision)
@@ -67,6 +91,7 @@ def _stacked(X: FloatArray) -> FloatArray:
     return X.reshape(-1, X.shape[2])
 
 
+@_positive()
 def inverse_symmetric(A: FloatArray) -> FloatArray:
     """Inverse of a positive matrix of badly scaled rows."""
     from scipy.linalg.lapack import dpocon, dpotrf, dpotri
@@ -143,6 +168,7 @@ def deviance(data: Data, log_sigma: FloatArray, guess: FloatArray) -> tuple[floa
     return point.value, point.gradient
 
 
+@_positive()
 def estimate(
     data: Data,
     guess: FloatArray,
@@ -155,6 +181,7 @@ def estimate(
 
     It ends when no more than `accuracy` of the deviance is to be had. `there` is a solution with
     other columns, where it may begin: of the same scatter the covariance is the same.
+    Raises UnsettledError where there is no solution.
     """
     low, high = guess - 7.0, guess + 6.0
     at = np.clip(guess if start is None else start, low, high)

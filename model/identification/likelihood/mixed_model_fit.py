@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -23,6 +23,7 @@ from model.identification.likelihood.mixed_model import (
     effects,
     estimate,
     inverse_symmetric,
+    unsettled,
     weigh,
 )
 from model.identification.likelihood.model_state import AppliedEffect, FitPlace, Found, moved
@@ -68,6 +69,11 @@ class FitProblem:
         """Return the names of all standard deviations: scatters, then noises."""
         return [*self.noise.random_effects, *self.noise.names]
 
+    def noise_from(self, known: Mapping[str, float]) -> FloatArray:
+        """Return ln of all standard deviations: those known by name, else as assumed."""
+        pairs = zip(self.noise_names(), self.guess.tolist(), strict=True)
+        return np.array([known.get(name, guess) for name, guess in pairs])
+
 
 @dataclass(frozen=True, kw_only=True)
 class MixedModelFit:
@@ -85,6 +91,11 @@ class MixedModelFit:
     def active(self) -> tuple[AppliedEffect, ...]:
         """The effects as the states have them."""
         return tuple(f.active for f in self.found)
+
+    def noise_found(self) -> dict[str, float]:
+        """Return ln of all standard deviations by name: scatters, then noises."""
+        values = self.solution.log_sigma.tolist()
+        return dict(zip(self.problem.noise_names(), values, strict=True))
 
     def added(self) -> Added:
         """Return the most likely values (R, q) of every random effect."""
@@ -263,16 +274,23 @@ def _finished(at: _LinearisationPoint, log_sigma: FloatArray) -> MixedModelFit:
     )
 
 
+def weighed_at(
+    problem: FitProblem, theta: FloatArray, found: tuple[Found, ...], log_sigma: FloatArray
+) -> MixedModelFit:
+    """Return the model where it is, at given noise: nothing is fitted, so it has no deviance."""
+    at = _LinearisationPoint(problem=problem, theta=theta, found=found, added=None)
+    linear, spans = at.linearised()
+    return MixedModelFit(
+        problem=problem, theta=theta, found=found, linear=linear,
+        solution=weigh(linear.data, log_sigma), deviance=np.nan, spans=tuple(spans),
+    )  # fmt: skip
+
+
 def without_free(fitted: MixedModelFit) -> MixedModelFit:
     """Return a fit beside free columns at the same place without them."""
     problem = replace(fitted.problem, free=None)
     at = _LinearisationPoint(problem=problem, theta=fitted.theta, found=fitted.found, added=None)
     return _finished(at, fitted.solution.log_sigma)
-
-
-def unsettled() -> ModelError:
-    """Return the error of a fit that leads nowhere."""
-    return ModelError("the fit did not settle: the data contradict the model too much")
 
 
 @dataclass(frozen=True, kw_only=True)

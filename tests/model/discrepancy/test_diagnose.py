@@ -10,6 +10,7 @@ import pytest
 
 from model import Measurements, ModelError, SheetGeometry
 from model.discrepancy import DiagnoseOptions, diagnose, next_measurement
+from model.discrepancy.at_rest.varied import Step, Varied
 from model.discrepancy.prepare import prepare, setups
 from tests.cases import few
 from tests.model.discrepancy.sessions import (
@@ -56,9 +57,11 @@ def names(found) -> list[str]:
 
 
 @pytest.mark.slow
-def test_the_progress_is_a_share_and_a_text_as_everywhere():
+@pytest.mark.parametrize("calibrate", [0, 2])
+def test_the_progress_is_a_share_and_a_text_as_everywhere(calibrate: int):
     told: list[tuple[float, str]] = []
-    diagnose(session(NOTHING), None, lambda share, text: told.append((share, text)))
+    options = DiagnoseOptions(calibrate=calibrate)
+    diagnose(session(NOTHING), options, lambda share, text: told.append((share, text)))
     shares = [share for share, _ in told]
     assert shares == sorted(shares)
     assert told[0] == (0.0, "checking the data")
@@ -521,6 +524,14 @@ def test_a_sheet_that_cannot_be_used_is_left_out_with_a_note():
     ready = prepare(replace(m, conditions=broken), DiagnoseOptions())
     assert ready.problem.forward.names == ["long"]
     assert any(n.startswith("left out: ") and "'short'" in n for n in ready.notes)
+
+
+@pytest.mark.slow
+def test_dynamics_of_a_sheet_that_is_left_out_change_nothing():
+    m = kept(session(), lambda c: c.configuration == "long")
+    of_short = Varied(Step(configuration="short", of="unsure"), m)
+    ready = prepare(m, DiagnoseOptions(), (of_short,))
+    assert ready.problem.bases.size == prepare(m, DiagnoseOptions()).problem.bases.size
 
 
 @pytest.mark.slow

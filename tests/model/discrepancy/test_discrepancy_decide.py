@@ -14,6 +14,7 @@ from model.discrepancy.search.forward_selection import SelectionStep, search
 from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.null_calibration import null_gains, threshold
 from model.discrepancy.search.outliers import (
+    OUT,
     condition_name,
     condition_runs,
     numbers_of,
@@ -41,6 +42,7 @@ from model.discrepancy.verdict.posterior import (
     rest_of_another,
     with_shapes,
 )
+from model.discrepancy.verdict.prediction_error import variance
 from model.effects import catalogue, effect
 from model.identification.likelihood.mixed_model_fit import fit_mixed_model
 from model.identification.likelihood.model_state import Found
@@ -162,15 +164,16 @@ def test_each_condition_and_each_set_up_may_be_an_outlier():
 def test_a_condition_left_out_has_no_say():
     base = base_fit()
     k = 4
-    problem = without(base.problem, [k])
-    rows = base.problem.forward.row_block(0).trend_rows[
-        base.problem.forward.row_block(0).trend_of == k
-    ]
-    changed = np.flatnonzero(problem.noise.fixed != base.problem.noise.fixed)
-    assert set(rows) < set(changed)
-    block = base.problem.forward.row_block(0)
-    modes = set(block.mode_rows[k])
-    assert set(changed) == set(rows) | modes
+    block, size = base.problem.forward.row_block(0), base.problem.forward.row_index.size
+    own = block.of_condition(k, size)
+    assert set(block.sway_rows[block.sway_of == k]) | set(block.bin_rows[block.bin_of == k])
+    problem = without(base, [k])
+    assert np.array_equal(problem.noise.fixed != base.problem.noise.fixed, own)
+    # of forces and curves alike, whatever their units
+    ratio = problem.noise.fixed[own] / variance(base)[own]
+    np.testing.assert_allclose(ratio, OUT, rtol=1e-3)
+    again = fit_mixed_model(problem, base.theta)
+    assert np.all(variance(again)[own] > 1e5 * variance(base)[own])
 
 
 @pytest.mark.thorough

@@ -13,13 +13,16 @@ from model.discrepancy.next_measurement.choice import next_measurement
 from model.discrepancy.next_measurement.extended_design import extended
 from model.discrepancy.next_measurement.menu import MENU
 from model.discrepancy.next_measurement.separation import Suspect, separation
+from model.discrepancy.prepare import DiagnoseOptions, prepare
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.verdict import finding
 from model.discrepancy.verdict.result import Next
 from model.effects import effect
 from model.identification.data.data_vector import data_vector_of
+from model.identification.likelihood.mixed_model_fit import fit_mixed_model
+from model.identification.likelihood.model_state import Found
 from tests.cases import few
-from tests.model.discrepancy.sessions import Case, Extras, base_fit, session
+from tests.model.discrepancy.sessions import Case, Extras, base_fit, fitted, session
 
 ENTRIES = {entry.name: entry for entry in MENU}
 
@@ -124,6 +127,40 @@ def test_the_rig_turned_over_tells_weight_from_what_stays(other: str):
     now = apart(fit)
     over, again = (apart(extended(fit, ENTRIES[n])) for n in ("turned_over", "more_repeats"))
     assert over > 1.5 * again > now
+
+
+@pytest.mark.slow
+def test_half_a_voltage_begins_with_half_its_eibm_also_with_one_for_both_polarities():
+    fit = fitted(session(), DiagnoseOptions(symmetric=True))
+    more = extended(fit, ENTRIES["half_voltage"])
+    bases, forward = more.problem.bases, more.problem.forward
+    for c in range(len(forward.names)):
+        eibm = bases.beam(forward, c, more.theta).eibm
+        by_voltage = dict(zip(forward.configuration_models[c].voltage_V, eibm, strict=True))
+        for volts in (1.0, -1.0):
+            np.testing.assert_allclose(by_voltage[volts], 0.5 * by_voltage[2.0 * volts])
+    # one |EIBM| for each size of voltage
+    assert bases.size == fit.problem.bases.size + len(forward.names)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("entry", [ENTRIES["more_repeats"], ENTRIES["no_touch_zero"]])
+def test_an_extended_design_has_the_effects_and_the_noise_of_the_fit(entry):
+    ready = prepare(session(), DiagnoseOptions())
+    gravity = effect("gravity")
+    usual = {k.name: k.prior_scale for k in gravity.parameters}
+    known = Found(effect=gravity, values=dict.fromkeys(ready.problem.forward.names, usual))
+    fit = fit_mixed_model(ready.problem, ready.theta, (known,))
+    more = extended(fit, entry)
+    assert more.active == fit.active
+    assert more.linear.columns.shape[1] == fit.linear.columns.shape[1]
+    assert np.linalg.norm(more.linear.columns[:, more.spans[0]]) > 0.0
+    before, after = (
+        dict(zip(one.problem.noise_names(), one.solution.log_sigma, strict=True))
+        for one in (fit, more)
+    )
+    assert before.keys() <= after.keys()
+    assert {name: after[name] for name in before} == before
 
 
 @pytest.mark.thorough

@@ -20,9 +20,12 @@ from model.effects.conformance import plausible
 from model.identification.likelihood.form_error import effect_columns, formed
 from model.identification.likelihood.linearisation import linearise
 from model.identification.likelihood.model_state import FormWay, Found
+from model.identification.observations import observe
+from model.identification.residuals import against
 from model.locations import location, locations
 from model.locations.camera import KNOCK
 from model.sheet.free_effect import free_effect
+from model.sheet.misfit import misfit
 from tests.model.discrepancy.sessions import Case, Hiding, base_fit, diagnosed, fitted, session
 
 OWN_FORM = Case((Hiding("nonuniform_eibm"),), seed=6)
@@ -99,6 +102,14 @@ def test_the_written_model_predicts_what_the_fit_says_of_the_measured_conditions
     # and the errors that the file states are those of the predictions
     stated = rms([one.F_N - row.force_N for row, one in zip(touching, seen, strict=True)])
     assert model.merit["force_rmse_N"] == pytest.approx(stated, rel=1e-3)
+    # they are what the file of a fit states, and `compare --model` says
+    own, observed = misfit(model, "long"), observe(session(of), "long")
+    answers = against(observed, model)
+    off = [o.force_N - a.force_N for o, a in zip(observed.observations, answers, strict=True)]
+    assert own.force_N == pytest.approx(rms(off), rel=1e-3)
+    assert own.curve_m == pytest.approx(rms([a.curve_m for a in answers]), rel=1e-3)
+    forces = [o.force_N for o in observed.observations]
+    assert own.force_size_N == pytest.approx(rms(forces), rel=1e-3)
 
 
 @pytest.mark.thorough

@@ -161,7 +161,7 @@ def settled(
     known = key if key in kept else (*key, worthless)
     if known not in kept:
         there = None
-        with suppress(ModelError, np.linalg.LinAlgError):
+        with suppress(ModelError):
             there = fit_mixed_model(fitted.problem, theta, found, log_sigma, worthless=worthless)
         # one that may have been given up is none for a caller with another limit
         whole = worthless == np.inf or there is None or there.deviance <= worthless

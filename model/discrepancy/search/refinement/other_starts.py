@@ -111,7 +111,7 @@ def by_forces(fitted: MixedModelFit) -> FloatArray:
         ) ** 2
     noise = replace(problem.noise, fixed=problem.noise.fixed + vague)
     theta = fitted.theta
-    with suppress(ModelError, np.linalg.LinAlgError):
+    with suppress(ModelError):
         steps = approach(replace(problem, noise=noise), fitted.theta, fitted.found)
         for there in islice(steps, ROUGH_STEPS):
             theta = there.theta
@@ -155,7 +155,7 @@ def _approached(
                 if any(there.near(one, sigma) for one in known):
                     return None
             kept[key] = there
-        except (ModelError, np.linalg.LinAlgError):
+        except ModelError:
             kept[key] = None
     result: FitPlace | None = kept[key]
     return result

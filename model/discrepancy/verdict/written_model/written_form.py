@@ -69,7 +69,7 @@ def _formed(
     beta, size = final.solution.beta, known.problem.bases.size
     for theta, share in ((final.theta + beta[:size], 1.0), (known.theta, 0.0)):
         some = tuple(_with_share(one, share) for one in found)
-        with suppress(ModelError, np.linalg.LinAlgError):
+        with suppress(ModelError):
             fitted = fit_mixed_model(known.problem, theta, some, final.solution.log_sigma)
             yield replace(fitted, found=_as_unsure(fitted, known))
 
@@ -79,7 +79,7 @@ def _rigid(
 ) -> Iterator[MixedModelFit]:
     """Yield the fit with the catalogue's forms as they are, if there is one."""
     some = (*(replace(one, given=one.given or ()) for one in known.found), *unnamed)
-    with suppress(ModelError, np.linalg.LinAlgError):
+    with suppress(ModelError):
         fitted = fit_mixed_model(known.problem, known.theta, some, final.solution.log_sigma)
         found = _as_unsure(fitted, known) if unnamed else averaged_over_forms(fitted, known)
         yield replace(fitted, found=found)
