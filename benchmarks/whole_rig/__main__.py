@@ -19,7 +19,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,7 @@ class Case:
 
     hidden: str
     world: Mapping[str, Any]
+    protocol: Mapping[str, Any] = field(default_factory=dict)  # what differs from the paper's
     names: tuple[str, ...] = ()
     locations: tuple[str, ...] = ()
 
@@ -64,6 +65,7 @@ def cases() -> list[Case]:
         Case(
             hidden=one["hidden"],
             world=merged(table["clean"], one["world"]),
+            protocol=one.get("protocol", {}),
             names=tuple(one.get("names", ())),
             locations=tuple(one.get("locations", ())),
         )
@@ -97,10 +99,15 @@ def answer(case: Case, seed: int) -> Answer:
             if done.returncode:
                 return Answer(hidden=case.hidden, seed=seed, error=done.stderr.strip())
             if command[0] == "init":
-                text = tomlkit.dumps({"seed": seed, **case.world})
-                (rig / "world.toml").write_text(text, encoding="utf-8")
+                _write(rig / "world.toml", {"seed": seed, **case.world})
+                usual = tomllib.loads((rig / "protocol.toml").read_text(encoding="utf-8"))
+                _write(rig / "protocol.toml", merged(usual, case.protocol))
             said = done.stdout
     return _read(case, seed, json.loads(said))
+
+
+def _write(path: Path, content: Mapping[str, Any]) -> None:
+    path.write_text(tomlkit.dumps(content), encoding="utf-8")
 
 
 def _labrig(*words: object) -> subprocess.CompletedProcess[str]:

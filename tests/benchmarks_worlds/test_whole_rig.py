@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from importlib.resources import files
+
 import pytest
 import tomlkit
 
@@ -20,10 +22,12 @@ from benchmarks.whole_rig.__main__ import (
     merged,
     table,
 )
+from labrig.session.tables.drive_table import load_protocol
 from model.effects import catalogue
 from model.locations import locations
 from sim_hardware.world import load_world
 
+PROTOCOL = files("labrig.config") / "template_files" / "protocol.toml"
 TILT = Case(hidden="a", world={}, names=("clamp_angle",))
 DENT = Case(hidden="b", world={}, locations=("camera",))
 
@@ -33,11 +37,19 @@ def test_every_world_can_be_made_and_what_it_hides_has_a_name_or_a_location(tmp_
     for number, one in enumerate(cases()):
         path = tmp_path / f"{number}.toml"
         path.write_text(tomlkit.dumps({"seed": 1, **one.world}), encoding="utf-8")
-        seen.add(load_world(path).model_dump_json())
+        seen.add((load_world(path).model_dump_json(), tomlkit.dumps(one.protocol)))
         assert set(one.names) <= set(catalogue())
         assert set(one.locations) <= set(locations())
         assert not (one.names and one.locations)
     assert len(seen) == len(cases())
+
+
+def test_every_protocol_can_be_read(tmp_path):
+    for one in cases():
+        usual = tomlkit.parse(PROTOCOL.read_text(encoding="utf-8")).unwrap()
+        path = tmp_path / "protocol.toml"
+        path.write_text(tomlkit.dumps(merged(usual, one.protocol)), encoding="utf-8")
+        load_protocol(path)
 
 
 def test_a_world_has_what_the_clean_one_has_but_for_what_it_says():
