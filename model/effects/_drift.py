@@ -15,10 +15,8 @@ from model.effects.interface import (
     Values,
 )
 from model.measurements import FloatArray
+from model.measurements.pulse_train import DRIVEN_S
 
-# The paper's 22 pulses of 0.6 s: the time under voltage over which a change since the last wetting
-# is stated, however often the sheet was moistened.
-RUN_DRIVEN_S = 13.2
 SINCE = EffectParameter(
     name="since_wetting",
     meaning="0: over the whole session; 1: under voltage, since the last wetting",
@@ -59,7 +57,7 @@ def over_session(times: AcquisitionTimes | LoadCellInput, p: Values) -> FloatArr
 def progress(clock: AcquisitionTimes, p: Values) -> FloatArray:
     """-1/2 at the beginning, 1/2 at the end: of the session, or of a run's time under voltage."""
     wetted = p[SINCE.name] > 0.5
-    done = clock.driven_s / RUN_DRIVEN_S if wetted else over_session(clock, p)
+    done = clock.driven_s / DRIVEN_S if wetted else over_session(clock, p)
     if p[SETTLES.name] > 0.5:
         done = settled(done)
     return np.asarray(done - 0.5)

@@ -6,8 +6,8 @@ import numpy as np
 
 from model.effects.interface import AcquisitionTimes, EffectParameter
 from model.measurements import FloatArray
+from model.measurements.pulse_train import PULSE_S
 
-PULSE_S = 0.6  # of the paper's pulses
 SPREAD = EffectParameter(
     name="spread",
     meaning="1: one time constant; more: three of them, apart by this factor",

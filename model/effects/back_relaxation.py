@@ -9,9 +9,10 @@ import numpy as np
 from model.effects._memory import SPREAD, lagging, spread_about
 from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
 from model.measurements import FloatArray
+from model.measurements.pulse_train import SAMPLE_S
 
-SAMPLE_S = 0.5  # after the edge: where the EIBM of the base model is taken
-AT_SAMPLE, LATE = np.array(SAMPLE_S), 1e3  # ... in a pulse that is far from the first
+# the EIBM of the base model is that at the sampling point, in a pulse far from the first
+AT_SAMPLE, LATE = np.array(SAMPLE_S), 1e3
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ import numpy as np
 
 from model.effects.interface import AcquisitionTimes, Effect, EffectParameter, Values
 from model.measurements import FloatArray
-
-SAMPLE_S, PULSE_S = 0.5, 0.6  # of the paper's pulses
+from model.measurements.pulse_train import PULSE_S, SAMPLE_S
 
 
 @dataclass(frozen=True)

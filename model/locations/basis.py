@@ -10,12 +10,13 @@ from numpy.polynomial import legendre
 from model.locations.contract import Basis, BasisTerm, Function, Linearised, Location, Term
 from model.locations.quantities import BeamProblem, ContactSolution, Perturbation
 from model.measurements import FloatArray
+from model.measurements.pulse_train import DRIVEN_S, PULSE_S
 
 FEW_NODES, FEW_WAVES, WAVES = 8, 3, 9  # waves along a sheet of few nodes, and of more
 # how long that takes along which a function of time goes, with its unit
 SPANS_S = {
     "session": (1.0, "of the session"), "run": (20.0, "s into the run"),
-    "pulse": (0.6, "s into the pulse"), "train": (13.2, "s under voltage"),
+    "pulse": (PULSE_S, "s into the pulse"), "train": (DRIVEN_S, "s under voltage"),
 }  # fmt: skip
 LEAST_BENDING_PER_M = 1e-6
 # parts that several functions make up together

@@ -18,8 +18,9 @@ from model.locations.quantities import (
     Perturbation,
 )
 from model.measurements import FloatArray, RigScale, SheetGeometry
+from model.measurements.pulse_train import DISCARDED, PULSE_S, SAMPLE_S
 
-NODES, READINGS, DISCARDED = 14, 32, 2
+NODES, READINGS = 14, 32
 B_NM2, RADIUS_M, LENGTH_M = 1.27e-6, 0.04, 0.05
 
 
@@ -76,7 +77,7 @@ def example_clock() -> AcquisitionTimes:
     index = np.arange(READINGS, dtype=float)
     pulse = np.maximum(index - 10.0, -1.0)
     voltage = np.where(pulse < 0.0, 0.0, np.where(pulse % 2 == 0.0, 2.0, -2.0))
-    run_s, driven_s = 0.6 * index + 0.5, 0.6 * np.maximum(pulse, 0.0)
+    run_s, driven_s = PULSE_S * index + SAMPLE_S, PULSE_S * np.maximum(pulse, 0.0)
     opposite = np.where(pulse > 0.0, -1.0, np.where(pulse == 0.0, 0.0, 1.0))
     session = 0.5 + 0.05 * index / READINGS
     return AcquisitionTimes(

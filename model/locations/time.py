@@ -22,11 +22,12 @@ from model.locations.quantities import (
     Perturbation,
 )
 from model.measurements import FloatArray
+from model.measurements.pulse_train import PULSES
 
 AMPLITUDE = 0.1  # relative
 FORCE_MN, TURN_RAD, CURL_PER_M = 2.0, 0.3, 30.0  # times AMPLITUDE
 WAVES = {"session": 8, "run": 3}
-DECAYS_PULSES, PULSES = (1.0, 3.0, 9.0), 22.0  # to 1/e, of the train's
+DECAYS_PULSES = (1.0, 3.0, 9.0)  # to 1/e, of the train's
 WAVES_IN_PULSE = 3
 # coordinates of terms; what goes with the pulse or a period is in no mean
 ALONG = {"session": "session", "run": "run", "train": "driven"}

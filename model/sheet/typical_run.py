@@ -14,9 +14,7 @@ import numpy.typing as npt
 
 from model.effects.interface import AcquisitionTimes
 from model.measurements import FloatArray
-
-SLOT_S, SAMPLE_S = 0.6, 0.5
-ZEROS, DISCARDED, PULSES = 10, 2, 22
+from model.measurements.pulse_train import DISCARDED, PULSE_S, PULSES, SAMPLE_S, ZEROS
 
 
 @dataclass(frozen=True)
@@ -48,14 +46,14 @@ def typical_run(
     turn = np.arange(PULSES) % 2
     pulses_V = np.where(turn == 0, first_V, second_V)
     voltage = np.concatenate([np.zeros(ZEROS), pulses_V])
-    run_s: FloatArray = SLOT_S * np.arange(len(pulse), dtype=float) + SAMPLE_S
+    run_s: FloatArray = PULSE_S * np.arange(len(pulse), dtype=float) + SAMPLE_S
     # 0 before the first pulse; later the other polarity, or the rest that stands for it
     behind = np.where(voltage > 0.0, -ratio, -1.0 / ratio) if first_V * second_V < 0.0 else 0.0
     before = np.where(pulse > 0.0, behind, np.where(pulse < 0.0, 1.0, 0.0))
     clock = AcquisitionTimes(
         voltage_V=voltage, pulse_s=np.full(len(pulse), SAMPLE_S), pulse=pulse, run_s=run_s,
         session=np.full(len(pulse), 0.5), wetted_s=run_s,
-        driven_s=SLOT_S * np.maximum(pulse, 0.0), opposite=np.asarray(before, dtype=float),
+        driven_s=PULSE_S * np.maximum(pulse, 0.0), opposite=np.asarray(before, dtype=float),
         rise_s=rise_s, position_m=position_m,
     )  # fmt: skip
     return TypicalRun(clock, (pulse < 0.0) | ((pulse >= DISCARDED) & (voltage != 0.0)))

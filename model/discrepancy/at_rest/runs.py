@@ -8,10 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from model.dynamics import HeldVoltage
-from model.identification.data.pulses import SAMPLE_S
 from model.measurements import Condition, FloatArray, Measurements, Reading, TimeSeries
+from model.measurements.pulse_train import PULSE_S, SAMPLE_S
 
-PULSE_S = 0.6  # where no times are recorded
 CHANGE_V = 0.05  # between two samples of a drive: more is an edge, less its noise
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from model.identification.data.acquisition_times import ReadingTimes
 from model.identification.data.data_vector import ConditionData, DataVector
 from model.measurements import FloatArray, in_volts
+from model.measurements.pulse_train import PULSE_S
 
-PULSE_S = 0.6
 LONGER = 3  # times as many pulses, in a long run
 
 

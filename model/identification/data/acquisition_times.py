@@ -13,11 +13,10 @@ import numpy as np
 
 from model.effects.interface import AcquisitionTimes
 from model.identification.data.preceding_eibm import PrecedingEibm
-from model.identification.data.pulses import SAMPLE_S
 from model.identification.data.run_key import RunKey, run_key
 from model.measurements import Condition, FloatArray, Reading
+from model.measurements.pulse_train import PULSE_S, SAMPLE_S
 
-PULSE_S = 0.6
 AMID = 10.0  # number of a pulse long after the first one
 OFF_PULSE, MOST_DISCARDED = 0.1, 6  # of times that count pulses, in pulses
 

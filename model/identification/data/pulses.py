@@ -12,10 +12,10 @@ from itertools import pairwise
 import numpy as np
 
 from model.measurements import FloatArray, ModelError, TimeSeries
+from model.measurements.pulse_train import DISCARDED, SAMPLE_S
 
-SAMPLE_S, WINDOW_S = 0.5, 0.1  # of the sampling point in a pulse, and half its width
+WINDOW_S = 0.1  # half the width of the sampling point
 BINS_S = np.array([0.15, 0.19, 0.23, 0.28, 0.34, 0.40])  # edges of the parts of a pulse
-DISCARDED = 2  # first pulses of a run, as in the paper
 STEP_V = 0.25  # smaller changes of the drive are its read-back's noise
 FEWEST_SAMPLES = 20
 FAR = 0.3  # of a voltage, from what was asked for

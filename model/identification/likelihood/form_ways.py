@@ -20,6 +20,7 @@ from model.identification.likelihood.model_state import ModelState
 from model.identification.likelihood.row_index import RowBlock
 from model.locations.quantities import Perturbation
 from model.measurements import FloatArray
+from model.measurements.pulse_train import PULSE_S
 from model.sheet.beam_problem import Adds, Coordinate, Profile, Under
 
 FORM = 0.35  # standard deviation of the deviation along the coordinate that an effect depends on
@@ -29,7 +30,6 @@ WAVES = ((1, 0.8), (2, 0.6))  # along other coordinates
 RUN = 0.5  # from run to run
 HELD = 0.9  # at 0 V, of what goes by how the sheet came there
 OWN = 1.0  # where each configuration may have its own size
-PULSE_S = 0.6
 PULSE_WAVES = SLOW_WAVES = (1, 2, 3)
 NODES = 51  # of a term that was inferred
 LEAST_V = 1e-6  # that is a voltage

@@ -18,10 +18,11 @@ from model.identification.data.data_vector import (
     shares,
     trends,
 )
-from model.identification.data.pulses import SAMPLE_S, WINDOW_S
+from model.identification.data.pulses import WINDOW_S
 from model.identification.data.run_key import RunKey
 from model.identification.likelihood.contact_solution import ConfigurationModel
 from model.measurements import FloatArray
+from model.measurements.pulse_train import SAMPLE_S
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
