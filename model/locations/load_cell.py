@@ -41,7 +41,9 @@ class LoadCell(Location):
             return None
         if term.adds == "gain":
             return np.asarray(term(at) * weighed.force_N)
-        acting = term.share(weighed.voltage_V) * weighed.touching
+        acting = term.share(weighed.voltage_V)
+        if term.along != "session":  # the load cell's own zero wanders without contact, too
+            acting = acting * weighed.touching
         return np.asarray(1e-3 * term(at) * acting)
 
     def bases(self, at: Linearised) -> Iterator[Basis]:

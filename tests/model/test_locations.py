@@ -13,6 +13,7 @@ from model.effects import effect
 from model.effects.conformance import faults as faults_of_effect
 from model.locations import location, locations, origins
 from model.locations.conformance import faults
+from model.locations.quantities import LoadCellInput
 from model.plugins import PluginWarning
 from model.sheet.beam_problem import ActiveEffect, Profile
 from tests.model.discrepancy.sessions import base_fit
@@ -123,3 +124,14 @@ def test_a_location_of_another_distribution_is_predicted_and_looked_for(
     np.testing.assert_allclose(found.y_m, wanted.y_m, atol=1e-9)
     assert "unknown:humidity" in [one.name for one in unknowns(base_fit())]
     assert faults_of_effect(replace(effect("initial_curvature"), location="humidity")) == []
+
+
+@pytest.mark.parametrize(("along", "felt"), [("session", 1.0), ("position", 0.0), ("force", 0.0)])
+def test_without_contact_the_load_cells_own_zero_alone_is_felt(along: str, felt: float):
+    term = Profile(along=along, at=(0.0, 1.0), values=(0.2, 0.2), sigma=(0.0, 0.0), unit="mN")
+    one, none = np.ones(1), np.zeros(1)
+    weighed = LoadCellInput(
+        force_N=none, normal_N=none, gamma_rad=none, position_m=none, voltage_V=none,
+        session=0.5 * one, touching=none,
+    )  # fmt: skip
+    assert location("load_cell").force(weighed, term) == pytest.approx([felt * 2e-4])
