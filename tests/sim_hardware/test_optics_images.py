@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 
 import numpy as np
 import pytest
@@ -168,18 +167,3 @@ def test_a_wrong_setting_is_named(values: dict[str, object], where: str) -> None
         OpticsSettings.model_validate(values)
     error = caught.value.errors()[0]
     assert where in ".".join(map(str, error["loc"])) + error["msg"]
-
-
-@pytest.mark.slow
-def test_a_frame_costs_less_than_drawing_noise_of_its_size() -> None:
-    renderer, random = Renderer(OpticsSettings()), np.random.default_rng(0)
-    size = renderer.render([SHAPE], CONTACT, 0).shape
-    frames, peers = list[float](), list[float]()
-    for number in range(60):
-        start = time.process_time()
-        renderer.render(MOVING[:3], CONTACT, number)
-        drawn = time.process_time()
-        random.standard_normal(size)
-        frames.append(drawn - start)
-        peers.append(time.process_time() - drawn)
-    assert np.median(frames) < np.median(peers)  # 0.75 of it
