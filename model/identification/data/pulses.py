@@ -59,6 +59,8 @@ def _nearest(volts: float, voltages_V: Collection[float]) -> float | None:
 
 def begin_from_rest(series: TimeSeries) -> bool:
     """Whether the voltage goes back to 0 between the pulses of a series, wherever one follows."""
+    if len(series.time_s) < FEWEST_SAMPLES:
+        return False
     t, level = np.asarray(series.time_s), np.round(np.asarray(series.drive_V) / STEP_V)
     starts = np.concatenate([[0], 1 + np.flatnonzero(np.diff(level))])
     lasts = np.diff(np.append(t[starts], t[-1:])) > WINDOW_S  # not on the way to another level

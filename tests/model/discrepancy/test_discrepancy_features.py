@@ -381,8 +381,9 @@ def test_pulses_with_rests_between_them_begin_from_rest():
     rested = replace(series, drive_V=np.where(k % 2, 0.01, np.where(k % 4, -2.0, 2.0)))
     stairs = replace(series, drive_V=2.0 * np.round(np.sin(0.5 * k), 1))  # through 0 V, too
     alone = replace(series, drive_V=np.where(k == 3, 2.0, 0.0))
-    found = [begin_from_rest(one) for one in (rested, series, stairs, alone)]
-    assert found == [True, False, False, False]
+    none = made(0.0)  # without a sample
+    found = [begin_from_rest(one) for one in (rested, series, stairs, alone, none)]
+    assert found == [True, False, False, False, False]
     m = session()
     resting = [
         replace(rested, configuration=s.configuration, position_m=s.position_m) for s in m.series
