@@ -54,7 +54,8 @@ def _lengths(sheets: Iterable[SheetGeometry]) -> Iterator[str]:
 def field_warnings(measurements: Measurements) -> Iterator[str]:
     """Yield the same sentences of measurements that somebody made in Python, with their fields."""
     for sentence in table_warnings(measurements):
-        yield re.sub(r"\b(force|position|x|y)_m(m|N)( in m(m|N))?", _as_field, sentence)
+        said = re.sub(r"\b(force|position|x|y)_m(m|N)( in m(m|N))?", _as_field, sentence)
+        yield re.sub(r"sheet\.toml \[(.+?)\] (\w+)_mm", r"sheets['\1'].\2_m", said)
 
 
 def _as_field(column: re.Match[str]) -> str:

@@ -46,6 +46,7 @@ from model.measurements import Measurements, in_digits
 SAME_SIGMA, SAME_SHARE = 5.0, 0.02  # within which two configurations ask for the same value
 # beyond which one of them contradicts a value that the others ask for
 APART_SIGMA, APART_SHARE = 3.0, 0.01
+OTHER_SIGN = (-1.0,)  # the values of a change that exchanges a sign
 KEPT = 4  # data of which the suspicions are kept in memory
 
 
@@ -173,10 +174,11 @@ def _changes_along(one: Compared, own: Measurements, tolerances: Tolerances) -> 
 def _changed_along(one: Compared, own: Measurements, tolerances: Tolerances) -> Compared | None:
     """Return what mends a configuration if its EIBM changes along the sheet; None: nothing does.
 
-    A constant EIBM fits such a sheet badly, whatever is changed. Of what has two values alone
-    (signs, polarities) the other one then leaves next to nothing, where the stated one leaves much.
+    A constant EIBM fits such a sheet badly, whatever is changed. Of a sign (of forces, voltages)
+    the other one then leaves next to nothing, where the stated one leaves much. What else may be
+    changed could be an effect.
     """
-    trials = [trial for trial in one.trials if not trial.change.continuous]
+    trials = [trial for trial in one.trials if trial.change.values == OTHER_SIGN]
     stated = quick_fit(own, tolerances, along=True) if trials else None
     if stated is None or stated.misfit < EXPLAINED_MISFIT:
         return None

@@ -112,6 +112,13 @@ def test_a_unit_that_can_hardly_be_meant_is_told_before_the_fit():
         labrig.fit(scaled(force=1e3))
 
 
+def test_a_length_that_no_sheet_has_is_told_by_its_field():
+    given = own()
+    sheet = replace(given.sheets["long"], thickness_m=0.21)
+    (said,) = field_warnings(replace(given, sheets={**given.sheets, "long": sheet}))
+    assert said.startswith("sheets['long'].thickness_m is 210 mm, usual is ")
+
+
 def test_what_is_said_of_a_unit_has_the_names_and_units_of_the_fields():
     first, second = field_warnings(scaled(position=1e-3))
     assert first == "No position is farther from 0 than 0.03 mm: is position_m in m?"
