@@ -13,15 +13,22 @@ from model.discrepancy.at_rest.outcome import with_dynamics
 from model.discrepancy.at_rest.varied import Varied
 from model.discrepancy.data_checks.check import CheckedData, check_data
 from model.discrepancy.data_checks.outcome import contradiction, stopped, with_checks
-from model.discrepancy.prepare import DiagnoseOptions, check_geometry, prepare, sessions, setups
+from model.discrepancy.prepare import (
+    DiagnoseOptions,
+    check_geometry,
+    prepare,
+    sessions,
+    setups,
+)
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import search
 from model.discrepancy.search.nonparametric_terms import unknowns
 from model.discrepancy.search.null_calibration import null_gains, threshold
+from model.discrepancy.search.order_of_positions import positions_in_order
 from model.discrepancy.thresholds import (
     EVIDENCE_THRESHOLD_LN,
     FEWEST_SETUPS,
-    LEAST_IMPROVEMENT,
+    LEAST_GAIN_SIGMA,
 )
 from model.discrepancy.verdict.finding import Finding
 from model.discrepancy.verdict.messages import nothing_separates
@@ -80,7 +87,7 @@ def next_measurement(
     ]
     finding = _searched(checked.measurements, options, silent, rested.varied)
     found = finding.separating(chosen)
-    if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:
+    if found is None or found.expected < found.separation + LEAST_GAIN_SIGMA:
         raise ModelError(nothing_separates(between))
     return found
 
@@ -118,6 +125,8 @@ def _searched(
     say(0.01, "fitting the base model")
     ready = prepare(measurements, options, varied)
     effects = _effects(options, measurements)
+    if positions_in_order(ready.problem.forward.data_vectors):
+        effects = [one.in_order_of_positions() for one in effects]
 
     enough = setups(ready) >= FEWEST_SETUPS
     calibrated = bool(options.calibrate) and enough

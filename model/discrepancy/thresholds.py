@@ -233,8 +233,6 @@ SEPARATION_SIGMA = 4.0
 # Standard deviations at which two effects that were not found are compared, and at which a
 # proposed measurement separates two effects well enough.
 COMPARISON_SIGMA = 8.0
-# Separation that a proposed measurement must reach, over the present one.
-LEAST_IMPROVEMENT = 1.01
 # Standard deviations by which it must separate them further to be worth making.
 LEAST_GAIN_SIGMA = 0.5
 

@@ -17,14 +17,18 @@ from model.effects.interface import (
 from model.measurements import FloatArray
 from model.measurements.pulse_train import DRIVEN_S
 
+BETWEEN_RUNS = 2  # value of the next one
 SINCE = EffectParameter(
     name="since_wetting",
-    meaning="0: over the whole session; 1: under voltage, since the last wetting",
+    meaning=(
+        "0: over the whole session; 1: under voltage, since the last wetting; 2: over the session,"
+        " between the runs alone"
+    ),
     unit="",
     prior_scale=0.0,
     low=0.0,
-    high=1.0,
-    starting_values=(0.0, 1.0),
+    high=2.0,
+    starting_values=(0.0, 1.0, float(BETWEEN_RUNS)),
 )
 SETTLES = EffectParameter(
     name="settles",
@@ -36,6 +40,12 @@ SETTLES = EffectParameter(
     starting_values=(0.0, 1.0),
 )
 SETTLES_AFTER = 1.0 / 3.0  # its time constant, of the whole
+SETTLES_OR_GROWS = replace(
+    SETTLES,
+    meaning=f"{SETTLES.meaning}; -1: faster and faster, as the square of the time",
+    low=-1.0,
+    starting_values=(0.0, 1.0, -1.0),
+)
 
 
 @dataclass(frozen=True)
@@ -45,6 +55,16 @@ class Drift(Effect):
     def for_sessions(self, count: int) -> Effect | None:
         """See `Effect.for_sessions`: one session does not say what the next begins with."""
         return self if count < 2 else replace(self, parameters=(*self.parameters, GOES_ON))
+
+    def in_order_of_positions(self) -> Effect:
+        """See `Effect`: a change between the runs alone is one between the positions there."""
+        return replace(self, parameters=tuple(map(_not_between_runs, self.parameters)))
+
+
+def _not_between_runs(parameter: EffectParameter) -> EffectParameter:
+    if parameter.name != SINCE.name:
+        return parameter
+    return replace(parameter, starting_values=SINCE.starting_values[:BETWEEN_RUNS])
 
 
 def over_session(times: AcquisitionTimes | LoadCellInput, p: Values) -> FloatArray:
@@ -56,11 +76,23 @@ def over_session(times: AcquisitionTimes | LoadCellInput, p: Values) -> FloatArr
 
 def progress(clock: AcquisitionTimes, p: Values) -> FloatArray:
     """-1/2 at the beginning, 1/2 at the end: of the session, or of a run's time under voltage."""
-    wetted = p[SINCE.name] > 0.5
-    done = clock.driven_s / DRIVEN_S if wetted else over_session(clock, p)
-    if p[SETTLES.name] > 0.5:
+    since, settles = p[SINCE.name], p[SETTLES.name]
+    done = over_session(clock, p)
+    if since > BETWEEN_RUNS - 0.5:
+        done = as_the_run_began(clock, done)
+    elif since > 0.5:
+        done = clock.driven_s / DRIVEN_S
+    if settles > 0.5:
         done = settled(done)
+    elif settles < -0.5:
+        done = done**2
     return np.asarray(done - 0.5)
+
+
+def as_the_run_began(clock: AcquisitionTimes, done: FloatArray) -> FloatArray:
+    """Return what had been done when each run began; where that is not known, what is done."""
+    began = clock.run_began - clock.session
+    return done + np.where(np.isfinite(began), began, 0.0)
 
 
 def settled(done: FloatArray) -> FloatArray:

@@ -169,6 +169,13 @@ class Effect:
         del count
         return self
 
+    def in_order_of_positions(self) -> Effect:
+        """Return the effect for data in which what goes with time may go with the position.
+
+        Each sheet's positions were measured once, one after the other along the arc.
+        """
+        return self
+
     def outside_base(self) -> Effect | None:
         """Return what of the effect the usual base model lacks; None: it has all of it."""
         return None if self.in_base_model else self

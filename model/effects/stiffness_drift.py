@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from model.effects._drift import SETTLES, SINCE, Drift, progress
+from model.effects._drift import SETTLES_OR_GROWS, SINCE, Drift, progress
 from model.effects.interface import AcquisitionTimes, EffectParameter, Values
 from model.measurements import FloatArray
 
@@ -31,9 +31,10 @@ EFFECT = StiffnessDrift(
         " water content of the sheet changes."
     ),
     form=(
-        "B = mean x (1 + c (tau - 1/2)), tau = 0 to 1 over the session, or over 13.2 s under"
-        " voltage since the last wetting, or settling exponentially with a third of that as its"
-        " time constant; of several sessions anew in each, or on through all of them; never by"
+        "B = mean x (1 + c (tau - 1/2)), tau = 0 to 1 over the session, all the time or only"
+        " between the runs, or over 13.2 s under voltage since the last wetting; or settling"
+        " exponentially with a third of that as its time constant, or faster and faster as the"
+        " square of the time; of several sessions anew in each, or on through all of them; never by"
         " more than a factor of 2.2"
     ),
     location="time",
@@ -61,7 +62,7 @@ EFFECT = StiffnessDrift(
             ),
         ),
         SINCE,
-        SETTLES,
+        SETTLES_OR_GROWS,
     ),
     form_error_along=("time",),
 )

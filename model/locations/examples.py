@@ -143,7 +143,7 @@ def example_points() -> ImagePoints:
     k = np.array([[20.0], [40.0]])
     return ImagePoints(
         s_m=np.broadcast_to(s, (2, len(s))), x_m=np.sin(k * s) / k, y_m=(1.0 - np.cos(k * s)) / k,
-        normal_x=-np.sin(k * s), normal_y=np.cos(k * s), scale_m=LENGTH_M,
+        normal_x=-np.sin(k * s), normal_y=np.cos(k * s),
         free_length_m=0.8 * LENGTH_M, contact_m=np.array([[0.9 * LENGTH_M], [np.nan]]),
         pressed_per_m2=np.array([[40.0], [np.nan]]), session_number=np.array([[1.0], [2.0]]),
         voltage_V=np.array([[2.0], [-2.0]]),
@@ -163,7 +163,7 @@ def example_linearised() -> Linearised:
     )  # fmt: skip
     points = ImagePoints(
         s_m=np.broadcast_to(beam.s_m, contact.x_m.shape), x_m=contact.x_m, y_m=contact.y_m,
-        normal_x=-np.sin(contact.phi_rad), normal_y=np.cos(contact.phi_rad), scale_m=LENGTH_M,
+        normal_x=-np.sin(contact.phi_rad), normal_y=np.cos(contact.phi_rad),
         voltage_V=beam.voltage_V[:, None],
     )  # fmt: skip
 

@@ -36,6 +36,7 @@ class AcquisitionTimes:
     rise_s: FloatArray | float = 0.0  # known time constant of the voltage's rise at the sheet
     worked_s: FloatArray | float = 0.0  # under voltage in all sessions
     overall: FloatArray | float = 0.5  # 0 .. 1 over all sessions analysed together
+    run_began: FloatArray | float = np.nan  # `session` when the run began; NaN: not known
     position_m: FloatArray | float = np.nan  # on the arc as stated; NaN: free
     channels: ChannelValues = field(default_factory=dict)
 
@@ -215,7 +216,6 @@ class ImagePoints:
     y_m: FloatArray
     normal_x: FloatArray  # unit normal of the curve
     normal_y: FloatArray
-    scale_m: float  # half the width of the image of the sheet
     length_scale: float = 1.0  # of a rig of this size, over one of the paper's
     free_length_m: float = np.inf  # from here on the curve is that of the elongation
     # (K, 1) the contact's place along the sheet, and its normal force over the stiffness, 1/m^2;

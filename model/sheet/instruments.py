@@ -108,7 +108,7 @@ def camera_m(
     s_m, x_m, y_m, phi_rad = curves.s_m, curves.x_m[row], curves.y_m[row], curves.phi_rad[row]
     points = ImagePoints(
         s_m=s_m[None], x_m=x_m[None], y_m=y_m[None], normal_x=-np.sin(phi_rad)[None],
-        normal_y=np.cos(phi_rad)[None], scale_m=setup.sheet.free_length_m,
+        normal_y=np.cos(phi_rad)[None],
         length_scale=length_scale(setup.sheet),
         free_length_m=setup.sheet.free_length_m, contact_m=found.s_hat_m[row],
         pressed_per_m2=found.nu[row], session_number=float(setup.session),

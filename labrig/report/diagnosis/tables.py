@@ -11,6 +11,7 @@ from labrig.report.diagnosis.limits import visibility
 from labrig.report.diagnosis.parameters import percent
 from labrig.report.parts.table import Table, fixed, number, volts
 from model.discrepancy.data_checks import Suspicion
+from model.discrepancy.thresholds import SEPARATION_SIGMA
 from model.discrepancy.verdict.messages import (
     answer_title,
     closed_sentence,
@@ -265,6 +266,8 @@ def next_sentence(one: Next) -> str:
             f" (now → expected), after {one.minutes:.0f} min at the rig, mounting"
             " not counted."
         )
+        if one.expected < SEPARATION_SIGMA:
+            text += f" That is unlikely to tell them apart: it takes {SEPARATION_SIGMA:.0f} sigma."
     return text
 
 

@@ -86,6 +86,7 @@ def _longer(seen: ConditionData) -> ConditionData:
         voltage_V=np.full(count, clock.voltage_V[0]),
         pulse_s=np.full(count, clock.pulse_s[0]),
         session=np.full(count, float(np.mean(clock.session))),
+        run_began=np.full(count, float(np.mean(clock.run_began))),
         overall=np.full(count, float(np.mean(clock.overall))),
         opposite=np.resize(clock.opposite, count),
         opposite_V=np.resize(np.asarray(clock.opposite_V), count),
@@ -161,13 +162,12 @@ def random_order(one: DataVector) -> tuple[ConditionData, ...]:
     random = np.random.default_rng(7)
     places = positions_m(one)
     at = dict(zip(places, random.permutation(len(places)) / max(len(places) - 1, 1), strict=True))
-    return tuple(
-        replace(
-            _again(s, 96),
-            clock=replace(s.clock, session=np.full(len(s.force_N), at[s.position_m])),
-        )
-        for s in _touching(one)
-    )
+    result = []
+    for s in _touching(one):
+        share = np.full(len(s.force_N), at[s.position_m])
+        clock = replace(s.clock, session=share, run_began=share)
+        result.append(replace(_again(s, 96), clock=clock))
+    return tuple(result)
 
 
 def zeros_without_contact(one: DataVector) -> tuple[ConditionData, ...]:

@@ -15,9 +15,11 @@ from model.discrepancy.search.nonparametric_terms import (
     is_nonparametric,
     nonparametric_replaces_names,
 )
+from model.discrepancy.search.order_of_positions import positions_in_order
 from model.discrepancy.search.outliers import numbers_of, without
 from model.discrepancy.search.ranking import RankedCandidate, rank
 from model.discrepancy.search.refinement.best_candidates import refine_best
+from model.discrepancy.search.refinement.fits import strained
 from model.discrepancy.search.refinement.impossible_signs import with_impossible_signs
 from model.discrepancy.thresholds import (
     EQUAL_EVIDENCE_LN,
@@ -188,7 +190,7 @@ def _forward(
         doing, share = f"searching for effect {len(outcome.steps) + 1}", 1 / (most + 1)
         report(share * len(outcome.steps), doing)
         step = SelectionStep(fitted, rank(fitted, effects))
-        if not step.ranking or step.ranking[0].ln_bayes_factor < threshold:
+        if not step.ranking or not _worth_fits(step, threshold):
             outcome.steps.append(step)
             break
         top, first = step.ranking[0], step.ranking[0].score.candidate
@@ -212,6 +214,18 @@ def _forward(
             break
     outcome.final = fitted
     return outcome
+
+
+def _worth_fits(step: SelectionStep, threshold: float) -> bool:
+    """Return whether a candidate may reach the threshold, by itself or by its fit.
+
+    Where set-ups seem to differ much, a strong effect may hide: its straight line leaves much of
+    the scatter, and its fit none. Not where it may go with time or position alike.
+    """
+    if step.ranking[0].ln_bayes_factor >= threshold:
+        return True
+    sheets = step.before.problem.forward.data_vectors
+    return strained(step.before) and not positions_in_order(sheets)
 
 
 def nonparametric_replaces_any_names(outcome: SearchResult, most: int) -> bool:

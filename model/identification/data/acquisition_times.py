@@ -95,6 +95,7 @@ class ReadingTimes:
     driven_s: float = 0.0  # ... since the sheet was last wetted
     position_m: float = np.nan  # NaN: free
     before: PrecedingEibm = field(default_factory=PrecedingEibm)
+    session_s: float = 0.0  # what `session` is a share of; 0: unknown
     overall: Callable[[float], float] = field(default=lambda share: share)  # see `SessionTimes`
 
     def of(
@@ -137,9 +138,16 @@ class ReadingTimes:
             pulse=pulse, run_s=run_s, session=session, wetted_s=wetted, driven_s=dried,
             opposite=opposite, opposite_V=opposite_V, rise_s=np.full(shape, self.rise_s),
             worked_s=self.worked_s + driven,
+            run_began=self._run_began(session, run_s),
             position_m=np.full(shape, self.position_m),
             overall=np.array([self.overall(float(t)) for t in session]),
         )  # fmt: skip
+
+    def _run_began(self, session: FloatArray, run_s: FloatArray) -> FloatArray:
+        """Return the time of the session when the run began; one time for all is that of a run."""
+        if self.session_s <= 0.0 or not np.ptp(session):
+            return session
+        return session - run_s / self.session_s
 
 
 def _channels(readings: Sequence[Reading]) -> dict[str, FloatArray]:

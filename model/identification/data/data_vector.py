@@ -240,7 +240,7 @@ def _seen(
         voltage_V=condition.voltage_V, zeros=zeros.get(key, 0), before=before,
         rise_s=sheet.rise_time_s, worked_s=session.worked_s.get(key, 0.0),
         driven_s=session.driven_s.get(key, 0.0), position_m=np.nan if at_m is None else float(at_m),
-        overall=partial(session.overall, condition),
+        overall=partial(session.overall, condition), session_s=session.session_s,
     )  # fmt: skip
     at = [session.share(condition, r) for r in readings]
     return ConditionData(
@@ -294,7 +294,7 @@ def _load_cell_zero(
     times = [begun if r.session_s is None else session.share(condition, r) for r in readings]
     timing = ReadingTimes(
         voltage_V=0.0, zeros=0, rise_s=0.0, worked_s=0.0,
-        overall=partial(session.overall, condition),
+        overall=partial(session.overall, condition), session_s=session.session_s,
     )  # fmt: skip
     return ConditionData(
         name=name, configuration=condition.configuration, run=run_key(condition), position_m=np.nan,

@@ -354,7 +354,6 @@ def _points(
     held = solved.contact
     return ImagePoints(
         s_m=solved.s_m, x_m=solved.x_m, y_m=solved.y_m, normal_x=solved.nx, normal_y=solved.ny,
-        scale_m=configuration_model.length,
         length_scale=length_scale(configuration_model.sheet),
         free_length_m=configuration_model.length,
         contact_m=held.s_hat_m[:, None],

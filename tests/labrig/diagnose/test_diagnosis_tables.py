@@ -5,11 +5,17 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from labrig.report.diagnosis.limits import limits_table, visibility
-from labrig.report.diagnosis.tables import MOST_RANKED, improvement_table, ranking_table
+from labrig.report.diagnosis.tables import (
+    MOST_RANKED,
+    improvement_table,
+    next_sentence,
+    ranking_table,
+)
 from model.discrepancy import CheckResult
-from model.discrepancy.verdict.result import DetectionLimit
+from model.discrepancy.verdict.result import DetectionLimit, Next
 from model.effects import catalogue
 from tests.labrig.diagnose.made import found, unknown
 
@@ -120,3 +126,13 @@ def test_with_too_few_set_ups_nothing_is_below_a_threshold():
     remarks = {row[-1] for row in table.rows}
     assert "not judged" in remarks
     assert "below the threshold" not in remarks
+
+
+@pytest.mark.parametrize(("expected", "unlikely"), [(3.9, True), (4.1, False)])
+def test_a_measurement_that_will_hardly_tell_two_effects_apart_says_so(expected, unlikely):
+    one = Next(
+        why="30 runs, to separate gravity from clamp angle", extra="long_runs",
+        between=("gravity", "clamp_angle"), separation=1.7, expected=expected, minutes=2.0,
+        protocol={},
+    )  # fmt: skip
+    assert ("unlikely to tell them apart: it takes 4 sigma" in next_sentence(one)) is unlikely

@@ -129,7 +129,7 @@ def test_a_fit_that_loses_what_a_straight_line_promised_begins_elsewhere(monkeyp
 
     for where in (fits, other_starts):
         monkeypatch.setattr(where, "settled", first_at_a_wrong_place)
-    monkeypatch.setattr(fits, "_strained", lambda _fit: False)  # nor does the scatter tell
+    monkeypatch.setattr(fits, "strained", lambda _fit: False)  # nor does the scatter tell
     best = refine_best(base, [replace(c, shapes=()) for c in ranked])[0]
     assert len(best.tried) > 1
     assert best.ln_bayes_factor == pytest.approx(promised, rel=0.25)

@@ -710,6 +710,31 @@ def test_a_drift_that_settles_goes_as_far_but_sooner():
     assert np.diff(found)[1:] / np.diff(found)[:-1] == pytest.approx(np.exp(-0.3))
 
 
+def test_a_drift_may_go_faster_and_faster():
+    clock = drifting([0.0, 0.5, 1.0], [0.0] * 3)
+    p = {"relative_change": 0.1, "since_wetting": 0.0, "settles": -1.0}
+    found, _ = effect("eibm_drift").course(clock, p)
+    assert found == pytest.approx([-0.05, -0.025, 0.05])
+
+
+def test_a_drift_between_the_runs_stands_still_during_each():
+    clock = drifting([0.3, 0.32, 0.7, 0.72], [0.0] * 4)
+    p = {"relative_change": 0.1, "since_wetting": 2.0, "settles": 0.0}
+    began = replace(clock, run_began=np.array([0.3, 0.3, 0.7, 0.7]))
+    assert effect("stiffness_drift").course(began, p)[1] == pytest.approx(
+        [-0.02, -0.02, 0.02, 0.02]
+    )
+    every = effect("stiffness_drift").course(clock, {**p, "since_wetting": 0.0})[1]
+    assert effect("stiffness_drift").course(clock, p)[1] == pytest.approx(every)  # nobody knows
+
+
+def test_a_drift_between_the_runs_is_none_to_tell_where_the_positions_are_in_order():
+    for name in ("eibm_drift", "stiffness_drift"):
+        tried = {k.name: k.starting_values for k in effect(name).in_order_of_positions().parameters}
+        assert tried["since_wetting"] == (0.0, 1.0)
+    assert effect("gravity").in_order_of_positions() == effect("gravity")
+
+
 def test_drying_is_bounded():
     long = drifting([0.0, 1.0], [0.0, 1e4])
     p = {"relative_change": 1.0, "since_wetting": 1.0, "settles": 0.0}

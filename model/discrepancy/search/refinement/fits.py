@@ -135,10 +135,10 @@ def doubtful(candidate: RankedCandidate, least: float) -> bool:
     best = candidate.fitted
     if best is None or candidate.ln_bayes_factor < least:
         return True
-    return form_share(best, -1) > DOUBTFUL_FORM_SHARE or _strained(best)
+    return form_share(best, -1) > DOUBTFUL_FORM_SHARE or strained(best)
 
 
-def _strained(fitted: MixedModelFit) -> bool:
+def strained(fitted: MixedModelFit) -> bool:
     """Return whether set-ups seem to differ by much more than is usual."""
     times = fitted.solution.log_sigma - fitted.problem.guess
     return bool(np.max(times[: len(ASSUMED)]) > np.log(DOUBTFUL_SCATTER_RATIO))

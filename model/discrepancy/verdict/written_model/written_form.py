@@ -16,7 +16,11 @@ import numpy as np
 
 from model.discrepancy.search.nonparametric_terms import BasisShape, shapes
 from model.discrepancy.search.ranking import RankedCandidate
-from model.discrepancy.verdict.written_model.left_out_gain import columns_asked_for, forms_asked_for
+from model.discrepancy.verdict.written_model.left_out_gain import (
+    columns_asked_for,
+    forms_asked_for,
+    means_ask_for,
+)
 from model.discrepancy.verdict.written_model.model_averaging import averaged_over_forms
 from model.identification.likelihood.form_error import formed
 from model.identification.likelihood.form_ways import sampled
@@ -40,12 +44,16 @@ def written(
 
     `final` is `known` with the columns of the free form, if there is one. Inferred forms, and the
     parts of what is unknown, are in the first one only if left-out positions are predicted better
-    with them: what they add at the times and places of the session may be anything elsewhere.
+    with them: what they add at the times and places of the session may be anything elsewhere. What
+    is unknown is in none unless its gain there is as clear as a name's has to be.
     """
     unnamed = list[Found]()
     if free is not None:
         final, one = _unnamed(known, final, free)
-        unnamed.append(one)
+        if means_ask_for(known, final):
+            unnamed.append(one)
+        else:
+            final = known
     beta = final.solution.beta
     found = [
         one if one.given is not None
