@@ -186,7 +186,11 @@ class Finding:
                 *map(promise_note, promises),
                 *worse(cross_validated.gap, cross_validated.floor),
                 *cut_short(base.problem.effort),
-                *not_written(self.written.without, self.written.unsolved),
+                *not_written(
+                    self.written.without,
+                    self.written.unsolved,
+                    unknown_left_away=unknown is not None and not self.written.has_unknown,
+                ),
                 *notes(named, outliers, cross_validated.chosen),
                 *open_answers(open_still, besides=bool(named) or unknown is not None),
             ),

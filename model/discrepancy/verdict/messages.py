@@ -220,10 +220,13 @@ def worse(left_out: BeforeAfter, least: Gap) -> Iterator[str]:
             )
 
 
-def not_written(left_away: bool, unsolved: str = "") -> Iterator[str]:
+def not_written(
+    left_away: bool, unsolved: str = "", *, unknown_left_away: bool = False
+) -> Iterator[str]:
     """Yield why the model file has only a part of what was found, or nothing of it.
 
-    `unsolved` is where the model with all of it has no solution.
+    `unsolved` is where the model with all of it has no solution; `unknown_left_away` whether what
+    is unknown is in no model.
     """
     if unsolved:
         kept = "has the base model without it" if left_away else "leaves that form out"
@@ -235,6 +238,11 @@ def not_written(left_away: bool, unsolved: str = "") -> Iterator[str]:
         yield (
             "what was found does not improve the prediction of mean forces and curves at left-out"
             " positions: the model file has the base model without it"
+        )
+    elif unknown_left_away:
+        yield (
+            "the model file has nothing of what is unknown: these data do not show that it improves"
+            " a prediction"
         )
 
 

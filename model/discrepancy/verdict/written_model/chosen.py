@@ -24,6 +24,7 @@ from model.identification.fit import fit
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.identification.options import FitOptions
 from model.measurements import Measurements, ModelError
+from model.sheet.beam_problem import UNKNOWN
 from model.sheet.sheet_model import SheetModel
 
 
@@ -36,6 +37,11 @@ class WrittenModel:
     model: SheetModel  # as a file has it
     # where the model with an inferred form that is left out has no solution; empty: none is
     unsolved: str = ""
+
+    @property
+    def has_unknown(self) -> bool:
+        """Whether the file has something unknown."""
+        return any(one.name == UNKNOWN for one in self.model.effects)
 
     @property
     def without(self) -> bool:
