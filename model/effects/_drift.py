@@ -77,11 +77,12 @@ def over_session(times: AcquisitionTimes | LoadCellInput, p: Values) -> FloatArr
 def progress(clock: AcquisitionTimes, p: Values) -> FloatArray:
     """-1/2 at the beginning, 1/2 at the end: of the session, or of a run's time under voltage."""
     since, settles = p[SINCE.name], p[SETTLES.name]
-    done = over_session(clock, p)
     if since > BETWEEN_RUNS - 0.5:
-        done = as_the_run_began(clock, done)
+        done = as_the_run_began(clock, p)
     elif since > 0.5:
         done = clock.driven_s / DRIVEN_S
+    else:
+        done = over_session(clock, p)
     if settles > 0.5:
         done = settled(done)
     elif settles < -0.5:
@@ -89,10 +90,14 @@ def progress(clock: AcquisitionTimes, p: Values) -> FloatArray:
     return np.asarray(done - 0.5)
 
 
-def as_the_run_began(clock: AcquisitionTimes, done: FloatArray) -> FloatArray:
-    """Return what had been done when each run began; where that is not known, what is done."""
-    began = clock.run_began - clock.session
-    return done + np.where(np.isfinite(began), began, 0.0)
+def as_the_run_began(clock: AcquisitionTimes, p: Values) -> FloatArray:
+    """Return what had been done when each run began; where that is not known, what is done.
+
+    It is known as a share of the run's own session, not of all of them.
+    """
+    done = over_session(clock, p)
+    own = np.isfinite(clock.run_began) & (p.get(GOES_ON.name, 0.0) <= 0.5)
+    return np.where(own, clock.run_began, done)
 
 
 def settled(done: FloatArray) -> FloatArray:

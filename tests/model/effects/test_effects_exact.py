@@ -726,6 +726,11 @@ def test_a_drift_between_the_runs_stands_still_during_each():
     )
     every = effect("stiffness_drift").course(clock, {**p, "since_wetting": 0.0})[1]
     assert effect("stiffness_drift").course(clock, p)[1] == pytest.approx(every)  # nobody knows
+    on = {"goes_on": 1.0}  # through all sessions: when a run began is known in its own
+    all_sessions = replace(began, overall=0.5 * clock.session)
+    assert effect("stiffness_drift").course(all_sessions, {**p, **on})[1] == pytest.approx(
+        0.1 * (0.5 * clock.session - 0.5)
+    )
 
 
 def test_a_drift_between_the_runs_is_none_to_tell_where_the_positions_are_in_order():
