@@ -104,9 +104,6 @@ def _u(words: str, where: tuple[str, ...], **more: object) -> Acting:
 
 
 FURTHER: dict[str, Acting] = {
-    "arc_radius": _u(
-        "The rolls go on an arc whose radius is by a share c larger than stated.",
-        ("position",), sizes=(0.015, 0.08), unit="", setting=lambda c: {"radius_error": c}),
     "screw_pitch": _u(
         "The stage's screw is uneven: p + c sin(2 pi p/12 mm).",
         ("position",), sizes=(0.3, 2.0), unit="mm", cases=_screw),

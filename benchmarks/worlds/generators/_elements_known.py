@@ -193,6 +193,9 @@ KNOWN: dict[str, Acting] = dict(
         _k("The roll that is pressed holds the sheet aside: c tanh(N/0.3 mN).",
            "roll_offset", "position", sizes=(0.2, 1.5), unit="mm",
            setting=lambda c: {"pressed_offset_m": c * 1e-3}),
+        _k("The rolls go on an arc whose radius is by a share c larger than stated.", "arc_error",
+           "position", sizes=(0.005, 0.08), unit="", setting=lambda c: {"radius_error": c},
+           parameters=lambda c: {"offset_mm": 40.0 * c, "of": 1.0}),
         _k("The stated curvature at rest is too small in proportion: k0 (1 + c/20 per m).",
            "initial_curvature", "rest_curvature", sizes=(1.5, 10.0), unit="1/m", law=_bent),
         _k("The electrodes are a line of resistors: Me falls as cosh((l - s)/d), d = 50 mm/c,"
