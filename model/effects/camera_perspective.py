@@ -64,4 +64,5 @@ EFFECT = CameraPerspective(
     ),
     form_error_along=("place",),
     of_the_rig=True,
+    moves_along_sheet=True,
 )

@@ -57,4 +57,5 @@ EFFECT = CameraScale(
     ),
     form_error_along=("place",),
     of_the_rig=True,
+    moves_along_sheet=True,
 )

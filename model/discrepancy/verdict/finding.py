@@ -61,6 +61,7 @@ from model.discrepancy.verdict.messages import (
     sentence,
     too_few,
     worse,
+    written_instead,
 )
 from model.discrepancy.verdict.ordered_scatter import unusual_scatter
 from model.discrepancy.verdict.posterior import (
@@ -191,6 +192,7 @@ class Finding:
                     self.written.unsolved,
                     unknown_left_away=unknown is not None and not self.written.has_unknown,
                 ),
+                *written_instead(named[0].name if named else "", self.written.instead),
                 *notes(named, outliers, cross_validated.chosen),
                 *open_answers(open_still, besides=bool(named) or unknown is not None),
             ),

@@ -220,6 +220,15 @@ def worse(left_out: BeforeAfter, least: Gap) -> Iterator[str]:
             )
 
 
+def written_instead(name: str, instead: str) -> Iterator[str]:
+    """Yield why the model file has another effect than the one that is named, where it has."""
+    if instead:
+        yield (
+            f"the model file has {title(instead)} instead of {title(name)}: these data do not tell"
+            f" them apart, and {title(name)} moves points along the sheet, which no curve shows"
+        )
+
+
 def not_written(
     left_away: bool, unsolved: str = "", *, unknown_left_away: bool = False
 ) -> Iterator[str]:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from model.discrepancy.answers.reported_set import of_name
 from model.discrepancy.prepare import DiagnoseOptions
 from model.discrepancy.search.forward_selection import SearchResult
 from model.discrepancy.verdict.decision import Decision
 from model.discrepancy.verdict.inferred_form import foretells
+from model.discrepancy.verdict.posterior import choice, with_shapes
 from model.discrepancy.verdict.stated_errors import with_stated_errors
 from model.discrepancy.verdict.written_model.fitted_model import sheet_model
 from model.discrepancy.verdict.written_model.left_out_gain import (
@@ -33,10 +36,12 @@ class WrittenModel:
     """What is written of a decision."""
 
     reported: MixedModelFit  # with what was found, solved with the inferred forms in the model
-    predicting: MixedModelFit  # what the file predicts with: `reported`, or the base model
+    # what the file predicts with: `reported`, what it has `instead`, or the base model
+    predicting: MixedModelFit
     model: SheetModel  # as a file has it
     # where the model with an inferred form that is left out has no solution; empty: none is
     unsolved: str = ""
+    instead: str = ""  # the effect that the file has in place of the one that is named
 
     @property
     def has_unknown(self) -> bool:
@@ -46,7 +51,7 @@ class WrittenModel:
     @property
     def without(self) -> bool:
         """Whether the file has the base model, without what was found."""
-        return self.predicting is not self.reported
+        return self.predicting is not self.reported and not self.instead
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,8 +65,23 @@ class Writer:
     def written(self, decision: Decision) -> WrittenModel:
         """Return what is written of a decision; it takes fits, so it is made of the last one.
 
-        The first fit that has an answer everywhere decides.
+        Of names that the data do not tell apart it is one that moves no points along the sheet: no
+        curve shows that, so a prediction of it would be a guess.
         """
+        own = self._written(decision)
+        for other in () if own.without else _others(decision):
+            less = self._written(other)
+            if not less.without:
+                return replace(
+                    own,
+                    predicting=less.predicting,
+                    model=less.model,
+                    instead=other.named[0].effect.name,
+                )
+        return own
+
+    def _written(self, decision: Decision) -> WrittenModel:
+        """Return what is written of its names; the first fit with an answer everywhere decides."""
         base, reported, unsolved = self.outcome.base, decision.known, ""
         final, free = decision.final, decision.free
         if free is not None and not foretells(decision.known, free):
@@ -125,3 +145,24 @@ class Writer:
                 model, self.outcome.base.problem.forward, self.outcome.outliers
             )
         return model
+
+
+def _others(decision: Decision) -> Iterator[Decision]:
+    """Yield decisions for the names that a single one cannot be told from, the likeliest first.
+
+    Where that one moves points along the sheet, and those do not.
+    """
+    if len(decision.named) != 1 or decision.free is not None:
+        return
+    (one,) = decision.named
+    if not one.effect.moves_along_sheet:
+        return
+    ranked = {c.name: c for c in one.ranking if c.known}
+    for name in of_name(one.effect.name, decision).confusable_with:
+        rival = ranked.get(name)
+        if rival is None or rival.fitted is None:
+            continue
+        instead = choice(rival, one.ranking, one.before)
+        if not instead.effect.moves_along_sheet:
+            known = with_shapes(rival.fitted, [instead])
+            yield replace(decision, named=[instead], known=known, final=known)
