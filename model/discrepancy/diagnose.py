@@ -28,7 +28,7 @@ from model.discrepancy.search.order_of_positions import positions_in_order
 from model.discrepancy.thresholds import (
     EVIDENCE_THRESHOLD_LN,
     FEWEST_SETUPS,
-    LEAST_GAIN_SIGMA,
+    LEAST_IMPROVEMENT,
 )
 from model.discrepancy.verdict.finding import Finding
 from model.discrepancy.verdict.messages import nothing_separates
@@ -87,7 +87,7 @@ def next_measurement(
     ]
     finding = _searched(checked.measurements, options, silent, rested.varied)
     found = finding.separating(chosen)
-    if found is None or found.expected < found.separation + LEAST_GAIN_SIGMA:
+    if found is None or found.expected <= found.separation * LEAST_IMPROVEMENT:
         raise ModelError(nothing_separates(between))
     return found
 

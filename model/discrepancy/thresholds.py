@@ -233,7 +233,9 @@ SEPARATION_SIGMA = 4.0
 # Standard deviations at which two effects that were not found are compared, and at which a
 # proposed measurement separates two effects well enough.
 COMPARISON_SIGMA = 8.0
-# Standard deviations by which it must separate them further to be worth making.
+# Separation that a proposed measurement must reach, over the present one, where somebody asks.
+LEAST_IMPROVEMENT = 1.01
+# Standard deviations by which it must separate them further to be proposed unasked.
 LEAST_GAIN_SIGMA = 0.5
 
 # -- What a report mentions (moves no verdict)
