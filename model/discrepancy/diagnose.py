@@ -13,13 +13,7 @@ from model.discrepancy.at_rest.outcome import with_dynamics
 from model.discrepancy.at_rest.varied import Varied
 from model.discrepancy.data_checks.check import CheckedData, check_data
 from model.discrepancy.data_checks.outcome import contradiction, stopped, with_checks
-from model.discrepancy.prepare import (
-    DiagnoseOptions,
-    check_geometry,
-    prepare,
-    sessions,
-    setups,
-)
+from model.discrepancy.prepare import DiagnoseOptions, check_geometry, prepare, sessions, setups
 from model.discrepancy.search.evidence import candidates
 from model.discrepancy.search.forward_selection import search
 from model.discrepancy.search.nonparametric_terms import unknowns

@@ -1,4 +1,7 @@
-"""Choose the model that a file has: with what was found, if it predicts no worse than without."""
+"""Choose the model that a file has: with what was found, if it predicts no worse than without.
+
+Where the data do not tell several names apart it may have another one than is named first.
+"""
 
 from __future__ import annotations
 
@@ -66,7 +69,7 @@ class Writer:
         """Return what is written of a decision; it takes fits, so it is made of the last one.
 
         Of names that the data do not tell apart it is one that moves no points along the sheet: no
-        curve shows that, so a prediction of it would be a guess.
+        curve shows such a movement, so it could only be guessed.
         """
         own = self._written(decision)
         for other in () if own.without else _others(decision):
