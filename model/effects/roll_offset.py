@@ -61,4 +61,5 @@ EFFECT = RollOffset(
         ),
     ),
     form_error_along=("position",),
+    of_the_rig=True,
 )
