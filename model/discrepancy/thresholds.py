@@ -81,6 +81,9 @@ SLOW_FORM_SHARE = 0.2
 # Rise of the same squares with which what was found is told, but not written. On open worlds five
 # of six effects that changed them by less than 1 predicted better than the base model all the same.
 LOSS_CHI2 = 2.0
+# Share of the error of predicted lengths below which another of the names that nothing tells apart
+# is written. On open worlds it was below 0.1, or above 0.9.
+LENGTH_ERROR_SHARE = 0.5
 # Times that conditions may be left out as outliers.
 OUTLIER_ROUNDS = 2
 

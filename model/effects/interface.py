@@ -138,7 +138,7 @@ class Effect:
     of_the_rig: bool = False  # not of the sheet: the same for all configurations
     # whether at 0 V it depends on how the sheet came there, which its form cannot know
     by_history: bool = False
-    # whether it moves points of a curve along the sheet, which no curve shows
+    # whether it moves points of a curve along the sheet, which their lengths alone show
     moves_along_sheet: bool = False
     extra: Mapping[str, str] = field(default_factory=dict)  # unit by name of derived quantities
     # whether the base model has its plain shape as a parameter, unless asked to be symmetric

@@ -45,4 +45,5 @@ EFFECT = SessionScale(
     ),
     form_error_along=(),
     of_the_rig=True,
+    moves_along_sheet=True,
 )

@@ -51,7 +51,9 @@ class Eibm(Location):
         along_sheet = (cosine_wave(j) for j in range(1, waves_along_sheet(at)))
         yield from bases_of(self, at, along_sheet, along="s", part="s")
         on_arc = (cosine_wave(j, AMPLITUDE_ON_ARC) for j in range(1, WAVES_ON_ARC + 1))
-        yield from bases_of(self, at, on_arc, along="position", part="position")
+        for one in bases_of(self, at, on_arc, along="position", part="position"):
+            # a sheet knows nothing of the load cell's place: it was so when it stood there
+            yield replace(one, term=None)
         by_bending = (power(number, AMPLITUDE_BENT) for number in POWERS)
         yield from bases_of(
             self, at, by_bending, along="curvature", part="curvature", shared=True, alone=True

@@ -38,7 +38,8 @@ def acting(effects: Sequence[ActiveEffect], configuration: str) -> list[Acting]:
         if values is not None:
             effect = effect_of(one)
             form = form_in(one.terms, configuration)
-            result.append(acting_with(effect, _numbers(effect, values), form))
+            own = acting_with(effect, _numbers(effect, values), form)
+            result.append(replace(own, across_curve=one.across_curve))
     return result
 
 

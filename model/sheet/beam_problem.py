@@ -180,6 +180,8 @@ class ActiveEffect:
     # in which it is what the dynamics leave, of an effect that these have a part of
     beside_dynamics: tuple[str, ...] = ()
     distribution: str = ""  # whose it is, with its version; empty: labrig's own
+    # of the camera: whether it moves points across the curve alone, not along it
+    across_curve: bool = False
 
     def values(self, configuration: str) -> dict[str, float] | None:
         """Numbers by name for a configuration; None where the effect does not act."""
@@ -236,6 +238,8 @@ class ActiveEffect:
             result["beside_dynamics"] = list(self.beside_dynamics)
         if self.distribution:
             result["distribution"] = self.distribution
+        if self.across_curve:
+            result["across_curve"] = True
         result["parameters"] = {k: p.to_dict() for k, p in self.parameters.items()}
         if self.by_configuration:
             result["by_configuration"] = {
@@ -284,6 +288,7 @@ class ActiveEffect:
             configurations=_names(data, where),
             beside_dynamics=_names(data, where, "beside_dynamics"),
             distribution=str(data.get("distribution", "")),
+            across_curve=data.get("across_curve") is True,
         )
 
 

@@ -45,6 +45,7 @@ class Acting:
     effect: Effect
     values: Values
     form: Form | None = None  # where it differs from the catalogue's
+    across_curve: bool = False  # of the camera: it moves points across the curve alone
 
 
 class Solved(Protocol):
@@ -261,5 +262,9 @@ def image_displacement_m(
         added = one.effect.curve(points, one.values)
         if added is not None:
             share = 1.0 if one.form is None else one.form.of_points(points)
-            dx, dy = dx + share * added[0], dy + share * added[1]
+            more_x, more_y = share * added[0], share * added[1]
+            if one.across_curve:
+                across = more_x * points.normal_x + more_y * points.normal_y
+                more_x, more_y = across * points.normal_x, across * points.normal_y
+            dx, dy = dx + more_x, dy + more_y
     return dx, dy

@@ -192,7 +192,7 @@ class Finding:
                     self.written.unsolved,
                     unknown_left_away=unknown is not None and not self.written.has_unknown,
                 ),
-                *written_instead(named[0].name if named else "", self.written.instead),
+                *written_instead(self.written.replaced, self.written.instead),
                 *notes(named, outliers, cross_validated.chosen),
                 *open_answers(open_still, besides=bool(named) or unknown is not None),
             ),

@@ -225,7 +225,7 @@ def written_instead(name: str, instead: str) -> Iterator[str]:
     if instead:
         yield (
             f"the model file has {title(instead)} instead of {title(name)}: these data do not tell"
-            f" them apart, and {title(name)} moves points along the sheet, which no curve shows"
+            f" them apart, but the curves are rather as long as with {title(instead)}"
         )
 
 

@@ -39,7 +39,7 @@ STRONG_AND_WEAK = Case((Hiding("nonuniform_eibm"), Hiding("charging_lag", size=0
 WITHOUT_DELAY = DiagnoseOptions(exclude=("frame_delay",))
 KEYS = {"verdict", "effects", "invisible", "unknown", "where", "gap", "next_measurement",
         "sentence", "notes", "data_checks", "gap_closed", "noise_floor", "promises",
-        "checks", "detection_limits", "not_ruled_out",
+        "checks", "detection_limits", "not_ruled_out", "model_effects",
         "reported_set"}  # fmt: skip
 NAMED_KEYS = {"name", "title", "slot", "parameters", "interval90", "by_configuration",
               "confidence", "confusable_with", "or_else", "form_share", "parameters_of",

@@ -155,6 +155,7 @@ class Diagnosis(Displayed):
             "invisible": list(self.invisible),
             "detection_limits": {name: one.to_json() for name, one in self.limits.items()},
             "unknown": None if self.unknown is None else self.unknown.to_json(),
+            "model_effects": [one.name for one in self.model.effects],
             "reported_set": {name: json_number(p) for name, p in self.reported_set.items()},
             "not_ruled_out": {name: json_number(p) for name, p in self.not_ruled_out.items()},
             "where": [w.to_json() for w in self.where],

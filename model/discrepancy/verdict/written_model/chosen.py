@@ -14,10 +14,12 @@ import numpy as np
 from model.discrepancy.answers.reported_set import of_name
 from model.discrepancy.prepare import DiagnoseOptions
 from model.discrepancy.search.forward_selection import SearchResult
+from model.discrepancy.thresholds import LENGTH_ERROR_SHARE
 from model.discrepancy.verdict.decision import Decision
 from model.discrepancy.verdict.inferred_form import foretells
 from model.discrepancy.verdict.posterior import choice, with_shapes
 from model.discrepancy.verdict.stated_errors import with_stated_errors
+from model.discrepancy.verdict.written_model.curve_lengths import length_error
 from model.discrepancy.verdict.written_model.fitted_model import sheet_model
 from model.discrepancy.verdict.written_model.left_out_gain import (
     means_ask_for,
@@ -44,7 +46,8 @@ class WrittenModel:
     model: SheetModel  # as a file has it
     # where the model with an inferred form that is left out has no solution; empty: none is
     unsolved: str = ""
-    instead: str = ""  # the effect that the file has in place of the one that is named
+    instead: str = ""  # the effect that the file has in place of
+    replaced: str = ""  # the one that is named
 
     @property
     def has_unknown(self) -> bool:
@@ -68,20 +71,41 @@ class Writer:
     def written(self, decision: Decision) -> WrittenModel:
         """Return what is written of a decision; it takes fits, so it is made of the last one.
 
-        Of names that the data do not tell apart it is one that moves no points along the sheet: no
-        curve shows such a movement, so it could only be guessed.
+        The fit knows curves across themselves. Where some of the names that it does not tell apart
+        move points along the sheet, it is the one whose curves are as long as measured.
         """
         own = self._written(decision)
-        for other in () if own.without else _others(decision):
-            less = self._written(other)
-            if not less.without:
-                return replace(
-                    own,
-                    predicting=less.predicting,
-                    model=less.model,
-                    instead=other.named[0].effect.name,
-                )
-        return own
+        others = [] if own.without else list(_others(decision))
+        best, least = own, self._length_error(own.model) if others else 0.0
+        for other in others:
+            rival = self._written(other)
+            error = self._length_error(rival.model)
+            if not rival.without and error < LENGTH_ERROR_SHARE * least:
+                best, least = rival, error
+                names = [one.named[-1].effect.name for one in (decision, other)]
+                best = replace(best, reported=own.reported, replaced=names[0], instead=names[1])
+        return best
+
+    def _length_error(self, model: SheetModel) -> float:
+        """Return the relative error of predicted lengths; 0 where nothing shows it."""
+        try:
+            error = length_error(model, self.outcome.base.problem.forward)
+        except ModelError:
+            return np.inf
+        return 0.0 if np.isnan(error) else error
+
+    def _along(self, model: SheetModel, reported: MixedModelFit) -> SheetModel:
+        """Return a model whose camera moves points along the curves only where their lengths do."""
+        moving = [one.effect.moves_along_sheet for one in reported.found]
+        effects = [
+            replace(one, across_curve=moves)
+            for one, moves in zip(model.effects, moving, strict=True)
+        ]
+        across = replace(model, effects=tuple(effects))
+        if not any(moving):
+            return model
+        least = LENGTH_ERROR_SHARE * self._length_error(model)
+        return across if self._length_error(across) <= least else model
 
     def _written(self, decision: Decision) -> WrittenModel:
         """Return what is written of its names; the first fit with an answer everywhere decides."""
@@ -98,13 +122,16 @@ class Writer:
             if reported is base or not predicts_better(base, reported):
                 break
             if not means_ask_for(base, reported):
-                reported, model = self._with_means_of_fit(reported, model)
+                same = self._with_means_of_fit(reported, model)
+                if same is None:
+                    break
+                reported, model = same
             if any(one.ways for one in reported.found):
                 unsolved = ""  # begun elsewhere the form has a solution everywhere, and is written
             return WrittenModel(
                 reported=reported,
                 predicting=reported,
-                model=self._with_errors(model),
+                model=self._with_errors(self._along(model, reported)),
                 unsolved=unsolved,
             )
         found = reported is not base or decision.free is not None
@@ -115,15 +142,18 @@ class Writer:
 
     def _with_means_of_fit(
         self, reported: MixedModelFit, model: SheetModel
-    ) -> tuple[MixedModelFit, SheetModel]:
-        """Return fit and model with mean forces and curves as `fit` has them, where that can be.
+    ) -> tuple[MixedModelFit, SheetModel] | None:
+        """Return fit and model with mean forces and curves as `fit` has them; None: it cannot be.
 
-        The means do not ask for what was found; so it has no say in them.
+        The means do not ask for what was found; so it has no say in them. Both stay as they are
+        where there is no such fit.
         """
         plain = self._of_fit()
         with suppress(ModelError, np.linalg.LinAlgError):
             if plain is not None:
                 other = with_means_of(plain, model, reported)
+                if other is None:
+                    return None
                 if not unsolved_at(other, reported.problem.forward):
                     return replace(reported, theta=theta_of(other, reported)), other
         return reported, model
@@ -151,21 +181,20 @@ class Writer:
 
 
 def _others(decision: Decision) -> Iterator[Decision]:
-    """Yield decisions for the names that a single one cannot be told from, the likeliest first.
+    """Yield decisions for the names that the last one cannot be told from, the likeliest first.
 
-    Where that one moves points along the sheet, and those do not.
+    Where that one or those move points along the sheet.
     """
-    if len(decision.named) != 1 or decision.free is not None:
+    if not decision.named or decision.free is not None:
         return
-    (one,) = decision.named
-    if not one.effect.moves_along_sheet:
-        return
+    *earlier, one = decision.named
     ranked = {c.name: c for c in one.ranking if c.known}
     for name in of_name(one.effect.name, decision).confusable_with:
         rival = ranked.get(name)
         if rival is None or rival.fitted is None:
             continue
         instead = choice(rival, one.ranking, one.before)
-        if not instead.effect.moves_along_sheet:
-            known = with_shapes(rival.fitted, [instead])
-            yield replace(decision, named=[instead], known=known, final=known)
+        if one.effect.moves_along_sheet or instead.effect.moves_along_sheet:
+            named = [*earlier, instead]
+            known = with_shapes(rival.fitted, named)
+            yield replace(decision, named=named, known=known, final=known)

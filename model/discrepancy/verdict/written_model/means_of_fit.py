@@ -13,7 +13,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from model.discrepancy.verdict.measured_places import seen_at
+from model.discrepancy.search.form_share import in_time
+from model.discrepancy.verdict.measured_places import Seen, seen_at
 from model.discrepancy.verdict.prediction_error import cells, floor, variance
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
 from model.measurements import FloatArray
@@ -23,13 +24,19 @@ from model.sheet.sheet_model import SheetModel
 ROUNDS = 6  # of Newton's steps
 CLOSE = 1e-11  # of the data's standard deviation, at which there is nothing to go
 STEP = 1e-4  # relative, for derivatives
+LEAST_OWN = 0.1  # of an EIBM's variance: what is not B's
+MATCHED = 0.1  # of the base model's uncertainty, up to which predictions are the same
 
 
-def with_means_of(plain: SheetModel, model: SheetModel, reported: MixedModelFit) -> SheetModel:
+def with_means_of(
+    plain: SheetModel, model: SheetModel, reported: MixedModelFit
+) -> SheetModel | None:
     """Return a model with the B and EIBM that give it a base model's mean forces and curves.
 
-    As nearly as they can, at the conditions that were measured. `reported` is what the model is of.
+    At the conditions that were measured, as nearly as they can. None where what acts in time alone
+    leaves others, as a delay between force and picture does. `reported` is what the model is of.
     """
+    timely = all(in_time(one.effect) for one in reported.found)
     units, sheets = floor(variance(reported), cells(reported)), dict(model.sheets)
     for name, data_vector in zip(
         reported.problem.forward.names, reported.problem.forward.data_vectors, strict=True
@@ -41,11 +48,13 @@ def with_means_of(plain: SheetModel, model: SheetModel, reported: MixedModelFit)
         if not places or plain.sheet(name).eibm.keys() != sheets[name].eibm.keys():
             continue  # nothing but free shapes
         begun = replace(model, sheets={**sheets, name: _begun(plain.sheet(name), sheets[name])})
+        asked = list(dict.fromkeys(places))
         matched = _Matched(
-            begun, name, list(dict.fromkeys(places)), 1e-3 * units.force_rmse_mN,
-            1e-3 * units.curve_rmse_mm,
-        )  # fmt: skip
+            begun, name, asked, 1e-3 * units.force_rmse_mN, 1e-3 * units.curve_rmse_mm
+        )
         sheets[name] = matched.to(plain)
+        if timely and _miss(replace(model, sheets=sheets), plain, name, asked) > MATCHED:
+            return None
     return replace(model, sheets=sheets)
 
 
@@ -59,6 +68,37 @@ def theta_of(model: SheetModel, reported: MixedModelFit) -> FloatArray:
         for volts, (place, sign) in part.eibm.items():
             theta[place] = sign * float(sheet.eibm[volts].values[0]) / sheet.B.value
     return theta
+
+
+def _miss(
+    model: SheetModel, plain: SheetModel, name: str, places: Sequence[tuple[float, float]]
+) -> float:
+    """Return the RMS difference of predictions, as a share of a base model's uncertainty.
+
+    Forces fix B, shapes fix Me/B, so these two are varied independently.
+    """
+    one, here = plain.sheet(name), seen_at(plain, name, places)
+    stiffer = one.B.sigma / one.B.value
+    force2 = sum((stiffer * seen.F_N) ** 2 for seen in here)
+    curve2 = 0.0
+    for volts, along in one.eibm.items():
+        relative = float(along.sigma[0] / along.values[0])
+        more = float(np.sqrt(max(relative**2 - stiffer**2, LEAST_OWN * relative**2)))
+        stronger = Along(along.s_m, (1.0 + more) * along.values, along.sigma, along.unit)
+        other = replace(one, eibm={**one.eibm, volts: stronger})
+        moved = seen_at(replace(plain, sheets={**plain.sheets, name: other}), name, places)
+        more_force2, more_curve2 = _squares(here, moved)
+        force2, curve2 = force2 + more_force2, curve2 + more_curve2
+    missed_force2, missed_curve2 = _squares(here, seen_at(model, name, places))
+    return float(np.sqrt(missed_force2 / force2 + missed_curve2 / curve2))
+
+
+def _squares(some: Sequence[Seen], others: Sequence[Seen]) -> tuple[float, float]:
+    """Return the squared differences of forces, N^2, and of curves, m^2, of all places."""
+    pairs = list(zip(some, others, strict=True))
+    force2 = sum((b.F_N - a.F_N) ** 2 for a, b in pairs)
+    curve2 = sum(np.mean((b.x_m - a.x_m) ** 2 + (b.y_m - a.y_m) ** 2) for a, b in pairs)
+    return force2, float(curve2)
 
 
 def _begun(plain: ConfiguredSheet, own: ConfiguredSheet) -> ConfiguredSheet:

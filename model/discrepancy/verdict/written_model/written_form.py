@@ -50,7 +50,7 @@ def written(
     unnamed = list[Found]()
     if free is not None:
         final, one = _unnamed(known, final, free)
-        if means_ask_for(known, final):
+        if one.ways and means_ask_for(known, final):
             unnamed.append(one)
         else:
             final = known

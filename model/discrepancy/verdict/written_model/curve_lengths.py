@@ -1,0 +1,72 @@
+"""How well a model predicts the lengths of the measured curves.
+
+A fit compares curves across themselves alone, since an extracted curve is often as long as the
+sheet is stated to be, whatever the scale of the picture is. A camera's scale or perspective changes
+their lengths, too. So these tell what a prediction has to do with points along the sheet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from model.discrepancy.verdict.measured_places import Seen, seen_at
+from model.identification.data.data_vector import ConditionData
+from model.identification.likelihood.forward_model import ForwardModel
+from model.measurements import Curve, FloatArray, rms
+from model.sheet.sheet_model import SheetModel
+
+WHOLE_SHARE = 0.02  # of a length: a curve that differs by more does not show the whole sheet
+
+
+def length_error(model: SheetModel, forward: ForwardModel) -> float:
+    """Return the RMS relative error of predicted lengths; NaN where no curve shows the whole sheet.
+
+    At the measured positions; raise `ModelError` where the model predicts nothing there.
+    """
+    errors = [
+        error
+        for name, data_vector in zip(forward.names, forward.data_vectors, strict=True)
+        for number in sorted({one.session for one in data_vector.seen})
+        for error in _errors(
+            model.in_session(number), name, [o for o in data_vector.seen if o.session == number]
+        )
+    ]
+    return rms(np.array(errors))
+
+
+def _errors(model: SheetModel, name: str, some: Sequence[ConditionData]) -> Iterator[float]:
+    """Yield those of conditions of one session and configuration."""
+    held = [one for one in some if not (one.free or one.zero or one.tilt_rad)]
+    length_m = model.sheet(name).sheet.free_length_m
+    curves = {
+        (float(one.position_m), float(one.voltage_V)): one.curve
+        for one in held
+        if one.curve is not None
+    }
+    for curve, found in zip(curves.values(), seen_at(model, name, list(curves)), strict=True):
+        end_m = _nearest(curve.s_m[-1], (length_m, float(found.s_m[-1])))
+        error = _length_m(_points(curve)) / _length_m(_at_shares(found, curve, end_m)) - 1.0
+        if abs(error) <= WHOLE_SHARE:
+            yield error
+
+
+def _nearest(length_m: float, some_m: Sequence[float]) -> float:
+    """Return the length that a curve shows: that of the sheet, or with its elongation."""
+    return min(some_m, key=lambda one: abs(one - length_m))
+
+
+def _points(curve: Curve) -> FloatArray:
+    return np.stack([curve.x_m, curve.y_m])
+
+
+def _at_shares(found: Seen, curve: Curve, end_m: float) -> FloatArray:
+    """Return points of a prediction up to a length, at the shares at which a curve was measured."""
+    s_m = curve.s_m / curve.s_m[-1] * end_m
+    return np.stack([np.interp(s_m, found.s_m, places) for places in (found.x_m, found.y_m)])
+
+
+def _length_m(points_m: FloatArray) -> float:
+    """Return the length of the straight lines between points, (2, n)."""
+    return float(np.sum(np.hypot(*np.diff(points_m, axis=1))))
