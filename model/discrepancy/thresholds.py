@@ -84,6 +84,10 @@ LOSS_CHI2 = 2.0
 # Share of the error of predicted lengths below which another of the names that nothing tells apart
 # is written. On open worlds it was below 0.1, or above 0.9.
 LENGTH_ERROR_SHARE = 0.5
+# Share of a length by which a curve that shows the whole sheet may be longer or shorter.
+WHOLE_CURVE_SHARE = 0.02
+# Share of the base model's uncertainty up to which predictions are the same as its own.
+SAME_MEANS_SHARE = 0.1
 # Times that conditions may be left out as outliers.
 OUTLIER_ROUNDS = 2
 

@@ -46,8 +46,8 @@ class WrittenModel:
     model: SheetModel  # as a file has it
     # where the model with an inferred form that is left out has no solution; empty: none is
     unsolved: str = ""
-    instead: str = ""  # the effect that the file has in place of
-    replaced: str = ""  # the one that is named
+    instead: str = ""  # the effect that the file has in place of one that is named
+    replaced: str = ""  # that one
 
     @property
     def has_unknown(self) -> bool:
@@ -94,16 +94,16 @@ class Writer:
             return np.inf
         return 0.0 if np.isnan(error) else error
 
-    def _along(self, model: SheetModel, reported: MixedModelFit) -> SheetModel:
+    def _as_long_as_measured(self, model: SheetModel, reported: MixedModelFit) -> SheetModel:
         """Return a model whose camera moves points along the curves only where their lengths do."""
         moving = [one.effect.moves_along_sheet for one in reported.found]
+        if not any(moving):
+            return model
         effects = [
             replace(one, across_curve=moves)
             for one, moves in zip(model.effects, moving, strict=True)
         ]
         across = replace(model, effects=tuple(effects))
-        if not any(moving):
-            return model
         least = LENGTH_ERROR_SHARE * self._length_error(model)
         return across if self._length_error(across) <= least else model
 
@@ -131,7 +131,7 @@ class Writer:
             return WrittenModel(
                 reported=reported,
                 predicting=reported,
-                model=self._with_errors(self._along(model, reported)),
+                model=self._with_errors(self._as_long_as_measured(model, reported)),
                 unsolved=unsolved,
             )
         found = reported is not base or decision.free is not None

@@ -11,13 +11,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from model.discrepancy.thresholds import WHOLE_CURVE_SHARE
 from model.discrepancy.verdict.measured_places import Seen, seen_at
 from model.identification.data.data_vector import ConditionData
 from model.identification.likelihood.forward_model import ForwardModel
 from model.measurements import Curve, FloatArray, rms
 from model.sheet.sheet_model import SheetModel
-
-WHOLE_SHARE = 0.02  # of a length: a curve that differs by more does not show the whole sheet
 
 
 def length_error(model: SheetModel, forward: ForwardModel) -> float:
@@ -40,15 +39,18 @@ def _errors(model: SheetModel, name: str, some: Sequence[ConditionData]) -> Iter
     """Yield those of conditions of one session and configuration."""
     held = [one for one in some if not (one.free or one.zero or one.tilt_rad)]
     length_m = model.sheet(name).sheet.free_length_m
-    curves = {
-        (float(one.position_m), float(one.voltage_V)): one.curve
+    curves = [
+        ((float(one.position_m), float(one.voltage_V)), one.curve)
         for one in held
         if one.curve is not None
-    }
-    for curve, found in zip(curves.values(), seen_at(model, name, list(curves)), strict=True):
+    ]
+    if not curves:
+        return
+    seen = seen_at(model, name, [place for place, _ in curves])
+    for (_, curve), found in zip(curves, seen, strict=True):
         end_m = _nearest(curve.s_m[-1], (length_m, float(found.s_m[-1])))
         error = _length_m(_points(curve)) / _length_m(_at_shares(found, curve, end_m)) - 1.0
-        if abs(error) <= WHOLE_SHARE:
+        if abs(error) <= WHOLE_CURVE_SHARE:
             yield error
 
 

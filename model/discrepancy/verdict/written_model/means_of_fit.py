@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from model.discrepancy.search.form_share import in_time
+from model.discrepancy.thresholds import SAME_MEANS_SHARE
 from model.discrepancy.verdict.measured_places import Seen, seen_at
 from model.discrepancy.verdict.prediction_error import cells, floor, variance
 from model.identification.likelihood.mixed_model_fit import MixedModelFit
@@ -25,7 +26,6 @@ ROUNDS = 6  # of Newton's steps
 CLOSE = 1e-11  # of the data's standard deviation, at which there is nothing to go
 STEP = 1e-4  # relative, for derivatives
 LEAST_OWN = 0.1  # of an EIBM's variance: what is not B's
-MATCHED = 0.1  # of the base model's uncertainty, up to which predictions are the same
 
 
 def with_means_of(
@@ -53,7 +53,7 @@ def with_means_of(
             begun, name, asked, 1e-3 * units.force_rmse_mN, 1e-3 * units.curve_rmse_mm
         )
         sheets[name] = matched.to(plain)
-        if timely and _miss(replace(model, sheets=sheets), plain, name, asked) > MATCHED:
+        if timely and _miss(replace(model, sheets=sheets), plain, name, asked) > SAME_MEANS_SHARE:
             return None
     return replace(model, sheets=sheets)
 
