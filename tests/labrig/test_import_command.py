@@ -106,6 +106,8 @@ def test_an_imported_session_shows_what_was_imported(capsys):
     assert run(["show", "old.h5"]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "imported conditions 12 of long readings 48 neutral curves 12" in said
+    assert "output none: imported" in said
+    assert "Runs" not in said  # a table without rows
     assert "runs complete" not in said
 
 

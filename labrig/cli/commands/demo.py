@@ -127,7 +127,7 @@ def _real_clock(folder: Path) -> None:
         session = folder / "session.h5"
         _run(folder / "rig.toml", folder / "protocol.toml", folder / "sheet.toml", session)
     with open_session(session) as opened:
-        table = overview(opened).tables()[1]
+        table = overview(opened).runs_table()
     print_table(table.title, table.columns, table.rows)
     say(f"The world's own record of the last voltage: {_last_voltage(record)} V")
 

@@ -13,7 +13,7 @@ from labrig.report.tables.overview import overview
 
 def make(findings: Findings, _figures: FigureFolder) -> Section | str:
     """Return the tables of quality, and folded the runs and warnings too many for the top."""
-    runs = overview(findings.session).tables()[1]
+    runs = overview(findings.session).runs_table()
     folded = [Folded("All runs", runs)] if runs.rows else []
     warned = [] if findings.measurements is None else findings.measurements.warnings
     if len(warned) > MOST_WARNINGS:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -37,12 +37,16 @@ class Overview:
             "marks": [mark.as_dict() for mark in self.marks],
         }
 
+    def runs_table(self) -> Table:
+        """Return a row for each run."""
+        rows = tuple(map(_row, self.runs))
+        return Table(title="Runs", columns=tuple(_COLUMNS.values()), rows=rows)
+
     def tables(self, *, log: bool = False) -> list[Table]:
         """Return the tables of the command line and the report."""
-        found = [
-            Table(title="Session", columns=("property", "value"), rows=self.facts, text=True),
-            Table(title="Runs", columns=tuple(_COLUMNS.values()), rows=tuple(map(_row, self.runs))),
-        ]
+        found = [Table(title="Session", columns=("property", "value"), rows=self.facts, text=True)]
+        if self.runs:
+            found.append(self.runs_table())
         if self.channels:
             found.append(channels_as_table(self.channels))
         if self.devices:
@@ -82,29 +86,23 @@ def overview(session: RecordedSession) -> Overview:
     """Look through an open session; images and samples are not read."""
     runs = tuple(_run(run) for run in session.runs)
     channels = channel_table(session)
-    done = sum(run["state"] == "complete" for run in runs)
-    shapes = free_shapes_in_words(session.schedule)
     others = _parts_of_others(session.versions)
-    recorded = (
-        ("runs complete", f"{done} of {len(runs)}"),
-        *([("free shapes", shapes)] if shapes else []),
-        ("readings", str(sum(run["readings"] for run in runs))),
-        ("sample rate", f"{session.rate_hz:g} Hz x {len(session.channels)} channels"),
-    )
+    imported = _imported(session)
+    # nothing was driven for tables that were imported
+    rig = [("clock", session.clock), ("boards", session.boards)]
     facts = (
         ("file", str(session.path)),
         ("identifier", session.identifier),
         ("outcome", session.outcome.value),
         ("reason", session.reason),
-        ("output", session.output_state.value),
+        ("output", "none: imported" if imported else session.output_state.value),
         ("started", session.started),
         ("ended", session.ended),
-        ("clock", session.clock),
+        *([] if imported else rig),
         *([("analysis", session.outdated)] if session.outdated else []),
-        ("boards", session.boards),
         *([("replay of", session.replay_of)] if session.replay_of else []),
         ("protocol", session.schedule.protocol),
-        *(_imported(session) or recorded),
+        *(imported or _recorded(session, runs)),
         ("labrig", session.versions.get("labrig", "-")),
         *([("other parts", others)] if others else []),
     )
@@ -125,6 +123,20 @@ def overview(session: RecordedSession) -> Overview:
         channels=channels,
         devices=devices,
         marks=session.marks_after_end,
+    )
+
+
+def _recorded(
+    session: RecordedSession, runs: Sequence[Mapping[str, Any]]
+) -> tuple[tuple[str, str], ...]:
+    """Return how much a session recorded."""
+    done = sum(run["state"] == "complete" for run in runs)
+    shapes = free_shapes_in_words(session.schedule)
+    return (
+        ("runs complete", f"{done} of {len(runs)}"),
+        *([("free shapes", shapes)] if shapes else []),
+        ("readings", str(sum(run["readings"] for run in runs))),
+        ("sample rate", f"{session.rate_hz:g} Hz x {len(session.channels)} channels"),
     )
 
 
