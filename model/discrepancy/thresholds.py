@@ -82,7 +82,7 @@ SLOW_FORM_SHARE = 0.2
 # of six effects that changed them by less than 1 predicted better than the base model all the same.
 LOSS_CHI2 = 2.0
 # Share of the error of predicted lengths below which another of the names that nothing tells apart
-# is written. On open worlds it was below 0.1, or above 0.9.
+# is written, or the camera moves no points along curves (moves: predictions of benchmarks/worlds).
 LENGTH_ERROR_SHARE = 0.5
 # Share of a length by which a curve that shows the whole sheet may be longer or shorter.
 WHOLE_CURVE_SHARE = 0.02

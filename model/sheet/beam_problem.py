@@ -271,6 +271,9 @@ class ActiveEffect:
         if not isinstance(own, dict):
             raise ModelError(f"{where}.by_configuration: a table is wanted")
         profile, form = data.get("profile"), data.get("form", [])
+        across_curve = data.get("across_curve", False)
+        if not isinstance(across_curve, bool):
+            raise ModelError(f"{where}.across_curve: true or false is wanted")
         if not isinstance(form, list):
             raise ModelError(f"{where}.form: a list of tables is wanted")
         return ActiveEffect(
@@ -288,7 +291,7 @@ class ActiveEffect:
             configurations=_names(data, where),
             beside_dynamics=_names(data, where, "beside_dynamics"),
             distribution=str(data.get("distribution", "")),
-            across_curve=data.get("across_curve") is True,
+            across_curve=across_curve,
         )
 
 

@@ -16,7 +16,7 @@ from benchmarks.worlds.cases import PAPER
 from benchmarks.worlds.conditions import unmeasured
 from benchmarks.worlds.registry import world
 from benchmarks.worlds.table import is_worse
-from model import SheetModel, predict
+from model import ModelError, SheetModel, predict
 from model.discrepancy import diagnose
 from model.discrepancy.verdict.messages import not_written, written_instead
 from model.discrepancy.verdict.written_model import chosen
@@ -114,6 +114,8 @@ def test_a_camera_moves_no_point_along_curves_that_are_as_long_as_the_sheet():
     (effect,) = [one for one in found.model.effects if one.name == "camera_scale"]
     assert effect.across_curve
     assert ActiveEffect.from_dict(effect.to_dict(), "effect") == effect
+    with pytest.raises(ModelError, match=r"effect\.across_curve: true or false"):
+        ActiveEffect.from_dict({**effect.to_dict(), "across_curve": "yes"}, "effect")
     truth = unmeasured(world("shooting"), hidden, seed, PAPER)
     base, written = (errors(model, truth)[1] for model in (fit(measured).model, found.model))
     assert written < 0.7 * base
