@@ -55,7 +55,7 @@ def condition_means(session: RecordedSession) -> dict[Key, ConditionMean]:
 
 def imported_conditions(session: RecordedSession) -> tuple[Condition, ...]:
     """Return those of a session of imported tables, which has no runs; none of others."""
-    if session.runs or not session.has_measurements:
+    if not session.imported:
         return ()
     return load_measurements(session.path).conditions
 

@@ -142,7 +142,7 @@ def _recorded(
 
 def _imported(session: RecordedSession) -> tuple[tuple[str, str], ...]:
     """Return what a session of imported tables holds, which has no runs; nothing of others."""
-    if session.runs or not session.has_measurements:
+    if not session.imported:
         return ()
     conditions = load_measurements(session.path).conditions
     sheets = ", ".join(dict.fromkeys(each.configuration for each in conditions))

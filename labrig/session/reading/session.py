@@ -115,9 +115,9 @@ class RecordedSession(Displayed):
         if not self._file:
             return Summary(f"RecordedSession {self.path}: closed")
         began = f", {self.started}" if self.started else ""
+        output = "imported tables" if self.imported else f"output {self.output_state.value}"
         return Summary(
-            f"RecordedSession {self.path}: {self.outcome.value}{began}, "
-            f"output {self.output_state.value}",
+            f"RecordedSession {self.path}: {self.outcome.value}{began}, {output}",
             RUN_TABLE,
             [run_cells(run) for run in self.runs],
             (self.reason,) if self.reason else (),
@@ -294,6 +294,11 @@ class RecordedSession(Displayed):
     def has_measurements(self) -> bool:
         """Whether the session holds what an analysis, or an import, made."""
         return layout.DERIVED in self._file
+
+    @property
+    def imported(self) -> bool:
+        """Whether it holds imported tables: it has no runs then, and no output was driven."""
+        return self.has_measurements and not self.runs
 
     @cached_property
     def about(self) -> About:

@@ -383,6 +383,13 @@ def test_import_then_export_then_import_is_the_same(imported, tmp_path):
     assert same(replace(again, checksum=""), replace(load_measurements(imported), checksum=""))
 
 
+def test_a_session_of_imported_tables_says_so_and_of_no_output(imported):
+    with open_session(imported) as session:
+        assert session.imported
+        assert "imported tables" in str(session.summary())
+        assert "output" not in str(session.summary())
+
+
 def test_how_well_the_camera_is_known_stands_beside_the_curves(tmp_path):
     (tmp_path / "camera_uncertainty.csv").write_text("scale_fraction,origin_mm\n0.004,0.02\n")
     found = read(tmp_path, FORCES, CURVES).camera
